@@ -141,11 +141,11 @@ def test_the_power_of_a_motion_agrees_up_to_its_limit() -> None:
 
 
 ONE_REASON: dict[str, tuple[str, Callable[[Proof], object], str]] = {
-    "planar": ("forces", lambda p: p.update(planar=True), "planar, or in units"),
-    "units": ("forces", lambda p: p.update(units="mm"), "planar, or in units"),
+    "planar": ("forces", lambda p: p.update(planar=True), "differ in `planar` or in units"),
+    "units": ("forces", lambda p: p.update(units="mm"), "differ in `planar` or in units"),
     "name": ("forces", put("parts", 0, "name", value="x"), "its parts are not the file's"),
-    "held": ("forces", put("parts", 1, "grounded", value=True), "is held in it"),
-    "free": ("forces", put("parts", 0, "grounded", value=False), "is free in it"),
+    "held": ("forces", put("parts", 1, "grounded", value=True), "is held in the proof"),
+    "free": ("forces", put("parts", 0, "grounded", value=False), "is free in the proof"),
     "one point": ("forces", lambda p: p["points"].pop(), "contact points, the file"),
     "sides": ("forces", lambda p: p["points"][0]["parts"].reverse(), "between other parts"),
     "load": ("loads", in_place("loads", 0, "force", 0, add=1.0), "its loads are not"),
@@ -224,7 +224,7 @@ def test_forces_that_do_not_balance_and_what_else_is_wrong_with_them() -> None:
 
     assert "a contact force pulls" in said("forces", pulls)
     few = said("forces", lambda p: p["forces"].pop())
-    assert "it has not one force a contact point" in few
+    assert "the proof does not have one force per contact point" in few
     aside = said("forces", lambda p: p["forces"].__setitem__(0, [500.0, 500.0, 500.0]))
     assert "a force leaves its cone: it is not along the normal" in aside
 
@@ -234,7 +234,7 @@ def test_forces_that_do_not_balance_and_what_else_is_wrong_with_them() -> None:
     reasons = said("slope", rubs)
     assert any("leaves its cone" in one for one in reasons)
     rubbing = said("refuted", lambda p: p["forces"].__setitem__(0, [1e6, 1e6, 1e6]))
-    assert "a force leaves its cone: its friction is above mu times its push" in rubbing
+    assert "a force leaves its cone: its friction exceeds mu times its normal force" in rubbing
 
 
 def test_a_joint_that_carries_another_wrench() -> None:
@@ -471,7 +471,7 @@ def test_a_hinge_carries_no_torque_about_its_axis(place: int, more: float) -> No
     proof["joints"][0]["wrench"][place] += more
     proof["digest"] = digest_of(proof)
     reasons = kilter.verify(assembly, proof).reasons
-    beyond = "the revolute joint of 'frame' and 'door' carries what its kind cannot"
+    beyond = "the revolute joint of 'frame' and 'door' has a load that its kind cannot carry"
     assert (beyond in reasons) == (more > 0)
 
 
@@ -479,9 +479,9 @@ def test_what_seats_it_has_one_force_a_row_of_a_joint() -> None:
     def more(proof: Proof) -> None:
         proof["friction"]["seated"]["joints"].append(1.0)
 
-    assert "seated: it has not one force a row of a joint" in said("slope", more)
+    assert "seated: the proof does not have one force per row of a joint" in said("slope", more)
 
 
 def test_a_proof_with_friction_has_one_force_a_contact_point_too() -> None:
     few = said("slope", lambda proof: proof["forces"].pop())
-    assert "it has not one force a contact point" in few
+    assert "the proof does not have one force per contact point" in few

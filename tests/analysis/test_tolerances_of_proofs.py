@@ -68,7 +68,7 @@ def test_a_joint_that_bears_nothing_bears_the_rounding_of_a_weights_rounding(
     def carried(other: Proof) -> None:
         other["joints"][0]["wrench"] = [0.0] * 5 + [off * AGREES**2 * size]
 
-    beyond = f"the {kind} joint of 'heavy' and 'light' carries what its kind cannot"
+    beyond = f"the {kind} joint of 'heavy' and 'light' has a load that its kind cannot carry"
     assert (beyond in reasons(assembly, proof, carried)) == refused
 
 
@@ -94,7 +94,7 @@ def test_what_a_joint_cannot_carry_it_carries_to_rounding_only(
     def change(other: Proof) -> None:
         other["joints"][0]["wrench"][place] += off * AGREES * size
 
-    beyond = f"the {kind} joint of 'frame' and 'door' carries what its kind cannot"
+    beyond = f"the {kind} joint of 'frame' and 'door' has a load that its kind cannot carry"
     assert (beyond in reasons(assembly, proof, change)) == refused
 
 
@@ -144,7 +144,7 @@ def test_tries_are_noted_with_the_worst_of_their_residuals() -> None:
     assert len(forces) > 1
     worst = max(one["residual"] for one in forces)
     notes = kilter.verify(assembly, proof).notes
-    assert any(f"balance to {worst:.1e} of a weight; the way there" in note for note in notes)
+    assert any(f"balance to {worst:.1e} of a weight; the path to rest" in note for note in notes)
 
 
 def mixed(degrees: float) -> Assembly:
@@ -176,7 +176,7 @@ def test_friction_beyond_its_cone_beside_a_bond() -> None:
 
     assembly = mixed(10.0)
     found = reasons(assembly, proof_of(assembly), change)
-    assert "a force leaves its cone: its friction is above mu times its push" in found
+    assert "a force leaves its cone: its friction exceeds mu times its normal force" in found
 
 
 def test_a_motion_that_an_open_pair_may_hold_proves_nothing() -> None:

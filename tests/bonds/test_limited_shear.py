@@ -123,7 +123,7 @@ def test_forces_use_their_limit_and_a_changed_one_is_refused():
     for sign, force in zip((1, -1, 1, -1), more["forces"], strict=True):
         force[1] += sign * 0.9 * WEIGHT / 4
     more["digest"] = digest_of(more)
-    assert "a force across a bond is above what it bears" in kilter.verify(assembly, more).reasons
+    assert "a force across a bond exceeds its shear limit" in kilter.verify(assembly, more).reasons
     for value in (None, 9.0):
         other = copy.deepcopy(proof)
         other["points"][0]["shear"] = value
@@ -266,4 +266,4 @@ def test_a_push_of_less_than_a_newton_bears_friction_of_less_than_that():
             force[1] += sign * 0.3
 
     reasons = said(assembly, change)
-    assert "a force leaves its cone: its friction is above mu times its push" in reasons
+    assert "a force leaves its cone: its friction exceeds mu times its normal force" in reasons

@@ -1,1 +1,1 @@
-"""The program of an assembly, the forms it is solved in, and the proofs of its answers."""
+"""The program of an assembly, its linear and conic forms, and the proofs of the answers."""

@@ -1,15 +1,15 @@
-"""Forces that follow uncertain loads: a linear program that holds a whole box of them.
+"""Contact forces that follow an uncertain load: a linear program for a whole box of loads.
 
 The load depends on unknowns d in a box and on a share t,
 
     b(t, d) = right + t along + sum_k d_k (sides_k + t turns_k),      |d_k| <= 1
 
-and forces that follow it in proportion, f = f_0 + sum_k d_k f_k, hold it for every d where
+Forces that are affine in d, f = f_0 + sum_k d_k f_k, balance the load for every d if
 
     A f_0 = right + t along,   A f_k = sides_k + t turns_k,   f_0 >= sum_k |f_k|
 
-on rows that only push. Such forces are some of those that may follow: the largest t found is
-an inner answer, safe, and not always the largest there is.
+where the last condition applies to the rows that only push. Forces could also follow d nonlinearly,
+so the largest t found here is a safe inner bound, not always the largest possible t.
 
 References
 ----------
@@ -33,13 +33,14 @@ __all__ = ["UncertainLoad", "affine_forces", "affine_imbalance"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UncertainLoad:
-    """Loads in the scaled rows of a problem.
+    """A load with uncertain terms, in the scaled rows of a problem.
 
     Attributes
     ----------
     right, along : ndarray, shape (rows,)
+        Load at t = 0, and its change per unit of t.
     sides, turns : ndarray, shape (K, rows)
-        What one unit of each unknown adds, and what it adds to `along`.
+        Change of `right`, and of `along`, per unit of each unknown d_k.
     """
 
     right: Array
@@ -49,29 +50,36 @@ class UncertainLoad:
 
 
 def affine_forces(problem: ScaledProblem, load: UncertainLoad, most: float) -> LinearProgram:
-    """The largest share t, from 0 to `most`, held for every d. x = (t, f_0, f_k+, f_k-).
+    """Linear program for the largest share t in [0, `most`] that affine forces hold for every d.
+
+    Its unknowns are x = (t, f_0, f_k+, f_k-), where f_k = f_k+ - f_k- and both are nonnegative.
 
     Parameters
     ----------
     problem : ScaledProblem
     load : UncertainLoad
     most : float
-        Shares looked at [-].
+        Upper bound of t [-].
     """
     matrix, one_sided = problem.matrix, np.flatnonzero(~problem.program.two_sided)
     rows, count = matrix.shape
     unknowns = len(load.sides)
-    follow = block_diag([matrix, *[matrix] * unknowns], format="csc")
-    back = vstack(
-        [csc_array((rows, count * unknowns)), -follow[rows:, count:]]
+    follow_blocks = block_diag([matrix, *[matrix] * unknowns], format="csc")
+    negative = vstack(
+        [csc_array((rows, count * unknowns)), -follow_blocks[rows:, count:]]
         if unknowns
         else [csc_array((rows, 0))]
     )
     share = csc_array(-np.concatenate([load.along, load.turns.ravel()])[:, None])
-    balance = hstack([share, follow, back])
-    pick = csc_array(eye_array(count))[one_sided]
-    every = kron(np.ones((1, unknowns)), pick) if unknowns else csc_array((len(pick.indptr) - 1, 0))
-    inside = hstack([csc_array((len(one_sided), 1)), pick, -every, -every])
+    balance = hstack([share, follow_blocks, negative])
+    pushing = csc_array(eye_array(count))[one_sided]
+    all_unknowns = (
+        kron(np.ones((1, unknowns)), pushing)
+        if unknowns
+        else csc_array((len(pushing.indptr) - 1, 0))
+    )
+    # f_0 - sum_k (f_k+ + f_k-) >= 0 on the rows that only push
+    pushes = hstack([csc_array((len(one_sided), 1)), pushing, -all_unknowns, -all_unknowns])
     bound = np.concatenate([load.right, load.sides.ravel()])
     free = np.where(problem.program.two_sided, -np.inf, 0.0)
     total = 1 + count * (1 + 2 * unknowns)
@@ -82,7 +90,7 @@ def affine_forces(problem: ScaledProblem, load: UncertainLoad, most: float) -> L
     cost[0] = -1.0
     return LinearProgram(
         cost,
-        csc_array(vstack([balance, inside], format="csc")),
+        csc_array(vstack([balance, pushes], format="csc")),
         np.concatenate([bound, np.zeros(len(one_sided))]),
         np.concatenate([bound, np.full(len(one_sided), np.inf)]),
         lower,
@@ -91,7 +99,9 @@ def affine_forces(problem: ScaledProblem, load: UncertainLoad, most: float) -> L
 
 
 def affine_imbalance(problem: ScaledProblem, load: UncertainLoad, x: Array) -> float:
-    """The worst imbalance over all d, in weights of the parts, of forces cut to their cones.
+    """Largest imbalance over all d of the forces of a solution, over the weights of the parts.
+
+    The forces are first cut to their cones: f_0 of a row that only pushes is raised to sum_k |f_k|.
 
     Parameters
     ----------

@@ -1,9 +1,9 @@
-"""Shares of the corners of flat patches in their area: what spreads over it, put at its corners.
+"""Area shares of the corners of a flat convex patch, by which a uniform stress acts at its corners.
 
-Triangles from the mean of the corners to each side tile a convex area; a third of each goes to
-each of its three corners, that of the mean to all alike. So the shares are not negative, sum to
-the area and have its centroid: a stress that is the same all over the patch does at the corners
-what it does on the area.
+Triangles from the mean of the corners to each side tile the area. A third of each triangle
+belongs to each of its three vertices, and the third of the mean is distributed equally over all
+corners. So the shares are not negative, their sum is the area, and their centroid is that of the
+area: point forces in these proportions are equivalent to a uniform stress on the patch.
 """
 
 from __future__ import annotations
@@ -16,16 +16,16 @@ __all__ = ["area_shares"]
 
 
 def area_shares(points: Array, patch: Index, normal: Array) -> Array:
-    """The area that each corner stands for [length unit^2], shape (K,).
+    """Area that each corner represents [length unit^2], shape (K,).
 
     Parameters
     ----------
     points : ndarray, shape (K, 3)
-        Corners of convex areas, those of one patch after each other, in any order.
+        Corners of convex patches. The corners of a patch are consecutive, in any order.
     patch : ndarray of int, shape (K,)
-        The patch of each, 0 to P - 1.
+        Patch of each corner, 0 to P - 1.
     normal : ndarray, shape (P, 3)
-        Unit, of the planes of the patches.
+        Unit normals of the planes of the patches.
 
     Examples
     --------
@@ -40,14 +40,14 @@ def area_shares(points: Array, patch: Index, normal: Array) -> Array:
     x, y = np.einsum("ij,ij->i", arm, u), np.einsum("ij,ij->i", arm, v)
     order = np.lexsort((np.arctan2(y, x), patch))
     start = np.cumsum(count) - count
-    after = np.arange(len(points)) + 1
+    next_corner = np.arange(len(points)) + 1
     ends = (start + count)[count > 0] - 1
-    after[ends] = start[count > 0]
+    next_corner[ends] = start[count > 0]
     x, y = x[order], y[order]
-    third = np.maximum(x * y[after] - y * x[after], 0.0) / 6
-    of_mean = np.bincount(patch, third, minlength=len(normal)) / np.maximum(count, 1)
-    shares = third + of_mean[patch]
-    np.add.at(shares, after, third)
+    triangle_third = np.maximum(x * y[next_corner] - y * x[next_corner], 0.0) / 6
+    of_mean = np.bincount(patch, triangle_third, minlength=len(normal)) / np.maximum(count, 1)
+    shares = triangle_third + of_mean[patch]
+    np.add.at(shares, next_corner, triangle_third)
     result = np.empty(len(points))
     result[order] = shares
     return result

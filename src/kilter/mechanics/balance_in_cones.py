@@ -1,12 +1,12 @@
-"""Balance in exact cones, for kilter's own interior point: a program as `LinkedCones`.
+"""Balance in exact friction cones as a `LinkedCones` problem for kilter's own interior point.
 
     max t:  A f = b + t d,   0 <= t <= T,   f in K
 
-Parts are blocks, and all rows between two parts are one link. The unknowns of a row with
-friction are (f_n, f_u / mu, f_v / mu) times the root of 1 + mu^2, in the cone x_0 >= |x_1..|;
-a row without is a half line, one that may also pull a whole line. Equations are scaled as those
-of `kilter.mechanics.forms`: forces and torques / radius over the weight of each part, whose
-columns are built here straight from the rows.
+Each free part is a block of equations, and all rows between two parts are one link. A row with
+friction has the unknowns (f_n, f_u / mu, f_v / mu) times the root of 1 + mu^2, in the cone
+x_0 >= |x_1..|. A row without friction has a single unknown: a half line, or a whole line if the row
+may also pull. The equations are scaled as in `kilter.mechanics.forms`, forces and torques / radius
+over the weight of each part. The columns are built directly from the rows.
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ __all__ = ["ConeBalance", "balance_in_cones", "load_share"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ConeBalance:
-    """A program with the columns of its cones.
+    """A `LinkedCones` problem, with the data that decode its unknowns to forces of a program.
 
     Attributes
     ----------
     program : Program
     cones : LinkedCones
     rows : ndarray of int, shape (K,)
-        Row of the program of each cone.
+        Row of the program for each cone.
     directions : ndarray, shape (d, K, 3)
-        Force of a unit of each unknown, in `unit` [-].
+        Force vector per unit of each unknown, in multiples of `unit` [-].
     unit : float
-        [N]
+        Unit of force: the geometric mean of the weights of the free parts [N].
     """
 
     program: Program
@@ -44,24 +44,24 @@ class ConeBalance:
     directions: Array
     unit: float
 
-    def with_more(self, more: Array, most: float) -> ConeBalance:
-        """The same with other further wrenches, shape (N, 6), and their largest share."""
+    def with_more(self, wrenches: Array, most: float) -> ConeBalance:
+        """The same problem with other further wrenches, shape (N, 6), and their largest share."""
         free = np.flatnonzero(self.program.free)
-        along = -_over_weight(self.program, free, more)
+        along = -_over_weight(self.program, free, wrenches)
         return replace(self, cones=self.cones.with_more(along, most))
 
     def decoded(self, x: Array) -> tuple[Array, Array]:
-        """Forces along the rows, shape (K,), and across them, (K, 3) [N], of unknowns (d, K)."""
+        """Forces along the rows, shape (K,), and across, (K, 3) [N], from unknowns x, (d, K)."""
         count = len(self.program.part_a)
-        along, aside = np.zeros(count), np.zeros((count, 3))
+        normal_force, friction = np.zeros(count), np.zeros((count, 3))
         normal = self.program.normal[self.rows]
-        size = np.einsum("ki,ki->k", self.directions[0], normal)
-        along[self.rows] = x[0] * size * self.unit * self.program.arm[self.rows]
-        aside[self.rows] = np.einsum("dk,dki->ki", x[1:], self.directions[1:]) * self.unit
-        return along, aside
+        normal_size = np.einsum("ki,ki->k", self.directions[0], normal)
+        normal_force[self.rows] = x[0] * normal_size * self.unit * self.program.arm[self.rows]
+        friction[self.rows] = np.einsum("dk,dki->ki", x[1:], self.directions[1:]) * self.unit
+        return normal_force, friction
 
     def motion(self, y: Array) -> Array:
-        """The motion of all parts, shape (N, 6), of multipliers of the blocks, shape (N', n)."""
+        """Motion of all parts, shape (N, 6), from the multipliers of the blocks, shape (N', n)."""
         program = self.program
         full = np.zeros((len(program.names), 6))
         free = np.flatnonzero(program.free)
@@ -71,18 +71,21 @@ class ConeBalance:
 
 
 def load_share(program: Program) -> ConeBalance:
-    """The largest share of the load that forces hold, 0 to 1."""
+    """Problem for the largest share of the load, 0 to 1, that the contact forces hold."""
     return balance_in_cones(program, np.zeros((len(program.names), 6)), program.load, 1.0)
 
 
 def balance_in_cones(program: Program, load: Array, more: Array, most: float) -> ConeBalance:
-    """The largest share of further wrenches beside a load that forces hold, 0 to `most`.
+    """Problem for the largest share of further wrenches that contact forces hold beside a load.
 
     Parameters
     ----------
+    program : Program
     load, more : ndarray, shape (N, 6)
-        Force [N] and torque about the centre of mass [N x length unit] on each part.
+        Force [N] and torque about the centre of mass [N x length unit] on each part; `more` holds
+        the further wrenches.
     most : float
+        Upper bound of the share [-].
     """
     free = np.flatnonzero(program.free)
     number = np.full(len(program.names) + 1, -1)
@@ -91,11 +94,12 @@ def balance_in_cones(program: Program, load: Array, more: Array, most: float) ->
     rows = np.flatnonzero((a >= 0) | (b >= 0))
     a, b = a[rows], b[rows]
     first, second = np.where(a >= 0, a, b), np.where((a >= 0) & (b >= 0), b, -1)
-    swapped = second >= 0
+    both_free = second >= 0
     first, second = (
-        np.where(swapped, np.minimum(first, second), first),
-        np.where(swapped, np.maximum(first, second), second),
+        np.where(both_free, np.minimum(first, second), first),
+        np.where(both_free, np.maximum(first, second), second),
     )
+    # rows between the same two parts form a link
     key = first * (len(free) + 1) + second + 1
     order = np.argsort(key, kind="stable")
     _, start = np.unique(key[order], return_index=True)
@@ -111,7 +115,7 @@ def balance_in_cones(program: Program, load: Array, more: Array, most: float) ->
         start,
         link_first,
         link_second,
-        _carried(program, free, link_first, link_second),
+        _transfer_matrices(program, free, link_first, link_second),
         program.two_sided[rows],
         program.center[free],
         -_over_weight(program, free, load),
@@ -130,19 +134,19 @@ def _over_weight(program: Program, free: Index, wrench: Array) -> Array:
 
 
 def _directions(program: Program, rows: Index) -> Array:
-    """Force of a unit of each unknown, shape (d, K, 3)."""
+    """Force vector per unit of each unknown, in multiples of the unit of force, shape (d, K, 3)."""
     normal, mu = program.normal[rows], program.mu[rows]
     if not mu.any():
         return normal[None]
     if program.planar:
         raise ValueError("in a plane the cones of friction are pairs of rays: `pyramid`")
     size = 1.0 / np.sqrt(1.0 + mu * mu)
-    aside = [direction * (mu * size)[:, None] for direction in across(normal)]
-    return np.stack([normal * size[:, None], *aside])
+    tangents = [direction * (mu * size)[:, None] for direction in across(normal)]
+    return np.stack([normal * size[:, None], *tangents])
 
 
 def _columns(program: Program, rows: Index, owner: Index, directions: Array, sign: Array) -> Array:
-    """Columns of the equilibrium matrix in the rows of one part, shape (6, d, K)."""
+    """Columns of the equilibrium matrix, as a wrench on the part `owner`, shape (6, d, K)."""
     arm, angular = program.arm[rows], program.angular[rows]
     lever = program.point[rows] - program.center[owner]
     scale = sign / program.weight[owner]
@@ -155,18 +159,22 @@ def _columns(program: Program, rows: Index, owner: Index, directions: Array, sig
     return columns
 
 
-def _carried(program: Program, free: Index, first: Index, second: Index) -> Array:
-    """What turns a wrench on the first part of a link into the opposite one on its second."""
-    one, other = free[first], free[second]
-    ratio = program.weight[one] / program.weight[other]
-    radius, length = program.radius[one], program.radius[other]
-    arm = program.center[one] - program.center[other]
-    carried = np.zeros((len(first), 6, 6))
+def _transfer_matrices(program: Program, free: Index, first: Index, second: Index) -> Array:
+    """Matrix that moves a wrench from the first part of a link to the second, with opposite sign.
+
+    Shape (L, n, n), between scaled wrenches. It is zero for a link to a held part or the ground
+    (`second` < 0).
+    """
+    part_a, part_b = free[first], free[second]
+    ratio = program.weight[part_a] / program.weight[part_b]
+    radius, radius_b = program.radius[part_a], program.radius[part_b]
+    arm = program.center[part_a] - program.center[part_b]
+    transfer = np.zeros((len(first), 6, 6))
     each = np.arange(3)
-    carried[:, each, each] = -ratio[:, None]
-    carried[:, each + 3, each + 3] = -(ratio * radius / length)[:, None]
+    transfer[:, each, each] = -ratio[:, None]
+    transfer[:, each + 3, each + 3] = -(ratio * radius / radius_b)[:, None]
     for axis in range(3):
-        carried[:, 3:, axis] = cross(arm, np.eye(3)[axis]) * -(ratio / length)[:, None]
-    carried[second < 0] = 0.0
-    result: Array = carried[:, program.freedoms][:, :, program.freedoms]
+        transfer[:, 3:, axis] = cross(arm, np.eye(3)[axis]) * -(ratio / radius_b)[:, None]
+    transfer[second < 0] = 0.0
+    result: Array = transfer[:, program.freedoms][:, :, program.freedoms]
     return result

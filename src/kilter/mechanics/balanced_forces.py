@@ -1,10 +1,11 @@
-"""Forces that nearly balance, made to balance to rounding: the nearest, as their cones measure.
+"""Correction of nearly balanced contact forces to balance at rounding accuracy.
 
     min sum (df_n / f_n)^2 + |df_t|^2 / (mu f_n)^2:   A (f + df) = b
 
-What a certificate lets forces leave (1e-9 of the weights) a coefficient of friction that is tiny
-may hang on. These leave 1e-15, and the friction that they use is enough: what changes, changes
-by a share of what is there, so that contacts which hardly press stay as they are.
+A certificate accepts an imbalance of 1e-9 of the weights, and a tiny coefficient of friction may
+depend on it. The corrected forces leave an imbalance of 1e-15, so the friction that they use is
+sufficient. The correction is relative to the force at each contact, so contacts with small forces
+keep small forces.
 """
 
 from __future__ import annotations
@@ -18,25 +19,30 @@ from kilter.mechanics.coulomb_cones import ConeProblem
 __all__ = ["balanced_forces"]
 
 REGULAR = 1e-14
-"""Added to the diagonal of the equations, over its largest entry, and refined away."""
+"""Regularisation of the normal equations, relative to their largest diagonal entry; iterative
+refinement removes its effect. A larger value is more robust on singular systems but needs more
+refinement.
+"""
 REFINED = 8
-"""Steps of refinement at most."""
+"""Maximum number of refinement steps."""
 SLOWEST = 0.5
-"""A step that leaves more than this of the imbalance is the last."""
+"""Refinement ends if a step leaves more than this fraction of the previous imbalance [-]. A larger
+value allows slower progress.
+"""
 
 
-def balanced_forces(wide: ConeProblem, forces: Array, friction: Array) -> tuple[Array, Array]:
-    """The nearest forces along the rows and across them that balance, shapes (K,), (K, 3) [N].
+def balanced_forces(cones: ConeProblem, forces: Array, friction: Array) -> tuple[Array, Array]:
+    """Nearest balanced forces along and across the rows, shapes (K,) and (K, 3) [N].
 
-    They may leave their cones by as much as they change, and balance no better than before
-    where no forces on contacts that press can: judge them.
+    The result may leave the friction cones by as much as it changes, and it is not better balanced
+    than the input if no forces on the pressed contacts balance. So check it with a certificate.
 
     Parameters
     ----------
-    wide : ConeProblem
-        With the friction that the forces use, or more.
+    cones : ConeProblem
+        Cones with at least the friction that the forces use.
     forces, friction : ndarray, shapes (K,), (K, 3)
-        Along and across the rows [N].
+        Forces along and across the rows [N].
 
     Examples
     --------
@@ -54,30 +60,34 @@ def balanced_forces(wide: ConeProblem, forces: Array, friction: Array) -> tuple[
     >>> check_forces(program, forces, friction).residual < 1e-14
     True
     """
-    from scipy.sparse.linalg import splu  # takes its time
+    from scipy.sparse.linalg import splu  # slow to import
 
-    problem, program, rough = wide.problem, wide.program, wide.rough
-    across = np.einsum("rdi,ri->dr", wide.directions, friction[rough])
-    x = np.concatenate([forces, across.ravel()]) / (problem.unit * problem.program.arm)
+    problem, program, rough = cones.problem, cones.program, cones.rough
+    tangential = np.einsum("rdi,ri->dr", cones.directions, friction[rough])
+    x = np.concatenate([forces, tangential.ravel()]) / (problem.unit * problem.program.arm)
     size = np.where(program.two_sided, np.abs(x[: len(forces)]) + 1.0, np.abs(x[: len(forces)]))
-    rubs = np.tile(program.mu[rough] * size[rough], len(across))
-    weight = np.concatenate([size, rubs]) ** 2
+    friction_size = np.tile(program.mu[rough] * size[rough], len(tangential))
+    weight = np.concatenate([size, friction_size]) ** 2
     matrix = problem.matrix
     normal = csc_array(matrix @ diags_array(weight) @ matrix.T)
-    most = float(normal.diagonal().max(initial=TINY))
+    largest = float(normal.diagonal().max(initial=TINY))
     factor = splu(
-        csc_array(normal + diags_array(np.full(normal.shape[0], REGULAR * most))),
+        csc_array(normal + diags_array(np.full(normal.shape[0], REGULAR * largest))),
         permc_spec="MMD_AT_PLUS_A",
         options={"SymmetricMode": True},
     )
-    rest = problem.right - matrix @ x
+    residual = problem.right - matrix @ x
     for _ in range(REFINED):
-        nearer = x + weight * (matrix.T @ factor.solve(rest))
-        left = problem.right - matrix @ nearer
-        before, now = float(np.abs(rest).max(initial=0.0)), float(np.abs(left).max(initial=0.0))
-        if not now < before:
+        refined = x + weight * (matrix.T @ factor.solve(residual))
+        new_residual = problem.right - matrix @ refined
+        old_size, new_size = (
+            float(np.abs(residual).max(initial=0.0)),
+            float(np.abs(new_residual).max(initial=0.0)),
+        )
+        # refinement no longer helps: the system is singular, or rounding is reached
+        if not new_size < old_size:
             break
-        x, rest = nearer, left
-        if now > SLOWEST * before:
+        x, residual = refined, new_residual
+        if new_size > SLOWEST * old_size:
             break
-    return wide.decoded(x)
+    return cones.decoded(x)

@@ -1,13 +1,13 @@
-"""Bonds in a program: a known clamp, and rows across.
+"""Bonds in a program: a known clamping load, and rows for the shear force.
 
-A bond lets a contact point pull, f_n >= -T. With f' = f_n + T that is an ordinary contact row,
-f' >= 0, beside a known pair of loads T that clamps the parts together. So every program, solver
-and certificate stays what it is: a motion proves that it falls where gravity does more work than
-the clamps absorb, sum T (opening). Friction on a bonded point is mu (f_n + T) = mu f'.
+A bond lets a contact point pull, f_n >= -T. With f' = f_n + T this is an ordinary contact row,
+f' >= 0, together with a known pair of forces T that clamps the parts together. So every program,
+solver and certificate applies unchanged: a motion proves a fall if gravity does more work than the
+clamps absorb, sum T (opening). Friction on a bonded point is mu (f_n + T) = mu f'.
 
-Shear of any size is two more rows across each point, whose forces have both signs. Shear up to
-a force S is a force across the row itself, |f_t| <= S, as friction is, but beside a push of any
-size: a motion that slips takes up S |u_t| there.
+A bond that carries shear of any size adds two rows across each point, with forces of both signs. A
+bond with a shear limit S allows a force across the row itself, |f_t| <= S, like friction but
+independent of the normal force: a slipping motion dissipates S |u_t| there.
 """
 
 from __future__ import annotations
@@ -28,20 +28,20 @@ __all__ = ["BondedPoints", "bonded_points", "clamp_of"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BondedPoints:
-    """What bonds give to each contact point of a contact set, shape (K,).
+    """Strength of the bonds at each contact point of a contact set; every array has the shape (K,).
 
     Attributes
     ----------
     bond : ndarray of int
-        Its bond, by position in the assembly; -1 where there is none.
+        Position of the point's bond in the assembly; -1 for a point without a bond.
     pull : ndarray
-        T [N].
+        Largest tension T [N].
     tied : ndarray of bool
-        Shear of any size is borne.
+        True if the bond carries shear of any size.
     shear : ndarray
-        Shear up to this force is borne [N]; NaN where there is no such limit.
+        Largest shear force [N]; NaN for a bond without such a limit.
     smooth : ndarray of bool
-        Friction counts for nothing there: shear is borne otherwise.
+        True if friction is ignored because the bond itself limits the shear.
     """
 
     bond: Index
@@ -52,49 +52,52 @@ class BondedPoints:
 
 
 def bonded_points(contacts: ContactSet) -> BondedPoints:
-    """The strength of the bonds at each contact point.
+    """Strength of the bonds at each contact point.
 
     Raises
     ------
     InputError
-        If the parts of a bond without points do not touch, or a fit gave their normal.
+        If the parts of a bond without points do not touch, or their contact normal is fitted.
     """
     bonds = contacts.assembly.bonds
     patch_bond = contacts.patch_bond
     if len(bonds):
-        _require_touching(contacts, patch_bond)
+        _require_contact(contacts, patch_bond)
     point_bond = patch_bond[contacts.point_patch]
     pull = np.zeros(len(point_bond))
     bonded = point_bond >= 0
     if bonded.any():
-        pull[bonded] = _pulls(contacts, point_bond)[bonded]
+        pull[bonded] = _tension_limits(contacts, point_bond)[bonded]
     bears = [bond.bears for bond in bonds]
-    tied = np.array([one is None for one in bears] + [False])[point_bond]
-    rubs = np.array([one == "mu" for one in bears] + [True])[point_bond]
-    limits = [one if isinstance(one, float) else np.nan for one in bears]
+    tied = np.array([bearing is None for bearing in bears] + [False])[point_bond]
+    rubs = np.array([bearing == "mu" for bearing in bears] + [True])[point_bond]
+    limits = [bearing if isinstance(bearing, float) else np.nan for bearing in bears]
     shear = np.array([*limits, np.nan])[point_bond]
     return BondedPoints(point_bond, pull, tied, shear, ~rubs)
 
 
-def _pulls(contacts: ContactSet, point_bond: Index) -> Array:
-    """T of each point [N], shape (K,): of a bond by area, its strength times the corner's share."""
+def _tension_limits(contacts: ContactSet, point_bond: Index) -> Array:
+    """Largest tension T of each point [N], shape (K,).
+
+    A strength per area is multiplied by the area that the point represents.
+    """
     bonds = contacts.assembly.bonds
     pull = np.array([bond.pull or 0.0 for bond in bonds] + [0.0])[point_bond]
     stress = np.array([bond.pull_per_area or 0.0 for bond in bonds] + [0.0])
     if not stress.any():
         return pull
-    spread = pull + stress[point_bond] * _areas(contacts, stress[contacts.patch_bond] > 0)
+    spread = pull + stress[point_bond] * _corner_areas(contacts, stress[contacts.patch_bond] > 0)
     return np.asarray(spread)
 
 
-def _areas(contacts: ContactSet, by_area: Mask) -> Array:
-    """What of its patch's area each contact point stands for, shape (K,).
+def _corner_areas(contacts: ContactSet, by_area: Mask) -> Array:
+    """Area of its patch that each contact point represents [length unit^2], shape (K,).
 
     Raises
     ------
     InputError
-        If a patch that counts, `by_area`, shape (P,), is not flat, or not the convex hull of its
-        points: their shares would have another middle than the area.
+        If a patch in `by_area`, shape (P,), is not flat or not the convex hull of its points: the
+        centroid of the shares would then differ from that of the area.
     """
     patch = contacts.point_patch
     shares = area_shares(contacts.points, patch, contacts.patch_normal)
@@ -104,30 +107,31 @@ def _areas(contacts: ContactSet, by_area: Mask) -> Array:
     if len(wrong):
         a, b = (contacts.assembly.names[k] for k in contacts.patch_parts[wrong[0]])
         raise InputError(
-            f"the bond of {a!r} and {b!r} is by area, and where they touch is no flat convex area",
+            f"the bond of {a!r} and {b!r} has a strength per area, but they do not touch in a "
+            "flat convex area",
             file=contacts.assembly.source or None,
-            hint="give pull, of each point",
+            hint="give pull, the strength of each contact point",
         )
     return shares
 
 
-def _require_touching(contacts: ContactSet, patch_bond: Index) -> None:
-    """Refuse bonds that hold nothing."""
-    held = np.zeros(len(contacts.assembly.bonds), dtype=bool)
-    held[patch_bond[patch_bond >= 0]] = True
+def _require_contact(contacts: ContactSet, patch_bond: Index) -> None:
+    """Raise `InputError` if bonded parts do not touch, or touch at a face of uncertain normal."""
+    has_contact = np.zeros(len(contacts.assembly.bonds), dtype=bool)
+    has_contact[patch_bond[patch_bond >= 0]] = True
     for patch in np.flatnonzero((patch_bond >= 0) & (contacts.patch_doubt > 0)):
         a, b = (contacts.assembly.names[k] for k in contacts.patch_parts[patch])
         raise InputError(
-            f"a bond holds {a!r} and {b!r} by a face whose normal is in doubt",
+            f"the bond of {a!r} and {b!r} is at a face whose normal is uncertain",
             file=contacts.assembly.source or None,
             hint="give the points and the normal of the bond",
         )
-    if held.all():
+    if has_contact.all():
         return
-    bond = contacts.assembly.bonds[int(np.flatnonzero(~held)[0])]
+    bond = contacts.assembly.bonds[int(np.flatnonzero(~has_contact)[0])]
     names = " and ".join(repr(name) for name in bond.parts)
     raise InputError(
-        f"a bond holds {names}, which do not touch",
+        f"a bond joins {names}, which do not touch",
         file=contacts.assembly.source or None,
         hint="give the points and the normal of the bond, or leave it out",
     )
@@ -136,9 +140,10 @@ def _require_touching(contacts: ContactSet, patch_bond: Index) -> None:
 def clamp_of(
     geometry: Geometry, part_a: Index, part_b: Index, point: Array, normal: Array, pull: Array
 ) -> Array:
-    """The loads with which bonds press parts together: force and torque, shape (N, 6).
+    """Clamping loads of the bonds as force and torque on each part, shape (N, 6).
 
-    As the parts see them at rest at f' = 0: -T n on the second part, T n on the first.
+    A bond in the state f' = 0 pulls with T: the force is -T n on the second part and T n on the
+    first.
     """
     total = np.zeros((len(geometry.mass), 6))
     for part, sign in ((part_b, -1.0), (part_a, 1.0)):

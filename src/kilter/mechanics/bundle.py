@@ -1,19 +1,20 @@
-"""Several proofs about one assembly in one file: those of a region, or of a margin.
+"""Several proofs about an assembly in a single file: for a region, margin, plan or fixture.
 
-What all of them say (parts, points, units, how the file is read) is there once, in `common`;
-each of `proofs` has the rest, and before it
+The data that all proofs share (parts, points, units, options) are stored once, in `common`. Each
+entry of `proofs` has the other data of its proof, preceded by
 
-    about, value     what it is about: a ray, a facet; a tilt, and the angle at which it is proved
+    about, value     the subject: a ray or facet; a tilt and the angle at which it is proved
     vector           the ray, line or normal
-    change           what of the file is another: `down`, `mu` of every contact, `loads`, the
-                     share of its `strength` that each bond has; parts
-                     that it is `without`, parts `held`, `supports` from outside
+    change           differences from the file: `down`, `mu` of every contact, `loads`, the
+                     share `strength` of every bond's strength, parts that are left out
+                     (`without`), parts that are `held`, external `supports`
 
-A plan has besides the `rules` that its order keeps to, a fixture the candidates.
-`digest` is the hash of all of it.
+A plan also has the `rules` that its order obeys, and a fixture the candidates. `digest` is the hash
+of the whole file.
 
-A ray is proved along itself, and the motion of a facet gains power beyond exactly that facet:
-the sum of mass times step is its outward normal. Both are checked beside each proof.
+The forces of a ray are proved for the direction of that ray. The motion of a facet has its power
+exactly beyond that facet: the sum of mass times displacement is its outward normal. Both are
+checked for each proof.
 """
 
 from __future__ import annotations
@@ -36,55 +37,56 @@ from kilter.mechanics.proof_form import FORMAT, require_bundle_form, require_for
 __all__ = ["apply_change", "is_bundle", "make_bundle", "split_bundle", "subject_mismatch"]
 
 COMMON = ("kilter_proof", "units", "planar", "options", "tolerance", "parts", "points")
-"""What all proofs of a file say alike."""
+"""Keys of a proof whose values are equal in all proofs of a file."""
 
 
 LOAD = ("part", "force", "torque", "point")
-"""What a load is made of."""
+"""Keys of a load."""
 
 
 def make_bundle(
     kind: str, proofs: Sequence[tuple[Mapping[str, Any], Mapping[str, Any]]], **more: Any
 ) -> dict[str, Any]:
-    """One file of proofs, each with what it is about.
+    """Combine several proofs, each with its subject, as the data of a file.
 
     Parameters
     ----------
     kind : str
+        Kind of the file: "region", "margin", "plan" or "hold".
     proofs : sequence of pairs
-        What a proof is about, and the proof.
+        The subject of each proof (`about`, `change`, ...), and the proof.
     **more
-        What the file says besides.
+        Further keys of the file.
 
     Raises
     ------
     InputError
-        If there is no proof.
+        If `proofs` is empty.
     """
     if not proofs:
-        raise InputError(f"there is no proof of this {kind} to write")
+        raise InputError(f"this {kind} has no proof to write")
     first = proofs[0][1]
     common = {key: first[key] for key in COMMON}
-    rest = []
+    entries = []
     for about, proof in proofs:
-        own = {key: value for key, value in proof.items() if common.get(key, ...) != value}
-        rest.append({**about, "proof": own})
-    bundle = {"kilter_proofs": FORMAT, "kind": kind, **more, "common": common, "proofs": rest}
+        specific = {key: value for key, value in proof.items() if common.get(key, ...) != value}
+        entries.append({**about, "proof": specific})
+    bundle = {"kilter_proofs": FORMAT, "kind": kind, **more, "common": common, "proofs": entries}
     return {**bundle, "digest": digest_of(bundle)}
 
 
 def is_bundle(data: Any) -> bool:
-    """Whether it is a file of several proofs."""
+    """True if the data are a file of several proofs."""
     return isinstance(data, dict) and "kilter_proofs" in data
 
 
 def split_bundle(bundle: Any) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
-    """What each proof is about, and the proof.
+    """Iterate over the proofs of a file, as pairs of subject and complete proof.
 
     Raises
     ------
     InputError
-        If it has not the form of one.
+        If the data do not have the form of a file of proofs.
     """
     require_bundle_form(bundle)
     for entry in bundle["proofs"]:
@@ -96,19 +98,19 @@ def split_bundle(bundle: Any) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]
 def apply_change(
     assembly: Assembly, contacts: ContactSet, change: Mapping[str, Any]
 ) -> tuple[Assembly, ContactSet]:
-    """The assembly and its contacts as a proof speaks of them.
+    """The assembly and contacts to which a proof refers.
 
     Parameters
     ----------
     assembly : Assembly
     contacts : ContactSet
     change : mapping
-        Of the form that `split_bundle` asks for.
+        Differences from the file, in the form that `split_bundle` verifies.
 
     Raises
     ------
     InputError
-        If the change makes no sense.
+        If the change is inconsistent with the assembly.
     """
     mu = change.get("mu")
     if change.get("down") is not None:
@@ -129,21 +131,21 @@ def apply_change(
             assembly = assembly.with_grounded(change["held"])
         contacts = contacts_among(contacts, assembly)
     if change.get("supports") is not None:
-        supports = [Support.from_dict(one) for one in change["supports"]]
+        supports = [Support.from_dict(data) for data in change["supports"]]
         return with_supports(assembly, contacts, supports)
     return assembly, contacts
 
 
 def subject_mismatch(about: Mapping[str, Any], proof: Mapping[str, Any]) -> str:
-    """Why a proof is not of what it is said to be about; empty where it is."""
+    """Reason why a proof does not prove its stated subject; empty if it does."""
     vector = about.get("vector")
     if vector is None:
         return ""
     given = np.array(vector, dtype=float)
     if "forces" in proof:
         down = np.asarray(proof["down"])
-        near = min(np.linalg.norm(down - given), np.linalg.norm(down + given))
-        return "" if near <= FOLLOWS else "its forces are for another direction"
+        distance = min(np.linalg.norm(down - given), np.linalg.norm(down + given))
+        return "" if distance <= FOLLOWS else "its forces are for another direction"
     total = np.zeros(3)
     for part in proof["parts"]:
         if not part["grounded"]:

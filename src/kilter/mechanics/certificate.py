@@ -1,25 +1,25 @@
-"""Certificates: is a proof a proof? Recomputed from rows and load, apart from any solver.
+"""Certificates: verification of a proof from rows and load alone, independently of the solver.
 
-Forces f prove that an equilibrium exists: every force in its cone (exactly, by clipping;
-with friction |f_t| <= mu f_n, and f_n >= 0 also where mu = 0), and the imbalance of each
-part, |J^T f + w|, at most the tolerance times the greater of its weight and the sum of the
-forces on it; but never above a hundredth of its weight, so that no pinch, however hard,
-hides a weight.
+Forces f prove that an equilibrium exists. Every force must lie in its cone (exactly, by clipping;
+with friction |f_t| <= mu f_n, and f_n >= 0 also for mu = 0). The imbalance of each part, |J^T
+f + w|, may be at most the tolerance times the greater of its weight and the sum of the forces on
+it, and at most a hundredth of its weight, so that no squeeze, however hard, hides a weight.
 
-A motion dp proves that none exists: normalised so that the part that moves most moves
-by 1 (translations, and radius x rotations), its power P = w.dp exceeds the tolerance times
-the weight of the moving parts, and P / v is at least 1e6 times that weight, where v is its
-worst violation of J dp >= 0: by weak duality, equilibrium would then need contact forces of
-at least P / v. With friction the motion lies in the dual cone, u_n >= mu |u_t|, and v is the
-worst mu |u_t| - u_n. (Without the ratio a motion proves nothing: any box at rest has one that
-violates by 1e-9 and gains 1e-9.)
+A motion dp proves that no equilibrium exists. It is normalised so that the fastest part moves by 1
+(translations, and radius x rotations). Its power P = w.dp must exceed the tolerance times the
+weight of the moving parts, and P / v must be at least 1e6 times that weight, where v is the worst
+violation of J dp >= 0: by weak duality, an equilibrium would then need contact forces of at least
+P / v. With friction the motion lies in the dual cone, u_n >= mu |u_t|, and v is the worst mu |u_t|
+- u_n. (Without the ratio a motion proves nothing: every box at rest has a motion that violates by
+1e-9 and gains 1e-9.)
 
-Where the data are coarser than float64 the tolerance follows them (`BLUR` of the program),
-and a motion needs a quarter of it: on 270 scenes turned at random, moved 100 sizes away and
-rounded to float32, balanced ones left up to 7 accuracies of imbalance and gained up to 2.
+If the data are coarser than float64 the tolerance follows their accuracy (`BLUR` of the program),
+and a motion needs a quarter of it. On 270 scenes, rotated at random, moved 100 sizes away and
+rounded to float32, balanced scenes had imbalances of up to 7 accuracies and gains of up to 2.
 
-By Farkas' lemma exactly one of the two exists; exactly one must pass. Without friction an
-equilibrium is all that stability needs; with friction more is asked (`kilter.analysis`).
+By Farkas' lemma either forces or a motion exist, never both, so exactly one of the two proofs must
+pass. Without friction an equilibrium suffices for stability; with friction further conditions apply
+(`kilter.analysis`).
 """
 
 from __future__ import annotations
@@ -50,9 +50,18 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ForceProof:
-    """Forces of the rows [N], judged: `residual` is the worst relative imbalance [-].
+    """Forces of the rows as a proof of equilibrium, with the result of its check.
 
-    `forces`, shape (K,), along each row; `friction`, shape (K, 3), across it, on part b.
+    Attributes
+    ----------
+    forces : ndarray, shape (K,)
+        Along the rows [N].
+    friction : ndarray, shape (K, 3)
+        Across the rows, on part b [N].
+    residual : float
+        Worst imbalance of a part over the greater of its weight and the forces on it [-].
+    holds : bool
+        The forces are a proof.
     """
 
     forces: Array
@@ -63,10 +72,20 @@ class ForceProof:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MotionProof:
-    """A motion, shape (N, 6) (length unit and rad), judged.
+    """A motion as a proof that no equilibrium exists, with the result of its check.
 
-    `power` [W] where the part that moves most moves at 1 m/s; `violation`: worst negative
-    opening of a row at that speed [-]; `ratio`: power over violation and weight [-].
+    Attributes
+    ----------
+    motion : ndarray, shape (N, 6)
+        Translations [length unit] and rotations [rad]; the fastest part moves by 1.
+    power : float
+        Power of the load if the fastest part moves at 1 m/s [W].
+    violation : float
+        Worst negative opening of a row at that speed [-].
+    ratio : float
+        Power over violation and weight of the moving parts [-].
+    holds : bool
+        The motion is a proof.
     """
 
     motion: Array
@@ -77,17 +96,18 @@ class MotionProof:
 
 
 def check_forces(program: Program, forces: Array, friction: Array | None = None) -> ForceProof:
-    """Judge contact forces as a proof that an equilibrium exists.
+    """Check contact forces as a proof that an equilibrium exists.
 
     Parameters
     ----------
     program : Program
     forces : ndarray, shape (K,)
-        Along the rows [N], torques of angular rows [N x length unit]; cut to what each may be.
+        Along the rows [N], or torques of angular rows [N x length unit]; clipped to the admissible
+        signs.
     friction : ndarray, shape (K, 3), optional
-        Across the contact rows, on part b [N]; cut to Coulomb's cones.
+        Across the contact rows, on part b [N]; clipped to Coulomb's cones.
     """
-    forces, friction = _in_cones(program, forces, friction)
+    forces, friction = _clip_to_cones(program, forces, friction)
     wrenches = program.wrenches(forces, friction)
     imbalance = part_sizes(program, wrenches + program.load, per_radius=True)
     scale = np.maximum(program.weight, program.force_sums(forces, friction))
@@ -98,27 +118,31 @@ def check_forces(program: Program, forces: Array, friction: Array | None = None)
     return ForceProof(forces, friction, float(relative.max(initial=0.0)), holds)
 
 
-def _in_cones(program: Program, forces: Array, friction: Array | None) -> tuple[Array, Array]:
-    """The nearest forces along the rows that push, and across them within mu times those."""
+def _clip_to_cones(program: Program, forces: Array, friction: Array | None) -> tuple[Array, Array]:
+    """Clip forces along the rows to their signs, and friction to mu times the normal force.
+
+    Returns both, shapes (K,) and (K, 3); values that are not finite become 0.
+    """
     forces = np.where(np.isfinite(forces), forces, 0.0)
     forces = np.where(program.two_sided, forces, np.maximum(forces, 0.0))
-    aside = np.zeros((len(forces), 3))
-    rows = program.gripping
-    if friction is not None and len(rows):
-        given = np.where(np.isfinite(friction[rows]), friction[rows], 0.0)
-        normal = program.normal[rows]
-        given = given - np.einsum("ij,ij->i", given, normal)[:, None] * normal
+    clipped = np.zeros((len(forces), 3))
+    rough = program.gripping
+    if friction is not None and len(rough):
+        across = np.where(np.isfinite(friction[rough]), friction[rough], 0.0)
+        normal = program.normal[rough]
+        across = across - np.einsum("ij,ij->i", across, normal)[:, None] * normal
         if program.planar:
-            given[:, 1] = 0.0
-        size = np.linalg.norm(given, axis=1)
-        most = program.mu[rows] * forces[rows] + program.cohesion[rows]
-        shrink = most / np.maximum(np.maximum(size, most), np.finfo(float).tiny)  # 1 within it
-        aside[rows] = given * shrink[:, None]
-    return forces, aside
+            across[:, 1] = 0.0
+        length = np.linalg.norm(across, axis=1)
+        limit = program.mu[rough] * forces[rough] + program.cohesion[rough]
+        # the factor is exactly 1 inside the cone
+        shrink = limit / np.maximum(np.maximum(length, limit), np.finfo(float).tiny)
+        clipped[rough] = across * shrink[:, None]
+    return forces, clipped
 
 
 def check_motion(program: Program, motion: Array) -> MotionProof:
-    """Judge a motion as a proof that no equilibrium exists."""
+    """Check a motion as a proof that no equilibrium exists; motions of held parts are ignored."""
     motion = np.where(program.free[:, None] & np.isfinite(motion), motion, 0.0)
     if program.planar:
         motion = motion * np.array([1.0, 0, 1, 0, 1, 0])
@@ -138,31 +162,32 @@ def check_motion(program: Program, motion: Array) -> MotionProof:
 
 
 def violations(program: Program, motion: Array) -> Array:
-    """By how much a motion leaves the dual cone of each row: u_n - mu |u_t|, at most 0, (K,).
+    """Violation of the dual cone of each row by a motion: min(u_n - mu |u_t|, 0), shape (K,).
 
-    In the unit of the motion's translations; of rows that may also pull, -|u_n|.
+    The value of a row that may also pull is -|u_n|. The unit is that of the motion's translations.
     """
     opening = program.velocities(motion) * program.arm
     rows = program.rough
     if len(rows):
         slip = np.linalg.norm(program.slips(motion, rows), axis=1)
         opening[rows] -= program.mu[rows] * slip
-    bad: Array = np.where(program.two_sided, -np.abs(opening), np.minimum(opening, 0.0))
-    return bad
+    violation: Array = np.where(program.two_sided, -np.abs(opening), np.minimum(opening, 0.0))
+    return violation
 
 
 def part_sizes(program: Program, six: Array, *, per_radius: bool) -> Array:
-    """One size a part of twists (rotation x radius) or wrenches (torque / radius), (N,).
+    """Size of the twist (rotation x radius) or wrench (torque / radius) of each part, shape (N,).
 
     Parameters
     ----------
     program : Program
     six : ndarray, shape (N, 6)
+        Twists or wrenches of all parts.
     per_radius : bool
-        They are wrenches, else twists.
+        True for wrenches, False for twists.
     """
     length = 1 / program.radius if per_radius else program.radius
-    with np.errstate(over="ignore"):  # what is beyond all numbers is no proof of anything
+    with np.errstate(over="ignore"):  # an infinite size fails every check
         total: Array = np.sqrt(
             (six[:, :3] ** 2).sum(axis=1) + (six[:, 3:] ** 2).sum(axis=1) * length**2
         )

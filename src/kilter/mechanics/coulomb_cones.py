@@ -1,20 +1,20 @@
-"""Programs with Coulomb's cones: equilibrium with friction, exactly and by pyramids.
+"""Programs with Coulomb's cones: equilibrium with friction, exact or by pyramids.
 
-A contact with friction takes every force f_n n + f_t with |f_t| <= mu f_n. Its row n becomes
-three, n, u, v, and a second-order cone (mu f_n, f_u, f_v); in a planar assembly two, and the
-cone has two rays. Everything else is as in `kilter.mechanics.forms`: the same scaled
-unknowns, the same load.
+A contact with friction transmits every force f_n n + f_t with |f_t| <= mu f_n. Its row n becomes
+three rows, n, u, v, and a second-order cone (mu f_n, f_u, f_v). In a planar assembly there are two
+rows, and the cone has two rays. The scaled unknowns and the load are those of
+`kilter.mechanics.forms`.
 
     load factor        max lambda:  A f = lambda b,  0 <= lambda <= 1,  f in K        0 or 1
     largest load       max t:  A f = b + t d,  t <= T,  f in K
     nearest load       min 1/2 |t - t0|^2:  A f = D t,  f in K
     least forces       min 1/2 |f|^2:  A f = b,  f in K          unique, inside the cones
     least strength     min s:  A f = b - (1 - s) c,  |f_t| <= mu f_n + s S,  s >= 0   s of all bonds
-    least cohesion     min c:  A f = b,  |f_t| <= mu f_n + c w,  c >= -1     sign tells: held or not
+    least cohesion     min c:  A f = b,  |f_t| <= mu f_n + c w,  c >= -1     c <= 0: it balances
 
-A pyramid replaces each cone by rays, so that the program is linear: with rays on the cone it
-is inner (its equilibrium is one), with sides that touch the cone it is outer (what moves in
-it, moves).
+A pyramid replaces each cone by rays, so that the program becomes linear. An inner pyramid has its
+rays on the cone: its forces are admissible for the cone. The sides of an outer pyramid touch the
+cone from outside: a motion that it admits is admissible for the cone.
 """
 
 from __future__ import annotations
@@ -48,17 +48,18 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ConeProblem:
-    """A program whose rows with friction are spread over n, u and v.
+    """A program with Coulomb's cones, whose rows with friction are split along n, u and v.
 
     Attributes
     ----------
     program : Program
-        The one that was spread.
+        The original program.
     problem : ScaledProblem
-        Of the spread rows: those of `program`, then u of each rough row, then v (not planar).
+        The split rows: those of `program`, then u of each rough row, then v (only in space).
     rough : ndarray of int, shape (R,)
+        Rows of `program` with a force across them.
     directions : ndarray, shape (R, d, 3)
-        u and v, world frame; d = 1 where planar, else 2.
+        u and v in the world frame; d = 1 in the plane, 2 in space.
     """
 
     program: Program
@@ -67,33 +68,34 @@ class ConeProblem:
     directions: Array
 
     def decoded(self, columns: Array) -> tuple[Array, Array]:
-        """Forces along the rows, shape (K,), and across them, (K, 3) [N], of scaled unknowns."""
+        """Forces along the rows, shape (K,), and across, (K, 3) [N], from scaled unknowns."""
         return self.gathered(self.problem.forces(columns))
 
     def gathered(self, values: Array) -> tuple[Array, Array]:
-        """The same of forces of the spread rows [N]."""
+        """Forces along the rows, shape (K,), and across, (K, 3), from split rows [N]."""
         count, rough = len(self.program.part_a), len(self.rough)
         friction = np.zeros((count, 3))
         for k in range(self.directions.shape[1]):
-            part = values[count + k * rough : count + (k + 1) * rough]
-            friction[self.rough] += part[:, None] * self.directions[:, k]
+            component = values[count + k * rough : count + (k + 1) * rough]
+            friction[self.rough] += component[:, None] * self.directions[:, k]
         return values[:count], friction
 
     def turned(self, down: Array) -> ConeProblem:
-        """The same with gravity, at its size, along `down`, shape (3,)."""
-        program, wide = self.program.turned(down), self.problem.program.turned(down)
+        """The same problem with gravity of the same size along `down`, shape (3,)."""
+        program, split = self.program.turned(down), self.problem.program.turned(down)
         right = self.problem.scaled_load(program.load)
-        problem = replace(self.problem, program=wide, right=right)
+        problem = replace(self.problem, program=split, right=right)
         return replace(self, program=program, problem=problem)
 
     def cone_rows(self) -> tuple[csc_array, int, Index]:
-        """G with G f + h in nonnegative numbers, then second-order cones; how many, of what size.
+        """Matrix G of the conic constraints, the number of half lines, and the size of each cone.
 
-        h is `heads`.
+        G f + h lies in the product of the half lines (first rows) and second-order cones; h is
+        `heads`.
         """
         program, total = self.program, self.problem.matrix.shape[1]
         count, rough = len(program.part_a), len(self.rough)
-        alone = np.flatnonzero(~program.two_sided & (program.mu <= 0))
+        half_lines = np.flatnonzero(~program.two_sided & (program.mu <= 0))
         size = 1 + self.directions.shape[1]
         columns = np.empty((rough, size), dtype=np.int64)
         values = np.ones((rough, size))
@@ -101,208 +103,219 @@ class ConeProblem:
         values[:, 0] = program.mu[self.rough]
         for k in range(1, size):
             columns[:, k] = count + (k - 1) * rough + np.arange(rough)
-        index = np.concatenate([alone, columns.ravel()])
-        data = np.concatenate([np.ones(len(alone)), values.ravel()])
+        index = np.concatenate([half_lines, columns.ravel()])
+        data = np.concatenate([np.ones(len(half_lines)), values.ravel()])
         rows = np.arange(len(index))
         matrix = csc_array((data, (rows, index)), shape=(len(index), total))
-        return matrix, len(alone), np.full(rough, size)
+        return matrix, len(half_lines), np.full(rough, size)
 
     @property
     def heads(self) -> Array:
-        """What bonds add to the first entry of each cone, scaled, at the rows of G; else 0."""
-        alone = int((~self.program.two_sided & (self.program.mu <= 0)).sum())
+        """Constant h of the conic constraints: bond limits at the cones' first entries, else 0."""
+        half_lines = int((~self.program.two_sided & (self.program.mu <= 0)).sum())
         size = 1 + self.directions.shape[1]
-        heads = np.zeros(alone + size * len(self.rough))
-        heads[alone::size] = self.program.cohesion[self.rough] / self.problem.unit
+        heads = np.zeros(half_lines + size * len(self.rough))
+        heads[half_lines::size] = self.program.cohesion[self.rough] / self.problem.unit
         return heads
 
 
 def cone_problem(program: Program) -> ConeProblem:
-    """The program with a row of its own for each direction of friction."""
+    """Split every row with friction into one row per direction, and scale the result."""
     rough = program.gripping
     directions = _directions(program, rough)
     rows = np.concatenate([np.arange(len(program.part_a)), *[rough] * directions.shape[1]])
-    aside = [directions[:, k] for k in range(directions.shape[1])]
-    normal = np.concatenate([program.normal, *aside])
-    nothing = {"mu": np.zeros(len(rows)), "shear": np.full(len(rows), np.nan)}
-    wide = program.taking(rows).with_rows(normal=normal, **nothing)
-    return ConeProblem(program, scaled_problem(wide), rough, directions)
+    tangents = [directions[:, k] for k in range(directions.shape[1])]
+    normal = np.concatenate([program.normal, *tangents])
+    no_friction = {"mu": np.zeros(len(rows)), "shear": np.full(len(rows), np.nan)}
+    split = program.taking(rows).with_rows(normal=normal, **no_friction)
+    return ConeProblem(program, scaled_problem(split), rough, directions)
 
 
 def _directions(program: Program, rough: Index) -> Array:
+    """Unit tangent directions of the rough rows, shape (R, d, 3)."""
     normal = program.normal[rough]
     if program.planar:
         return cross(np.array([0.0, 1.0, 0.0]), normal)[:, None, :]
     return np.stack(across(normal), axis=1)
 
 
-def load_factor_in_cones(wide: ConeProblem) -> ConicProgram:
-    """Largest part of the load that contacts with friction can hold: 0 or 1. x = (f, lambda).
+def load_factor_in_cones(cones: ConeProblem) -> ConicProgram:
+    """Largest multiple of the load that contacts with friction hold: 0 or 1. x = (f, lambda).
 
-    The multipliers y of its first rows give a motion in the dual cone where lambda is 0.
+    If lambda is 0, the multipliers y of the first rows give a motion in the dual cone.
     """
-    problem = wide.problem
+    problem = cones.problem
     total = problem.matrix.shape[1]
-    cone, positive, sizes = wide.cone_rows()
+    cone_matrix, positive, sizes = cones.cone_rows()
     balance = hstack([problem.matrix, csc_array(-problem.right[:, None])])
-    ends = csc_array((np.array([-1.0, 1.0]), ([0, 1], [total, total])), shape=(2, total + 1))
-    inside = hstack([-cone, csc_array(-wide.heads[:, None])])
-    matrix = vstack([balance, ends, inside], format="csc")
-    bound = np.concatenate([np.zeros(len(problem.right)), [0.0, 1.0], np.zeros(cone.shape[0])])
+    bounds = csc_array((np.array([-1.0, 1.0]), ([0, 1], [total, total])), shape=(2, total + 1))
+    conic = hstack([-cone_matrix, csc_array(-cones.heads[:, None])])
+    matrix = vstack([balance, bounds, conic], format="csc")
+    bound = np.concatenate(
+        [np.zeros(len(problem.right)), [0.0, 1.0], np.zeros(cone_matrix.shape[0])]
+    )
     cost = np.zeros(total + 1)
     cost[-1] = -1.0
-    nothing = csc_array((total + 1, total + 1))
-    return ConicProgram(nothing, cost, matrix, bound, len(problem.right), positive + 2, sizes)
+    no_quadratic = csc_array((total + 1, total + 1))
+    return ConicProgram(no_quadratic, cost, matrix, bound, len(problem.right), positive + 2, sizes)
 
 
-def largest_load(wide: ConeProblem, wrench: Array, most: float) -> ConicProgram:
-    """The largest share t, up to `most`, of further wrenches that contacts hold. x = (f, t).
+def largest_load(cones: ConeProblem, wrench: Array, most: float) -> ConicProgram:
+    """Largest share t, up to `most`, of further wrenches that the contacts hold. x = (f, t).
 
     Parameters
     ----------
+    cones : ConeProblem
     wrench : ndarray, shape (N, 6)
         Force [N] and torque about the centre of mass [N x length unit] on each part.
+    most : float
+        Upper bound of t [-].
 
     Notes
     -----
-    The multipliers y of its first rows give the mechanism that starts at the limit: a motion
-    in the dual cone, without power of all loads at the limit.
+    The multipliers y of the first rows give the mechanism that starts at the limit: a motion in the
+    dual cone for which the load at the limit has no power.
     """
-    problem = wide.problem
+    problem = cones.problem
     total = problem.matrix.shape[1]
-    cone, positive, sizes = wide.cone_rows()
+    cone_matrix, positive, sizes = cones.cone_rows()
     along = problem.scaled_load(wrench)
     balance = hstack([problem.matrix, csc_array(-along[:, None])])
-    end = csc_array((np.array([1.0]), ([0], [total])), shape=(1, total + 1))
-    inside = hstack([-cone, csc_array((cone.shape[0], 1))])
-    matrix = vstack([balance, end, inside], format="csc")
-    bound = np.concatenate([problem.right, [most], wide.heads])
+    upper_bound = csc_array((np.array([1.0]), ([0], [total])), shape=(1, total + 1))
+    conic = hstack([-cone_matrix, csc_array((cone_matrix.shape[0], 1))])
+    matrix = vstack([balance, upper_bound, conic], format="csc")
+    bound = np.concatenate([problem.right, [most], cones.heads])
     cost = np.zeros(total + 1)
     cost[-1] = -1.0
-    nothing = csc_array((total + 1, total + 1))
-    return ConicProgram(nothing, cost, matrix, bound, len(problem.right), positive + 1, sizes)
+    no_quadratic = csc_array((total + 1, total + 1))
+    return ConicProgram(no_quadratic, cost, matrix, bound, len(problem.right), positive + 1, sizes)
 
 
-def nearest_load(wide: ConeProblem, wrenches: Array, start: Array) -> ConicProgram:
-    """Shares t nearest to `start` of some wrenches with which contacts are in balance. x = (f, t).
+def nearest_load(cones: ConeProblem, wrenches: Array, start: Array) -> ConicProgram:
+    """Coefficients t nearest to `start` whose load sum_k t_k wrenches_k the contacts balance.
+
+    The unknowns are x = (f, t).
 
     Parameters
     ----------
+    cones : ConeProblem
     wrenches : ndarray, shape (d, N, 6)
-        They replace the load of the program.
+        Wrenches that replace the load of the program.
     start : ndarray, shape (d,)
+        Desired coefficients [-].
     """
-    problem = wide.problem
+    problem = cones.problem
     total, count = problem.matrix.shape[1], len(start)
-    cone, positive, sizes = wide.cone_rows()
+    cone_matrix, positive, sizes = cones.cone_rows()
     columns = np.column_stack([problem.scaled_load(wrench) for wrench in wrenches])
     balance = hstack([problem.matrix, csc_array(-columns)])
-    inside = hstack([-cone, csc_array((cone.shape[0], count))])
-    matrix = vstack([balance, inside], format="csc")
+    conic = hstack([-cone_matrix, csc_array((cone_matrix.shape[0], count))])
+    matrix = vstack([balance, conic], format="csc")
     diagonal = np.concatenate([np.zeros(total), np.ones(count)])
     cost = np.concatenate([np.zeros(total), -start])
-    bound = np.concatenate([np.zeros(len(problem.right)), wide.heads])
+    bound = np.concatenate([np.zeros(len(problem.right)), cones.heads])
     quadratic = csc_array(diags_array(diagonal))
     return ConicProgram(quadratic, cost, matrix, bound, len(problem.right), positive, sizes)
 
 
-def least_forces(wide: ConeProblem) -> ConicProgram:
-    """Forces of the least sum of squares that balance. x = f.
+def least_forces(cones: ConeProblem) -> ConicProgram:
+    """Balanced forces with the least sum of squares. x = f.
 
-    Unique, and not at a corner of the set of all equilibria: equal contacts take equal shares.
-    Of a bonded contact it is the square of what acts, which is less than f by its pull.
+    The solution is unique and not at a corner of the set of all equilibria: equal contacts carry
+    equal shares. For a bonded contact the acting force f - T counts, without its pull T.
     """
-    problem = wide.problem
+    problem = cones.problem
     total = problem.matrix.shape[1]
-    cone, positive, sizes = wide.cone_rows()
-    matrix = vstack([problem.matrix, -cone], format="csc")
-    bound = np.concatenate([problem.right, wide.heads])
+    cone_matrix, positive, sizes = cones.cone_rows()
+    matrix = vstack([problem.matrix, -cone_matrix], format="csc")
+    bound = np.concatenate([problem.right, cones.heads])
     cost = np.zeros(total)
-    cost[: len(wide.program.pull)] = -wide.program.pull / problem.unit
+    cost[: len(cones.program.pull)] = -cones.program.pull / problem.unit
     return ConicProgram(
         csc_array(eye_array(total)), cost, matrix, bound,
         len(problem.right), positive, sizes,
     )  # fmt: skip
 
 
-def least_strength(wide: ConeProblem, unit: float) -> ConicProgram:
-    """The least share s of the strength of all bonds with which contacts balance. x = (f, s/unit).
+def least_strength(cones: ConeProblem, unit: float) -> ConicProgram:
+    """Least share s of the strength of all bonds with which the contacts balance.
 
-    Well posed on both sides of 1, where the load factor jumps: forces at a share below 1 are
-    within the strength, and where s is above 1 the multipliers give a motion whose power the
-    bonds do not take up.
+    The unknowns are x = (f, s / unit). The program is well posed on both sides of s = 1, where the
+    load factor jumps. For s < 1 the forces are within the strength. For s > 1 the multipliers give
+    a motion whose power the bonds cannot absorb.
     """
-    problem, program = wide.problem, wide.program
+    problem, program = cones.problem, cones.program
     total = problem.matrix.shape[1]
-    cone, positive, sizes = wide.cone_rows()
+    cone_matrix, positive, sizes = cones.cone_rows()
     clamp = problem.scaled_load(program.clamp)
     balance = hstack([problem.matrix, csc_array(-unit * clamp[:, None])])
-    end = csc_array((np.array([-1.0]), ([0], [total])), shape=(1, total + 1))
-    inside = hstack([-cone, csc_array(-unit * wide.heads[:, None])])
-    matrix = vstack([balance, end, inside], format="csc")
-    bound = np.concatenate([problem.right - clamp, np.zeros(1 + cone.shape[0])])
+    lower_bound = csc_array((np.array([-1.0]), ([0], [total])), shape=(1, total + 1))
+    conic = hstack([-cone_matrix, csc_array(-unit * cones.heads[:, None])])
+    matrix = vstack([balance, lower_bound, conic], format="csc")
+    bound = np.concatenate([problem.right - clamp, np.zeros(1 + cone_matrix.shape[0])])
     cost = np.append(np.zeros(total), 1.0)
-    nothing = csc_array((total + 1, total + 1))
-    return ConicProgram(nothing, cost, matrix, bound, len(problem.right), positive + 1, sizes)
+    no_quadratic = csc_array((total + 1, total + 1))
+    return ConicProgram(no_quadratic, cost, matrix, bound, len(problem.right), positive + 1, sizes)
 
 
-def least_cohesion(wide: ConeProblem) -> ConicProgram:
-    """The least cohesion c with which contacts balance: |f_t| <= mu f_n + c w. x = (f, c).
+def least_cohesion(cones: ConeProblem) -> ConicProgram:
+    """Least cohesion c with which the contacts balance: |f_t| <= mu f_n + c w. x = (f, c).
 
-    w is the weight of the lighter part that a contact touches. Below 0 there are forces within
-    the cones, by so much that rounding does not count; above 0 the multipliers of the first rows
-    give a motion in the dual cones. Near a limit both stay well posed where the load factor,
-    which jumps from 0 to 1 there, does not.
+    w is the weight of the lighter part at the contact. If c < 0, forces exist inside the cones with
+    a margin that exceeds rounding. If c > 0, the multipliers of the first rows give a motion in the
+    dual cones. Near a limit both results stay well posed, while the load factor jumps from 0 to 1.
     """
-    problem, rough = wide.problem, wide.rough
-    program, total = wide.program, problem.matrix.shape[1]
-    cone, positive, sizes = wide.cone_rows()
+    problem, rough = cones.problem, cones.rough
+    program, total = cones.program, problem.matrix.shape[1]
+    cone_matrix, positive, sizes = cones.cone_rows()
     weight = np.append(np.where(program.free, program.weight, np.inf), np.inf)
     lighter = np.minimum(weight[program.part_a[rough]], weight[program.part_b[rough]])
-    coheres = np.zeros(cone.shape[0])
-    coheres[_heads(positive, sizes)] = -lighter / problem.unit
+    cohesion_heads = np.zeros(cone_matrix.shape[0])
+    cohesion_heads[_cone_heads(positive, sizes)] = -lighter / problem.unit
     balance = hstack([problem.matrix, csc_array((len(problem.right), 1))])
-    end = csc_array((np.array([-1.0]), ([0], [total])), shape=(1, total + 1))
-    inside = hstack([-cone, csc_array(coheres[:, None])])
-    matrix = vstack([balance, end, inside], format="csc")
-    bound = np.concatenate([problem.right, [1.0], wide.heads])
+    lower_bound = csc_array((np.array([-1.0]), ([0], [total])), shape=(1, total + 1))
+    conic = hstack([-cone_matrix, csc_array(cohesion_heads[:, None])])
+    matrix = vstack([balance, lower_bound, conic], format="csc")
+    bound = np.concatenate([problem.right, [1.0], cones.heads])
     cost = np.append(np.zeros(total), 1.0)
-    nothing = csc_array((total + 1, total + 1))
-    return ConicProgram(nothing, cost, matrix, bound, len(problem.right), positive + 1, sizes)
+    no_quadratic = csc_array((total + 1, total + 1))
+    return ConicProgram(no_quadratic, cost, matrix, bound, len(problem.right), positive + 1, sizes)
 
 
-def cohesion_slope(wide: ConeProblem, answer: Solution) -> float:
-    """By how much the least cohesion falls where every coefficient rises, to first order."""
+def cohesion_slope(cones: ConeProblem, answer: Solution) -> float:
+    """Decrease of the least cohesion per unit increase of all friction coefficients."""
     program = answer.problem
     assert isinstance(program, ConicProgram)
-    heads = program.equal + _heads(program.positive, program.cones)
-    return float(answer.multipliers[heads] @ answer.x[wide.rough])
+    heads = program.equal + _cone_heads(program.positive, program.cones)
+    return float(answer.multipliers[heads] @ answer.x[cones.rough])
 
 
-def _heads(positive: int, sizes: Index) -> Index:
-    """Rows of the first entry of each cone, after `positive` rows."""
+def _cone_heads(positive: int, sizes: Index) -> Index:
+    """Row of the first entry of each cone; the cones follow `positive` rows."""
     return positive + np.cumsum(sizes) - sizes
 
 
 def pyramid(
     program: Program, sides: int = 8, *, outer: bool = False, angles: Array | None = None
 ) -> Program:
-    """The program with every cone of friction replaced by rays, one row a ray.
+    """The program with every friction cone replaced by rays, each with its own row.
 
     Parameters
     ----------
+    program : Program
     sides : int
-        Rays of each pyramid; a planar cone has two, whatever is asked for.
+        Number of rays per cone. A planar cone always has two.
     outer : bool
-        The sides of the pyramid touch the cone, else its rays lie on it.
+        True if the sides of the pyramid touch the cone from outside, False if its rays lie on the
+        cone.
     angles : ndarray, shape (R, n), optional
-        Where rays lie on each cone, or sides touch it, in place of even `sides`: from the
-        first direction across the contact to the second [rad]. No gap may be a half turn.
+        Angles at which rays lie on each cone, or sides touch it, instead of `sides` equal steps:
+        from the first tangent direction to the second [rad]. No gap may reach a half turn.
 
     Notes
     -----
-    Rows of a ray keep the `source` of their contact; `mu` is 0. A row's unit direction is
-    (n + mu t) over its length, its force is along it.
+    The rows of a ray keep the `source` of their contact; their `mu` is 0. The unit direction of a
+    row is (n + mu t) over its length, and its force is along it.
     """
     rough = program.rough
     if not len(rough):
@@ -313,7 +326,7 @@ def pyramid(
     else:
         if angles is None:
             angles = np.tile(2 * np.pi * np.arange(sides) / sides, (len(rough), 1))
-        angle, stretch = _between_sides(angles) if outer else (angles, np.ones(angles.shape))
+        angle, stretch = _corner_angles(angles) if outer else (angles, np.ones(angles.shape))
         around = stretch[:, :, None] * (
             np.cos(angle)[:, :, None] * directions[:, :1]
             + np.sin(angle)[:, :, None] * directions[:, 1:]
@@ -326,20 +339,21 @@ def pyramid(
     return program.taking(rows).with_rows(normal=normal, mu=np.zeros(len(rows)))
 
 
-def _between_sides(angles: Array) -> tuple[Array, Array]:
-    """Angles [rad] at which neighbouring sides that touch a circle meet, and how far out."""
-    first = np.sort(angles % (2 * np.pi), axis=1)
-    half = (np.roll(first, -1, axis=1) - first) % (2 * np.pi) / 2
-    return first + half, 1.0 / np.cos(half)
+def _corner_angles(angles: Array) -> tuple[Array, Array]:
+    """Angles [rad] and distances of the corners between neighbouring tangents of a unit circle."""
+    tangent = np.sort(angles % (2 * np.pi), axis=1)
+    half = (np.roll(tangent, -1, axis=1) - tangent) % (2 * np.pi) / 2
+    return tangent + half, 1.0 / np.cos(half)
 
 
 def angles_across(program: Program, across: Array) -> Array:
-    """Angles of vectors across the rough contacts as `pyramid` counts them, shape (R,) [rad].
+    """Angles of tangential vectors at the rough contacts, shape (R,) [rad], as in `pyramid`.
 
     Parameters
     ----------
+    program : Program
     across : ndarray, shape (K, 3)
-        Such as forces of friction, or slips; 0 for a vector of length 0.
+        Friction forces or slips of all rows. The angle of a zero vector is 0.
     """
     rough = program.rough
     directions = _directions(program, rough)
@@ -349,10 +363,11 @@ def angles_across(program: Program, across: Array) -> Array:
 
 
 def pyramid_forces(program: Program, rays: Program, forces: Array) -> tuple[Array, Array]:
-    """Forces of a pyramid's rays as forces along the rows of `program`, and across them.
+    """Forces of the rays of a pyramid as forces along and across the rows of `program`.
 
     Parameters
     ----------
+    program : Program
     rays : Program
         ``pyramid(program, sides)``.
     forces : ndarray, shape (rows of `rays`,)
@@ -366,8 +381,8 @@ def pyramid_forces(program: Program, rays: Program, forces: Array) -> tuple[Arra
     along, across = np.zeros(len(program.part_a)), np.zeros((len(program.part_a), 3))
     along[smooth] = forces[: len(smooth)]
     if len(rough):
-        pushed = forces[len(smooth) :, None] * rays.normal[len(smooth) :]
-        total = pushed.reshape(len(rough), -1, 3).sum(axis=1)
+        ray_forces = forces[len(smooth) :, None] * rays.normal[len(smooth) :]
+        total = ray_forces.reshape(len(rough), -1, 3).sum(axis=1)
         normal = program.normal[rough]
         along[rough] = np.einsum("ij,ij->i", total, normal)
         across[rough] = total - along[rough][:, None] * normal

@@ -1,14 +1,14 @@
-"""Degenerate points in a program: which pushes a given motion must be held against.
+"""Degenerate contact points of a program: the rows that a given motion must satisfy there.
 
-At a degenerate point p (a ridge on a ridge, a corner on an edge) a velocity v of part b
-relative to part a makes them enter each other to first order iff v.m < 0 for every extreme
-normal m of the planes that separate them there (`kilter.contact.sharp.spanning`). So a motion is
-allowed at p iff its opening along at least one m is not below zero, and the allowed motions
-are a union of cones, one a choice of m at every point.
+At a degenerate point p (an edge on a parallel edge, a corner on an edge) a velocity v of part b
+relative to part a makes the parts penetrate to first order iff v.m < 0 for every extreme normal m
+of the planes that separate them at p (`kilter.contact.sharp.spanning`). So a motion is admissible
+at p iff its opening along at least one m is not negative. The admissible motions are a union of
+cones, each for a choice of m at every point.
 
-Along a line of such points from p to q the planes that separate the parts include those of
-both ends, and the opening along each m is linear: the greatest of them is convex, so that
-it is enough to ask where two of them are equal.
+Along a line of degenerate points from p to q, the separating planes include those of both ends, and
+the opening along each m is linear. The largest opening is convex along the line, so it suffices to
+check the points at which two openings are equal.
 """
 
 from __future__ import annotations
@@ -29,16 +29,18 @@ __all__ = ["MOST", "allowed_program", "between", "openings", "with_pushes", "wit
 
 
 MOST = 64
-"""With more degenerate points than this their pushes are all counted, none is chosen."""
+"""Largest number of degenerate points for which a normal is chosen at each point; with more points,
+all normals count. A larger value admits more motions at more cost.
+"""
 
 
 def with_pushes(program: Program, pushes: PossibleContacts) -> Program:
-    """The program with further rows that push, of kind POSSIBLE."""
+    """The program with additional rows of kind POSSIBLE that only push."""
     return program.with_force_rows(ForceRows.join([program.force_rows, pushing_rows(pushes)]))
 
 
 def without_degenerate(assembly: Assembly, contacts: ContactSet) -> Program:
-    """Every force there may be but those at degenerate points that are so exactly."""
+    """Every possible force except those at exactly degenerate points."""
     outer = bounding_program(assembly, contacts)
     exact = np.append(contacts.degenerate.exact, False)[contacts.possible.degenerate]
     pushes = np.flatnonzero((outer.kind == POSSIBLE) & ~outer.two_sided)
@@ -46,7 +48,7 @@ def without_degenerate(assembly: Assembly, contacts: ContactSet) -> Program:
 
 
 def openings(program: Program, pushes: PossibleContacts, motion: Array) -> Array:
-    """Opening of each push for a motion of all parts, shape (n,).
+    """Opening velocity along each push for a motion of all parts, shape (n,).
 
     Parameters
     ----------
@@ -64,10 +66,10 @@ def openings(program: Program, pushes: PossibleContacts, motion: Array) -> Array
 
 
 def between(program: Program, contacts: ContactSet, motion: Array) -> list[PossibleContacts]:
-    """Points between a degenerate point and the ends of its lines where a motion might enter.
+    """Intermediate points of contact lines at which a motion could penetrate, with their normals.
 
-    Wherever two points of a pair lie across all normals of one of them, a line of contact is
-    thought between. At each point found: a push along each normal of either end.
+    A line of contact is assumed between two points of a pair if it is perpendicular to all normals
+    of its start. Each result holds a push for every normal of either end, at the same point.
 
     Parameters
     ----------
@@ -76,7 +78,7 @@ def between(program: Program, contacts: ContactSet, motion: Array) -> list[Possi
     motion : ndarray, shape (N, 6)
         Displacements, or accelerations, of all parts: (dr, dtheta).
     """
-    lines = _lines(contacts)
+    lines = _contact_lines(contacts)
     if not lines:
         return []
     sizes = [len(line.normals) for line in lines]
@@ -84,24 +86,27 @@ def between(program: Program, contacts: ContactSet, motion: Array) -> list[Possi
     parts = np.repeat([line.pair for line in lines], sizes, axis=0)
     opening = [
         np.split(
-            openings(program, _at(parts.T, np.repeat(ends, sizes, axis=0), normals), motion),
+            openings(
+                program, _pushes_along(parts.T, np.repeat(ends, sizes, axis=0), normals), motion
+            ),
             np.cumsum(sizes)[:-1],
         )
         for ends in ([line.here for line in lines], [line.end for line in lines])
     ]
-    found: list[PossibleContacts] = []
+    crossings: list[PossibleContacts] = []
     for line, here, end in zip(lines, *opening, strict=True):
         for k, m in combinations(range(len(here)), 2):
-            apart = here[k] - here[m], end[k] - end[m]
-            if apart[0] * apart[1] < 0:
-                share = apart[0] / (apart[0] - apart[1])
+            difference = here[k] - here[m], end[k] - end[m]
+            # two openings are equal inside the line: a possible minimum of the largest opening
+            if difference[0] * difference[1] < 0:
+                share = difference[0] / (difference[0] - difference[1])
                 point = line.here + share * (line.end - line.here)
-                found.append(_at(line.pair, point, line.normals))
-    return found
+                crossings.append(_pushes_along(line.pair, point, line.normals))
+    return crossings
 
 
 class _Line(NamedTuple):
-    """A line of contact from one degenerate point, and the normals of both its ends."""
+    """A line of contact that starts at a degenerate point, with the normals of both its ends."""
 
     pair: Index
     here: Array
@@ -109,42 +114,46 @@ class _Line(NamedTuple):
     normals: Array
 
 
-def _lines(contacts: ContactSet) -> list[_Line]:
-    """Where two points of a pair lie across all normals of one of them."""
+def _contact_lines(contacts: ContactSet) -> list[_Line]:
+    """Lines of contact from exactly degenerate points, perpendicular to all normals there."""
     points = contacts.degenerate
-    own = np.column_stack([points.part_a, points.part_b])
-    pairs = np.concatenate([own[points.owner], points.held_parts])
+    point_pairs = np.column_stack([points.part_a, points.part_b])
+    pairs = np.concatenate([point_pairs[points.owner], points.held_parts])
     ends = np.concatenate([points.points[points.owner], points.held_points])
     normals = np.concatenate([points.normals, points.held_normals])
-    found = []
+    lines = []
     for k in np.flatnonzero(points.exact).tolist():
-        here, mine = points.points[k], points.normals[points.start[k] : points.start[k + 1]]
+        here, start_normals = (
+            points.points[k],
+            points.normals[points.start[k] : points.start[k + 1]],
+        )
         along = ends - here
         length = np.linalg.norm(along, axis=1)
-        level = np.abs(along @ mine.T).max(axis=1) <= NORMAL_ANGLE * length
-        level &= (pairs == own[k]).all(axis=1) & (length > 0)
-        for end in np.unique(ends[level], axis=0):
-            there = normals[level & (ends == end).all(axis=1)]
-            found.append(_Line(own[k], here, end, np.vstack([mine, there])))
-    return found
+        perpendicular = np.abs(along @ start_normals.T).max(axis=1) <= NORMAL_ANGLE * length
+        perpendicular &= (pairs == point_pairs[k]).all(axis=1) & (length > 0)
+        for end in np.unique(ends[perpendicular], axis=0):
+            end_normals = normals[perpendicular & (ends == end).all(axis=1)]
+            lines.append(_Line(point_pairs[k], here, end, np.vstack([start_normals, end_normals])))
+    return lines
 
 
-def _at(pair: Index, point: Array, normals: Array) -> PossibleContacts:
-    """Pushes along each of some normals: of one pair at one point, or of one of each a push."""
+def _pushes_along(pair: Index, point: Array, normals: Array) -> PossibleContacts:
+    """A push along each of `normals`, shape (n, 3), at a common point or at a point per normal."""
     count = len(normals)
-    none = np.zeros(count)
-    where = np.array(np.broadcast_to(point, (count, 3)))
+    zeros = np.zeros(count)
+    points = np.array(np.broadcast_to(point, (count, 3)))
     return PossibleContacts(
-        np.full(count, pair[0]), np.full(count, pair[1]), where, normals, none > 0, none,
+        np.full(count, pair[0]), np.full(count, pair[1]), points, normals, zeros > 0, zeros,
         np.full(count, -1),
     )  # fmt: skip
 
 
 def allowed_program(assembly: Assembly, contacts: ContactSet, motion: Array) -> Program | None:
-    """The pushes that a motion, shape (N, 6), must be held against; None: too many points.
+    """The program with the row that a motion, shape (N, 6), must satisfy at each degenerate point.
 
-    At each degenerate point, and between those of a line, the one of its normals along
-    which the motion opens most: if it enters along none of these rows, it is allowed.
+    At each degenerate point, and at each intermediate point of a line, the row is that of the
+    normal along which the motion opens most: a motion that violates none of these rows is
+    admissible. Returns None if there are more than `MOST` points.
     """
     points = contacts.degenerate
     if len(points) > MOST:
@@ -158,7 +167,7 @@ def allowed_program(assembly: Assembly, contacts: ContactSet, motion: Array) -> 
         if exact
     ]
     program = with_pushes(program, pushes.take(np.array(rows, dtype=np.int64)))
-    for some in between(program, contacts, motion):
-        best = int(openings(program, some, motion).argmax())
-        program = with_pushes(program, some.take(np.array([best])))
+    for crossing in between(program, contacts, motion):
+        widest = int(openings(program, crossing, motion).argmax())
+        program = with_pushes(program, crossing.take(np.array([widest])))
     return program

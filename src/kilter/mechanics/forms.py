@@ -1,9 +1,9 @@
-"""From a program to the linear and quadratic programs that answer questions about it.
+"""Linear and quadratic programs that answer questions about a program.
 
-All are written in scaled unknowns, one length and one weight a part, so that no small part
-vanishes: translations and radius x rotations; forces and torques / radius over the weight
-of the part. Columns of `A` below are the rows of the program, so that gravity is a right
-hand side: a new direction keeps a factorised basis.
+All except the displacement program use scaled unknowns, with one length and one weight per part, so
+that the equations of a small part keep their size: translations and radius x rotations; forces and
+torques / radius over the weight of the part. The columns of `A` below are the rows of the program.
+Gravity is a right-hand side, so a factorised basis stays valid for a new direction.
 
     equilibrium        find f:  A f = b,  f >= 0                       A = S J^T,  b = -S w
     load factor        max lambda:  A f - lambda b = 0, 0 <= lambda <= 1       is 0 or 1
@@ -13,7 +13,7 @@ hand side: a new direction keeps a factorised basis.
     displacement       LP (9) of the paper, as published, in the units of the file
     impending motion   min 1/2 (a - M^-1 w)^T M (a - M^-1 w),  J a >= 0        Gauss
 
-Every solution is decoded to forces, shape (K,), and motions, shape (N, 6), of the program.
+The solutions are decoded to forces, shape (K,), and motions, shape (N, 6), of the program.
 """
 
 from __future__ import annotations
@@ -46,10 +46,19 @@ __all__ = [
 class ScaledProblem:
     """The equilibrium matrix A = S J^T and right-hand side b = -S w in a common frame.
 
-    `frame` (3, 3) turns world vectors to the frame in which most normals lie along axes, so
-    that a turned assembly has as few entries as an upright one. Forces are in units of
-    `unit` [N], the geometric mean of the weights, so that the entries of the matrix are near
-    1 whether the parts weigh grams or megatons.
+    Attributes
+    ----------
+    program : Program
+    frame : ndarray, shape (3, 3)
+        Rotation from the world to the frame in which most normals lie along axes, so that a rotated
+        assembly has as few nonzero entries as an upright one.
+    unit : float
+        Unit of force, the geometric mean of the weights [N]: the entries of the matrix are near 1
+        whether the parts weigh grams or megatons.
+    matrix : csc_array, shape (freedoms, K)
+        A.
+    right : ndarray, shape (freedoms,)
+        b.
     """
 
     program: Program
@@ -59,11 +68,11 @@ class ScaledProblem:
     right: Array
 
     def forces(self, columns: Array) -> Array:
-        """Forces of the rows [N], shape (K,), for scaled unknowns."""
+        """Forces of the rows [N], shape (K,), from scaled unknowns."""
         return columns * self.unit * self.program.arm
 
     def motion(self, columns: Array) -> Array:
-        """The motion of all parts, shape (N, 6), for scaled unknowns of the free parts."""
+        """Motion of all parts, shape (N, 6), from scaled unknowns of the free parts."""
         program = self.program
         per = len(program.freedoms)
         full = np.zeros((len(program.names), 6))
@@ -73,29 +82,29 @@ class ScaledProblem:
         return turned.reshape(-1, 6)
 
     def openings(self) -> csc_array:
-        """J in scaled unknowns: openings of the rows, one row each [length unit]."""
+        """J in scaled unknowns, in the order of the rows [length unit]."""
         weight = np.repeat(
             self.program.weight[self.program.free] / self.unit, len(self.program.freedoms)
         )
         return csc_array(csc_array(self.matrix.multiply(weight[:, None])).T)
 
     def power(self) -> Array:
-        """W in scaled unknowns: its product with a motion is the power of the load."""
+        """The load in scaled unknowns: its product with a motion is the power of the load."""
         weight = self.program.weight[self.program.free]
         return -self.right * np.repeat(weight, len(self.program.freedoms))
 
     def scaled_load(self, wrench: Array) -> Array:
-        """A wrench on each part, shape (N, 6), as `right` has it: -S times it."""
+        """A wrench on each part, shape (N, 6), in the form of `right`: -S times it."""
         return _over_weight(self.program, self.frame, wrench)
 
     def over_weight(self, columns: Array) -> Array:
-        """`columns` divided by the weight of their parts: multipliers of A's rows as a motion."""
+        """Divide by the weights of the parts: turns multipliers of A's rows into a motion."""
         program = self.program
         return columns / np.repeat(program.weight[program.free], len(program.freedoms))
 
 
 def scaled_problem(program: Program) -> ScaledProblem:
-    """The scaled equilibrium of a program, built column by column."""
+    """Scale the equilibrium of a program, column by column."""
     frame = np.eye(3)
     if not program.planar:
         frame = common_frame(program.normal, np.ones(len(program.normal)))
@@ -135,21 +144,22 @@ def _over_weight(program: Program, frame: Array, wrench: Array) -> Array:
 
 
 def _force_bounds(program: Program) -> tuple[Array, Array]:
+    """Lower and upper bounds of the force of each row."""
     lower = np.where(program.two_sided, -np.inf, 0.0)
     return lower, np.full(len(lower), np.inf)
 
 
 def equilibrium(problem: ScaledProblem) -> LinearProgram:
-    """Find f: A f = b. x = f."""
+    """Find forces in balance: A f = b. x = f."""
     lower, upper = _force_bounds(problem.program)
     cost = np.zeros(len(lower))
     return LinearProgram(cost, problem.matrix, problem.right, problem.right, lower, upper)
 
 
 def load_factor(problem: ScaledProblem) -> LinearProgram:
-    """Largest part of the load that contacts can hold: 0 or 1. x = (f, lambda).
+    """Largest multiple of the load that the contacts hold: 0 or 1. x = (f, lambda).
 
-    Its row multipliers y at 0 give a motion: -y has J dp >= 0 and w.dp >= 1.
+    If it is 0, the multipliers y of the rows give a motion: -y has J dp >= 0 and w.dp >= 1.
     """
     lower, upper = _force_bounds(problem.program)
     count = len(lower)
@@ -160,9 +170,9 @@ def load_factor(problem: ScaledProblem) -> LinearProgram:
 
 
 def largest_share(problem: ScaledProblem, wrench: Array, most: float) -> LinearProgram:
-    """The largest share t, up to `most`, of further wrenches that rows hold. x = (f, t).
+    """Largest share t, up to `most`, of further wrenches that the rows hold. x = (f, t).
 
-    Minus the multipliers of its rows are the motion that starts at the limit.
+    Minus the multipliers of the rows are the motion that starts at the limit.
     """
     lower, upper = _force_bounds(problem.program)
     along = problem.scaled_load(wrench)
@@ -175,15 +185,17 @@ def largest_share(problem: ScaledProblem, wrench: Array, most: float) -> LinearP
 
 
 def least_imbalance(problem: ScaledProblem) -> LinearProgram:
-    """Forces of the least imbalance over weight, in the largest component. x = (f, t).
+    """Forces whose largest imbalance over weight, of all components, is least. x = (f, t).
 
-    Its multipliers give the motion with the greatest power for a weighted sum of motions
-    of 1: the strongest of both proofs.
+    The multipliers give the motion of greatest power among those whose weighted absolute components
+    sum to 1, so both possible proofs are as strong as possible.
     """
     lower, upper = _force_bounds(problem.program)
     rows = len(problem.right)
-    ones = csc_array(np.ones((rows, 1)))
-    matrix = vstack([hstack([problem.matrix, ones]), hstack([problem.matrix, -ones])], format="csc")
+    slack = csc_array(np.ones((rows, 1)))
+    matrix = vstack(
+        [hstack([problem.matrix, slack]), hstack([problem.matrix, -slack])], format="csc"
+    )
     cost = np.concatenate([np.zeros(len(lower)), [1.0]])
     unbounded = np.full(rows, np.inf)
     return LinearProgram(
@@ -197,15 +209,16 @@ def least_imbalance(problem: ScaledProblem) -> LinearProgram:
 
 
 def total_imbalance(problem: ScaledProblem) -> LinearProgram:
-    """Forces of the least sum of imbalances over weight. x = (f, what lacks, what is too much).
+    """Forces of the least sum of imbalances over weight. x = (f, deficit, excess).
 
-    Minus its multipliers are a motion of at most 1 in each freedom: where the sum is above 0, of
-    that power. It has as few entries as `equilibrium`, and a solution whatever the load.
+    Minus the multipliers are a motion of at most 1 in each freedom; if the sum is above 0, it is
+    the power of that motion. The program has nearly as few entries as `equilibrium`, and a solution
+    for every load.
     """
     lower, upper = _force_bounds(problem.program)
     rows = len(problem.right)
-    one = eye_array(rows, format="csc")
-    matrix = csc_array(hstack([problem.matrix, one, -one], format="csc"))
+    identity = eye_array(rows, format="csc")
+    matrix = csc_array(hstack([problem.matrix, identity, -identity], format="csc"))
     cost = np.append(np.zeros(len(lower)), np.ones(2 * rows))
     return LinearProgram(
         cost,
@@ -218,32 +231,33 @@ def total_imbalance(problem: ScaledProblem) -> LinearProgram:
 
 
 def displacement(program: Program) -> LinearProgram:
-    """LP (9): minimise -w.dp, J dp >= 0, |dr|, |dtheta| <= 1; gravity of length 1.
+    """The displacement program: minimise -w.dp for J dp >= 0, |dr| <= 1, |dtheta| <= 1.
 
-    x = dp in the order of `Program.columns`; lengths in the unit of the file. Each row is
-    divided by its length, which changes no solution.
+    This is LP (9) of the paper, with gravity of length 1. x = dp in the order of `Program.columns`;
+    lengths are in the unit of the file. Each row is divided by its length, which changes no
+    solution.
     """
     cost = -program.load[np.ix_(program.free, program.freedoms)].reshape(-1)
     cost = cost / program.g
     matrix = program.jacobian()
     length = np.sqrt(np.asarray(matrix.multiply(matrix).sum(axis=1)).ravel())
     matrix = csc_array(matrix.multiply(1.0 / np.maximum(length, TINY)[:, None]))
-    one = np.ones(len(cost))
+    bound = np.ones(len(cost))
     return LinearProgram(
         cost,
         matrix,
         np.zeros(len(length)),
         np.where(program.two_sided, 0.0, np.inf),
-        -one,
-        one,
+        -bound,
+        bound,
     )
 
 
 def impending_motion(problem: ScaledProblem) -> ConicProgram:
     """Gauss's principle for the initial accelerations, in scaled unknowns.
 
-    x = (a, radius x alpha) of the free parts over the size of gravity, in the frame of the
-    problem; masses are taken over the largest, so that the numbers are near 1:
+    x = (a, radius x alpha) of the free parts over the size of gravity, in the frame of the problem.
+    Masses are divided by the largest, so that the numbers are near 1:
 
         min 1/2 x.M x / m_max - w.x / (m_max |g|),   J x >= 0.
     """
@@ -259,8 +273,11 @@ def impending_motion(problem: ScaledProblem) -> ConicProgram:
     row = np.arange(len(free))[:, None, None] * per + np.arange(per)[:, None]
     col = np.arange(len(free))[:, None, None] * per + np.arange(per)[None, :]
     shape = (per * len(free),) * 2
-    where = (np.broadcast_to(row, blocks.shape).ravel(), np.broadcast_to(col, blocks.shape).ravel())
-    quadratic = csc_array((blocks.ravel(), where), shape=shape)
+    places = (
+        np.broadcast_to(row, blocks.shape).ravel(),
+        np.broadcast_to(col, blocks.shape).ravel(),
+    )
+    quadratic = csc_array((blocks.ravel(), places), shape=shape)
     largest = program.mass[free].max(initial=TINY) * program.g
     share = program.weight[free] / largest
     cost = (problem.right.reshape(-1, per) * share[:, None]).reshape(-1)

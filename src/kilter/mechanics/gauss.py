@@ -1,15 +1,15 @@
-"""Gauss's principle as the shortest vector of a cone, halved where the assembly is a mirror image.
+"""Gauss's principle as the shortest vector of a cone, halved by mirror symmetry.
 
 With M = L L^T of each part and b = L^T a the principle reads
 
     min 1/2 |b|^2 - v.b,   R b >= 0          v = L^-1 w,  R = J L^-T, rows of length 1
 
-so that masses of any ratio leave the numbers near 1: `unit` of a row turns its slack and its
-force to accelerations over gravity of the lightest part that it touches.
+so that the numbers are near 1 for masses of any ratio. The `unit` of a row converts its slack and
+its force to accelerations over gravity of the lightest part at the row.
 
-Where reflection in a plane through the centres of all parts maps the rows on themselves, the
-motion, being unique, is its own mirror image: it has no part across that plane. Half of the
-unknowns and nearly half of the rows then go, and a factorisation costs a tenth.
+If reflection in a plane through the centres of all parts maps the rows onto themselves, the unique
+motion is its own mirror image: it has no component across that plane. Half of the unknowns and
+nearly half of the rows can then be removed, and a factorisation costs a tenth.
 """
 
 from __future__ import annotations
@@ -28,25 +28,28 @@ __all__ = ["LeastConstraint", "least_constraint", "mirror_half"]
 
 
 OFFSET = 0.31830988618
-"""Where cells begin: round coordinates must not lie on their edges."""
+"""Offset of the comparison cells, in cells. It is irrational, so that round coordinates do not lie
+on the boundary of two cells.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LeastConstraint:
-    """The point of the cone of allowed motions nearest to free fall, and how to read it.
+    """The point nearest to free fall in the cone of admissible motions, and its decoding.
 
     Attributes
     ----------
     cone : ConeProjection
-        Blocks are parts; units turn slacks and multipliers to accelerations over gravity.
+        The problem. Blocks are parts; units convert slacks and multipliers to accelerations over
+        gravity.
     columns : ndarray of int, shape (n,)
-        Unknowns of the whole problem that are unknowns here.
+        Unknowns of the whole problem that are unknowns of `cone`.
     inverse : csr_array, shape (n_all, n_all)
         L^-T: a = L^-T b.
     row : ndarray of int, shape (K_all,)
-        Row here of each row of the whole problem, in its own order.
+        Row of `cone` for each row of the whole problem, in the order of the whole problem.
     share : ndarray, shape (K_all,)
-        Force of each of those rows over the multiplier here.
+        Force of each of those rows over the multiplier of its row in `cone`.
     """
 
     cone: ConeProjection
@@ -56,7 +59,7 @@ class LeastConstraint:
     share: Array
 
     def accelerations(self, unknowns: Array) -> Array:
-        """Scaled accelerations of the free parts: what `ScaledProblem.motion` takes."""
+        """Scaled accelerations of the free parts, as `ScaledProblem.motion` expects them."""
         full = np.zeros(self.inverse.shape[0])
         full[self.columns] = unknowns
         return np.asarray(self.inverse @ full)
@@ -67,7 +70,7 @@ class LeastConstraint:
 
 
 def least_constraint(problem: ScaledProblem) -> LeastConstraint:
-    """The whole problem, in the frame and the freedoms of `problem`."""
+    """The problem in all unknowns, in the frame and the freedoms of `problem`."""
     quadratic = impending_motion(problem)
     block = len(problem.program.freedoms)
     inverse = _inverse_root(quadratic, block)
@@ -92,7 +95,7 @@ def least_constraint(problem: ScaledProblem) -> LeastConstraint:
 
 
 def _inverse_root(quadratic: ConicProgram, block: int) -> csr_array:
-    """L^-T of M = L L^T, part by part."""
+    """L^-T of M = L L^T, a block diagonal matrix with a block per part."""
     count = quadratic.quadratic.shape[0] // block
     parts = np.zeros((count, block, block))
     entries = quadratic.quadratic.tocoo()
@@ -107,70 +110,76 @@ def _inverse_root(quadratic: ConicProgram, block: int) -> csr_array:
 
 
 def mirror_half(whole: LeastConstraint, problem: ScaledProblem) -> LeastConstraint | None:
-    """The same problem within a plane of reflection, if there is one along an axis of the frame."""
+    """The problem restricted to a mirror plane normal to an axis of the frame, or None."""
     cone = whole.cone
     if cone.block != 6 or cone.equal or not len(cone.unit):
         return None
     for axis in (2, 1, 0):
-        odd = np.ones(6, dtype=bool)
-        odd[[k for k in range(3) if k != axis]] = False
-        odd[3 + axis] = False
-        across = np.tile(odd, cone.rows.shape[1] // 6)
-        if np.abs(cone.load[across]).max(initial=0.0) > MIRROR * np.abs(cone.load).max():
+        antisymmetric_freedoms = np.ones(6, dtype=bool)
+        antisymmetric_freedoms[[k for k in range(3) if k != axis]] = False
+        antisymmetric_freedoms[3 + axis] = False
+        antisymmetric = np.tile(antisymmetric_freedoms, cone.rows.shape[1] // 6)
+        # a load across the plane breaks the symmetry, and so do inertias that couple in and out of
+        # plane
+        if np.abs(cone.load[antisymmetric]).max(initial=0.0) > MIRROR * np.abs(cone.load).max():
             continue
-        if _couples(whole.inverse, across):
+        if _couples(whole.inverse, antisymmetric):
             continue
-        image = _image(problem, axis)
-        sign = diags_array(np.where(across, -1.0, 1.0))
+        image = _mirrored_rows(problem, axis)
+        sign = diags_array(np.where(antisymmetric, -1.0, 1.0))
         difference = abs(cone.rows[image] - cone.rows @ sign)
-        twice = np.array_equal(image[image], np.arange(len(image)))
-        if twice and difference.max() <= MIRROR_ROWS:
-            return _within(whole, across, image)
+        is_involution = np.array_equal(image[image], np.arange(len(image)))
+        if is_involution and difference.max() <= MIRROR_ROWS:
+            return _restrict(whole, antisymmetric, image)
     return None
 
 
-def _couples(inverse: csr_array, across: Mask) -> bool:
-    """Whether inertia couples motions in the plane with motions across it."""
+def _couples(inverse: csr_array, antisymmetric: Mask) -> bool:
+    """True if inertia couples motions in the plane with motions across it."""
     i, j = inverse.tocoo().coords
-    return bool((across[i] != across[j]).any())
+    return bool((antisymmetric[i] != antisymmetric[j]).any())
 
 
-def _image(problem: ScaledProblem, axis: int) -> Index:
-    """The row that reflection across `axis` of the frame makes of each row, if it is one."""
+def _mirrored_rows(problem: ScaledProblem, axis: int) -> Index:
+    """For each row the row that would be its mirror image across `axis` of the frame.
+
+    The result is a guess from sorted rounded coordinates; the caller verifies it on the matrix.
+    """
     program = problem.program
-    own = np.where((program.part_b >= 0) & program.free[program.part_b], program.part_b, -1)
-    own = np.where(own >= 0, own, program.part_a)
-    arm = (program.point - program.center[own]) @ problem.frame.T / program.radius[own][:, None]
+    part = np.where((program.part_b >= 0) & program.free[program.part_b], program.part_b, -1)
+    part = np.where(part >= 0, part, program.part_a)
+    arm = (program.point - program.center[part]) @ problem.frame.T / program.radius[part][:, None]
     places = np.floor(
         np.column_stack([arm, program.normal @ problem.frame.T]) / MIRROR_CELL + OFFSET
     )
     depth = np.column_stack([arm[:, axis], (program.normal @ problem.frame.T)[:, axis]])
     depth = np.rint(depth / MIRROR_CELL)
-    plane = [places[:, k] for k in range(6) if k % 3 != axis]
-    keys = [*plane, program.part_a, program.part_b]
-    one = np.lexsort([depth[:, 1], depth[:, 0], *keys])
-    other = np.lexsort([-depth[:, 1], -depth[:, 0], *keys])
-    image = np.empty(len(one), dtype=np.int64)
-    image[one] = other
+    in_plane = [places[:, k] for k in range(6) if k % 3 != axis]
+    keys = [*in_plane, program.part_a, program.part_b]
+    order = np.lexsort([depth[:, 1], depth[:, 0], *keys])
+    mirrored_order = np.lexsort([-depth[:, 1], -depth[:, 0], *keys])
+    image = np.empty(len(order), dtype=np.int64)
+    image[order] = mirrored_order
     return image
 
 
-def _within(whole: LeastConstraint, across: Mask, image: Index) -> LeastConstraint:
+def _restrict(whole: LeastConstraint, across: Mask, image: Index) -> LeastConstraint:
+    """The problem without the unknowns `across` the plane, with a row for each mirror pair."""
     cone = whole.cone
     kept = np.flatnonzero(np.arange(len(image)) <= image)
     columns = np.flatnonzero(~across)
     rows = csr_array(cone.rows[kept][:, columns])
     length = np.maximum(np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel()), TINY)
-    number = np.empty(len(image), dtype=np.int64)
-    number[kept] = np.arange(len(kept))
-    number[image[kept]] = np.arange(len(kept))
-    alone = image == np.arange(len(image))
-    share = np.where(alone, 1.0, 0.5) / (length[number] * cone.unit)
+    kept_row = np.empty(len(image), dtype=np.int64)
+    kept_row[kept] = np.arange(len(kept))
+    kept_row[image[kept]] = np.arange(len(kept))
+    self_image = image == np.arange(len(image))
+    share = np.where(self_image, 1.0, 0.5) / (length[kept_row] * cone.unit)
     unit_rows = csr_array(diags_array(1.0 / length) @ rows)
     return LeastConstraint(
         ConeProjection(unit_rows, cone.load[columns], 0, 3, length * cone.unit[kept], cone.place),
         columns,
         whole.inverse,
-        number,
+        kept_row,
         share,
     )

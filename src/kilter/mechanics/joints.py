@@ -1,6 +1,6 @@
-"""Joints: the rows that hold two parts together, and the wrench that they carry.
+"""Joints: the rows that constrain two parts to each other, and the wrench that they carry.
 
-A joint forbids some relative motions of its parts at a point, the others are free:
+A joint forbids some relative motions of its parts at a point and leaves the others free:
 
     linear    (v_b(x) - v_a(x)) . n = 0       its multiplier is a force along n
     angular   (w_b - w_a) . n = 0             its multiplier is a torque along n
@@ -15,10 +15,10 @@ A joint forbids some relative motions of its parts at a point, the others are fr
     spherical      x, y, z                none
     =============  =====================  =====================
 
-Rows are taken at that point of the joint that is nearest to the centre of the smaller free
-part: a fixed or prismatic joint is the same about any point, one with an axis about any
-point of the axis. So a `point` far away costs no digits. In a planar program the rows that
-act out of the plane are left out.
+The rows are taken at that point of the joint that is nearest to the centre of the smaller free
+part: a fixed or prismatic joint is equivalent about any point, a joint with an axis about any point
+of the axis. So a distant `point` costs no digits. In a planar program the rows that act out of the
+plane are omitted.
 """
 
 from __future__ import annotations
@@ -35,17 +35,18 @@ __all__ = ["constraints", "joint_constraints", "joint_forces", "joint_wrench", "
 def joint_constraints(
     assembly: Assembly, number: int
 ) -> tuple[tuple[int, int], Array, Array, Array]:
-    """Parts of a joint (-1: ground), the point its rows are taken at, forces and torques."""
+    """Parts of a joint (-1: ground), the point of its rows, their force and torque directions."""
     joint = assembly.joints[number]
     linear, angular = constraints(joint, planar=assembly.planar)
     anchor = _anchor(assembly, assembly.geometry, joint)
-    return _parts(assembly, joint), anchor, linear, angular
+    return _joint_parts(assembly, joint), anchor, linear, angular
 
 
 def constraints(joint: Joint, *, planar: bool = False) -> tuple[Array, Array]:
     """Directions of the forces and of the torques that a joint carries, shapes (m, 3), (n, 3).
 
-    Orthonormal each, world frame; planar: of those within the plane of motion.
+    Each set is orthonormal, in the world frame; a planar joint has only those of the plane of
+    motion.
 
     Examples
     --------
@@ -55,31 +56,36 @@ def constraints(joint: Joint, *, planar: bool = False) -> tuple[Array, Array]:
     >>> [len(directions) for directions in constraints(hinge, planar=True)]
     [2, 0]
     """
-    every, none = np.eye(3), np.empty((0, 3))
-    aside = none if joint.axis is None else _aside(joint.axis, planar)
-    linear = aside if joint.kind in ("prismatic", "cylindrical") else every
-    angular = {"revolute": aside, "cylindrical": aside, "spherical": none}.get(joint.kind, every)
+    all_axes, no_axes = np.eye(3), np.empty((0, 3))
+    transverse = no_axes if joint.axis is None else _transverse(joint.axis, planar)
+    linear = transverse if joint.kind in ("prismatic", "cylindrical") else all_axes
+    angular = {"revolute": transverse, "cylindrical": transverse, "spherical": no_axes}.get(
+        joint.kind, all_axes
+    )
     if planar:  # directions are along y or across it: see `Joint.require_planar`
         return linear[np.abs(linear[:, 1]) < 0.5], angular[np.abs(angular[:, 1]) > 0.5]
     return linear, angular
 
 
-def _aside(axis: Array, planar: bool) -> Array:
-    """Two unit directions across an axis, shape (2, 3); planar: along y and across it."""
+def _transverse(axis: Array, planar: bool) -> Array:
+    """Two unit directions across an axis, shape (2, 3); planar: along y and across y."""
     if planar:
-        sideways = abs(axis[1]) > 0.5
-        return np.eye(3)[[0, 2]] if sideways else np.array([[0, 1.0, 0], [-axis[2], 0, axis[0]]])
+        axis_along_y = abs(axis[1]) > 0.5
+        return (
+            np.eye(3)[[0, 2]] if axis_along_y else np.array([[0, 1.0, 0], [-axis[2], 0, axis[0]]])
+        )
     return np.stack(across(np.asarray(axis, dtype=np.float64)))
 
 
-def _parts(assembly: Assembly, joint: Joint) -> tuple[int, int]:
+def _joint_parts(assembly: Assembly, joint: Joint) -> tuple[int, int]:
+    """Indices of the two parts of a joint; -1 is the ground."""
     a, b = (-1 if name == GROUND else assembly.index_of(name) for name in joint.parts)
     return a, b
 
 
 def _anchor(assembly: Assembly, geometry: Geometry, joint: Joint) -> Array:
-    """The point that the rows of a joint are taken at, shape (3,)."""
-    parts = [k for k in _parts(assembly, joint) if k >= 0]
+    """Point of the rows of a joint, near the smaller free part, shape (3,)."""
+    parts = [k for k in _joint_parts(assembly, joint) if k >= 0]
     free = [k for k in parts if not geometry.grounded[k]] or parts
     center: Array = geometry.center[min(reversed(free), key=lambda k: geometry.radius[k])]
     if joint.kind in ("fixed", "prismatic"):
@@ -92,7 +98,7 @@ def _anchor(assembly: Assembly, geometry: Geometry, joint: Joint) -> Array:
 
 
 def reference_point(assembly: Assembly, number: int) -> Array:
-    """The point that the wrench of a joint is given about: its own, else that of its rows."""
+    """Reference point of the reported wrench of a joint: its `point`, else that of its rows."""
     joint = assembly.joints[number]
     if joint.point is not None:
         return np.asarray(joint.point)
@@ -100,38 +106,43 @@ def reference_point(assembly: Assembly, number: int) -> Array:
 
 
 def joint_wrench(normal: Array, angular: Mask, at: Array, forces: Array, about: Array) -> Array:
-    """The wrench of the rows of one joint on its second part, shape (6,).
+    """Wrench of the rows of a joint on its second part, shape (6,).
 
     Parameters
     ----------
     normal : ndarray, shape (k, 3)
+        Directions of the rows.
     angular : ndarray of bool, shape (k,)
+        True for rows that carry a torque.
     at : ndarray, shape (3,)
-        The point that the rows are taken at.
+        Point of the rows.
     forces : ndarray, shape (k,)
-        Of the rows: forces [N] and torques [N x length unit].
+        Forces [N] and torques [N x length unit] of the rows.
     about : ndarray, shape (3,)
-        The point that the wrench is given about.
+        Reference point of the wrench.
     """
     force, torque = (forces[mask] @ normal[mask] for mask in (~angular, angular))
     return np.concatenate([force, torque + cross(at - about, force)])
 
 
 def joint_forces(normal: Array, angular: Mask, at: Array, wrench: Array, about: Array) -> Array:
-    """Forces of the rows of one joint, shape (k,), of a wrench on its second part.
+    """Forces of the rows of a joint, shape (k,), that transmit a wrench to its second part.
 
-    What the joint cannot carry is lost: `joint_wrench` of the result then differs from `wrench`.
+    Components that the joint cannot carry are dropped: `joint_wrench` of the result then differs
+    from `wrench`.
 
     Parameters
     ----------
     normal : ndarray, shape (k, 3)
+        Directions of the rows.
     angular : ndarray of bool, shape (k,)
+        True for rows that carry a torque.
     at : ndarray, shape (3,)
-        The point that the rows are taken at.
+        Point of the rows.
     wrench : ndarray, shape (6,)
-        Force [N] and torque [N x length unit].
+        Force [N] and torque [N x length unit] on the second part.
     about : ndarray, shape (3,)
-        The point that the wrench is given about.
+        Reference point of the wrench.
     """
     torque = wrench[3:] + cross(about - at, wrench[:3])
     return np.where(angular, normal @ torque, normal @ wrench[:3])

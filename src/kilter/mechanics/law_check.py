@@ -1,23 +1,23 @@
-"""Coulomb's law at the contacts of parts at rest: is a motion a motion? Apart from any solver.
+"""Coulomb's law at the contacts of parts at rest: verification of a motion without a solver.
 
-Accelerations a of the free parts and contact forces f on the second part of each contact
-start a motion if, with u = J a the acceleration of b past a at the point, n from a to b,
+Accelerations a of the free parts and contact forces f on the second part of each contact start a
+motion if, with u = J a the acceleration of b relative to a at the point, and n from a to b,
 
     M a = w + J^T f                                          the parts are in balance
-    u_n >= 0,  f_n >= 0,  u_n f_n = 0                        no part enters another; no pull
-    |f_t| <= mu f_n,   f_t = -mu f_n u_t / |u_t| where u_t is not 0
+    u_n >= 0,  f_n >= 0,  u_n f_n = 0                        no penetration, no tension
+    |f_t| <= mu f_n,   f_t = -mu f_n u_t / |u_t| if u_t is not 0
 
-A joint holds: u = 0 along its row, its force (or torque) along the row has any sign. Where
-all parts are at rest, `a` = 0 with forces of equilibrium is one solution of the law; another
-one, a motion of power w.a > 0, shows that equilibrium alone does not mean that it holds.
+A joint has u = 0 along its row, and its force (or torque) along the row has any sign. For parts at
+rest, a = 0 with forces of equilibrium is a solution of the law. Another solution, a motion of power
+w.a > 0, shows that equilibrium alone does not guarantee that the assembly stays.
 
-Sizes are taken in one metric: |a|^2 = a.M a, |w|^2 = w.M^-1 w. All residuals are divided by
-|w|, and the speed u of a point by sigma, its force multiplied by it, where sigma^2 = tr W / 3
-and W is the mobility of the point (force in, acceleration out): no units, one size of 1 for
-light and heavy parts. With A = |a| / |w| every residual must stay below 1e-3 A^2, since a
-sliver of a motion proves nothing, and below 1e-8 A: of blocks that can only rest some come
-within 3e-5 of the law while they move. The power must exceed 1e-5 of |w|^2 of the parts that
-move.
+Sizes are measured in a common metric: |a|^2 = a.M a, |w|^2 = w.M^-1 w. All residuals are divided by
+|w|. The speed u of a point is divided by sigma, and its force multiplied by it, where sigma^2 = tr
+W / 3 and W is the mobility of the point (force in, acceleration out): the numbers have no units and
+are near 1 for light and heavy parts. With A = |a| / |w| every residual must stay below 1e-3 A^2,
+since a vanishing motion proves nothing, and below 1e-8 A: stacks of blocks for which only rest is
+possible have motions with residuals of 3e-5. The power must exceed 1e-5 of |w|^2 of the moving
+parts.
 
 References
 ----------
@@ -54,23 +54,31 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LawProof:
-    """A motion judged by the contact law; every number relative, see above [-].
+    """A motion checked against the contact law; all numbers are relative, as defined above [-].
 
     Attributes
     ----------
     acceleration : ndarray, shape (N, 6)
         Linear [m/s^2], angular [rad/s^2].
     forces : ndarray, shape (K, 3)
-        On the second part of each row, world frame [N]; torque of an angular row [N x length].
+        Force on the second part of each row, world frame [N]; torque of an angular row [N x length
+        unit].
     power : float
-        w.a / |w|^2 of the parts that move.
+        w.a / |w|^2 of the moving parts.
     size : float
         |a|^2 / |w|^2.
-    balance, opening, cone, normal, angle, stretch : float
-        |a - M^-1 w - M^-1 J^T f|; how far parts enter each other or a joint opens; how far
-        forces leave their cones; |u_n f_n|; |f_t + |f_t| u_t / |u_t|| and ||f_t| - mu f_n|
-        where points slide.
+    balance : float
+        |a - M^-1 w - M^-1 J^T f|.
+    opening : float
+        Largest penetration of a contact, or opening of a joint.
+    cone : float
+        Largest distance of a force outside its cone.
+    normal : float
+        Largest |u_n f_n|.
+    angle, stretch : float
+        Largest |f_t + |f_t| u_t / |u_t|| and ||f_t| - mu f_n| of sliding points.
     holds : bool
+        The motion obeys the law.
     """
 
     acceleration: Array
@@ -87,20 +95,20 @@ class LawProof:
 
     @property
     def residual(self) -> float:
-        """The worst of the six."""
+        """The largest of the six residuals."""
         return max(self.balance, self.opening, self.cone, self.normal, self.angle, self.stretch)
 
 
 def check_law(program: Program, acceleration: Array, forces: Array) -> LawProof:
-    """Judge accelerations and forces as a motion that obeys the contact law.
+    """Check whether accelerations and forces are a motion that obeys the contact law.
 
     Parameters
     ----------
     program : Program
     acceleration : array_like, shape (N, 6)
-        Linear [m/s^2] and angular [rad/s^2], of all parts.
+        Linear [m/s^2] and angular [rad/s^2] accelerations of all parts.
     forces : array_like, shape (K, 3)
-        Of every row on its second part, world frame [N]; along an angular row a torque
+        Force of every row on its second part, world frame [N]; torque along an angular row
         [N x length unit].
     """
     given = np.asarray(acceleration, dtype=np.float64).reshape(-1, 6)
@@ -111,12 +119,12 @@ def check_law(program: Program, acceleration: Array, forces: Array) -> LawProof:
         bad = float("inf")
         return LawProof(given, given_forces, 0.0, 0.0, bad, bad, bad, bad, bad, bad, False)
     motion = given * np.repeat([1.0, metres_per_unit(program.units)], 3)
-    motion, rest, shares = _balance(program, motion, given_forces)
+    motion, rest, shares = _balance_residual(program, motion, given_forces)
     total = float(np.sqrt(max(shares.sum(), TINY)))
     energy = _energies(program, motion)
-    speeds, pushes = _normalised(program, motion, given_forces, total)
+    speeds, pushes = _in_units_of_load(program, motion, given_forces, total)
     size = float(energy.sum()) / total**2
-    residuals = (rest / total, *_law(program, speeds, pushes, np.sqrt(size)))
+    residuals = (rest / total, *_law_residuals(program, speeds, pushes, np.sqrt(size)))
     pace = (
         energy * np.where(program.free, program.mass, 1.0) / np.maximum(program.weight, TINY) ** 2
     )
@@ -130,13 +138,13 @@ def check_law(program: Program, acceleration: Array, forces: Array) -> LawProof:
 
 
 def check_balance(program: Program, forces: Array) -> float:
-    """Worst imbalance of a part over its weight, of forces in their cones; else infinity.
+    """Largest imbalance of a part over its weight; infinity if a force leaves its cone.
 
     Parameters
     ----------
     program : Program
     forces : ndarray, shape (K, 3)
-        On part b of each row, world frame.
+        Force on part b of each row, world frame [N].
     """
     along = np.einsum("ki,ki->k", program.normal, forces)
     across = np.linalg.norm(forces - along[:, None] * program.normal, axis=1)
@@ -144,35 +152,41 @@ def check_balance(program: Program, forces: Array) -> float:
     rounding = CONE_ROUNDING * np.linalg.norm(forces, axis=1)
     if (across > limit + rounding).any() or (along[~program.two_sided] < 0).any():
         return float("inf")
-    rest = point_wrenches(program, forces) + program.load
-    relative = part_sizes(program, rest, per_radius=True) / np.maximum(program.weight, TINY)
+    imbalance = point_wrenches(program, forces) + program.load
+    relative = part_sizes(program, imbalance, per_radius=True) / np.maximum(program.weight, TINY)
     return float(relative[program.free].max(initial=0.0))
 
 
-def _balance(program: Program, motion: Array, forces: Array) -> tuple[Array, float, Array]:
-    """The motion of freedoms that count, |M a - w - J^T f|, and |w|^2 of each part."""
+def _balance_residual(program: Program, motion: Array, forces: Array) -> tuple[Array, float, Array]:
+    """The motion in the counted freedoms, |M a - w - J^T f|, and |w|^2 of each part."""
     count = np.zeros((len(program.names), 6))
     count[np.ix_(program.free, program.freedoms)] = 1.0
     motion = motion * count
     load = program.load * count
-    rest = (_inertial(program, motion) - program.load - point_wrenches(program, forces)) * count
-    return motion, float(np.sqrt(_squares(program, rest).sum())), _squares(program, load)
+    rest = (
+        _inertia_forces(program, motion) - program.load - point_wrenches(program, forces)
+    ) * count
+    return (
+        motion,
+        float(np.sqrt(_squared_sizes(program, rest).sum())),
+        _squared_sizes(program, load),
+    )
 
 
-def _inertial(program: Program, motion: Array) -> Array:
-    """M a, shape (N, 6)."""
+def _inertia_forces(program: Program, motion: Array) -> Array:
+    """M a as a wrench on each part, shape (N, 6)."""
     turning = np.einsum("nij,nj->ni", program.inertia, motion[:, 3:])
     return np.hstack([program.mass[:, None] * motion[:, :3], turning])
 
 
 def _energies(program: Program, motion: Array) -> Array:
-    """a.M a of each part."""
-    energies: Array = (motion * _inertial(program, motion)).sum(axis=1)
+    """a.M a of each part, shape (N,)."""
+    energies: Array = (motion * _inertia_forces(program, motion)).sum(axis=1)
     return energies
 
 
-def _squares(program: Program, wrench: Array) -> Array:
-    """w.M^-1 w of each part; of the freedoms that count, where others are 0."""
+def _squared_sizes(program: Program, wrench: Array) -> Array:
+    """w.M^-1 w of each part, shape (N,), for wrenches without entries in uncounted freedoms."""
     turning = np.zeros((len(wrench), 3))
     axes = np.array([1] if program.planar else [0, 1, 2])
     inertia = program.inertia[program.free][:, axes][:, :, axes]
@@ -184,13 +198,13 @@ def _squares(program: Program, wrench: Array) -> Array:
 
 
 def point_speeds(program: Program, motion: Array) -> Array:
-    """J a as vectors: motion of part b past a at each row's point, shape (K, 3)."""
+    """J a as vectors: motion of part b relative to a at the point of each row, shape (K, 3)."""
     speeds = np.zeros((len(program.part_a), 3))
     for part, sign in ((program.part_b, 1.0), (program.part_a, -1.0)):
         k = np.flatnonzero(part >= 0)
-        own, arm = motion[part[k]], program.point[k] - program.center[part[k]]
-        straight = own[:, :3] + cross(own[:, 3:], arm)
-        speeds[k] += sign * np.where(program.angular[k][:, None], own[:, 3:], straight)
+        twist, arm = motion[part[k]], program.point[k] - program.center[part[k]]
+        straight = twist[:, :3] + cross(twist[:, 3:], arm)
+        speeds[k] += sign * np.where(program.angular[k][:, None], twist[:, 3:], straight)
     return speeds
 
 
@@ -208,7 +222,7 @@ def point_wrenches(program: Program, forces: Array) -> Array:
 
 
 def mobilities(program: Program) -> Array:
-    """Sigma of each row, the root of a third of the trace of its mobility, shape (K,)."""
+    """Mobility scale sigma of each row, shape (K,): the root of a third of the mobility's trace."""
     square = np.zeros(len(program.part_a))
     free = np.flatnonzero(program.free)
     inverse = np.zeros((len(program.names), 3, 3))
@@ -223,10 +237,10 @@ def mobilities(program: Program) -> Array:
     return np.sqrt(np.where(square > 0, square / 3.0, 1.0))
 
 
-def _normalised(
+def _in_units_of_load(
     program: Program, motion: Array, forces: Array, total: float
 ) -> tuple[Array, Array]:
-    """Speeds and forces of the rows, in units of |w|."""
+    """Speeds and forces at the points, in units of |w| and their mobility."""
     sigma = mobilities(program)[:, None]
     speeds, pushes = point_speeds(program, motion), forces
     if program.planar:
@@ -235,10 +249,10 @@ def _normalised(
     return speeds / sigma / total, pushes * sigma / total
 
 
-def _law(
+def _law_residuals(
     program: Program, speeds: Array, pushes: Array, fastest: float
 ) -> tuple[float, float, float, float, float]:
-    """Opening, cone, normal, angle and stretch."""
+    """The residuals opening, cone, normal, angle and stretch."""
     normal, mu, tied = program.normal, program.mu, program.two_sided
     u_n, f_n = (np.einsum("ki,ki->k", normal, vector) for vector in (speeds, pushes))
     u_t = speeds - u_n[:, None] * normal

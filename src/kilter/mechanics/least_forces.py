@@ -1,13 +1,14 @@
-"""The forces of bonds and contacts that are least beside their strength, in balance.
+"""Balanced forces with the least deviation from the rest state of the bonds, by Newton's method.
 
-Forces f' >= 0 count from -T, where a bond with nothing to do bears f' = T:
+Forces f' >= 0 are counted from -T, so a bond without load has f' = T:
 
     min |f' - T|^2:   A f' = b,  f' >= 0            f' = max(0, T + A^T y),  A f' = b
 
-Newton's method on the equations in y: one factorisation a step, and a handful of steps, where an
-equilibrium by linear programs takes hundreds. At first all that only pushes is left out, which is
-enough where bonds are strong. Where no forces balance the rest stops falling, and in the limit it
-is a motion that proves it. Both are unjudged: their certificates judge.
+Newton's method solves the equations in y with a factorisation per step and a handful of steps,
+whereas an equilibrium by linear programs takes hundreds. The first step omits the rows that only
+push, which suffices if the bonds are strong. If no balanced forces exist, the residual stops
+decreasing and tends to a motion that proves it. Both results are unverified; certificates check
+them.
 """
 
 from __future__ import annotations
@@ -21,21 +22,23 @@ from kilter.mechanics.forms import ScaledProblem
 __all__ = ["least_forces"]
 
 REGULAR = 1e-12
-"""Added to the diagonal of the equations, over its largest entry, and refined away."""
+"""Regularisation of the equations, relative to their largest diagonal entry; a second solve removes
+its effect.
+"""
 REFINED = 2
-"""Solutions with one factorisation."""
+"""Number of solves with each factorisation."""
 STEPS = 6
-"""Newton's steps at most."""
+"""Maximum number of Newton steps."""
 BALANCED = 1e-11
-"""Rest over weight that is rounding."""
+"""Residual over weight that counts as rounding [-]."""
 STALLED = 0.9
-"""A step that leaves more than this of the least rest before is one of `PATIENCE`."""
+"""A step is stalled if it leaves more than this fraction of the smallest residual so far [-]."""
 PATIENCE = 1
-"""Such steps that end it."""
+"""Stop after this many consecutive stalled steps."""
 
 
 def least_forces(problem: ScaledProblem) -> tuple[Array, Array] | None:
-    """Forces of the rows, shape (K,), and a motion, shape (N, 6); None where no bond holds.
+    """Forces of the rows, shape (K,), and a motion, shape (N, 6); None for a program without bonds.
 
     Parameters
     ----------
@@ -45,36 +48,37 @@ def least_forces(problem: ScaledProblem) -> tuple[Array, Array] | None:
     program, matrix = problem.program, problem.matrix
     if not program.pull.any():
         return None
-    from scipy.sparse.linalg import splu  # takes its time
+    from scipy.sparse.linalg import splu  # slow to import
 
     strength = program.pull / (problem.unit * program.arm)
-    acts = (program.pull > 0) | program.two_sided
+    active = (program.pull > 0) | program.two_sided
     y = np.zeros(len(problem.right))
-    one = eye_array(len(y), format="csc")
-    least, idle = np.inf, 0
-    forces, rest = strength, problem.right
+    identity = eye_array(len(y), format="csc")
+    least_size, stalled = np.inf, 0
+    forces, residual = strength, problem.right
     for _ in range(STEPS):
-        used = matrix[:, np.flatnonzero(acts)]
+        used = matrix[:, np.flatnonzero(active)]
         normal = used @ used.T
-        most = float(normal.diagonal().max(initial=TINY))
+        largest = float(normal.diagonal().max(initial=TINY))
         factor = splu(
-            csc_array(normal + REGULAR * most * one),
+            csc_array(normal + REGULAR * largest * identity),
             permc_spec="MMD_AT_PLUS_A",
             options={"SymmetricMode": True},
         )
-        with np.errstate(all="ignore"):  # nothing is left that acts: beyond all numbers
+        with np.errstate(all="ignore"):  # without active rows the system is singular: overflow
             for _ in range(REFINED):
-                y = y + factor.solve(problem.right - used @ (strength[acts] + used.T @ y))
+                y = y + factor.solve(problem.right - used @ (strength[active] + used.T @ y))
+        # the last step had no active rows; the best step before it counts
         if not np.isfinite(y).all():
             break
         pressed = strength + matrix.T @ y
-        acts = (pressed > 0) | program.two_sided
-        found = np.where(acts, pressed, 0.0)
-        left = problem.right - matrix @ found
-        size = float(np.abs(left).max(initial=0.0))
-        idle = idle + 1 if size > STALLED * least else 0
-        if size < least:
-            least, forces, rest = size, found, left
-        if size < BALANCED or idle == PATIENCE:
+        active = (pressed > 0) | program.two_sided
+        trial_forces = np.where(active, pressed, 0.0)
+        trial_residual = problem.right - matrix @ trial_forces
+        trial_size = float(np.abs(trial_residual).max(initial=0.0))
+        stalled = stalled + 1 if trial_size > STALLED * least_size else 0
+        if trial_size < least_size:
+            least_size, forces, residual = trial_size, trial_forces, trial_residual
+        if trial_size < BALANCED or stalled == PATIENCE:
             break
-    return problem.forces(forces), problem.motion(problem.over_weight(-rest))
+    return problem.forces(forces), problem.motion(problem.over_weight(-residual))

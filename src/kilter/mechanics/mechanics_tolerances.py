@@ -1,17 +1,17 @@
-"""Every tolerance of programs and of the judges, and how they stand to one another.
+"""Tolerances of programs and of the proof checks, and their order.
 
-All are relative [-] unless a unit is given. What a verdict says of exact data:
+All are relative [-] unless a unit is given. For verdicts on exact data:
 
     NO_EXCUSE > TOLERANCE,   RULED_OUT * TOLERANCE < 1
 
-a motion rules out forces of RULED_OUT weights, so that forces which leave TOLERANCE of a weight
-unbalanced and a motion that moves the part never pass together; an imbalance of NO_EXCUSE of a
-weight is none at all, however large the forces are. What obeys Coulomb's law:
+A motion rules out forces of RULED_OUT weights, so forces that leave TOLERANCE of a weight
+unbalanced and a motion that moves the part never both pass. An imbalance of NO_EXCUSE of a weight
+is no balance, however large the forces are. For Coulomb's law:
 
     WITNESS_SLIVER > WITNESS_POWER > WITNESS_EXACT > CONE_ROUNDING
 
-no residual may be more than a sliver of what a motion gains, and none so large that blocks which
-can only rest come as near. What rounding leaves of numbers near 1:
+No residual may exceed a small fraction of the gain of a motion, and none may be so large that
+blocks for which only rest is possible come as near. For rounding of numbers near 1:
 
     ZERO_ENTRY < MIRROR < MIRROR_ROWS < AGREES <= TOLERANCE < NORMAL_ANGLE <= STILL
 """
@@ -45,50 +45,66 @@ __all__ = [
 # verdicts ----------------------------------------------------------------------------------
 
 TOLERANCE = 1e-9
-"""Imbalance of a part over the forces on it up to which they balance, for exact data."""
+"""Largest imbalance of a part, over the forces on it, that counts as balance for exact data. A
+larger value accepts forces that balance less exactly.
+"""
 BLUR = 10.0
-"""The same over the accuracy of coordinates that are coarser than float64."""
+"""Tolerance of a part over the relative accuracy of its coordinates, for data coarser than float64.
+A larger value accepts more imbalance of coarse data.
+"""
 RULED_OUT = 1e6
-"""Contact forces, over the weight, that a motion must rule out."""
+"""Contact forces, over the weight, that a motion must rule out. A larger value demands more exact
+motions.
+"""
 COARSE_POWER = 0.25
-"""Fraction of the tolerance of coarse data that the power of a motion must exceed."""
+"""Fraction of the tolerance of coarse data that the power of a motion must exceed. A larger value
+rejects slower motions.
+"""
 OPENS_FAR = 1e6
-"""A motion that opens every contact moves no part farther than this over its least opening."""
+"""Largest motion of a part, over the least opening, of a motion that opens every contact. A larger
+value admits opening motions of nearly closed contacts.
+"""
 OPENS_MORE = 1e-3
-"""Such a motion is added by this much more than what it is to mend."""
+"""Safety factor on the opening motion that is added to repair a violated one."""
 NO_EXCUSE = 0.01
-"""Imbalance over the weight of a part that no contact force excuses."""
+"""Imbalance over the weight of a part that disproves balance, however large its forces are."""
 STILL = 1e-6
-"""A part, or point, slower than this fraction of the fastest does not move, or slide."""
+"""A part or point slower than this fraction of the fastest counts as not moving or not sliding."""
 POWER_ROUNDING = 1e-14
-"""What rounding leaves of a power, over the sum of the sizes of its terms [-]."""
+"""Rounding error of a power, over the sum of the absolute values of its terms [-]."""
 FOLLOWS = 1e-8
-"""The normal of a facet and that of its motion are one up to this [-]."""
+"""Largest difference of the unit normal of a facet and that of its motion [-]."""
 AGREES = 1e-9
-"""Numbers of a file and of a proof are the same up to this fraction of their size."""
+"""Numbers of a file and of a proof are equal if they differ by at most this fraction."""
 
 # Coulomb's law -----------------------------------------------------------------------------
 
 WITNESS_EXACT = 1e-8
-"""Worst residual of a motion in the law, over |a| / |w|, with which it counts."""
+"""Largest residual of a motion in the contact law, over |a| / |w|. A larger value accepts less
+exact motions.
+"""
 WITNESS_SLIVER = 1e-3
-"""Worst residual over |a|^2 / |w|^2 with which it counts."""
+"""Largest residual of a motion in the contact law, over |a|^2 / |w|^2. A larger value accepts
+weaker motions.
+"""
 WITNESS_POWER = 1e-5
-"""Least power of a motion over |w|^2 of the parts that move."""
+"""Least power of a motion, over |w|^2 of the moving parts. A larger value rejects weaker
+motions.
+"""
 CONE_ROUNDING = 1e-14
-"""How far a force may leave its cone, over its size, by rounding alone."""
+"""Rounding error of a force at the boundary of its cone, over its size."""
 
 # entries of matrices, and mirror images ------------------------------------------------------
 
 ZERO_ENTRY = 1e-14
-"""Entries of a scaled matrix below this are rounding of an exact zero."""
+"""Entries of a scaled matrix below this value are rounding errors of an exact zero."""
 MIRROR = 1e-12
-"""Loads and inertia across a plane of reflection, over the largest, that count as none."""
+"""Loads and inertia across a mirror plane below this fraction of the largest count as zero."""
 MIRROR_ROWS = 1e-10
-"""Entries of rows that differ by less are those of a mirror image."""
+"""Largest difference of the entries of a row and of its mirror image."""
 MIRROR_CELL = 1e-6
-"""Places over the radius of a part, and directions, are compared in cells of this size."""
+"""Size of the cells in which points over the radius of a part, and directions, are compared."""
 NORMAL_ANGLE = 1e-6
-"""A line lies across a normal up to this angle [rad]."""
+"""A line is perpendicular to a normal up to this deviation from 90 degrees [rad]."""
 SAME_AREA = 1e-6
-"""The hull of a patch and its area are one up to this fraction of it."""
+"""Largest difference of the area of a patch and that of its convex hull, over the hull's."""

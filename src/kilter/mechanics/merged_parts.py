@@ -1,11 +1,13 @@
-"""Parts that are joined to each other as one body: the same program with fewer freedoms.
+"""A program whose rigidly joined parts are merged to a single body, with fewer freedoms.
 
-A fixed joint has six unknown forces and six equations between the freedoms of its parts. Where
-parts move as one, they may as well be one: mass, centre and inertia of body B of parts i are
+A fixed joint adds six unknown forces and six equations between the freedoms of its parts. If the
+parts always move together, a single body is sufficient. The mass, centre and inertia of the body of
+parts i are
 
     m = sum m_i,   c = sum m_i c_i / m,   I = sum I_i + m_i (|d_i|^2 - d_i d_i^T),   d_i = c_i - c
 
-and rows between two parts of one body go. Forces and motions are those of the joined parts.
+and rows between two parts of the same body are removed. Forces and motions are those of the joined
+parts.
 """
 
 from __future__ import annotations
@@ -19,14 +21,14 @@ __all__ = ["merge_parts"]
 
 
 def merge_parts(program: Program, group: Index) -> Program:
-    """The program whose parts are the groups of parts of another.
+    """The program whose parts are groups of the parts of another program.
 
     Parameters
     ----------
     program : Program
     group : ndarray of int, shape (N,)
-        A number from 0 on for each part, the same for parts that move as one; every number up to
-        the greatest is used. A group with a held part is held.
+        Group number of each part, equal for parts that move together; all numbers from 0 to the
+        greatest occur. A group with a held part is held.
 
     Examples
     --------
@@ -53,13 +55,13 @@ def merge_parts(program: Program, group: Index) -> Program:
     np.maximum.at(tolerance, group, program.tolerance)
     free = np.ones(count, dtype=bool)
     free[group[~program.free]] = False
-    place = np.append(group, -1)
-    a, b = place[program.part_a], place[program.part_b]
+    group_or_ground = np.append(group, -1)
+    a, b = group_or_ground[program.part_a], group_or_ground[program.part_b]
     still = ~np.append(free, False)
     rows = np.flatnonzero((a != b) & ~(still[a] & still[b]))
-    first = np.unique(group, return_index=True)[1]
+    first_part = np.unique(group, return_index=True)[1]
     return program.taking(rows).with_rows(
-        names=tuple(program.names[k] for k in first),
+        names=tuple(program.names[k] for k in first_part),
         free=free,
         center=center,
         mass=mass,

@@ -1,10 +1,10 @@
-"""A motion that opens every contact, and what it mends: motions that are nearly admissible.
+"""A motion that opens every contact, and the repair of nearly admissible motions with it.
 
-    m0:  u_n - mu |u_t| >= 1 at every contact,  J m0 = 0 at every joint,  the shortest
+    m0:  u_n - mu |u_t| >= 1 at every contact,  J m0 = 0 at every joint,  |m0| least
 
-exists where no forces hold one another in balance without a load (Farkas): nothing is squeezed.
-A motion m whose worst violation is v becomes m + v m0, which is admissible exactly. So the
-motion of an interior point, good to the root of its gap, proves what an exact one does.
+exists iff no nonzero contact forces balance one another without a load (Farkas): there is no
+self-stress. If the worst violation of a motion m is v, then m + v m0 is exactly admissible. So a
+motion from an interior point, accurate to the root of its gap, proves as much as an exact motion.
 
 The same program with another objective gives the motion that bounds all contact forces best
 (`kilter.friction.opening_motion`).
@@ -31,7 +31,7 @@ __all__ = ["Opening", "opening_program"]
 
 @dataclass(frozen=True, eq=False)
 class Opening:
-    """The motion `m0` of a program whose rows are spread; sought when it is first needed.
+    """The shortest opening motion `m0` of a program with cones, computed when first needed.
 
     Attributes
     ----------
@@ -55,43 +55,46 @@ class Opening:
 
     @property
     def program(self) -> Program:
-        """The program, with gravity as it is asked about."""
+        """The program, with its current direction of gravity."""
         return self.wide.program
 
     @cached_property
     def m0(self) -> Array | None:
-        """The shortest motion that opens every contact by 1, shape (N, 6); None: none is short."""
+        """The shortest motion that opens every contact by 1, shape (N, 6).
+
+        None if no such motion exists, or if it moves a part too far (`OPENS_FAR`).
+        """
         from kilter.solvers.clarabel import solve_conic
 
-        answer = solve_conic(_program(self.wide))
-        if not answer.found:
+        solution = solve_conic(_shortest_opening(self.wide))
+        if not solution.found:
             return None
-        motion = self.wide.problem.motion(answer.x)
+        motion = self.wide.problem.motion(solution.x)
         least = _least_opening(self.program, motion)
-        far = float(part_sizes(self.program, motion, per_radius=False).max(initial=0.0))
-        if not least > 0.0 or far > OPENS_FAR * least:
+        reach = float(part_sizes(self.program, motion, per_radius=False).max(initial=0.0))
+        if not least > 0.0 or reach > OPENS_FAR * least:
             return None
         opened: Array = motion / least
         return opened
 
     def turned(self, down: Array) -> Opening:
-        """The same with gravity along `down`, shape (3,): it counts in no row."""
-        other = Opening(self.wide.turned(down))
-        other.__dict__["m0"] = self.m0
-        return other
+        """The same motion for gravity along `down`, shape (3,): it does not depend on gravity."""
+        opening = Opening(self.wide.turned(down))
+        opening.__dict__["m0"] = self.m0
+        return opening
 
     def narrowed(self, wide: ConeProblem) -> Opening:
-        """The same of cones within these: what opens every contact of these opens theirs."""
-        other = Opening(wide)
-        other.__dict__["m0"] = self.m0
-        return other
+        """The same motion for cones inside these: it opens their contacts too."""
+        opening = Opening(wide)
+        opening.__dict__["m0"] = self.m0
+        return opening
 
     def mended(self, motion: Array) -> Array:
-        """The motion made admissible; itself where that cannot be."""
-        worst = -_least_opening(self.program, motion)
-        if worst <= 0.0 or not np.isfinite(worst) or self.m0 is None:
+        """The motion made admissible by an opening motion; unchanged if none exists."""
+        violation = -_least_opening(self.program, motion)
+        if violation <= 0.0 or not np.isfinite(violation) or self.m0 is None:
             return motion
-        mended: Array = motion + (1 + OPENS_MORE) * worst * self.m0
+        mended: Array = motion + (1 + OPENS_MORE) * violation * self.m0
         return mended
 
 
@@ -99,13 +102,13 @@ def _least_opening(program: Program, motion: Array) -> float:
     """Least u_n - mu |u_t| of the one-sided rows [length unit]."""
     openings = program.velocities(motion) * program.arm
     rows = program.rough
-    with np.errstate(over="ignore"):  # what is beyond all numbers opens nothing
+    with np.errstate(over="ignore"):  # an infinite motion opens nothing
         openings[rows] -= program.mu[rows] * np.linalg.norm(program.slips(motion, rows), axis=1)
     return float(openings[~program.two_sided].min(initial=np.inf))
 
 
-def _program(wide: ConeProblem) -> ConicProgram:
-    """The shortest of the scaled motions. x = m."""
+def _shortest_opening(wide: ConeProblem) -> ConicProgram:
+    """Program for the shortest scaled motion that opens every contact by 1. x = m."""
     program = wide.program
     opening, count = csr_array(wide.problem.openings()), len(program.part_a)
     rubs = np.flatnonzero(program.mu[wide.rough] > 0)
@@ -127,7 +130,7 @@ def opening_program(
     *,
     load: Array | None = None,
 ) -> ConicProgram:
-    """A motion m that opens every contact by 1: the shortest, or what bounds the forces best.
+    """Program for a motion m that opens every contact by 1: the shortest, or for a force bound.
 
         min 1/2 |m|^2,  or  min (|m| - load.m) / 2:
         J m = 0 at joints,   u_n >= 1 at smooth contacts,   u_n - mu |u_t| >= 1 at rough ones
@@ -135,31 +138,32 @@ def opening_program(
     Parameters
     ----------
     joined, smooth : csr_array, shapes (J, n), (S, n)
-        J, and u_n.
+        Rows of the joints, and of the normal opening of contacts without friction.
     rough : sequence of csr_array, shape (R, n)
-        u_n of the rough contacts, then u_t along each direction across them.
+        u_n of the contacts with friction, then u_t along each tangent direction.
     mu : ndarray, shape (R,)
+        Friction coefficients [-].
     load : ndarray, shape (n,), optional
-        Where given, x = (a bound of |m|, m), else x = m.
+        If given, the second objective applies and x = (a bound of |m|, m), else x = m.
     """
-    wide, count = len(rough), len(mu)
+    cone_size, count = len(rough), len(mu)
     cones = vstack([rough[0], *[row.multiply(mu[:, None]) for row in rough[1:]]], format="csr")
-    order = np.arange(count)[:, None] + count * np.arange(wide)
+    order = np.arange(count)[:, None] + count * np.arange(cone_size)
     matrix = -vstack([joined, smooth, cones[order.reshape(-1)]], format="csc")
-    ends = np.zeros((count, wide))
+    ends = np.zeros((count, cone_size))
     ends[:, 0] = -1.0
     bound = np.concatenate([np.zeros(joined.shape[0]), -np.ones(smooth.shape[0]), ends.reshape(-1)])
-    sizes, size = np.full(count, wide), matrix.shape[1]
+    sizes, size = np.full(count, cone_size), matrix.shape[1]
     heads = (joined.shape[0], smooth.shape[0])
     if load is None:
         return ConicProgram(
             csc_array(eye_array(size)), np.zeros(size), matrix, bound, *heads, sizes
         )
-    beside = hstack([csc_array((matrix.shape[0], 1)), matrix])
+    bounded = hstack([csc_array((matrix.shape[0], 1)), matrix])
     return ConicProgram(
         csc_array((size + 1, size + 1)),
         np.concatenate([[0.5], -0.5 * load]),
-        csc_array(vstack([beside, -eye_array(size + 1)])),
+        csc_array(vstack([bounded, -eye_array(size + 1)])),
         np.concatenate([bound, np.zeros(size + 1)]),
         *heads,
         np.append(sizes, size + 1),

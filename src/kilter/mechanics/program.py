@@ -1,4 +1,4 @@
-"""The program: parts, contact rows and load of one question, with labels.
+"""The program: parts, contact rows and load of a question, with labels.
 
 Free part i has centre of mass c_i and mass m_i, and the displacement dp_i = (dr_i, dtheta_i),
 rotation about c_i. A row is (a, b, x, n): parts, position, unit direction from a to b;
@@ -7,12 +7,12 @@ rotation about c_i. A row is (a, b, x, n): parts, position, unit direction from 
     w = (m_i g, 0)_i plus given loads                                        load
     J^T f + w = 0,  f >= 0                                                   equilibrium
 
-(the paper, equations (5), (8), (9)). A contact pushes: its row is an inequality, its force
-is not negative. A joint also pulls: its rows are equations, its forces have both signs. The
-angular rows of a joint hold (dtheta_b - dtheta_a) . n = 0; their force is a torque.
+(the paper, equations (5), (8), (9)). A contact pushes: its row is an inequality, and its force is
+not negative. A joint also pulls: its rows are equations, and its forces have both signs. The
+angular rows of a joint require (dtheta_b - dtheta_a) . n = 0; their force is a torque.
 
-Building a program, solving it (`kilter.solvers`) and judging the answer
-(`kilter.mechanics.certificate`) are three functions; this is what passes between them.
+Building a program, solving it (`kilter.solvers`) and checking the solution
+(`kilter.mechanics.certificate`) are three separate steps that communicate through this class.
 """
 
 from __future__ import annotations
@@ -46,42 +46,46 @@ __all__ = ["Program", "bounding_program", "build_program"]
 
 
 ROW_FIELDS = ForceRows.__slots__
-"""The members of a program that are arrays of its rows."""
+"""Names of the members of a program that are arrays of its rows."""
 
 PLANE = np.array([0, 2, 4])
 PLANE.setflags(write=False)
-"""Freedoms of a planar part among the six: x, z, rotation about y."""
+"""Freedoms of a part in the plane: x, z, and rotation about y."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Program:
-    """Rows, parts and load; world frame, length unit of the assembly, forces in N.
+    """Parts, rows and load of a question; world frame, length unit of the assembly, forces in N.
 
     Attributes
     ----------
     names : tuple of str
         Names of all N parts.
     free : ndarray of bool, shape (N,)
+        False for held parts.
     center : ndarray, shape (N, 3)
+        Centres of mass.
     mass : ndarray, shape (N,)
         [kg]
     inertia : ndarray, shape (N, 3, 3)
-        [kg x length unit^2], about the centre of mass, world axes.
+        Inertia about the centre of mass, world axes [kg x length unit^2].
     radius : ndarray, shape (N,)
-        The one length of each part: its bounding radius.
+        Characteristic length of each part: its bounding radius.
     gravity : ndarray, shape (3,)
         [m/s^2]
     applied : ndarray, shape (N, 6)
         Given loads: force [N] and torque about the centre of mass [N x length unit].
     clamp : ndarray, shape (N, 6)
-        The loads with which bonds press parts together, alike (`kilter.mechanics.bond_rows`).
+        Clamping loads of the bonds, in the same form (`kilter.mechanics.bond_rows`).
     part_a, part_b, point, normal, kind, two_sided, angular : ndarray
     mu, source, doubt, pull, tied, shear : ndarray
-        Of the K rows, as `kilter.mechanics.rows.ForceRows` has them.
+        Arrays of the K rows, as in `kilter.mechanics.rows.ForceRows`.
     tolerance : ndarray, shape (N,)
-        Relative tolerance of a verdict about each part [-].
+        Relative tolerance of a verdict for each part [-].
     planar : bool
+        True if parts move only in the x-z plane.
     units : str
+        Name of the length unit.
     """
 
     names: tuple[str, ...]
@@ -112,7 +116,7 @@ class Program:
 
     @property
     def g(self) -> float:
-        """Size of gravity [m/s^2]."""
+        """Magnitude of gravity [m/s^2]."""
         return float(np.linalg.norm(self.gravity))
 
     @property
@@ -122,7 +126,7 @@ class Program:
 
     @property
     def load(self) -> Array:
-        """Force [N] and torque [N x length unit] on each part but those of rows, (N, 6)."""
+        """Force [N] and torque [N x length unit] on each part, without rows, shape (N, 6)."""
         load = self.applied + self.clamp
         load[:, :3] += self.mass[:, None] * self.gravity
         load[~self.free] = 0.0
@@ -130,7 +134,7 @@ class Program:
 
     @property
     def weight(self) -> Array:
-        """The one force of each part [N], shape (N,): its weight plus the loads on it."""
+        """Characteristic force of each part [N], shape (N,): its weight plus the loads on it."""
         force = np.linalg.norm(self.applied[:, :3], axis=1)
         torque = np.linalg.norm(self.applied[:, 3:], axis=1) / self.radius
         weight: Array = self.mass * self.g + force + torque
@@ -138,29 +142,29 @@ class Program:
 
     @property
     def arm(self) -> Array:
-        """The one length of each angular row, shape (K,): the largest of its free parts' radii.
+        """Characteristic length of each angular row, shape (K,): the larger radius of its parts.
 
-        Times a turn it is an opening, under a torque a force; 1 for the other rows. So
-        nothing depends on the unit of length.
+        Held parts do not count. A rotation times this length is an opening, and a torque over it is
+        a force, so no result depends on the unit of length. The value of the other rows is 1.
         """
         size = np.append(np.where(self.free, self.radius, 0.0), 0.0)
         return np.where(self.angular, np.maximum(size[self.part_a], size[self.part_b]), 1.0)
 
     @property
     def freedoms(self) -> Index:
-        """Which of the six freedoms of a part count."""
+        """Indices of the counted freedoms of a part, among its six."""
         return PLANE if self.planar else np.arange(6)
 
     @property
     def columns(self) -> list[tuple[str, str]]:
         """Labels (part, freedom) of the columns of `jacobian`."""
-        words = ("dx", "dy", "dz", "rx", "ry", "rz")
+        labels = ("dx", "dy", "dz", "rx", "ry", "rz")
         moving = [name for name, free in zip(self.names, self.free, strict=True) if free]
-        return [(name, words[k]) for name in moving for k in self.freedoms]
+        return [(name, labels[k]) for name in moving for k in self.freedoms]
 
     @property
     def rows(self) -> list[tuple[str, str, str, int]]:
-        """Labels (kind, part a, part b, patch, possible force or joint) of the rows."""
+        """Labels of the rows: (kind, part a, part b, number of the patch, force or joint)."""
         names = (*self.names, GROUND)
         return [
             (KINDS[kind], names[a], names[b], int(source))
@@ -170,7 +174,7 @@ class Program:
         ]
 
     def jacobian(self) -> csr_array:
-        """J, one row a row, one column a freedom of a free part, in the order of `columns`."""
+        """J, shape (K, freedoms of the free parts), with columns in the order of `columns`."""
         count, per = len(self.part_a), len(self.freedoms)
         column = np.full(len(self.names) + 1, -1)
         column[:-1][self.free] = np.arange(int(self.free.sum()))
@@ -186,7 +190,7 @@ class Program:
         return csr_array((np.concatenate(blocks), triplets), shape=shape)
 
     def lever(self, rows: Index, part: Index) -> Array:
-        """(n, (x - c) x n) of rows on a part, shape (k, 6); (0, n) for angular rows."""
+        """Wrench directions (n, (x - c) x n) of rows on a part, shape (k, 6); angular: (0, n)."""
         normal = self.normal[rows]
         moment = cross(self.point[rows] - self.center[part], normal)
         angular = self.angular[rows][:, None]
@@ -199,51 +203,51 @@ class Program:
 
     @property
     def cohesion(self) -> Array:
-        """What each row bears across it beside friction [N], shape (K,): the limits of bonds."""
+        """Shear limit of the bond of each row, in addition to friction [N], shape (K,); else 0."""
         return np.where(np.isnan(self.shear), 0.0, self.shear)
 
     @property
     def gripping(self) -> Index:
-        """Rows with forces across them: by friction, or up to the limit of a bond; (R,)."""
+        """Rows with forces across them, by friction or by a bond with a shear limit; shape (R,)."""
         return np.flatnonzero((self.mu > 0) | (self.cohesion > 0))
 
     @property
     def has_strength(self) -> bool:
-        """Whether bonds hold by forces, which do not grow with the load."""
+        """True if bonds transmit limited forces, which do not grow with the load."""
         return bool(self.pull.any() or self.cohesion.any())
 
     @property
     def force_rows(self) -> ForceRows:
-        """The rows by themselves."""
+        """The rows of the program, without its parts and load."""
         return ForceRows(*(getattr(self, name) for name in ROW_FIELDS))
 
     def with_force_rows(self, rows: ForceRows) -> Program:
-        """The program with these rows in place of its own."""
+        """The program with other rows."""
         return self.with_rows(**{name: getattr(rows, name) for name in ROW_FIELDS})
 
     def taking(self, rows: Index | Mask) -> Program:
-        """The program with some of its rows, by place or mask."""
+        """The program with a subset of its rows, given by index or mask."""
         return self.with_force_rows(self.force_rows.take(rows))
 
     @property
     def frictionless(self) -> Program:
-        """The same with mu = 0 everywhere, as far as that is certain (`with_friction`)."""
+        """The program with mu = 0 at every row; rows of fitted normals are dropped."""
         return self.with_friction(0.0) if self.mu.any() or self.doubt.any() else self
 
     def with_friction(self, mu: float) -> Program:
-        """The program with one coefficient at every contact, less the doubt of its normal.
+        """The program with equal coefficients at all contacts, reduced by the doubt of the normal.
 
-        Contacts whose normals are in doubt by more than `mu` hold nothing for certain, and are
-        left out.
+        Contacts whose normals are uncertain by more than `mu` have no certain force and are
+        removed.
         """
-        rubs = (self.kind == CONTACT) & ~self.tied & np.isnan(self.shear)
-        less = np.where(rubs, certain_friction(mu, self.doubt), 0.0)
-        changed = self.with_rows(mu=less)
+        has_friction = (self.kind == CONTACT) & ~self.tied & np.isnan(self.shear)
+        reduced = np.where(has_friction, certain_friction(mu, self.doubt), 0.0)
+        changed = self.with_rows(mu=reduced)
         certain = changed.force_rows.certain
         return changed if certain.all() else changed.taking(certain)
 
     def velocities(self, motion: Array) -> Array:
-        """J dp: opening of each row, shape (K,), for a motion of all parts, shape (N, 6)."""
+        """J dp: opening of each row, shape (K,), by a motion of all parts, shape (N, 6)."""
         result = np.zeros(len(self.part_a))
         for part, sign in ((self.part_b, 1.0), (self.part_a, -1.0)):
             k = np.flatnonzero(part >= 0)
@@ -251,7 +255,7 @@ class Program:
         return result
 
     def slips(self, motion: Array, rows: Index) -> Array:
-        """u_t: velocity along the surface of some contact rows, b over a, shape (k, 3)."""
+        """u_t: tangential velocity of part b relative to a at contact rows, shape (k, 3)."""
         relative = np.zeros((len(rows), 3))
         for part, sign in ((self.part_b[rows], 1.0), (self.part_a[rows], -1.0)):
             k = np.flatnonzero(part >= 0)
@@ -266,7 +270,7 @@ class Program:
         return slip
 
     def power(self, motion: Array) -> float:
-        """Work of the load on a motion, shape (N, 6), less what bonds take up where they slip."""
+        """Power of the load on a motion, shape (N, 6), minus the dissipation of slipping bonds."""
         rows = np.flatnonzero(self.cohesion > 0)
         slips = np.linalg.norm(self.slips(motion, rows), axis=1)
         return float((self.load * motion).sum() - self.cohesion[rows] @ slips)
@@ -274,7 +278,12 @@ class Program:
     def wrenches(self, forces: Array, friction: Array | None = None) -> Array:
         """J^T f: force and torque of the rows on each part, shape (N, 6).
 
-        `forces`, shape (K,): along the rows; `friction`, shape (K, 3): across them [N].
+        Parameters
+        ----------
+        forces : ndarray, shape (K,)
+            Along the rows [N].
+        friction : ndarray, shape (K, 3), optional
+            Across the rows, on part b [N].
         """
         total = np.zeros((len(self.names), 6))
         for part, sign in ((self.part_b, 1.0), (self.part_a, -1.0)):
@@ -284,14 +293,14 @@ class Program:
                 total[:, axis] += np.bincount(part[k], wrench[:, axis], minlength=len(total))
             if friction is not None:
                 k = np.flatnonzero((part >= 0) & friction.any(axis=1))
-                aside = sign * friction[k]
-                moment = cross(self.point[k] - self.center[part[k]], aside)
-                for axis, column in enumerate((*aside.T, *moment.T)):
+                across = sign * friction[k]
+                moment = cross(self.point[k] - self.center[part[k]], across)
+                for axis, column in enumerate((*across.T, *moment.T)):
                     total[:, axis] += np.bincount(part[k], column, minlength=len(total))
         return total
 
     def force_sums(self, forces: Array, friction: Array | None = None) -> Array:
-        """Sum of the sizes of the forces of the rows on each part [N], shape (N,)."""
+        """Sum of the absolute forces of the rows on each part [N], shape (N,)."""
         total = np.zeros(len(self.names))
         size = np.abs(forces)
         if friction is not None:
@@ -303,52 +312,52 @@ class Program:
         return total
 
     def point_forces(self, forces: Array, friction: Array) -> Array:
-        """What acts at the contact rows on their part b [N], shape (C, 3), bonds included.
+        """Force vector at each contact row on its part b [N], shape (C, 3), bonds included.
 
-        `forces`, shape (K,), and `friction`, shape (K, 3), as those of a proof.
+        `forces`, shape (K,), and `friction`, shape (K, 3), are those of a `ForceProof`.
         """
         rows = np.flatnonzero(self.kind == CONTACT)
         along = forces[rows] - self.pull[rows]
         acting: Array = along[:, None] * self.normal[rows] + friction[rows]
-        tied, borne = np.flatnonzero(self.tied[rows]), np.flatnonzero(self.kind == BONDED)
-        aside = forces[borne, None] * self.normal[borne]
-        acting[tied] += aside.reshape(2, len(tied), 3).sum(axis=0)
+        tied, bonded = np.flatnonzero(self.tied[rows]), np.flatnonzero(self.kind == BONDED)
+        shear = forces[bonded, None] * self.normal[bonded]
+        acting[tied] += shear.reshape(2, len(tied), 3).sum(axis=0)
         return acting
 
     def row_forces(self, acting: Array) -> tuple[Array, Array]:
-        """Forces along the rows, shape (K,), and across them, (K, 3), of what acts at contacts.
+        """Forces along the rows, shape (K,), and across, (K, 3), from force vectors at contacts.
 
-        The other way round than `point_forces`; those of other rows are 0.
+        The inverse of `point_forces`; the forces of other rows are 0.
         """
         rows = np.flatnonzero(self.kind == CONTACT)
         forces, friction = np.zeros(len(self.part_a)), np.zeros((len(self.part_a), 3))
         along = np.einsum("ij,ij->i", acting, self.normal[rows])
-        aside = acting - along[:, None] * self.normal[rows]
+        across = acting - along[:, None] * self.normal[rows]
         forces[rows] = along + self.pull[rows]
-        tied, borne = np.flatnonzero(self.tied[rows]), np.flatnonzero(self.kind == BONDED)
-        forces[borne] = np.einsum("ij,ij->i", np.tile(aside[tied], (2, 1)), self.normal[borne])
-        aside[tied] = 0.0
-        friction[rows] = aside
+        tied, bonded = np.flatnonzero(self.tied[rows]), np.flatnonzero(self.kind == BONDED)
+        forces[bonded] = np.einsum("ij,ij->i", np.tile(across[tied], (2, 1)), self.normal[bonded])
+        across[tied] = 0.0
+        friction[rows] = across
         return forces, friction
 
     def full(self, columns: Array) -> Array:
-        """A vector in the order of `columns` as a motion of all parts, shape (N, 6)."""
+        """Motion of all parts, shape (N, 6), from a vector in the order of `columns`."""
         motion = np.zeros((len(self.names), 6))
         motion[np.ix_(self.free, self.freedoms)] = columns.reshape(-1, len(self.freedoms))
         return motion
 
     def with_strength(self, share: float) -> Program:
-        """The program with a share of the strength of every bond."""
+        """The program with the strength of every bond multiplied by `share`."""
         return self.with_rows(
             clamp=share * self.clamp, pull=share * self.pull, shear=share * self.shear
         )
 
     def turned(self, down: Array) -> Program:
-        """The program with gravity, at its size, along `down`, shape (3,), of any length."""
+        """The program with gravity of the same size along `down`, shape (3,), of any length."""
         return self.with_rows(gravity=unit(down, "down") * self.g)
 
     def with_rows(self, **changes: object) -> Program:
-        """A copy with other rows or load."""
+        """A copy with other values of the given members."""
         values = {name: getattr(self, name) for name in self.__slots__}
         return Program(**{**values, **changes})
 
@@ -361,23 +370,23 @@ def build_program(
     sticking: bool = False,
     fitted: bool = False,
 ) -> Program:
-    """The program of an assembly and its certain contacts.
+    """Build the program of an assembly and its certain contacts.
 
-    A contact whose normal a fit gave is certain only by friction above its doubt; else it is
-    left out here, for every question alike.
+    A contact with a fitted normal is certain only if its friction exceeds the uncertainty of the
+    normal; otherwise it is omitted, for every question alike.
 
     Parameters
     ----------
     assembly : Assembly
     contacts : ContactSet
     possible : bool
-        Also with every force that contacts that are not modelled might bring. What is
-        unstable then is unstable.
+        Include every force that contacts outside the model could transmit. An assembly that is
+        unstable with these forces is unstable.
     sticking : bool
-        Also with tangential forces of any size at contacts where mu > 0, as rows of their
-        own: a bound for questions that leave Coulomb's law out.
+        Include tangential forces of any size at contacts with mu > 0, as separate rows: a bound for
+        questions that ignore Coulomb's law.
     fitted : bool
-        Also the contacts that are not certain, along their fitted normals.
+        Include the uncertain contacts, along their fitted normals.
     """
     geometry = assembly.geometry
     touching = contact_rows(contacts, geometry)
@@ -399,9 +408,9 @@ def build_program(
         inertia=geometry.inertia,
         radius=geometry.radius,
         gravity=assembly.gravity,
-        applied=_applied(assembly, geometry),
+        applied=_applied_loads(assembly, geometry),
         clamp=clamp_of(geometry, rows.part_a, rows.part_b, rows.point, rows.normal, rows.pull),
-        tolerance=_tolerances(contacts, geometry),
+        tolerance=_part_tolerances(contacts, geometry),
         planar=assembly.planar,
         units=assembly.units,
         **{name: getattr(rows, name) for name in ROW_FIELDS},
@@ -409,13 +418,13 @@ def build_program(
 
 
 def bounding_program(assembly: Assembly, contacts: ContactSet) -> Program:
-    """Every force that there may be, as rows: a bound for questions without Coulomb's law."""
-    outer = build_program(assembly, contacts, possible=True, sticking=True)
-    return outer.with_rows(mu=np.zeros(len(outer.mu)))
+    """A program with every conceivable force as a row, for bounds without Coulomb's law."""
+    program = build_program(assembly, contacts, possible=True, sticking=True)
+    return program.with_rows(mu=np.zeros(len(program.mu)))
 
 
-def _applied(assembly: Assembly, geometry: Geometry) -> Array:
-    """Given loads about the centres of mass, shape (N, 6)."""
+def _applied_loads(assembly: Assembly, geometry: Geometry) -> Array:
+    """Given loads as force and torque about the centres of mass, shape (N, 6)."""
     applied = np.zeros((len(assembly.parts), 6))
     for load in assembly.loads:
         k = assembly.index_of(load.part)
@@ -425,8 +434,8 @@ def _applied(assembly: Assembly, geometry: Geometry) -> Array:
     return applied
 
 
-def _tolerances(contacts: ContactSet, geometry: Geometry) -> Array:
-    """max(1e-9, accuracy of the coordinates over the size of the patch) of each part."""
+def _part_tolerances(contacts: ContactSet, geometry: Geometry) -> Array:
+    """Relative tolerance of each part: max(1e-9, 10 x accuracy of coordinates over patch size)."""
     tolerance = np.full(len(geometry.mass), TOLERANCE)
     blur = BLUR * contacts.patch_accuracy
     np.maximum.at(tolerance, contacts.patch_parts.T, blur[None, :])

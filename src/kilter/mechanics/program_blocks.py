@@ -1,8 +1,9 @@
-"""Programs of assemblies side by side: scaled, solved and judged in arrays, each by itself.
+"""Programs of many assemblies in shared arrays: scaled, solved and checked together.
 
 The equations are those of `kilter.mechanics.forms` and the proofs those of
-`kilter.mechanics.certificate`, with the gravity, the common frame and the unit of force of each
-assembly. What holds here holds there: `ProgramBlocks.program` gives one back to be rechecked.
+`kilter.mechanics.certificate`, with the gravity, common frame and unit of force of each assembly.
+Results are identical to those of single programs: `ProgramBlocks.program` returns a single program
+to verify it.
 """
 
 from __future__ import annotations
@@ -35,20 +36,20 @@ __all__ = ["BlockProofs", "ProgramBlocks", "program_blocks"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BlockProofs:
-    """Forces and a motion of each of M programs, judged.
+    """Forces and a motion of each of M programs, with the results of their checks.
 
     Attributes
     ----------
     stable, unstable : ndarray of bool, shape (M,)
-        Exactly one proof holds: that of the forces, or that of the motion.
+        Exactly one proof holds: the forces, or the motion.
     residual : ndarray, shape (M,)
         Worst relative imbalance of the forces [-].
     power, violation : ndarray, shape (M,)
-        Of the motion, as `MotionProof` has them [W at 1 m/s, -].
+        Power [W at 1 m/s] and violation [-] of the motion, as in `MotionProof`.
     forces : ndarray, shape (K,)
-        [N]
+        Forces of the rows [N].
     motion : ndarray, shape (N, 6)
-        Where the part of each program that moves most moves by 1.
+        Motion of all parts; the fastest part of each program moves by 1.
     """
 
     stable: Mask
@@ -62,18 +63,18 @@ class BlockProofs:
 
 @dataclass(frozen=True)
 class ProgramBlocks:
-    """M programs without friction and joints, side by side.
+    """M programs without friction and joints, in shared arrays.
 
     Attributes
     ----------
     whole : Program
-        Of all parts, its rows in order of the programs; its gravity says nothing.
+        All parts, and all rows in the order of the programs; its gravity is unused.
     start : ndarray of int, shape (M + 1,)
-        First part of each.
+        First part of each program.
     row_start : ndarray of int, shape (M + 1,)
-        First row of each.
+        First row of each program.
     gravity : ndarray, shape (M, 3)
-        [m/s^2]
+        Gravity of each program [m/s^2].
     """
 
     whole: Program
@@ -83,7 +84,7 @@ class ProgramBlocks:
 
     @cached_property
     def owner(self) -> Index:
-        """The program of each part, shape (N,)."""
+        """Program of each part, shape (N,)."""
         return np.repeat(np.arange(len(self.gravity)), np.diff(self.start))
 
     @cached_property
@@ -96,13 +97,13 @@ class ProgramBlocks:
 
     @cached_property
     def weight(self) -> Array:
-        """[N], shape (N,)."""
+        """Weight of each part [N], shape (N,)."""
         weight: Array = self.whole.mass * np.linalg.norm(self.gravity, axis=1)[self.owner]
         return weight
 
     @cached_property
     def frames(self) -> Array:
-        """The common frame of each, shape (M, 3, 3)."""
+        """Common frame of each program, shape (M, 3, 3)."""
         if self.whole.planar:
             return np.tile(np.eye(3), (len(self.gravity), 1, 1))
         normal = self.whole.normal
@@ -110,7 +111,7 @@ class ProgramBlocks:
 
     @cached_property
     def unit(self) -> Array:
-        """The unit of force of each, the geometric mean of its weights [N], shape (M,)."""
+        """Unit of force of each program, the geometric mean of its weights [N], shape (M,)."""
         free = self.whole.free
         total = np.bincount(
             self.owner[free], np.log(self.weight[free]), minlength=len(self.gravity)
@@ -139,7 +140,7 @@ class ProgramBlocks:
 
     @cached_property
     def scaled(self) -> Blocks:
-        """Scaled equilibria, as `kilter.mechanics.forms.scaled_problem` has them."""
+        """Scaled equilibria, in the form of `kilter.mechanics.forms.scaled_problem`."""
         program = self.whole
         per = len(program.freedoms)
         column = np.full(len(program.names) + 1, -1)
@@ -149,7 +150,7 @@ class ProgramBlocks:
         for side, (part, sign) in enumerate(((program.part_a, -1.0), (program.part_b, 1.0))):
             rows = np.flatnonzero(column[part] >= 0)
             owner = part[rows]
-            entries = self._turned(program.lever(rows, owner), owner)
+            entries = self._in_frames(program.lever(rows, owner), owner)
             entries[np.abs(entries) < ZERO_ENTRY] = 0.0
             scale = self.unit[self.owner[owner]] / self.weight[owner]
             data[rows, side] = sign * entries * scale[:, None]
@@ -162,11 +163,11 @@ class ProgramBlocks:
             shape=(per * number, len(data)),
         )
         free = np.flatnonzero(program.free)
-        right = -self._turned(self.load[free], free) / self.weight[free][:, None]
+        right = -self._in_frames(self.load[free], free) / self.weight[free][:, None]
         row_start = per * np.searchsorted(free, self.start)
         return Blocks(matrix, right.reshape(-1), program.two_sided, row_start, self.row_start)
 
-    def _turned(self, wrenches: Array, part: Index) -> Array:
+    def _in_frames(self, wrenches: Array, part: Index) -> Array:
         """Wrenches on parts in the frame of their assembly, torques over radius, (k, freedoms)."""
         frames = self.frames[self.owner[part]]
         turned = np.einsum("kij,kaj->kai", frames, wrenches.reshape(-1, 2, 3))
@@ -174,36 +175,38 @@ class ProgramBlocks:
         counted: Array = turned.reshape(-1, 6)[:, self.whole.freedoms]
         return counted
 
-    def judged(self, found: BlockAnswers) -> BlockProofs:
-        """Forces and motions of solved blocks, judged as single ones are."""
+    def judged(self, answers: BlockAnswers) -> BlockProofs:
+        """Check the forces and motions of solved blocks by the criteria of single certificates."""
         whole = self.whole
-        row = np.repeat(np.arange(len(self.gravity)), np.diff(self.row_start))
-        forces = found.forces * self.unit[row]
+        row_owner = np.repeat(np.arange(len(self.gravity)), np.diff(self.row_start))
+        forces = answers.forces * self.unit[row_owner]
         forces = np.where(np.isfinite(forces), forces, 0.0)
         forces = np.where(whole.two_sided, forces, np.maximum(forces, 0.0))
         imbalance = part_sizes(whole, whole.wrenches(forces) + self.load, per_radius=True)
         scale = np.maximum(self.weight, whole.force_sums(forces))
         relative = np.where(whole.free, imbalance / np.maximum(scale, TINY), 0.0)
         share = np.where(whole.free, imbalance / np.maximum(self.weight, TINY), 0.0)
-        most = np.maximum(whole.tolerance, NO_EXCUSE)
-        balanced = self._each(np.logical_and, (relative <= whole.tolerance) & (share <= most))
-        motion, power, violation, moves = self._judged_motion(found)
-        tried = found.factor > 0.5
+        limit = np.maximum(whole.tolerance, NO_EXCUSE)
+        balanced = self._reduce_parts(
+            np.logical_and, (relative <= whole.tolerance) & (share <= limit)
+        )
+        motion, power, violation, moves = self._check_motions(answers)
+        solved = answers.factor > 0.5
         return BlockProofs(
-            stable=balanced & tried,
-            unstable=moves & (found.factor < 0.5),
-            residual=self._each(np.maximum, relative),
+            stable=balanced & solved,
+            unstable=moves & (answers.factor < 0.5),
+            residual=self._reduce_parts(np.maximum, relative),
             power=power,
             violation=violation,
             forces=forces,
             motion=motion,
         )
 
-    def _judged_motion(self, found: BlockAnswers) -> tuple[Array, Array, Array, Mask]:
-        """Motions of multipliers with their power, violation, and whether they are proofs."""
+    def _check_motions(self, answers: BlockAnswers) -> tuple[Array, Array, Array, Mask]:
+        """Motions from multipliers, with power, violation, and a mask of those that are proofs."""
         whole, owner, per = self.whole, self.owner, len(self.whole.freedoms)
         free = np.flatnonzero(whole.free)
-        columns = -found.multipliers.reshape(-1, per) / self.weight[free][:, None]
+        columns = -answers.multipliers.reshape(-1, per) / self.weight[free][:, None]
         motion = np.zeros((len(owner), 6))
         motion[np.ix_(free, whole.freedoms)] = np.where(np.isfinite(columns), columns, 0.0)
         motion[:, 3:] /= whole.radius[:, None]
@@ -212,33 +215,35 @@ class ProgramBlocks:
         if whole.planar:
             motion = motion * np.array([1.0, 0, 1, 0, 1, 0])
         sizes = part_sizes(whole, motion, per_radius=False)
-        largest = self._each(np.maximum, sizes)
+        largest = self._reduce_parts(np.maximum, sizes)
         length = np.where(largest > 0, largest, 1.0)[owner]
         motion, sizes = motion / length[:, None], sizes / length
-        power = self._each(np.add, (self.load * motion).sum(axis=1))
+        power = self._reduce_parts(np.add, (self.load * motion).sum(axis=1))
         opening = whole.velocities(motion)
-        bad = np.where(whole.two_sided, np.abs(opening), np.maximum(-opening, 0.0))
+        violations = np.where(whole.two_sided, np.abs(opening), np.maximum(-opening, 0.0))
         violation = np.zeros(len(self.gravity))
-        np.maximum.at(violation, np.repeat(np.arange(len(violation)), np.diff(self.row_start)), bad)
+        np.maximum.at(
+            violation, np.repeat(np.arange(len(violation)), np.diff(self.row_start)), violations
+        )
         moving = whole.free & (sizes > STILL)
         weight = np.where(moving, self.weight, 0.0)
         tolerance = np.maximum(TOLERANCE, COARSE_POWER * whole.tolerance)
-        needed = self._each(np.add, tolerance * weight)
-        force = RULED_OUT * np.maximum(violation * self._each(np.add, weight), TINY)
+        needed = self._reduce_parts(np.add, tolerance * weight)
+        force = RULED_OUT * np.maximum(violation * self._reduce_parts(np.add, weight), TINY)
         holds = (largest > 0) & (power > needed) & (power >= force)
         return motion, power, violation, holds
 
-    def _each(self, reduce: np.ufunc, values: Array | Mask) -> Any:
-        """Values of parts reduced over each assembly, shape (M,)."""
+    def _reduce_parts(self, reduce: np.ufunc, values: Array | Mask) -> Any:
+        """Values of the parts reduced over each assembly, shape (M,)."""
         return reduce.reduceat(values, self.start[:-1])
 
 
 def program_blocks(
     apart: SideBySide, contacts: ContactSet, *, possible: bool = False
 ) -> ProgramBlocks:
-    """The programs of assemblies side by side, without friction.
+    """Build the programs of many assemblies in shared arrays, without friction.
 
-    `possible`: also with every force that contacts that are not modelled might bring.
+    If `possible` is true, include every force that contacts outside the model could transmit.
     """
     whole = build_program(apart.whole, contacts, possible=possible)
     owner = apart.owner[np.maximum(whole.part_a, whole.part_b)]

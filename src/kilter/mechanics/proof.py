@@ -1,8 +1,8 @@
-"""Proof files: all that a stranger needs to recompute a verdict.
+"""Proof files: all data that a reader needs to recompute a verdict independently.
 
-The parts, contact points, load and the forces or the motion of a verdict as data; with
-friction also the motion that obeys Coulomb's law beside forces of equilibrium, and the
-forces by which its own weight seats it. `kilter.analysis.verification` recomputes it.
+A proof holds the parts, contact points, load, and the forces or the motion of a verdict. With
+friction it also holds the motion that obeys Coulomb's law beside the forces of equilibrium, and the
+forces by which its own weight seats the assembly. `kilter.analysis.verification` recomputes it.
 """
 
 from __future__ import annotations
@@ -40,21 +40,22 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Evidence:
-    """What a verdict with friction carries beside its forces of equilibrium.
+    """Evidence of a verdict with friction, in addition to its forces of equilibrium.
 
     Attributes
     ----------
     guarantee : {"proved", "refuted", "open"}
+        Whether no other motion obeys the contact law.
     witness : LawProof or None
         A motion that obeys the contact law.
     seated : ForceProof or None
-        Forces by which its own weight seats it.
+        Forces by which its own weight seats the assembly.
     tries : tuple of ForceProof
-        Forces of each try that came to rest, put down loosely.
+        Forces of each loose try that came to rest.
     of : int
-        Tries that were asked for.
+        Number of tries that were requested.
     exclusion : dict or None
-        How every motion was excluded, with all steps (`kilter.friction.exclusion_file`).
+        Proof that excludes every motion, with all steps (`kilter.friction.exclusion_file`).
     """
 
     guarantee: str
@@ -74,17 +75,23 @@ def make_proof(
     *,
     evidence: Evidence | None = None,
 ) -> dict[str, Any]:
-    """A proof as JSON data.
+    """Write a proof as JSON data.
 
     Parameters
     ----------
+    assembly : Assembly
+    contacts : ContactSet
+    program : Program
+    certificate : ForceProof or MotionProof or None
+    options : dict
+        Reading options of the file.
     evidence : Evidence, optional
-        Where the verdict rests on friction.
+        Given if the verdict depends on friction.
 
     Raises
     ------
     InputError
-        If the verdict is undecided: then there is no proof.
+        If the verdict is undecided (`certificate` is None): it has no proof.
     """
     if certificate is None:
         raise InputError("an undecided verdict has no proof to write")
@@ -93,7 +100,7 @@ def make_proof(
     names = program.names
     proof: dict[str, Any] = {
         "kilter_proof": FORMAT,
-        "verdict": _verdict(certificate, evidence),
+        "verdict": _verdict_word(certificate, evidence),
         "units": assembly.units,
         "planar": assembly.planar,
         "gravity": assembly.gravity.tolist(),
@@ -122,7 +129,7 @@ def make_proof(
                 "x": program.point[k].tolist(),
                 "normal": program.normal[k].tolist(),
                 "mu": float(friction),
-                **_bond(program, int(k)),
+                **_bond_data(program, int(k)),
             }
             for k, friction in zip(rows, mu, strict=True)
         ],
@@ -138,10 +145,10 @@ def make_proof(
         "joints": joints_of(assembly, program, certificate),
     }
     if isinstance(certificate, ForceProof):
-        proof["forces"] = _vectors(program, certificate)
+        proof["forces"] = _contact_forces(program, certificate)
         proof["certificate"] = {"kind": "forces", "residual": certificate.residual}
         if evidence is not None:
-            proof["friction"] = _friction(program, evidence, rows)
+            proof["friction"] = _friction_data(program, evidence, rows)
     else:
         motion = certificate.motion
         proof["motion"] = {
@@ -157,7 +164,8 @@ def make_proof(
     return proof
 
 
-def _verdict(certificate: ForceProof | MotionProof, evidence: Evidence | None) -> str:
+def _verdict_word(certificate: ForceProof | MotionProof, evidence: Evidence | None) -> str:
+    """The verdict that a certificate and its evidence support."""
     if isinstance(certificate, MotionProof):
         return "unstable"
     if evidence is None or evidence.guarantee == "proved":
@@ -167,37 +175,37 @@ def _verdict(certificate: ForceProof | MotionProof, evidence: Evidence | None) -
 
 
 def coefficients(contacts: ContactSet, program: Program, rows: Index) -> Array:
-    """The friction coefficients of contact rows as the file has them; 0 where bonds bear shear."""
-    otherwise = program.tied[rows] | ~np.isnan(program.shear[rows])
-    mu: Array = np.where(otherwise, 0.0, contacts.patch_mu[program.source[rows]])
+    """Friction coefficients of contact rows as in the file; 0 if a bond limits the shear."""
+    sheared_by_bond = program.tied[rows] | ~np.isnan(program.shear[rows])
+    mu: Array = np.where(sheared_by_bond, 0.0, contacts.patch_mu[program.source[rows]])
     return mu
 
 
-def _bond(program: Program, row: int) -> dict[str, Any]:
-    """What a bond gives to a contact row, where there is one."""
-    found: dict[str, Any] = {}
+def _bond_data(program: Program, row: int) -> dict[str, Any]:
+    """Strength of the bond of a contact row, as keys of its point; empty without a bond."""
+    data: dict[str, Any] = {}
     if program.pull[row] > 0:
-        found["pull"] = float(program.pull[row])
+        data["pull"] = float(program.pull[row])
     if program.tied[row]:
-        found["tied"] = True
+        data["tied"] = True
     if not np.isnan(program.shear[row]):
-        found["shear"] = float(program.shear[row])
-    return found
+        data["shear"] = float(program.shear[row])
+    return data
 
 
-def _vectors(program: Program, proof: ForceProof) -> list[list[float]]:
-    """Forces at the contact rows, shape (C, 3)."""
+def _contact_forces(program: Program, proof: ForceProof) -> list[list[float]]:
+    """Force vectors at the contact rows, shape (C, 3)."""
     vectors = program.point_forces(proof.forces, proof.friction)
     return [[float(x) for x in vector] for vector in vectors]
 
 
-def _friction(program: Program, evidence: Evidence, rows: Index) -> dict[str, Any]:
-    """The evidence of friction as data."""
+def _friction_data(program: Program, evidence: Evidence, rows: Index) -> dict[str, Any]:
+    """The evidence of a verdict with friction as JSON data."""
     joints = np.flatnonzero(program.kind == JOINT)
     seated, witness = evidence.seated, evidence.witness
     data: dict[str, Any] = {"guarantee": evidence.guarantee, "exclusion": evidence.exclusion}
-    data["seated"] = None if seated is None else _balanced(program, seated, joints)
-    tries = [_balanced(program, one, joints) for one in evidence.tries]
+    data["seated"] = None if seated is None else _balance_data(program, seated, joints)
+    tries = [_balance_data(program, rest, joints) for rest in evidence.tries]
     data["tries"] = {"passed": len(tries), "of": evidence.of, "forces": tries}
     data["witness"] = None if witness is None else {
         "acceleration": {
@@ -214,16 +222,16 @@ def _friction(program: Program, evidence: Evidence, rows: Index) -> dict[str, An
 
 
 def open_pairs_of(assembly: Assembly, contacts: ContactSet) -> list[dict[str, Any]]:
-    """The open pairs, whatever which may do a motion proves its verdict."""
+    """The open pairs of an assembly; the motion of a proof is possible whatever they do."""
     names = assembly.names
     pairs = still_open(contacts.open_pairs, assembly)
-    return [{"parts": [names[k] for k in one.parts], "kind": one.kind} for one in pairs]
+    return [{"parts": [names[k] for k in pair.parts], "kind": pair.kind} for pair in pairs]
 
 
-def _balanced(program: Program, proof: ForceProof, joints: Index) -> dict[str, Any]:
-    """Forces that balance every part as data."""
+def _balance_data(program: Program, proof: ForceProof, joints: Index) -> dict[str, Any]:
+    """Forces that balance every part as JSON data."""
     return {
-        "forces": _vectors(program, proof),
+        "forces": _contact_forces(program, proof),
         "joints": proof.forces[joints].tolist(),
         "residual": proof.residual,
     }
@@ -232,8 +240,8 @@ def _balanced(program: Program, proof: ForceProof, joints: Index) -> dict[str, A
 def joints_of(
     assembly: Assembly, program: Program, certificate: ForceProof | MotionProof | None
 ) -> list[dict[str, Any]]:
-    """Joints with their wrench on the second part about `point`."""
-    found = []
+    """Joints as JSON data; given forces, with the wrench on the second part about `point`."""
+    entries = []
     for number, joint in enumerate(assembly.joints):
         about, wrench = reference_point(assembly, number), None
         if isinstance(certificate, ForceProof):
@@ -241,7 +249,7 @@ def joints_of(
             wrench = joint_wrench(
                 *frame_of(program, rows), certificate.forces[rows], about
             ).tolist()
-        found.append(
+        entries.append(
             {
                 "parts": list(joint.parts),
                 "kind": joint.kind,
@@ -250,22 +258,22 @@ def joints_of(
                 "wrench": wrench,
             }
         )
-    return found
+    return entries
 
 
 def rows_of(program: Program, joint: int) -> Index:
-    """The rows of a joint, by its position in the assembly."""
+    """Rows of a joint, given by its position in the assembly."""
     return np.flatnonzero((program.kind == JOINT) & (program.source == joint))
 
 
 def frame_of(program: Program, rows: Index) -> tuple[Array, Mask, Array]:
-    """Normals of the rows of a joint, which are angular, and the point they are taken at."""
+    """Directions of the rows of a joint, a mask of the angular rows, and the point of the rows."""
     at = program.point[rows[0]] if len(rows) else np.zeros(3)
     return program.normal[rows], program.angular[rows], at
 
 
 def digest_of(proof: dict[str, Any]) -> str:
-    """The hash of all that a proof says but itself."""
+    """Hash of all keys of a proof except `digest`."""
     body = {key: value for key, value in proof.items() if key != "digest"}
     text = json.dumps(body, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()

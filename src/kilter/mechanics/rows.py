@@ -1,16 +1,15 @@
-"""The rows of a program: the forces there may be, one row a force, each with its label.
+"""The rows of a program: the possible forces, each a row with its label.
 
-A row is (a, b, x, n): the force f n acts on part b at the point x, -f n on part a; the row of
-J is the opening along n. What it is of, is its label: `kind`, and `source`, the number of the
-patch, of the possible force or of the joint that it comes from. Rows are found by their labels,
-never by their places.
+A row is (a, b, x, n): the force f n acts on part b at the point x, and -f n on part a; the row of J
+is the opening along n. Its label is its `kind` and its `source`, the number of the patch, possible
+force or joint that it comes from. Code finds rows by their labels, never by their positions.
 
-    CONTACT     a contact point: pushes; `source` is its patch
-    POSSIBLE    what a contact that is not modelled might bring; `source` is its number in
-                `ContactSet.possible`, -1 for a point that is only thought
+    CONTACT     a contact point, which pushes; `source` is its patch
+    POSSIBLE    a force that a contact outside the model could transmit; `source` is its number in
+                `ContactSet.possible`, -1 for an assumed point
     JOINT       a force or (`angular`) a torque that a joint carries; `source` is the joint
     STICKING    a tangential force of any size at a contact point; `source` is its patch
-    BONDED      the same at a point whose bond bears any shear; `source` is its patch
+    BONDED      the same at a point whose bond carries any shear; `source` is its patch
 """
 
 from __future__ import annotations
@@ -43,37 +42,43 @@ __all__ = [
 ]
 
 CONTACT, POSSIBLE, JOINT, STICKING, BONDED = 0, 1, 2, 3, 4
-"""Kinds of row."""
+"""Kinds of rows."""
 KINDS = ("contact", "possible", "joint", "sticking", "bonded")
-"""Their names."""
+"""Names of the kinds of rows."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ForceRows(Rows):
-    """Rows, struct of arrays; world frame, length unit of the assembly.
+    """Rows as a struct of arrays; world frame, length unit of the assembly.
 
     Attributes
     ----------
     part_a, part_b : ndarray of int, shape (K,)
         Parts of each row; -1 is the ground.
-    point, normal : ndarray, shape (K, 3)
-        Unit directions, from a to b.
+    point : ndarray, shape (K, 3)
+        Points of application.
+    normal : ndarray, shape (K, 3)
+        Unit directions from part a to part b.
     kind : ndarray of int, shape (K,)
-    two_sided, angular : ndarray of bool, shape (K,)
-        Rows whose force may have both signs; rows whose force is a torque.
+        CONTACT, POSSIBLE, JOINT, STICKING or BONDED.
+    two_sided : ndarray of bool, shape (K,)
+        True for forces of both signs.
+    angular : ndarray of bool, shape (K,)
+        True for torques.
     mu : ndarray, shape (K,)
         Friction coefficient of each contact row [-]; 0 for the other kinds.
     source : ndarray of int, shape (K,)
+        Number of the patch, possible force or joint.
     doubt : ndarray, shape (K,)
-        How far the normal of a contact row may be off that a fit gave [rad]; else 0.
+        Uncertainty of a fitted contact normal [rad]; else 0.
     pull : ndarray, shape (K,)
-        What the bond of a contact row may pull [N], else 0; its force counts from there:
-        f_n + pull >= 0 (`kilter.mechanics.bond_rows`).
+        Largest tension of the bond of a contact row [N], else 0. The force of the row counts from
+        there: f_n + pull >= 0 (`kilter.mechanics.bond_rows`).
     tied : ndarray of bool, shape (K,)
-        Contact rows whose bond bears any shear, by rows of the kind BONDED.
+        Contact rows whose bond carries any shear, by rows of the kind BONDED.
     shear : ndarray, shape (K,)
-        What the bond of a contact row bears across it at most [N], in place of friction; NaN
-        where there is no such limit.
+        Largest shear force of the bond of a contact row [N], instead of friction; NaN without such
+        a limit.
     """
 
     part_a: Index
@@ -92,37 +97,37 @@ class ForceRows(Rows):
 
     @property
     def certain(self) -> Mask:
-        """Rows that hold whatever the normals are within their doubt, shape (K,).
+        """Mask of the rows with forces for every normal within its uncertainty, shape (K,).
 
-        A contact whose normal is in doubt has such forces by friction only.
+        A contact whose normal is uncertain has such forces only by friction.
         """
         certain: Mask = (self.doubt == 0) | (self.mu > 0)
         return certain
 
 
-def _of_kind(
+def _frictionless_rows(
     kind: int, a: Index, b: Index, point: Array, normal: Array, two_sided: Mask, source: Index
 ) -> ForceRows:
-    """Rows of forces without friction."""
-    count, none = len(a), np.zeros(len(a))
+    """Rows of a given kind, without friction and bonds."""
+    count, zeros = len(a), np.zeros(len(a))
     return ForceRows(
-        a, b, point, normal, np.full(count, kind), two_sided, none > 0, none, source, none, none,
-        none > 0, np.full(count, np.nan),
+        a, b, point, normal, np.full(count, kind), two_sided, zeros > 0, zeros, source, zeros,
+        zeros, zeros > 0, np.full(count, np.nan),
     )  # fmt: skip
 
 
 def contact_rows(contacts: ContactSet, geometry: Geometry) -> ForceRows:
-    """A row a contact point, between parts of which one is free."""
+    """Rows of the contact points that touch a free part, with friction and bonds."""
     patch = contacts.point_patch
     a, b = contacts.patch_parts[patch].T
     live = np.flatnonzero(~(geometry.grounded[a] & geometry.grounded[b]))
-    pushes = np.zeros(len(live), dtype=bool)
-    rows = _of_kind(
-        CONTACT, a[live], b[live], contacts.points[live], contacts.normals[live], pushes,
+    two_sided = np.zeros(len(live), dtype=bool)
+    rows = _frictionless_rows(
+        CONTACT, a[live], b[live], contacts.points[live], contacts.normals[live], two_sided,
         patch[live],
     )  # fmt: skip
-    own = patch[live]
-    rows = replace(rows, mu=contacts.patch_mu[own], doubt=contacts.patch_doubt[own])
+    row_patch = patch[live]
+    rows = replace(rows, mu=contacts.patch_mu[row_patch], doubt=contacts.patch_doubt[row_patch])
     if not contacts.assembly.bonds:
         return rows
     bonded = bonded_points(contacts)
@@ -131,77 +136,87 @@ def contact_rows(contacts: ContactSet, geometry: Geometry) -> ForceRows:
     return replace(rows, mu=mu, pull=pull, tied=tied, shear=shear)
 
 
-def bonded_rows(touching: ForceRows) -> ForceRows:
-    """Forces across the contact rows whose bonds bear any shear: all along u, then along v."""
-    tied = touching.take(np.flatnonzero(touching.tied))
-    return _sticking(BONDED, tied.part_a, tied.part_b, tied.point, tied.normal, tied.source)
+def bonded_rows(contacts: ForceRows) -> ForceRows:
+    """Tangential rows of the contact rows with bonds of any shear: along u, then along v."""
+    tied = contacts.take(np.flatnonzero(contacts.tied))
+    return _tangential_rows(BONDED, tied.part_a, tied.part_b, tied.point, tied.normal, tied.source)
 
 
 def pushing_rows(pushes: PossibleContacts, number: Index | int = -1) -> ForceRows:
-    """Forces that contacts which are not modelled might bring, and their numbers."""
+    """Rows of forces that contacts outside the model could transmit, with their numbers."""
     source = np.broadcast_to(np.asarray(number, dtype=np.int64), len(pushes))
-    return _of_kind(
+    return _frictionless_rows(
         POSSIBLE, pushes.part_a, pushes.part_b, pushes.points, pushes.normals, pushes.two_sided,
         source,
     )  # fmt: skip
 
 
 def possible_rows(possible: PossibleContacts, geometry: Geometry) -> ForceRows:
-    """Every force that contacts which are not modelled might bring, with any friction."""
+    """Rows of every force that contacts outside the model could transmit, with any friction."""
     sharp = np.flatnonzero((possible.mu > 0) & ~possible.two_sided)
     points = possible.take(sharp)
     return ForceRows.join(
         [
             pushing_rows(possible, np.arange(len(possible))),
-            _sticking(POSSIBLE, points.part_a, points.part_b, points.points, points.normals, sharp),
-            _any_force(possible, geometry),
+            _tangential_rows(
+                POSSIBLE, points.part_a, points.part_b, points.points, points.normals, sharp
+            ),
+            _wrench_rows(possible, geometry),
         ]
     )
 
 
 def sticking_rows(contacts: ContactSet, geometry: Geometry) -> ForceRows:
-    """Tangential forces of any size at contact points with friction."""
+    """Rows of tangential forces of any size at the contact points with friction."""
     patch = contacts.point_patch
     a, b = contacts.patch_parts[patch].T
     rough = (contacts.patch_mu[patch] > 0) & ~(geometry.grounded[a] & geometry.grounded[b])
     rows = np.flatnonzero(rough)
     points, normals = contacts.points[rows], contacts.normals[rows]
-    return _sticking(STICKING, a[rows], b[rows], points, normals, patch[rows])
+    return _tangential_rows(STICKING, a[rows], b[rows], points, normals, patch[rows])
 
 
-def _sticking(
+def _tangential_rows(
     kind: int, a: Index, b: Index, point: Array, normal: Array, source: Index
 ) -> ForceRows:
+    """Two-sided rows along both tangent directions at each point: all along u, then along v."""
     twice = np.tile(np.arange(len(normal)), 2)
-    both = np.concatenate(across(normal))
-    ties = np.ones(len(twice), dtype=bool)
-    return _of_kind(kind, a[twice], b[twice], point[twice], both, ties, source[twice])
+    tangents = np.concatenate(across(normal))
+    two_sided = np.ones(len(twice), dtype=bool)
+    return _frictionless_rows(
+        kind, a[twice], b[twice], point[twice], tangents, two_sided, source[twice]
+    )
 
 
-def _any_force(possible: PossibleContacts, geometry: Geometry) -> ForceRows:
-    """Any force and torque between parts that touch at a round surface with friction."""
+def _wrench_rows(possible: PossibleContacts, geometry: Geometry) -> ForceRows:
+    """Rows for any force and torque between parts that touch at a round surface with friction.
+
+    Six forces at shifted points are equivalent to every wrench.
+    """
     round_rows = np.flatnonzero((possible.mu > 0) & possible.two_sided)
     pairs = np.column_stack([possible.part_a, possible.part_b])[round_rows]
     _, first = np.unique(pairs, axis=0, return_index=True)
     a, b = pairs[first].T
-    at, arm = possible.points[round_rows][first], geometry.radius[np.minimum(a, b)][:, None]
+    point, arm = possible.points[round_rows][first], geometry.radius[np.minimum(a, b)][:, None]
     x, y, z = np.eye(3)
     forces = ((0 * x, x), (0 * x, y), (0 * x, z), (x, y), (x, z), (y, z))
-    points = np.concatenate([at + arm * shift for shift, _ in forces])
-    directions = np.concatenate([np.tile(along, (len(at), 1)) for _, along in forces])
-    ties, source = np.ones(6 * len(at), dtype=bool), np.tile(round_rows[first], 6)
-    return _of_kind(POSSIBLE, np.tile(a, 6), np.tile(b, 6), points, directions, ties, source)
+    points = np.concatenate([point + arm * shift for shift, _ in forces])
+    directions = np.concatenate([np.tile(along, (len(point), 1)) for _, along in forces])
+    two_sided, source = np.ones(6 * len(point), dtype=bool), np.tile(round_rows[first], 6)
+    return _frictionless_rows(
+        POSSIBLE, np.tile(a, 6), np.tile(b, 6), points, directions, two_sided, source
+    )
 
 
 def joint_rows(assembly: Assembly, geometry: Geometry) -> ForceRows:
-    """The rows of the joints that act on a free part."""
+    """Rows of the joints that act on a free part."""
     blocks = []
     for number in range(len(assembly.joints)):
         (a, b), point, linear, angular = joint_constraints(assembly, number)
         if not any(k >= 0 and not geometry.grounded[k] for k in (a, b)):
             continue
         count = len(linear) + len(angular)
-        rows = _of_kind(
+        rows = _frictionless_rows(
             JOINT, np.full(count, a), np.full(count, b), np.tile(point, (count, 1)),
             np.concatenate([linear, angular]), np.ones(count, dtype=bool), np.full(count, number),
         )  # fmt: skip
