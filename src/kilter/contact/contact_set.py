@@ -29,8 +29,14 @@ from kilter.contact.contact_tolerances import MEAN_NORMAL
 from kilter.contact.fits.coaxial import Fit
 from kilter.contact.fits.copies import odd_copies
 from kilter.contact.friction_coefficients import certain_friction
-from kilter.contact.gaps import Rejected, Tolerance, nearest_gap
-from kilter.contact.left_out import INTERFERE, SAME_BODY, Overlap, PossibleContacts, Unsupported
+from kilter.contact.gaps import RejectedPair, Tolerance, nearest_gap
+from kilter.contact.left_out import (
+    INTERFERE,
+    SAME_BODY,
+    Overlap,
+    PossibleContacts,
+    UnsupportedContact,
+)
 from kilter.contact.neighbours import Neighbour
 from kilter.contact.open_pairs import OpenPair, still_open
 from kilter.tell.contact_words import copy_warnings, overlap_warnings
@@ -39,10 +45,10 @@ __all__ = [
     "INTERFERE",
     "SAME_BODY",
     "ContactSet",
-    "Degenerate",
+    "DegeneratePoints",
     "Overlap",
     "PossibleContacts",
-    "Unsupported",
+    "UnsupportedContact",
 ]
 
 
@@ -51,7 +57,7 @@ LISTED = 1000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Degenerate:
+class DegeneratePoints:
     """Contact points without a unique normal: a ridge on a ridge, a corner on an edge.
 
     A motion is allowed at point k if it does not close the gap along at least one of the normals
@@ -91,7 +97,7 @@ class Degenerate:
         return len(self.part_a)
 
     @classmethod
-    def none(cls) -> Degenerate:
+    def none(cls) -> DegeneratePoints:
         """An empty set."""
         empty, index = np.empty((0, 3)), np.empty(0, dtype=np.int64)
         no, pairs = np.empty(0, dtype=bool), np.empty((0, 2), dtype=np.int64)
@@ -185,12 +191,12 @@ class ContactSet:
         Contact points [length unit].
     normals : ndarray, shape (K, 3)
         Unit normal from a to b at each point; on a flat patch the normal of the patch.
-    unsupported : tuple of Unsupported
+    unsupported : tuple of UnsupportedContact
         Pairs that touch in a way that is not modelled.
     possible : PossibleContacts
         Forces that contacts outside the patches could exert, including forces along the
         normals of `degenerate` (by row of the point).
-    rejected : tuple of Rejected
+    rejected : tuple of RejectedPair
         Faces that come near but do not count as touching, nearest first.
     overlaps : tuple of Overlap
         Pairs of parts that share volume.
@@ -201,7 +207,7 @@ class ContactSet:
     gap : float
         Largest gap tolerance that was applied to a pair [length unit].
     warnings : tuple of str
-    degenerate : Degenerate
+    degenerate : DegeneratePoints
         Contact points without a unique normal; also listed in `unsupported`.
     open_pairs : tuple of OpenPair
         Pairs whose contact the geometry leaves open; their largest forces are in `possible`.
@@ -223,16 +229,16 @@ class ContactSet:
     patch_start: Index
     points: Array
     normals: Array
-    unsupported: tuple[Unsupported, ...]
+    unsupported: tuple[UnsupportedContact, ...]
     possible: PossibleContacts
-    rejected: tuple[Rejected, ...]
+    rejected: tuple[RejectedPair, ...]
     overlaps: tuple[Overlap, ...]
     gap_edges: Array
     gap_counts: Index
     tolerance: Tolerance
     gap: float
     warnings: tuple[str, ...]
-    degenerate: Degenerate = field(default_factory=Degenerate.none)
+    degenerate: DegeneratePoints = field(default_factory=DegeneratePoints.none)
     open_pairs: tuple[OpenPair, ...] = ()
     neighbours: tuple[Neighbour, ...] = ()
     fits: tuple[Fit, ...] = ()

@@ -16,11 +16,12 @@ from kilter.contact.contact_tolerances import FIT_PLAY, THREAD
 from kilter.contact.curved.curved_contacts import find_curved
 from kilter.contact.curved.curved_patches import without_repeats
 from kilter.contact.curved.rims import rim_contacts
+from kilter.contact.face_patches import FacePatches
 from kilter.contact.fits.coaxial import Fit, coaxial_fits
 from kilter.contact.fits.overlap import find_overlaps
 from kilter.contact.friction_coefficients import certain_friction, friction_coefficients
-from kilter.contact.gaps import Rejected, Tolerance, closed_by_clearance, gap_warnings
-from kilter.contact.left_out import Overlap, Unsupported
+from kilter.contact.gaps import RejectedPair, Tolerance, closed_by_clearance, gap_warnings
+from kilter.contact.left_out import Overlap, UnsupportedContact
 from kilter.contact.neighbours import nearest_parts
 from kilter.contact.open_pairs import find_open_pairs, open_forces
 from kilter.contact.patches import Patches
@@ -28,7 +29,6 @@ from kilter.contact.planar.flat_contacts import GAP_EDGES, find_flat
 from kilter.contact.sharp.near_edges import near_edges
 from kilter.contact.sharp.sharp_contacts import near_contacts
 from kilter.contact.smooth.smooth_joints import find_smooth
-from kilter.contact.touching import Touching
 from kilter.contact.unknown import unknown_contacts
 from kilter.errors import InputError
 
@@ -119,20 +119,22 @@ def _contact_set(
     curved = find_curved(search)
     smooth = find_smooth(search)
     flat = find_flat(search, smooth)
-    touching = Touching(search, flat.patches, without_repeats(curved, flat.patches, gap), smooth)
+    face_patches = FacePatches(
+        search, flat.patches, without_repeats(curved, flat.patches, gap), smooth
+    )
     report_stage("edges and corners")
-    near = near_contacts(touching, [*flat.rejected, *curved.rejected])
-    overlaps = find_overlaps(assembly, touching, tolerance)
+    near = near_contacts(face_patches, [*flat.rejected, *curved.rejected])
+    overlaps = find_overlaps(assembly, face_patches, tolerance)
     refused = [*flat.rejected, *curved.rejected, *unknown_contacts(search.unknown)]
-    faces = Patches.join([flat.patches, touching.curved.patches, smooth.patches])
-    patches = Patches.join([faces, near.patches, _given(assembly)])
+    faces = Patches.join([flat.patches, face_patches.curved.patches, smooth.patches])
+    patches = Patches.join([faces, near.patches, _listed_patches(assembly)])
     unsupported = (*near.unsupported, *smooth.unsure)
-    records: list[Rejected | Overlap | Unsupported] = [*refused, *overlaps, *unsupported]
+    records: list[RejectedPair | Overlap | UnsupportedContact] = [*refused, *overlaps, *unsupported]
     recorded = [record.parts for record in records]
     refused += near_edges(search, _unrecorded(search, patches, recorded))
     rejected = sorted(refused, key=lambda r: (abs(r.gap), r.angle))
     rims = rim_contacts(search.geometry, flat.patches)
-    possible = PossibleContacts.join([near.possible, rims, touching.curved.possible])
+    possible = PossibleContacts.join([near.possible, rims, face_patches.curved.possible])
     tilted = smooth.possible(friction_coefficients(assembly, search.pairs))
     left_open = find_open_pairs(assembly, overlaps, rejected, unsupported)
     return ContactSet(
@@ -200,7 +202,7 @@ def _unrecorded(
     return silent
 
 
-def _given(assembly: Assembly) -> Patches:
+def _listed_patches(assembly: Assembly) -> Patches:
     """The contacts and bond points that the file lists, as patches."""
     bonded = [bond for bond in assembly.bonds if bond.points is not None]
     given: list[GivenContact | Bond] = [*assembly.contacts, *bonded]

@@ -44,7 +44,7 @@ __all__ = [
     "TILTED",
     "UNKNOWN",
     "GapLimits",
-    "Rejected",
+    "RejectedPair",
     "Tolerance",
     "closed_by_clearance",
     "gap_limits",
@@ -109,7 +109,7 @@ class Tolerance:
 
 
 @dataclass(frozen=True, slots=True)
-class Rejected:
+class RejectedPair:
     """A pair of faces that came near but does not count as touching, with the reason `why`.
 
     `gap` is the nearest gap [length unit], `angle` the tilt [rad]; `fit` is True for a solid round
@@ -207,12 +207,14 @@ def nearest_gap(gap: Array) -> Array:
 # warnings -----------------------------------------------------------------------------------
 
 
-def gap_warnings(patches: Patches, rejected: list[Rejected], limits: GapLimits) -> list[str]:
+def gap_warnings(patches: Patches, rejected: list[RejectedPair], limits: GapLimits) -> list[str]:
     """Warnings if the tolerance cuts through a cluster of gaps, or if it is all rounding."""
     return [*_cluster_warnings(patches, rejected, limits), *_coarse_warnings(limits)]
 
 
-def _cluster_warnings(patches: Patches, rejected: list[Rejected], limits: GapLimits) -> list[str]:
+def _cluster_warnings(
+    patches: Patches, rejected: list[RejectedPair], limits: GapLimits
+) -> list[str]:
     """A warning if patches lie just below the gap limit and rejected faces just above it."""
     gap, closed = limits.gap, limits.closed
     near = nearest_gap(patches.gap)

@@ -12,7 +12,7 @@ import numpy as np
 
 from kilter.arrays import Array, Index, Mask, Rows, columns, read_only
 
-__all__ = ["INTERFERE", "SAME_BODY", "Overlap", "PossibleContacts", "Unsupported"]
+__all__ = ["INTERFERE", "SAME_BODY", "Overlap", "PossibleContacts", "UnsupportedContact"]
 
 
 INTERFERE = "interfere"
@@ -47,7 +47,7 @@ class Overlap:
 
 
 @dataclass(frozen=True, slots=True)
-class Unsupported:
+class UnsupportedContact:
     """A pair that touches in a way that is not modelled.
 
     `kind` is "edge", "vertex" or "curved"; `point` is a point of the contact, world frame.

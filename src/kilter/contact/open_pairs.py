@@ -30,8 +30,8 @@ from kilter.arrays import Array, Index, connected
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.contact_tolerances import LOOSE_ANGLE, LOOSE_GAP
-from kilter.contact.gaps import THIN, Rejected
-from kilter.contact.left_out import Overlap, PossibleContacts, Unsupported
+from kilter.contact.gaps import THIN, RejectedPair
+from kilter.contact.left_out import Overlap, PossibleContacts, UnsupportedContact
 
 __all__ = [
     "KINDS",
@@ -88,8 +88,8 @@ class OpenPair:
 def find_open_pairs(
     assembly: Assembly,
     overlaps: Iterable[Overlap],
-    rejected: Iterable[Rejected],
-    unsupported: Iterable[Unsupported],
+    rejected: Iterable[RejectedPair],
+    unsupported: Iterable[UnsupportedContact],
 ) -> tuple[OpenPair, ...]:
     """Open pairs of a contact search, at most one entry for each pair, in order of the pairs.
 
@@ -125,7 +125,7 @@ def _from_overlap(overlap: Overlap) -> OpenPair:
     return OpenPair(overlap.parts, "overlap", None, overlap.depth, overlap.volume, overlap.why)
 
 
-def _from_rejected(rejected: Rejected, size: Array) -> OpenPair | None:
+def _from_rejected(rejected: RejectedPair, size: Array) -> OpenPair | None:
     """The open pair of rejected faces; None if they are outside the loose tolerance."""
     kind: OpenKind = "clearance" if rejected.fit else "near"
     limit = LOOSE_GAP * float(size[list(rejected.parts)].min())
@@ -135,7 +135,7 @@ def _from_rejected(rejected: Rejected, size: Array) -> OpenPair | None:
     return OpenPair(rejected.parts, kind, gap=rejected.gap, why=rejected.why)
 
 
-def _from_unsupported(contact: Unsupported) -> OpenPair:
+def _from_unsupported(contact: UnsupportedContact) -> OpenPair:
     kind: OpenKind = "free-form" if contact.kind == "curved" else "degenerate"
     return OpenPair(contact.parts, kind, why=f"{contact.kind} contact without one normal")
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from kilter.arrays import Index, Mask, ragged, starts
 from kilter.assembly import Assembly
-from kilter.contact.contact_set import ContactSet, Degenerate
+from kilter.contact.contact_set import ContactSet, DegeneratePoints
 from kilter.contact.left_out import PossibleContacts
 
 __all__ = ["contacts_among"]
@@ -59,14 +59,14 @@ def contacts_among(contacts: ContactSet, assembly: Assembly) -> ContactSet:
         patch_start=starts(np.diff(contacts.patch_start)[patches]),
         points=contacts.points[rows],
         normals=contacts.normals[rows],
-        unsupported=_renumbered(contacts.unsupported, new_position),
+        unsupported=_renumber(contacts.unsupported, new_position),
         possible=_possible_among(contacts.possible, new_position, points),
-        rejected=_renumbered(contacts.rejected, new_position),
-        overlaps=_renumbered(contacts.overlaps, new_position),
+        rejected=_renumber(contacts.rejected, new_position),
+        overlaps=_renumber(contacts.overlaps, new_position),
         degenerate=degenerate,
-        open_pairs=_still_free(_renumbered(contacts.open_pairs, new_position), assembly),
+        open_pairs=_still_free(_renumber(contacts.open_pairs, new_position), assembly),
         neighbours=(),
-        fits=_renumbered(contacts.fits, new_position),
+        fits=_renumber(contacts.fits, new_position),
         **{name: getattr(contacts, name)[patches] for name in PATCH_FIELDS},
     )
 
@@ -83,7 +83,7 @@ PATCH_FIELDS = (
 """Fields of a contact set that have a row for each patch, except its parts and points."""
 
 
-def _renumbered(pairs: Sequence[OfPair], new_position: Index) -> tuple[OfPair, ...]:
+def _renumber(pairs: Sequence[OfPair], new_position: Index) -> tuple[OfPair, ...]:
     """The records of pairs whose parts are both in the subset, with their new positions."""
     kept = []
     for record in pairs:
@@ -98,7 +98,9 @@ def _still_free(pairs: tuple[OfPair, ...], assembly: Assembly) -> tuple[OfPair, 
     return tuple(p for p in pairs if not all(assembly.parts[k].grounded for k in p.parts))
 
 
-def _degenerate_among(given: Degenerate, new_position: Index) -> tuple[Degenerate, Index]:
+def _degenerate_among(
+    given: DegeneratePoints, new_position: Index
+) -> tuple[DegeneratePoints, Index]:
     """Degenerate points of the subset, and the new row of every point, shape (n + 1,).
 
     The row is -1 for points that are dropped; the last entry is -1 too, for rows -1.
@@ -109,7 +111,7 @@ def _degenerate_among(given: Degenerate, new_position: Index) -> tuple[Degenerat
     held = (new_position[given.held_parts] >= 0).all(axis=1)
     new_row = np.full(len(given) + 1, -1)
     new_row[points] = np.arange(len(points))
-    return Degenerate(
+    return DegeneratePoints(
         new_position[given.part_a[points]],
         new_position[given.part_b[points]],
         given.points[points],

@@ -47,7 +47,7 @@ def surface_distance(points: Array, triangles: Array, most: Array | None = None)
     owner_k, owner_m = (np.zeros(len(rows), dtype=np.int64) for rows in (points, triangles))
     least = most.copy()
     for _, k, m in joins(owner_k, around, owner_m, boxes, np.zeros(1)):
-        off = np.linalg.norm(points[k] - _foot(points[k], triangles[m]), axis=1)
+        off = np.linalg.norm(points[k] - _nearest_point(points[k], triangles[m]), axis=1)
         np.minimum.at(least, k, off)
     return least
 
@@ -57,17 +57,17 @@ def at_most(points: Array, triangles: Array) -> Array:
     count = min(NEAR, len(triangles))
     near = nearest(triangles.mean(axis=1), points, count)[1].reshape(-1)
     repeated = np.repeat(points, count, axis=0)
-    off = np.linalg.norm(repeated - _foot(repeated, triangles[near]), axis=1)
+    off = np.linalg.norm(repeated - _nearest_point(repeated, triangles[near]), axis=1)
     bound: Array = off.reshape(-1, count).min(axis=1)
     return bound
 
 
-def _foot(points: Array, triangles: Array) -> Array:
+def _nearest_point(points: Array, triangles: Array) -> Array:
     """The nearest point of triangle k to point k, shape (n, 3)."""
     normal = unit_rows(cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]))
     height = np.einsum("ij,ij->i", points - triangles[:, 0], normal)
     projection = points - height[:, None] * normal
-    inside = _inside(projection, triangles, normal)
+    inside = _projects_inside(projection, triangles, normal)
     foot: Array = projection
     nearest = np.where(inside, np.abs(height), np.inf)
     for k in range(3):
@@ -81,7 +81,7 @@ def _foot(points: Array, triangles: Array) -> Array:
     return foot
 
 
-def _inside(points: Array, triangles: Array, normal: Array) -> Mask:
+def _projects_inside(points: Array, triangles: Array, normal: Array) -> Mask:
     """Which points, in the planes of the triangles, lie inside their triangle."""
     inside: Mask = (normal != 0).any(axis=1)
     for k in range(3):
@@ -103,9 +103,9 @@ def near_triangles(first: Array, second: Array, reach: float) -> Array:
     """
     apart = _beyond_plane(first, second, reach) | _beyond_plane(second, first, reach)
     first, second = first[~apart], second[~apart]
-    off, point = _pierced(first, second)
+    off, point = _piercing_distance(first, second)
     for candidate in (
-        _pierced(second, first),
+        _piercing_distance(second, first),
         *_corner_distances(first, second),
         *_corner_distances(second, first),
     ):
@@ -135,12 +135,12 @@ def _corner_distances(first: Array, second: Array) -> list[tuple[Array, Array]]:
     """Distances of the first triangles' corners from the second triangles, with midpoints."""
     candidates = []
     for k in range(3):
-        foot = _foot(first[:, k], second)
+        foot = _nearest_point(first[:, k], second)
         candidates.append((np.linalg.norm(first[:, k] - foot, axis=1), (first[:, k] + foot) / 2))
     return candidates
 
 
-def _pierced(first: Array, second: Array) -> tuple[Array, Array]:
+def _piercing_distance(first: Array, second: Array) -> tuple[Array, Array]:
     """Distance 0 and the crossing point if a side of the first pierces the second, else inf."""
     normal = unit_rows(cross(second[:, 1] - second[:, 0], second[:, 2] - second[:, 0]))
     off, point = np.full(len(first), np.inf), first[:, 0]
@@ -150,7 +150,7 @@ def _pierced(first: Array, second: Array) -> tuple[Array, Array]:
         cuts = (low * high <= 0) & (low != high)
         t = np.where(cuts, low / np.where(cuts, low - high, 1.0), 0.0)
         crossing = start + t[:, None] * (end - start)
-        through = cuts & _inside(crossing, second, normal)
+        through = cuts & _projects_inside(crossing, second, normal)
         off, point = np.where(through, 0.0, off), np.where(through[:, None], crossing, point)
     return off, point
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from kilter.arrays import Array, Index, Mask
 from kilter.assembly.geometry import Geometry
-from kilter.contact.gaps import UNKNOWN, Rejected
+from kilter.contact.gaps import UNKNOWN, RejectedPair
 
 __all__ = ["unknown_contacts", "unknown_pairs"]
 
@@ -44,12 +44,12 @@ def unknown_pairs(geometry: Geometry, pairs: Index, reach: Array) -> tuple[Index
             grown = reach[places.part[k]] + reach[other]
             low, high = places.low[k] - grown[:, None], places.high[k] + grown[:, None]
             meets[rows] = [
-                _enters(geometry, *box) for box in zip(other.tolist(), low, high, strict=True)
+                _meets_box(geometry, *box) for box in zip(other.tolist(), low, high, strict=True)
             ]
     return pairs[~blind], pairs[meets]
 
 
-def _enters(geometry: Geometry, part: int, low: Array, high: Array) -> bool:
+def _meets_box(geometry: Geometry, part: int, low: Array, high: Array) -> bool:
     """Whether the box of any triangle of a part meets the given box."""
     rows = slice(geometry.triangle_start[part], geometry.triangle_start[part + 1])
     corners = geometry.vertices[geometry.triangles[rows]]
@@ -57,6 +57,6 @@ def _enters(geometry: Geometry, part: int, low: Array, high: Array) -> bool:
     return bool((~apart.any(axis=1)).any())
 
 
-def unknown_contacts(pairs: Index) -> list[Rejected]:
+def unknown_contacts(pairs: Index) -> list[RejectedPair]:
     """Rejected-pair records for pairs whose surface is unknown."""
-    return [Rejected((a, b), 0.0, 0.0, UNKNOWN) for a, b in pairs.tolist()]
+    return [RejectedPair((a, b), 0.0, 0.0, UNKNOWN) for a, b in pairs.tolist()]

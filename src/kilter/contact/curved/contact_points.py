@@ -80,11 +80,13 @@ class PatchPoints:
     area: float
 
 
-_NONE = np.empty((0, 3))
+_NO_ROWS = np.empty((0, 3))
 
 
 def angles_between(begin: float, width: float, step: float) -> Array:
-    """Angles along an arc at most `step` apart, with both ends; a full circle has no end [rad].
+    """Angles [rad] along an arc, at most `step` apart, with both ends.
+
+    A full circle has no repeated end.
 
     Examples
     --------
@@ -147,15 +149,15 @@ def ring(
     for begin, width in arcs:
         angle = angles_between(begin, width, step)
         points.append(_on_circle(center, u, v, radius, angle))
-        normals.append(lean[0] * _around(u, v, angle) + lean[1] * axis)
+        normals.append(lean[0] * _directions_around(u, v, angle) + lean[1] * axis)
         if leaning:
             between, stretch = _outer_angles(angle, width)
             outer_points.append(_on_circle(center, u, v, radius * stretch, between))
-            outer = lean[0] * stretch * _around(u, v, between) + lean[1] * axis
+            outer = lean[0] * stretch * _directions_around(u, v, between) + lean[1] * axis
             outer_normals.append(outer / np.linalg.norm(outer, axis=1)[:, None])
     return PatchPoints(
         np.concatenate(points), np.concatenate(normals),
-        np.concatenate([_NONE, *outer_points]), np.concatenate([_NONE, *outer_normals]), 0.0,
+        np.concatenate([_NO_ROWS, *outer_points]), np.concatenate([_NO_ROWS, *outer_normals]), 0.0,
     )  # fmt: skip
 
 
@@ -167,13 +169,14 @@ def _outer_angles(angle: Array, width: float) -> tuple[Array, float]:
     return (current + following) / 2, 1 / np.cos(half)
 
 
-def _around(u: Array, v: Array, angle: Array) -> Array:
+def _directions_around(u: Array, v: Array, angle: Array) -> Array:
+    """Unit directions at angles in the plane of u and v, shape (n, 3)."""
     result: Array = np.cos(angle)[:, None] * u + np.sin(angle)[:, None] * v
     return result
 
 
 def _on_circle(center: Array, u: Array, v: Array, radius: float, angle: Array) -> Array:
-    result: Array = center + radius * _around(u, v, angle)
+    result: Array = center + radius * _directions_around(u, v, angle)
     return result
 
 
@@ -190,7 +193,7 @@ def shell(
     cosine, sine = np.cos(half_angle), np.sin(half_angle)
 
     def points_at(angle: Array, height: Array, stretch: float) -> tuple[Array, Array]:
-        away = _around(u, v, angle)
+        away = _directions_around(u, v, angle)
         reach = (radius + height * np.tan(half_angle)) * stretch
         points = apex + height[:, None] * axis + reach[:, None] * away
         normals = cosine * stretch * away - sine * axis
@@ -198,7 +201,7 @@ def shell(
 
     points, normals = points_at(*region, 1.0)
     if outer is None:
-        return PatchPoints(points, normals, _NONE, _NONE, 0.0)
+        return PatchPoints(points, normals, _NO_ROWS, _NO_ROWS, 0.0)
     stretch = 1.0 if half_angle == 0 else 1 / float(np.cos(np.pi / AROUND))
     return PatchPoints(points, normals, *points_at(*outer, stretch), 0.0)
 
@@ -223,7 +226,7 @@ def socket(
     return PatchPoints(
         center + radius * directions,
         directions,
-        center + radius * outer_directions if len(outer_directions) else _NONE,
+        center + radius * outer_directions if len(outer_directions) else _NO_ROWS,
         outer_directions,
         area,
     )
@@ -317,14 +320,14 @@ def _spanning_directions(corners: Array, mean: Array, blur: float) -> tuple[Arra
     size = float(np.linalg.norm(mean))
     through = np.abs(hull.equations[:, 3]) <= THROUGH_CENTER
     if not through.any():  # the centre lies inside the hull: every force is possible
-        return _spread_subset(corners), _NONE
+        return _spread_subset(corners), _NO_ROWS
     rim = np.unique(hull.simplices[through])
     rim = rim[rim < len(corners)]
     middle = mean / max(size, TINY)
     rays = corners[rim]
     lowest = float((rays @ middle).min())
     if lowest <= 10 * THROUGH_CENTER:  # the socket reaches around half of the sphere
-        return np.vstack([_spread_subset(rays), middle]), _NONE
+        return np.vstack([_spread_subset(rays), middle]), _NO_ROWS
     rays = _extreme_rays(rays, middle)
     circle = _as_circle(rays)
     if circle is not None:

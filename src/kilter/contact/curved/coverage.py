@@ -142,7 +142,7 @@ def unrolled(geometry: Geometry, rows: Index) -> tuple[Index, Array, Array, Mask
 
 
 def bands_of(geometry: Geometry, rows: Index) -> Bands:
-    """Extents of cylinders and cones in angle and height."""
+    """The `Bands` of cylinders and cones, given by rows of the surfaces."""
     count = len(rows)
     owner, angle, height, tip = unrolled(geometry, rows)
     low, high = np.full(count, np.inf), np.full(count, -np.inf)
@@ -151,13 +151,15 @@ def bands_of(geometry: Geometry, rows: Index) -> Bands:
     (x0, x1, x2), (y0, y1, y2) = angle.T, height.T
     area = np.abs((x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)) / 2
     area = np.bincount(owner, np.where(tip, 2 * area, area), minlength=count)
-    begin, width, arcs = _arcs(owner, angle.min(axis=1), np.ptp(angle, axis=1), count)
+    begin, width, arcs = _arc_unions(owner, angle.min(axis=1), np.ptp(angle, axis=1), count)
     full = width * (high - low)
     whole = (arcs == 1) & (np.abs(area - full) <= BAND_FILLED * full)
     return Bands(low, high, begin, width, whole)
 
 
-def _arcs(owner: Index, start: Array, length: Array, count: int) -> tuple[Array, Array, Index]:
+def _arc_unions(
+    owner: Index, start: Array, length: Array, count: int
+) -> tuple[Array, Array, Index]:
     """Begin and length of the union of the arcs of each owner [rad], and its number of arcs."""
     start = np.remainder(start, TURN)
     order = np.lexsort((start, owner))

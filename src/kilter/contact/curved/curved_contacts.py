@@ -78,12 +78,14 @@ def _near_surfaces(search: ContactSearch, rows: Index) -> tuple[SurfacePairs, Su
     box_high = np.minimum(boxes.part_high[a], boxes.part_high[b]) + grow[:, None]
 
     def surfaces(part: Index) -> tuple[Index, Index]:
+        """Curved surfaces of the parts in the boxes: (k, surface)."""
         owner, row = ragged(geometry.surfaces.start, part)
         keep = has_triangles[row] & (low[row] <= box_high[owner]).all(axis=1)
         keep &= (high[row] >= box_low[owner]).all(axis=1)
         return owner[keep], row[keep]
 
     def flats(part: Index) -> tuple[Index, Index]:
+        """Flat facets of the parts in the boxes: (k, facet)."""
         owner, facet = facets_in(search.facets, boxes, part, box_low, box_high)
         keep = ~search.facets.curved[facet]
         return owner[keep], facet[keep]

@@ -14,7 +14,7 @@ from kilter.contact.contact_set import INTERFERE, Overlap, PossibleContacts
 from kilter.contact.contact_tolerances import MEAN_NORMAL, RIM_NORMAL
 from kilter.contact.curved.contact_points import PatchPoints
 from kilter.contact.curved.shared_walls import shared_depth
-from kilter.contact.gaps import APART, PENETRATES, Rejected
+from kilter.contact.gaps import APART, PENETRATES, RejectedPair
 from kilter.contact.patches import Patches
 
 __all__ = ["CandidateLimits", "CurvedContacts", "CurvedPatch", "PatchBuilder", "SurfacePairs",
@@ -49,7 +49,7 @@ class CurvedContacts:
     zone: Array
     unknown: Index
     possible: PossibleContacts
-    rejected: tuple[Rejected, ...]
+    rejected: tuple[RejectedPair, ...]
     overlaps: tuple[Overlap, ...]
     warnings: tuple[str, ...]
 
@@ -145,7 +145,7 @@ class PatchBuilder:
     touching: list[CurvedPatch] = field(default_factory=list)
     apart: list[CurvedPatch] = field(default_factory=list)
     pressed: list[tuple[CurvedPatch, float]] = field(default_factory=list)
-    rejected: list[Rejected] = field(default_factory=list)
+    rejected: list[RejectedPair] = field(default_factory=list)
 
 
 def classify(search: ContactSearch, builder: PatchBuilder, patch: CurvedPatch) -> None:
@@ -183,7 +183,9 @@ def _overlap_depth(search: ContactSearch, patch: CurvedPatch) -> float:
     return shared_depth(search.geometry, parts, points, normals, depth)
 
 
-def _resolve(search: ContactSearch, builder: PatchBuilder) -> tuple[list[Rejected], list[Overlap]]:
+def _resolve(
+    search: ContactSearch, builder: PatchBuilder
+) -> tuple[list[RejectedPair], list[Overlap]]:
     """Near pairs and overlaps; keeps a single statement for each two surfaces in `builder`.
 
     Surfaces with a closed fit have no line or point in addition, and no near pair or overlap.
@@ -204,16 +206,16 @@ def _resolve(search: ContactSearch, builder: PatchBuilder) -> tuple[list[Rejecte
         if patch.key not in closed:
             parts = _parts(search, patch)
             overlaps.append(Overlap(parts, None, depth, INTERFERE))
-            rejected.append(Rejected(parts, -depth, 0.0, PENETRATES))
+            rejected.append(RejectedPair(parts, -depth, 0.0, PENETRATES))
     return rejected, overlaps
 
 
-def _rejected_pair(search: ContactSearch, patch: CurvedPatch) -> Rejected:
+def _rejected_pair(search: ContactSearch, patch: CurvedPatch) -> RejectedPair:
     """The rejected pair of a patch whose faces stand apart."""
     hollow = search.geometry.surfaces.hollow
     i, j = patch.names
     fit = patch.play > 0 or (j >= 0 and bool(hollow[i] != hollow[j]))
-    return Rejected(_parts(search, patch), patch.play or patch.gap[0], 0.0, APART, fit)
+    return RejectedPair(_parts(search, patch), patch.play or patch.gap[0], 0.0, APART, fit)
 
 
 def _parts(search: ContactSearch, patch: CurvedPatch) -> tuple[int, int]:
@@ -277,7 +279,7 @@ def pack(
     parts = search.pairs[pair]
     surface = np.array([patch.surface for patch in touching], dtype=np.int64).reshape(-1, 2)
     start = starts([len(patch.spots.points) for patch in touching])
-    normals = _stacked([patch.sense * patch.spots.normals for patch in touching])
+    normals = _stack_rows([patch.sense * patch.spots.normals for patch in touching])
     size = np.array([_size(search, patch) for patch in touching])
     patches = Patches(
         pair=pair,
@@ -290,15 +292,15 @@ def pack(
         doubt=np.zeros(len(touching)),
         mu=np.full(len(touching), np.nan),
         start=start,
-        points=_stacked([patch.spots.points for patch in touching]),
+        points=_stack_rows([patch.spots.points for patch in touching]),
         normals=normals,
     )
     outer = np.repeat(parts, [len(patch.spots.outer_points) for patch in touching], axis=0)
     possible = PossibleContacts(
         part_a=outer[:, 0],
         part_b=outer[:, 1],
-        points=_stacked([patch.spots.outer_points for patch in touching]),
-        normals=_stacked([patch.sense * patch.spots.outer_normals for patch in touching]),
+        points=_stack_rows([patch.spots.outer_points for patch in touching]),
+        normals=_stack_rows([patch.sense * patch.spots.outer_normals for patch in touching]),
         two_sided=np.zeros(len(outer), dtype=bool),
         mu=np.zeros(len(outer)),
         degenerate=np.full(len(outer), -1),
@@ -315,7 +317,8 @@ def pack(
     )
 
 
-def _stacked(rows: list[Array]) -> Array:
+def _stack_rows(rows: list[Array]) -> Array:
+    """Arrays of rows of three as an array, shape (n, 3), also if there are none."""
     return np.concatenate([np.empty((0, 3)), *rows])
 
 

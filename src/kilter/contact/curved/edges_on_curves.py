@@ -10,22 +10,22 @@ from kilter.assembly.surfaces import FREE, Surfaces
 from kilter.contact.broad import Boxes, joins
 from kilter.contact.contact_tolerances import FACETED_ANGLE, SMOOTH_ANGLE
 from kilter.contact.curved.curved_patches import CurvedContacts
+from kilter.contact.face_patches import FacePatches
 from kilter.contact.planar.facets import Facets
 from kilter.contact.sharp.edges import Edges
-from kilter.contact.touching import Touching
 from kilter.shape.covering import covered
 
 __all__ = ["edges_on_faces"]
 
 
 def edges_on_faces(
-    touching: Touching, edges: Edges, rows: Index, reach: Array, *, turn: bool
+    face_patches: FacePatches, edges: Edges, rows: Index, reach: Array, *, turn: bool
 ) -> tuple[Index, Array, Index]:
     """Points in which sharp edges of b (of a, if `turn`) touch curved faces of the other part.
 
     Parameters
     ----------
-    touching : Touching
+    face_patches : FacePatches
     edges : Edges
         Edges of all parts of the pairs `rows`.
     rows : ndarray of int, shape (n,)
@@ -42,7 +42,7 @@ def edges_on_faces(
     surfaces : ndarray of int, shape (m,)
         The curved faces.
     """
-    search, curved = touching.search, touching.curved
+    search, curved = face_patches.search, face_patches.curved
     geometry, facets, boxes = search.geometry, search.facets, search.boxes
     pairs, tolerance = search.pairs, reach
     s = geometry.surfaces

@@ -25,7 +25,7 @@ from kilter.contact.curved.curved_patches import (
     SurfacePairs,
     classify,
 )
-from kilter.contact.gaps import THIN, Rejected
+from kilter.contact.gaps import THIN, RejectedPair
 from kilter.rigid import quaternion_to_matrix, rotation_between
 
 __all__ = ["gaps_between", "touching_shells"]
@@ -69,7 +69,7 @@ def touching_shells(
         gap = gaps_between(search, solid, hollow, spots.points, bound if play > 0 else off, bound)
         if region.top - region.bottom <= 2 * bound:
             a, b = (int(p) for p in search.pairs[pair])
-            builder.rejected.append(Rejected((a, b), gap[0], 0.0, THIN))
+            builder.rejected.append(RejectedPair((a, b), gap[0], 0.0, THIN))
             continue
         zone = max(bound, play) + float(np.ptp(spots.points, axis=0).max())
         inside = _points_in_region(surfaces, (solid, hollow), region.inside)

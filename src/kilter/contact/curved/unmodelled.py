@@ -18,11 +18,11 @@ from kilter.arrays import Array, Index, Mask, across, ragged
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CYLINDER, FREE, SPHERE
 from kilter.contact.broad import joins
-from kilter.contact.contact_set import PossibleContacts, Unsupported
+from kilter.contact.contact_set import PossibleContacts, UnsupportedContact
 from kilter.contact.curved.edges_on_curves import edges_on_faces
 from kilter.contact.curved.rims import Force, possible_forces
+from kilter.contact.face_patches import FacePatches, explained
 from kilter.contact.sharp.edges import Edges
-from kilter.contact.touching import Touching, explained
 from kilter.contact.triangle_distance import near_triangles
 
 __all__ = ["RoundContacts", "beside_curved", "no_round_contacts", "round_contacts"]
@@ -32,7 +32,7 @@ __all__ = ["RoundContacts", "beside_curved", "no_round_contacts", "round_contact
 class RoundContacts:
     """Pairs that touch at a curved surface without a formula, and their possible forces."""
 
-    unsupported: tuple[Unsupported, ...]
+    unsupported: tuple[UnsupportedContact, ...]
     possible: PossibleContacts
 
 
@@ -54,13 +54,13 @@ def beside_curved(geometry: Geometry, parts: Index, points: Array, slack: Array)
 
 
 def round_contacts(
-    touching: Touching, edges: Edges, rows: Index, rims: tuple[Index, Array], reach: Array
+    face_patches: FacePatches, edges: Edges, rows: Index, rims: tuple[Index, Array], reach: Array
 ) -> RoundContacts:
     """Contacts of the pairs `rows` at curved surfaces that no patch explains.
 
     Parameters
     ----------
-    touching : Touching
+    face_patches : FacePatches
     edges : Edges
         Edges of all parts of these pairs.
     rows : ndarray of int, shape (n,)
@@ -70,7 +70,7 @@ def round_contacts(
     reach : ndarray, shape (number of pairs,)
         Largest gap at which the parts touch, or may touch [length unit].
     """
-    search, curved = touching.search, touching.curved
+    search, curved = face_patches.search, face_patches.curved
     geometry, pairs = search.geometry, search.pairs
     points_of_pair: dict[int, list[tuple[Array, int]]] = {}
 
@@ -79,15 +79,15 @@ def round_contacts(
         for name in np.unique(pair).tolist():
             of_pair = np.flatnonzero(pair == name)
             slack = float(reach[name] + 2 * geometry.slack[pairs[name]].max())
-            is_unexplained = ~explained(touching, name, point[of_pair], slack)
-            is_unexplained &= ~touching.smooth.explains(pair[of_pair], point[of_pair])
+            is_unexplained = ~explained(face_patches, name, point[of_pair], slack)
+            is_unexplained &= ~face_patches.smooth.explains(pair[of_pair], point[of_pair])
             points_of_pair.setdefault(name, []).extend(
                 (point[k], int(surface[k])) for k in of_pair[is_unexplained]
             )
 
     add_points(rims[0], rims[1], np.full(len(rims[0]), -1))
     for turn in (False, True):
-        add_points(*edges_on_faces(touching, edges, rows, reach, turn=turn))
+        add_points(*edges_on_faces(face_patches, edges, rows, reach, turn=turn))
     chosen = curved.unknown[np.isin(curved.unknown[:, 0], rows)]
     patched = np.column_stack([curved.patches.pair, curved.surface]).tolist()
     patched = {tuple(row) for row in patched}
@@ -110,7 +110,7 @@ def _round_contacts_of(
         a, b = (int(k) for k in pairs[pair])
         point, _ = points_of_pair[pair][0]
         x, y, z = point.tolist()
-        unsupported.append(Unsupported((a, b), "curved", (x, y, z)))
+        unsupported.append(UnsupportedContact((a, b), "curved", (x, y, z)))
         surfaces = {surface for _, surface in points_of_pair[pair]}
         if all(geometry.surfaces.kind[k] in (SPHERE, CYLINDER) for k in surfaces if k >= 0) and (
             min(surfaces) >= 0

@@ -172,6 +172,7 @@ def _parts_matching(assembly: Assembly, pattern: str) -> set[str]:
 
 
 def _touching_names(assembly: Assembly, contacts: ContactSet) -> list[Pair]:
+    """Pairs of names of touching parts."""
     return [tuple(assembly.names[k] for k in pair) for pair in touching_pairs(contacts)]
 
 
@@ -219,6 +220,7 @@ def _skipped_held_notes(
 
 
 def _suggested_joints(suggestions: Sequence[Suggestion]) -> list[Joint]:
+    """Fixed joints for suggestions, with their kinds as the reason."""
     return [Joint(s.parts, why=s.kind) for s in suggestions]
 
 

@@ -21,12 +21,12 @@ from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.contact_set import INTERFERE, SAME_BODY, Overlap
 from kilter.contact.contact_tolerances import SAME_PLACE
+from kilter.contact.face_patches import FacePatches, in_patch
 from kilter.contact.fits.coaxial import coaxial_fits
 from kilter.contact.fits.shared_body import PartSolids, SharedBody, depth_of, shared_body
 from kilter.contact.fits.winding_depth import depth_by_winding
 from kilter.contact.gaps import Tolerance
 from kilter.contact.planar.facets import Facets
-from kilter.contact.touching import Touching, in_patch
 from kilter.solvers.problem import LinearProgram
 
 __all__ = ["find_overlaps"]
@@ -36,23 +36,23 @@ __all__ = ["find_overlaps"]
 class _OverlapSearch:
     """Data of all steps: the touching patches, and the parts as solids."""
 
-    touching: Touching
+    face_patches: FacePatches
     solids: PartSolids
 
     @property
     def geometry(self) -> Geometry:
-        return self.touching.search.geometry
+        return self.face_patches.search.geometry
 
     @property
     def facets(self) -> Facets:
-        return self.touching.search.facets
+        return self.face_patches.search.facets
 
 
 def find_overlaps(
-    assembly: Assembly, touching: Touching, tolerances: Tolerance
+    assembly: Assembly, face_patches: FacePatches, tolerances: Tolerance
 ) -> tuple[Overlap, ...]:
     """Pairs of parts that share volume."""
-    search = touching.search
+    search = face_patches.search
     geometry, facets, boxes = search.geometry, search.facets, search.boxes
     a, b = search.pairs.T
     both_convex = facets.convex_part[a] & facets.convex_part[b]
@@ -61,10 +61,10 @@ def find_overlaps(
     grow = tolerance[:, None]
     deep = (boxes.part_high[a] - boxes.part_low[b] > grow).all(axis=1)
     deep &= (boxes.part_high[b] - boxes.part_low[a] > grow).all(axis=1)
-    rows = np.flatnonzero(deep & ~(both_convex & touching.has_patch))
-    overlaps = list({overlap.parts: overlap for overlap in touching.curved.overlaps}.values())
+    rows = np.flatnonzero(deep & ~(both_convex & face_patches.has_patch))
+    overlaps = list({overlap.parts: overlap for overlap in face_patches.curved.overlaps}.values())
     recorded = {overlap.parts for overlap in overlaps}
-    overlap_search = _OverlapSearch(touching, PartSolids(geometry))
+    overlap_search = _OverlapSearch(face_patches, PartSolids(geometry))
     for row in rows.tolist():
         parts = (int(a[row]), int(b[row]))
         if parts in recorded:
@@ -141,11 +141,11 @@ def _general_overlap(
     Points on curved faces that touch over an area are ignored: only triangulations overlap there.
     """
     geometry, (a, b) = overlap_search.geometry, parts
-    if _identical(geometry, a, b):
+    if _coincide(geometry, a, b):
         return _same_body(geometry, parts)
 
     def on_patch(points: Array) -> Mask:
-        return in_patch(overlap_search.touching, row, points, 2 * tolerance)
+        return in_patch(overlap_search.face_patches, row, points, 2 * tolerance)
 
     body = shared_body(overlap_search.solids, a, b)
     if body is None:
@@ -157,6 +157,7 @@ def _general_overlap(
 
 
 def _same_body(geometry: Geometry, parts: tuple[int, int]) -> Overlap:
+    """The overlap of two bodies in the same place."""
     size = float(geometry.size[list(parts)].min())
     return Overlap(parts, float(geometry.volume[parts[0]]), size, SAME_BODY)
 
@@ -165,7 +166,7 @@ def _corners(geometry: Geometry, part: int) -> Array:
     return geometry.vertices[geometry.vertex_start[part] : geometry.vertex_start[part + 1]]
 
 
-def _identical(geometry: Geometry, a: int, b: int) -> bool:
+def _coincide(geometry: Geometry, a: int, b: int) -> bool:
     """Whether two parts have the same corners in the same places."""
     corners_a, corners_b = _corners(geometry, a), _corners(geometry, b)
     if corners_a.shape != corners_b.shape:
@@ -177,6 +178,7 @@ def _identical(geometry: Geometry, a: int, b: int) -> bool:
 
 
 def _facet_planes(geometry: Geometry, facets: Facets, part: int) -> tuple[Array, Array]:
+    """Outward normals and origins of the facets of a part."""
     span = slice(facets.start[part], facets.start[part + 1])
     return facets.normal[span], facets.origin[span]
 
@@ -186,7 +188,7 @@ def _convex_overlap(
 ) -> Overlap | None:
     """Overlap of two convex parts; None if a facet's plane separates them, or no ball fits."""
     geometry, (a, b) = overlap_search.geometry, parts
-    if _identical(geometry, a, b):
+    if _coincide(geometry, a, b):
         return _same_body(geometry, parts)
     middle = geometry.center[a]
     normals, offsets, separation = [], [], -np.inf

@@ -86,7 +86,7 @@ class Suggestion:
 
 
 def touching_pairs(contacts: ContactSet) -> list[tuple[int, int]]:
-    """Pairs of parts that touch in any way, overlaps included, in order."""
+    """Pairs of parts that touch in any way, including overlaps, in order."""
     pairs = [(int(a), int(b)) for a, b in contacts.patch_parts]
     pairs += [entry.parts for entry in contacts.unsupported]
     pairs += [entry.parts for entry in contacts.overlaps]
@@ -196,6 +196,7 @@ def _from_overlap(assembly: Assembly, overlap: Overlap) -> Suggestion:
 
 
 def _short_name(name: str) -> str:
+    """The last component of a part's path."""
     return name.rpartition("/")[2]
 
 
@@ -205,10 +206,12 @@ def _with_article(word: str) -> str:
 
 
 def _fixed_joint(parts: tuple[str, str], kind: Kind, why: str) -> Suggestion:
+    """The suggestion of a fixed joint."""
     return Suggestion(
         parts, kind, why, _fasten_option(parts), {"parts": list(parts), "kind": "fixed"}
     )
 
 
 def _fasten_option(parts: tuple[str, str]) -> str:
+    """The command-line option that fastens two parts."""
     return f"--fasten {shell_words(parts)}"

@@ -59,14 +59,14 @@ def _depth_inside(
         return 0.0
     inside = np.concatenate(
         [
-            _winding(batch, triangles) > 0.5
+            _winding_number(batch, triangles) > 0.5
             for batch in np.array_split(probes, 1 + len(probes) * len(triangles) // BATCH)
         ]
     )
     return float(surface_distance(probes[inside], triangles).max(initial=0.0))
 
 
-def _winding(points: Array, triangles: Array) -> Array:
+def _winding_number(points: Array, triangles: Array) -> Array:
     """Winding number of a closed surface around points, shape (n,)."""
     middle = triangles.mean(axis=(0, 1))
     x, corners = points - middle, triangles - middle

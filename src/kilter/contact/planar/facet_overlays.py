@@ -209,7 +209,7 @@ def _intersect_pieces(
     """Overlaps of the pieces a and b of the facets of each row."""
     flat_a = frames.flat(pieces.points(a), row)
     # facet j faces the other way: its corners run clockwise in the frame
-    flat_b = _reversed(frames.flat(pieces.points(b), row), pieces.count[b])
+    flat_b = _reverse_corners(frames.flat(pieces.points(b), row), pieces.count[b])
     meets = (flat_a.min(axis=1) <= flat_b.max(axis=1)).all(axis=1)
     meets &= (flat_b.min(axis=1) <= flat_a.max(axis=1)).all(axis=1)
     keep = np.flatnonzero(meets)
@@ -221,7 +221,7 @@ def _intersect_pieces(
     return _with_gaps(frames, row[rows], points[rows], count[rows], area[rows])
 
 
-def _reversed(points: Array, count: Index) -> Array:
+def _reverse_corners(points: Array, count: Index) -> Array:
     """Padded polygons with their corners in reverse order."""
     k = np.arange(points.shape[1])
     back = np.where(k < count[:, None], count[:, None] - 1 - k, 0)

@@ -15,7 +15,7 @@ from kilter.contact.gaps import (
     PENETRATES,
     THIN,
     TILTED,
-    Rejected,
+    RejectedPair,
     nearest_gap,
     touches,
 )
@@ -37,7 +37,7 @@ class FlatContacts:
     """Patches of flat faces, rejected near faces, and the histogram of gaps over `GAP_EDGES`."""
 
     patches: Patches
-    rejected: list[Rejected]
+    rejected: list[RejectedPair]
     counts: Index
 
 
@@ -68,8 +68,8 @@ def find_flat(search: ContactSearch, smooth: SmoothJoints) -> FlatContacts:
         relative = (nearest_gap(block.gap) / size[block.frame])[wide & opposed]
         counts += np.histogram(relative, bins=GAP_EDGES)[0]
     patches, thin = merge(search, frames, accepted)
-    rejected = _rejected(search, frames, refused, angle)
-    rejected += _rejected(search, frames, thin, angle, THIN)
+    rejected = _rejected_pairs(search, frames, refused, angle)
+    rejected += _rejected_pairs(search, frames, thin, angle, THIN)
     return FlatContacts(patches, rejected, counts)
 
 
@@ -84,16 +84,16 @@ def _angle_rounding(search: ContactSearch, frames: FacetFrame) -> Array:
     return np.minimum(error, LOOKED_AT_ANGLE)
 
 
-def _rejected(
+def _rejected_pairs(
     search: ContactSearch, frames: FacetFrame, blocks: list[Pieces], angle: Array, why: str = ""
-) -> list[Rejected]:
+) -> list[RejectedPair]:
     """The nearest rejected piece for each pair of parts and reason.
 
     `angle` is the angle tolerance of each frame [rad]; `why` is a reason for all blocks, else the
     reason follows from the tilt and the sign of the gap.
     """
     limits = search.limits
-    nearest: dict[tuple[int, str], Rejected] = {}
+    nearest: dict[tuple[int, str], RejectedPair] = {}
     for block in blocks:
         row = block.frame
         pair = frames.pair[row]
@@ -105,5 +105,5 @@ def _rejected(
             key = (int(pair[k]), why or reason)
             if key not in nearest or abs(gap[k]) < abs(nearest[key].gap):
                 a, b = (int(part) for part in search.pairs[pair[k]])
-                nearest[key] = Rejected((a, b), float(gap[k]), tilt, key[1])
+                nearest[key] = RejectedPair((a, b), float(gap[k]), tilt, key[1])
     return list(nearest.values())

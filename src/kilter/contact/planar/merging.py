@@ -43,9 +43,9 @@ def merge(
 ) -> tuple[Patches, list[Pieces]]:
     """Patches of touching pieces, and the pieces that are dropped because they are too thin."""
     tolerance, blur = search.limits.gap, search.limits.rounding
-    is_sliver = [_thin(block, SLIVER * blur[frames.pair[block.frame]]) for block in blocks]
+    is_sliver = [_is_thin(block, SLIVER * blur[frames.pair[block.frame]]) for block in blocks]
     thin = [block.take(np.flatnonzero(slim)) for block, slim in zip(blocks, is_sliver, strict=True)]
-    blocks = [_only(block, ~slim) for block, slim in zip(blocks, is_sliver, strict=True)]
+    blocks = [_select(block, ~slim) for block, slim in zip(blocks, is_sliver, strict=True)]
     pairs = [frames.pair[block.frame] for block in blocks]
     piece_count = np.bincount(
         np.concatenate([*pairs, np.empty(0, np.int64)]), minlength=len(tolerance)
@@ -56,9 +56,9 @@ def merge(
     for k, (block, pair) in enumerate(zip(blocks, pairs, strict=True)):
         alone = piece_count[pair] == 1
         slim = np.zeros(len(pair), dtype=bool)
-        slim[alone] = _thin(_only(block, alone), 2 * tolerance[pair[alone]])
+        slim[alone] = _is_thin(_select(block, alone), 2 * tolerance[pair[alone]])
         thin.append(block.take(np.flatnonzero(slim)))
-        blocks_of_patches.append(_single(search, frames, _only(block, alone & ~slim)))
+        blocks_of_patches.append(_single_patches(search, frames, _select(block, alone & ~slim)))
         shared_rows.extend((int(pair[row]), k, int(row)) for row in np.flatnonzero(~alone))
     shared_rows.sort()
     begin = 0
@@ -68,23 +68,23 @@ def merge(
             pair_row = shared_rows[begin][0]
             members = [(blocks[k], row) for _, k, row in shared_rows[begin:end]]
             limits = float(tolerance[pair_row]), float(blur[pair_row])
-            plane_patches, dropped = _several(frames, members, *limits)
+            plane_patches, dropped = _merge_planes(frames, members, *limits)
             merged += plane_patches
             thin.extend(dropped)
             begin = end
     if merged:
-        blocks_of_patches.append(_packed(search, frames, merged))
+        blocks_of_patches.append(_pack_patches(search, frames, merged))
     return Patches.join(blocks_of_patches).ordered(), [block for block in thin if len(block.frame)]
 
 
-def _only(pieces: Pieces, chosen: Mask) -> Pieces:
+def _select(pieces: Pieces, chosen: Mask) -> Pieces:
     """The chosen pieces; without a copy if all are chosen."""
     return pieces if chosen.all() else pieces.take(np.flatnonzero(chosen))
 
 
-def _packed(search: ContactSearch, frames: FacetFrame, merged: list[_PlanePatch]) -> Patches:
+def _pack_patches(search: ContactSearch, frames: FacetFrame, merged: list[_PlanePatch]) -> Patches:
     """Merged patches as arrays."""
-    return _patches(
+    return _make_patches(
         search,
         frames,
         np.array([patch.frame for patch in merged]),
@@ -96,7 +96,7 @@ def _packed(search: ContactSearch, frames: FacetFrame, merged: list[_PlanePatch]
     )
 
 
-def _patches(
+def _make_patches(
     search: ContactSearch,
     frames: FacetFrame,
     frame: Index,
@@ -127,7 +127,7 @@ def _patches(
     )
 
 
-def _thin(pieces: Pieces, width: Array) -> Mask:
+def _is_thin(pieces: Pieces, width: Array) -> Mask:
     """Pieces whose least width is below `width` [length unit]."""
     if not len(pieces.frame):
         return np.zeros(0, dtype=bool)
@@ -143,7 +143,7 @@ def _thin(pieces: Pieces, width: Array) -> Mask:
     return doubtful
 
 
-def _single(search: ContactSearch, frames: FacetFrame, pieces: Pieces) -> Patches:
+def _single_patches(search: ContactSearch, frames: FacetFrame, pieces: Pieces) -> Patches:
     """Patches of pairs that have a single piece."""
     rounding = search.limits.rounding[frames.pair[pieces.frame]]
     reach = np.sqrt(np.maximum(pieces.area, 0))
@@ -151,10 +151,12 @@ def _single(search: ContactSearch, frames: FacetFrame, pieces: Pieces) -> Patche
     corners = points[np.arange(points.shape[1]) < count[:, None]]
     middle = frames.middle(corners[:, None, :], np.repeat(pieces.frame, count))[:, 0]
     normal = frames.normal[pieces.frame]
-    return _patches(search, frames, pieces.frame, normal, pieces.area, pieces.gap, count, middle)
+    return _make_patches(
+        search, frames, pieces.frame, normal, pieces.area, pieces.gap, count, middle
+    )
 
 
-def _several(
+def _merge_planes(
     frames: FacetFrame, members: list[tuple[Pieces, int]], tolerance: float, rounding: float
 ) -> tuple[list[_PlanePatch], list[Pieces]]:
     """Patches of a pair that has several pieces, plane by plane, and the thin pieces.

@@ -12,14 +12,14 @@ import numpy as np
 from kilter.arrays import Mask
 from kilter.contact.contact_search import ContactSearch
 from kilter.contact.contact_tolerances import LOOSE_GAP
-from kilter.contact.gaps import APART, Rejected
+from kilter.contact.gaps import APART, RejectedPair
 from kilter.contact.sharp.edges import find_edges
 from kilter.contact.sharp.feature_pairs import Meetings, PairBlock, meetings
 
 __all__ = ["near_edges"]
 
 
-def near_edges(search: ContactSearch, unrecorded: Mask) -> list[Rejected]:
+def near_edges(search: ContactSearch, unrecorded: Mask) -> list[RejectedPair]:
     """The nearest corner or edge of each unrecorded pair, as a rejected pair.
 
     Parameters
@@ -50,5 +50,5 @@ def near_edges(search: ContactSearch, unrecorded: Mask) -> list[Rejected]:
     rejected = []
     for row, gap in nearest.items():
         part_a, part_b = search.pairs[row].tolist()
-        rejected.append(Rejected((part_a, part_b), gap, 0.0, APART))
+        rejected.append(RejectedPair((part_a, part_b), gap, 0.0, APART))
     return rejected

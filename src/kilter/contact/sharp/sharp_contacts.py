@@ -26,7 +26,7 @@ import numpy as np
 from kilter.arrays import Array, Index, Mask
 from kilter.assembly.geometry import Geometry
 from kilter.contact.broad import Boxes
-from kilter.contact.contact_set import Degenerate, PossibleContacts, Unsupported
+from kilter.contact.contact_set import DegeneratePoints, PossibleContacts, UnsupportedContact
 from kilter.contact.contact_tolerances import LOOSE_GAP, MEETS_EXACTLY, ONE_POINT
 from kilter.contact.curved.rims import coaxial_clear, rims_clear
 from kilter.contact.curved.unmodelled import (
@@ -35,13 +35,13 @@ from kilter.contact.curved.unmodelled import (
     no_round_contacts,
     round_contacts,
 )
-from kilter.contact.gaps import Rejected
+from kilter.contact.face_patches import FacePatches, explained, on_patches
+from kilter.contact.gaps import RejectedPair
 from kilter.contact.patches import Patches
 from kilter.contact.sharp.edge_contacts import edge_contacts
 from kilter.contact.sharp.edges import Edges, find_edges
 from kilter.contact.sharp.feature_pairs import EDGE, FACE, Meetings, PairBlock, meetings
 from kilter.contact.sharp.normals import Clauses, Pushes, normals_of
-from kilter.contact.touching import Touching, explained, on_patches
 
 __all__ = ["NearContacts", "near_contacts"]
 
@@ -58,8 +58,8 @@ class NearContacts:
     """
 
     patches: Patches
-    degenerate: Degenerate
-    unsupported: tuple[Unsupported, ...]
+    degenerate: DegeneratePoints
+    unsupported: tuple[UnsupportedContact, ...]
     possible: PossibleContacts
 
 
@@ -67,49 +67,49 @@ class NearContacts:
 class _SharpSearch:
     """Data of all steps: the patches of the search, and the edges of all parts searched here."""
 
-    touching: Touching
+    face_patches: FacePatches
     edges: Edges
 
     @property
     def geometry(self) -> Geometry:
-        return self.touching.search.geometry
+        return self.face_patches.search.geometry
 
     @property
     def pairs(self) -> Index:
-        return self.touching.search.pairs
+        return self.face_patches.search.pairs
 
     @property
     def gap(self) -> Array:
-        return self.touching.search.limits.gap
+        return self.face_patches.search.limits.gap
 
 
-def near_contacts(touching: Touching, rejected: Iterable[Rejected]) -> NearContacts:
+def near_contacts(face_patches: FacePatches, rejected: Iterable[RejectedPair]) -> NearContacts:
     """Corner, edge and round contacts of the pairs that their patches do not determine.
 
     `rejected` are near faces: their pairs are already known to be open.
     """
-    search = touching.search
+    search = face_patches.search
     boxes, convex = search.boxes, search.facets.convex_part
     a, b = search.pairs.T
     # for convex parts a patch is complete
-    settled = convex[a] & convex[b] & touching.has_patch
-    reach = _reach(touching, rejected)
+    settled = convex[a] & convex[b] & face_patches.has_patch
+    reach = _reach(face_patches, rejected)
     sharp_rows = np.flatnonzero(_boxes_meet(boxes, a, b, search.limits.gap) & ~settled)
     round_rows = np.flatnonzero(_boxes_meet(boxes, a, b, reach) & ~settled)
     round_rows = round_rows[_round_parts(search.geometry)[search.pairs[round_rows]].any(axis=1)]
-    patches, degenerate, rounds = Patches.none(), Degenerate.none(), no_round_contacts()
+    patches, degenerate, rounds = Patches.none(), DegeneratePoints.none(), no_round_contacts()
     all_rows = np.union1d(sharp_rows, round_rows)
     if len(all_rows):
         edges = find_edges(search.geometry, search.facets, np.unique(search.pairs[all_rows]))
-        sharp_search = _SharpSearch(touching, edges)
+        sharp_search = _SharpSearch(face_patches, edges)
         candidates = _meetings(sharp_search, sharp_rows, search.limits.gap)
         candidates = candidates.take(
-            np.flatnonzero(~touching.smooth.explains(candidates.pair, candidates.middle))
+            np.flatnonzero(~face_patches.smooth.explains(candidates.pair, candidates.middle))
         )
         candidates = candidates.take(np.flatnonzero(~_beside_curved(sharp_search, candidates)))
         pushes, clauses = _normals(sharp_search, candidates)
         all_pushes = pushes
-        pushes, clauses = _without_explained(candidates, pushes, clauses, touching)
+        pushes, clauses = _without_explained(candidates, pushes, clauses, face_patches)
         patches = edge_contacts(search, edges, candidates, pushes)
         degenerate = _degenerate_points(sharp_search, candidates, clauses, all_pushes)
         rounds = _round_contacts(sharp_search, round_rows, reach)
@@ -123,7 +123,7 @@ def near_contacts(touching: Touching, rejected: Iterable[Rejected]) -> NearConta
 
 def _meetings(near: _SharpSearch, rows: Index, tolerance: Array) -> Meetings:
     """Meetings of corners and edges of the pairs `rows`; `tolerance` has a value for each pair."""
-    search, boxes = near.touching.search, near.touching.search.boxes
+    search, boxes = near.face_patches.search, near.face_patches.search.boxes
     blocks: list[Meetings] = []
     for block_rows in np.array_split(rows, max(1, len(rows) // PAIRS)):
         a, b = near.pairs[block_rows].T
@@ -141,7 +141,7 @@ def _normals(near: _SharpSearch, met: Meetings) -> tuple[Pushes, Clauses]:
     size, accuracy = geometry.size[parts].min(axis=1), geometry.accuracy[parts].sum(axis=1)
     distance = np.linalg.norm(met.at[:, 1] - met.at[:, 0], axis=1)
     coincident = distance <= MEETS_EXACTLY * size + 8 * accuracy
-    return normals_of(geometry, near.touching.search.facets, near.edges, met, coincident)
+    return normals_of(geometry, near.face_patches.search.facets, near.edges, met, coincident)
 
 
 def _round_parts(geometry: Geometry) -> Mask:
@@ -169,16 +169,16 @@ def _boxes_meet(boxes: Boxes, a: Index, b: Index, grow: Array) -> Mask:
     return np.asarray(apart.max(axis=1) <= grow)
 
 
-def _reach(touching: Touching, rejected: Iterable[Rejected]) -> Array:
+def _reach(face_patches: FacePatches, rejected: Iterable[RejectedPair]) -> Array:
     """Largest gap at which edges and free forms of each pair may touch a round face.
 
     For a pair without touching or near faces it is the loose tolerance.
     """
-    limits, search = touching.search.limits, touching.search
+    limits, search = face_patches.search.limits, face_patches.search
     near = {tuple(sorted(faces.parts)) for faces in rejected}
     has_near = [tuple(sorted(pair)) in near for pair in search.pairs.tolist()] if near else False
     size = search.geometry.size[search.pairs].min(axis=1)
-    loose = np.where(touching.has_patch | has_near, 0.0, LOOSE_GAP * size)
+    loose = np.where(face_patches.has_patch | has_near, 0.0, LOOSE_GAP * size)
     return np.asarray(np.maximum(limits.closed, loose))
 
 
@@ -195,15 +195,15 @@ def _round_contacts(near: _SharpSearch, rows: Index, reach: Array) -> RoundConta
         np.flatnonzero(_beside_curved(near, candidates) & ~_clear_rims(near, candidates, reach))
     )
     candidates = candidates.take(np.flatnonzero(~_explained_meetings(near, candidates)))
-    pushes, clauses = _without_explained(candidates, *_normals(near, candidates), near.touching)
+    pushes, clauses = _without_explained(candidates, *_normals(near, candidates), near.face_patches)
     on_rim = np.concatenate([pushes.meeting, clauses.meeting])
     rims = candidates.pair[on_rim], candidates.middle[on_rim]
-    return round_contacts(near.touching, near.edges, rows, rims, reach)
+    return round_contacts(near.face_patches, near.edges, rows, rims, reach)
 
 
 def _clear_rims(near: _SharpSearch, met: Meetings, reach: Array) -> Mask:
     """Meetings at round rims that stay clear of a plane, or of a coaxial rim, as a whole."""
-    geometry, facets = near.geometry, near.touching.search.facets
+    geometry, facets = near.geometry, near.face_patches.search.facets
     limit = reach[met.pair]
     clear = np.zeros(len(met), dtype=bool)
     ends = np.stack([met.feature, met.feature], axis=2)
@@ -229,19 +229,19 @@ def _explained_meetings(near: _SharpSearch, met: Meetings) -> Mask:
     for pair in np.unique(met.pair).tolist():
         of_pair = np.flatnonzero(met.pair == pair)
         slack = float(near.gap[pair] + 2 * geometry.slack[near.pairs[pair]].max())
-        is_explained[of_pair] = explained(near.touching, pair, met.middle[of_pair], slack)
+        is_explained[of_pair] = explained(near.face_patches, pair, met.middle[of_pair], slack)
     return is_explained
 
 
 def _without_explained(
-    met: Meetings, pushes: Pushes, clauses: Clauses, touching: Touching
+    met: Meetings, pushes: Pushes, clauses: Clauses, face_patches: FacePatches
 ) -> tuple[Pushes, Clauses]:
     """Pushes and clauses that no planar patch of the pair already contains."""
     row = pushes.meeting
-    on_patch = on_patches(touching, met.pair[row], met.middle[row], pushes.normal)
+    on_patch = on_patches(face_patches, met.pair[row], met.middle[row], pushes.normal)
     pushes = pushes.take(np.flatnonzero(~on_patch))
     row = clauses.meeting[clauses.owner]
-    normal_on_patch = on_patches(touching, met.pair[row], met.middle[row], clauses.normal)
+    normal_on_patch = on_patches(face_patches, met.pair[row], met.middle[row], clauses.normal)
     fulfilled = np.zeros(len(clauses.meeting), dtype=bool)
     fulfilled[clauses.owner[normal_on_patch]] = True
     return pushes, clauses.take(np.flatnonzero(~fulfilled))
@@ -249,7 +249,7 @@ def _without_explained(
 
 def _degenerate_points(
     near: _SharpSearch, met: Meetings, clauses: Clauses, pushes: Pushes
-) -> Degenerate:
+) -> DegeneratePoints:
     """Clauses as degenerate points, with all normals `pushes` of the same pairs."""
     has_clause = np.zeros(len(near.pairs), dtype=bool)
     has_clause[met.pair[clauses.meeting]] = True
@@ -257,7 +257,7 @@ def _degenerate_points(
     order = np.argsort(met.pair[clauses.meeting], kind="stable")
     clauses = clauses.take(order)
     part_a, part_b = near.pairs[met.pair[clauses.meeting]].T
-    return Degenerate(
+    return DegeneratePoints(
         part_a=part_a,
         part_b=part_b,
         points=met.middle[clauses.meeting],
@@ -270,7 +270,7 @@ def _degenerate_points(
     )
 
 
-def _unsupported_of(points: Degenerate, geometry: Geometry) -> list[Unsupported]:
+def _unsupported_of(points: DegeneratePoints, geometry: Geometry) -> list[UnsupportedContact]:
     """A record for each pair: a vertex if all its points coincide, else an edge."""
     if not len(points):
         return []
@@ -285,6 +285,6 @@ def _unsupported_of(points: Degenerate, geometry: Geometry) -> list[Unsupported]
     kinds = np.where(spread > ONE_POINT * size, "edge", "vertex").tolist()
     parts = zip(points.part_a[first].tolist(), points.part_b[first].tolist(), strict=True)
     return [
-        Unsupported(pair, kind, (x, y, z))
+        UnsupportedContact(pair, kind, (x, y, z))
         for pair, kind, (x, y, z) in zip(parts, kinds, middle.tolist(), strict=True)
     ]

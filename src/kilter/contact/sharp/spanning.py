@@ -27,7 +27,7 @@ from kilter.arrays import Array, Index, Mask, across, ratio
 from kilter.contact.contact_tolerances import CONE_ANGLE, CUT_COSINE, LITERAL_ANGLE, NORMAL_ANGLE
 from kilter.contact.sharp.local_cones import spanned
 
-__all__ = ["Resolved", "distinct", "resolve", "separating", "spans"]
+__all__ = ["PointConstraints", "distinct", "resolve", "separating", "spans"]
 
 
 BATCH = 2_000_000
@@ -125,14 +125,14 @@ def _distinct_candidates(candidates: Array, valid: Mask, weight: Array) -> tuple
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Resolved:
+class PointConstraints:
     """Accepted normals, shape (k, 3), and clauses that they do not imply, shape (m, 3) each."""
 
     accepted: Array
     clauses: list[Array]
 
 
-def resolve(pairs: list[tuple[Array, Array, Array]]) -> Resolved:
+def resolve(pairs: list[tuple[Array, Array, Array]]) -> PointConstraints:
     """Accepted normals and remaining clauses of a point, from its pairs of convex pieces.
 
     Parameters
@@ -153,7 +153,7 @@ def resolve(pairs: list[tuple[Array, Array, Array]]) -> Resolved:
         # a clause that contains a kept clause follows from it
         if not any(all(_contains(n, clause) for n in shorter) for shorter in kept):
             kept.append(clause)
-    return Resolved(accepted, kept)
+    return PointConstraints(accepted, kept)
 
 
 def distinct(normals: list[Array]) -> Array:

@@ -34,7 +34,7 @@ from kilter.contact.contact_tolerances import (
     SMOOTH_LEAST,
     SMOOTH_UNSURE,
 )
-from kilter.contact.left_out import PossibleContacts, Unsupported
+from kilter.contact.left_out import PossibleContacts, UnsupportedContact
 from kilter.contact.patches import Patches
 from kilter.contact.planar.facet_overlays import facet_frames, overlaps_of
 from kilter.contact.smooth.matching import Matches, matches
@@ -166,13 +166,13 @@ class SmoothJoints:
         )
 
     @property
-    def unsure(self) -> tuple[Unsupported, ...]:
+    def unsure(self) -> tuple[UnsupportedContact, ...]:
         """Records of the pairs of the joints: fitted normals are never certain."""
-        records: dict[tuple[int, int], Unsupported] = {}
+        records: dict[tuple[int, int], UnsupportedContact] = {}
         for joint in self.joints:
             a, b = (int(k) for k in self.search.pairs[joint.pair])
             x, y, z = joint.matches.point[0].tolist()
-            records.setdefault((a, b), Unsupported((a, b), "curved", (x, y, z)))
+            records.setdefault((a, b), UnsupportedContact((a, b), "curved", (x, y, z)))
         return tuple(records.values())
 
     def between(self, pair: Index, i: Index, j: Index) -> Mask:

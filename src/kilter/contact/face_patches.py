@@ -16,11 +16,11 @@ from kilter.contact.curved.curved_patches import CurvedContacts, on_flat
 from kilter.contact.patches import Patches
 from kilter.contact.smooth.smooth_joints import SmoothJoints
 
-__all__ = ["Touching", "explained", "in_patch", "on_patches"]
+__all__ = ["FacePatches", "explained", "in_patch", "on_patches"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Touching:
+class FacePatches:
     """A search with its smooth joints and its patches of flat and curved faces, ordered by pair."""
 
     search: ContactSearch
@@ -31,44 +31,44 @@ class Touching:
     @property
     def has_patch(self) -> Mask:
         """Whether each pair has a patch, flat, curved or smooth, shape (n,)."""
-        touching = np.zeros(len(self.search.pairs), dtype=bool)
-        touching[self.flat.pair] = True
-        touching[self.curved.patches.pair] = True
-        touching[[joint.pair for joint in self.smooth.joints]] = True
-        return touching
+        is_covered = np.zeros(len(self.search.pairs), dtype=bool)
+        is_covered[self.flat.pair] = True
+        is_covered[self.curved.patches.pair] = True
+        is_covered[[joint.pair for joint in self.smooth.joints]] = True
+        return is_covered
 
 
-def explained(touching: Touching, pair: int, points: Array, slack: float) -> Mask:
+def explained(face_patches: FacePatches, pair: int, points: Array, slack: float) -> Mask:
     """Which points, shape (n, 3), lie within `slack` of a flat or curved patch of a pair."""
     is_explained = np.zeros(len(points), dtype=bool)
-    for patch in touching.curved.patches.of_pair(pair):
-        is_explained |= _on_curved(touching, patch, points, slack)
-    flat = touching.flat
+    for patch in face_patches.curved.patches.of_pair(pair):
+        is_explained |= _on_curved_patch(face_patches, patch, points, slack)
+    flat = face_patches.flat
     for patch in flat.of_pair(pair):
         is_explained |= on_flat(points, flat.corners(patch), flat.normal[patch], slack)
     return is_explained
 
 
-def in_patch(touching: Touching, pair: int, points: Array, slack: float) -> Mask:
+def in_patch(face_patches: FacePatches, pair: int, points: Array, slack: float) -> Mask:
     """Which points, shape (n, 3), lie on a curved face of a pair that touches over an area."""
-    held = touching.smooth.explains(np.full(len(points), pair), points)
-    patches = touching.curved.patches
+    is_in_patch = face_patches.smooth.explains(np.full(len(points), pair), points)
+    patches = face_patches.curved.patches
     for patch in patches.of_pair(pair):
         if patches.area[patch] > 0:
-            held |= _on_curved(touching, patch, points, slack)
-    return held
+            is_in_patch |= _on_curved_patch(face_patches, patch, points, slack)
+    return is_in_patch
 
 
-def _on_curved(touching: Touching, patch: int, points: Array, slack: float) -> Mask:
+def _on_curved_patch(face_patches: FacePatches, patch: int, points: Array, slack: float) -> Mask:
     """Which points, shape (n, 3), lie within `slack` of a curved patch."""
-    curved = touching.curved
+    curved = face_patches.curved
     corners = curved.patches.corners(patch)
     zone = max(float(curved.zone[patch]), slack)
     if curved.patches.area[patch] > 0:  # an area: points of the surface near the patch
         rows = np.full(len(points), curved.surface[patch].max())
         size = float(np.ptp(corners, axis=0).max())
         low, high = corners.min(axis=0) - BESIDE * size, corners.max(axis=0) + BESIDE * size
-        surfaces = touching.search.geometry.surfaces
+        surfaces = face_patches.search.geometry.surfaces
         near: Mask = np.abs(surfaces.distance(rows, points)) <= slack
         near &= ((points >= low) & (points <= high)).all(axis=1)
         return near
@@ -84,18 +84,18 @@ def _on_curved(touching: Touching, patch: int, points: Array, slack: float) -> M
     return beside
 
 
-def on_patches(touching: Touching, pair: Index, points: Array, normal: Array) -> Mask:
+def on_patches(face_patches: FacePatches, pair: Index, points: Array, normal: Array) -> Mask:
     """Which points lie on a flat patch of their pair with the same normal, shape (n,).
 
     Parameters
     ----------
-    touching : Touching
+    face_patches : FacePatches
     pair : ndarray of int, shape (n,)
         Row of the pair of each point.
     points, normal : ndarray, shape (n, 3)
         Points with their unit normals, from a to b.
     """
-    patches, limits = touching.flat, touching.search.limits
+    patches, limits = face_patches.flat, face_patches.search.limits
     start = np.searchsorted(patches.pair, np.arange(len(limits) + 1))
     owner, patch = ragged(start, pair)
     near = np.linalg.norm(patches.normal[patch] - normal[owner], axis=1) <= NORMAL_SNAP
