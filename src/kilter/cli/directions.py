@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from kilter.cli.asked import Asked
-from kilter.cli.exit_codes import ORIENT, WRITTEN
-from kilter.cli.options import FORM, asks
+from kilter.cli.exit_codes import ORIENT, VERDICT, WRITTEN
+from kilter.cli.options import FORM, Require, asks
 from kilter.cli.output import Progress
 from kilter.errors import InputError
 
@@ -114,7 +114,7 @@ def region(
             )
     told, one = answer.to_dict(), asked if common else asked.of_file(files[0])
     one.tell(told, after=one.keep_proof(answer.proof, told))
-    return WRITTEN
+    return VERDICT["undecided"] if answer.pairs_decide else WRITTEN
 
 
 @asks(searches=True, proves=True)
@@ -169,6 +169,7 @@ def margin(
             rich_help_panel=ASKED,
         ),
     ] = False,
+    require: Require = "equilibrium",
     mass_range: Annotated[
         tuple[float, float] | None,
         typer.Option(
@@ -213,7 +214,8 @@ def margin(
     """By how much does it hold: tilt, least friction, load factor, the push each part resists.
 
     Limits are those of equilibrium forces: above them nothing holds, and the mechanism that
-    starts there is named. Exit 0, whatever the verdict: it is `verdict` in --json, and check
+    starts there is named. --require settles or proved adds the tilt up to which that level is
+    reached. Exit 0, whatever the verdict: it is `verdict` in --json, and check
     exits by it.
     """
     from kilter.analysis.margins.margin import margin as find
@@ -229,6 +231,7 @@ def margin(
             loads=loads,
             ranges=ranges,
             bracket=bracket,
+            require=require,
             contacts=contacts,
             tolerance=asked.tolerance,
             effort=asked.effort,

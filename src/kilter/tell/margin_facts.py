@@ -61,7 +61,8 @@ def _tilt(answer: Answer) -> str:
             return "not known: the numbers failed"
         return "none: not held as given, nor with gravity along any direction within a right angle"
     if answer["tilt_down"] is None:
-        return "more than 90 deg: no tilt up to a right angle fails"
+        held = "forces that hold it exist" if answer["level"] == "equilibrium" else "it holds"
+        return f"more than 90 deg: {held} at every tilt up to a right angle"
     down = vector(answer["tilt_down"])
     if lower is None:
         upper, held = answer["tilt_upper_deg"], f"the nearest held direction is {down}"
@@ -70,10 +71,20 @@ def _tilt(answer: Answer) -> str:
         return f"{angle(tilt)}: not held as it lies; {held}{least}"
     if answer["tilt_limit"]["mechanism"] is None:
         return f"{angle(tilt)} are held, down = {down}; that no more are is not proved"
-    words = f"{angle(tilt)} to the nearest direction that fails"
+    fails = "that fails"
+    if answer["tilt_outside"] == "undecided":
+        fails = "at which open contacts decide"
+    words = f"{angle(tilt)} to the nearest direction {fails}"
     if tilt - lower > 1e-6 * max(tilt, 1e-12):
         words += f" (at least {number(lower)})"
-    return f"{words}, down = {down}{_starting(answer['tilt_limit'])}"
+    words = f"{words}, down = {down}{_starting(answer['tilt_limit'])}"
+    if answer["level"] == "equilibrium":
+        words += "; up to there forces that hold it exist"
+    at_level = answer["tilt_at_level"]
+    if at_level is None:
+        return words
+    verb = {"settles": "it settles", "proved": "no motion can start"}[at_level["level"]]
+    return f"{words}; {verb} up to {angle(at_level['tilt_deg'])} toward that direction"
 
 
 def _least_friction(answer: Answer) -> str:

@@ -128,10 +128,23 @@ def region_sentence(kind: str, *, friction: bool) -> str:
 
 def _region_sentence(answer: Answer) -> str:
     head = region_sentence(answer["kind"], friction=answer["friction"])
-    inner = f"{head[0].lower()}{head[1:]}"
+    inner = _lower_case(head)
+    if answer["pairs_decide"]:
+        joined = region_sentence(answer["if_joined"]["kind"], friction=answer["friction"])
+        pairs = some([" and ".join(map(plain, pair["parts"])) for pair in answer["open_pairs"]])
+        friction = "with friction" if answer["friction"] else "without friction"
+        return (
+            f"Undecided, since open pairs decide ({pairs}). As drawn, {friction}, {inner} "
+            f"If these pairs are joined, {_lower_case(joined)}"
+        )
     if answer["friction"]:
         return f"{HELD} {inner}"
     return head if answer["complete"] else f"{LEFT_OUT} {inner}"
+
+
+def _lower_case(sentence: str) -> str:
+    """A sentence with a small first letter, for use after a colon or comma."""
+    return f"{sentence[0].lower()}{sentence[1:]}"
 
 
 def tables(answer: Answer) -> list[Table]:

@@ -54,8 +54,9 @@ from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program, build_program
 from kilter.rigid import unit
+from kilter.tell.levels import level_of, require_level
 from kilter.threads import on_one_thread
-from kilter.work import EFFORT
+from kilter.work import EFFORT, Work, units_of
 
 __all__ = ["PUSHED", "Margin", "margin"]
 
@@ -87,6 +88,11 @@ class Margin:
         Direction of gravity there; None where no tilt up to a right angle fails.
     nearest : NearestHeld or None
         Where gravity as given is not held: the least turn that is, from both sides.
+    outside : str or None
+        The verdict of `kilter.check` just beyond the tilt limit, at the level "equilibrium".
+    level_tilt : LevelTilt or None
+        The tilt up to which the level `require` is reached, if it is above "equilibrium".
+    require : str
     about : tuple of (float, Limit), or None
         Angle [rad] about the axis that was asked for, and the limit.
     friction : LeastFriction or None
@@ -125,6 +131,9 @@ class Margin:
     tilt_deg: float | None
     tilt_down: Array | None
     nearest: NearestHeld | None
+    outside: str | None
+    level_tilt: LevelTilt | None
+    require: str
     about: tuple[float, Limit] | None
     friction: LeastFriction | None
     bond: BondFactor | None
@@ -152,7 +161,11 @@ class Margin:
             "joints": joints_answer(self.assembly),
             "open_pairs": open_pairs_answer(self.assembly, self.verdict.contacts),
             "exact": not self.verdict.contacts.open_pairs,
+            "level": self.level,
+            "require": self.require,
             "tilt_deg": self.tilt_deg,
+            "tilt_outside": self.outside,
+            "tilt_at_level": None if self.level_tilt is None else self.level_tilt.to_dict(),
             "tilt_lower_deg": None if tilt is None else float(np.degrees(tilt.lower)),
             "tilt_upper_deg": None
             if self.nearest is None
@@ -177,6 +190,11 @@ class Margin:
             "warnings": list(self.warnings),
             "seconds": self.seconds,
         }
+
+    @property
+    def level(self) -> str:
+        """The level of the limits: "proved" without friction, else "equilibrium"."""
+        return "equilibrium" if self.program.mu.any() else "proved"
 
     def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
         """Forces within each limit and a motion beyond it, for `kilter.verify`, as JSON data.
@@ -233,6 +251,7 @@ def margin(
     loads: bool = False,
     ranges: Ranges | None = None,
     bracket: bool = False,
+    require: str = "equilibrium",
     tolerance: Tolerance | None = None,
     effort: float = EFFORT,
     time_limit: float | None = None,
@@ -258,6 +277,8 @@ def margin(
         Also the worst tilt margin and load factor over these intervals.
     bracket : bool
         Also the load factors up to which no motion that obeys the contact law can start.
+    require : {"equilibrium", "settles", "proved"}
+        Above "equilibrium", `Margin.level_tilt` is the tilt up to which this level is reached.
     tolerance : Tolerance, optional
         When faces count as touching.
     effort, time_limit : float
@@ -281,6 +302,7 @@ def margin(
     started = time.perf_counter()
     require_assembly(assembly, "margin")
     direction = None if push is None else unit(push, "push")
+    require = require_level(require)
     axis = None if about is None else _axis(assembly, about)
     if axis is not None:
         _require_turnable(assembly)
@@ -341,6 +363,13 @@ def margin(
         )
     worst = _worst(program, ranges, direction, warnings, tell)
     greatest = None if factor is None else _known(factor[1])
+    outside, level_tilt = None, None
+    if tilt is not None and down is not None:
+        work = Work(units_of(effort), progress, time_limit=time_limit)
+        outside = verdict_outside(assembly, verdict.contacts, down, work)
+        if require != "equilibrium" and level_of(verdict.verdict) not in (None, "equilibrium"):
+            tell(f"tilt at the level {require}")
+            level_tilt = find_level_tilt(assembly, verdict.contacts, down, require, work)
     helps = what_helps(program, tilt, greatest, direction, held=parts)
     seconds = {**verdict.seconds, "total": time.perf_counter() - started}
     return Margin(
@@ -352,6 +381,9 @@ def margin(
         tilt_deg=degrees,
         tilt_down=down,
         nearest=nearest,
+        outside=outside,
+        level_tilt=level_tilt,
+        require=require,
         about=_known(turned),
         friction=_known(friction),
         bond=_known(bond),

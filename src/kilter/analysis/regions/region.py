@@ -31,10 +31,11 @@ from kilter.analysis.regions.stable_cone import StableCone, stable_cone
 from kilter.analysis.turning_tolerances import GAP_DEG
 from kilter.analysis.verdict.answers import joints_answer
 from kilter.arrays import Array, Mask
-from kilter.assembly import Assembly, require_assembly
+from kilter.assembly import Assembly, Joint, require_assembly
 from kilter.assembly.bonds import NO_CONE, require_no_bonds
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.coincident import require_apart
+from kilter.contact.open_pairs import still_open
 from kilter.errors import InputError
 from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.certificate import ForceProof
@@ -47,6 +48,8 @@ from kilter.threads import on_one_thread
 __all__ = ["Region", "common_region", "region"]
 
 Tell = Callable[[str], None]
+SAME_REGION = 1e-6
+"""Angle up to which two regions are the same [rad]; a larger one hides pairs that decide."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,6 +85,8 @@ class Region(InCells):
         Of each stage.
     rests : tuple of PlaceOfRest
         How it rests in its axis, lines and rays, where that was asked.
+    joined : Region or None
+        The region with the parts of every open pair joined; None without open pairs.
     """
 
     cone: Cone
@@ -95,6 +100,23 @@ class Region(InCells):
     warnings: tuple[str, ...]
     seconds: dict[str, float]
     rests: tuple[PlaceOfRest, ...] = ()
+    joined: Region | None = None
+
+    @property
+    def level(self) -> str:
+        """The level that each direction of the region reaches to first order."""
+        return "equilibrium" if self.friction else "proved"
+
+    @property
+    def pairs_decide(self) -> bool:
+        """Whether the region is another one if the parts of the open pairs are joined."""
+        other = self.joined
+        if other is None:
+            return False
+        if other.kind != self.kind:
+            return True
+        ends = np.concatenate([other.rays, other.lines, -other.lines])
+        return not bool(self.contains(ends, -SAME_REGION).all())
 
     @property
     def kind(self) -> str:
@@ -240,6 +262,14 @@ class Region(InCells):
                 for assembly, own in zip(self.assemblies, self.contacts, strict=True)
                 for pair in open_pairs_answer(assembly, own)
             ],
+            "level": self.level,
+            "pairs_decide": self.pairs_decide,
+            "if_joined": None
+            if self.joined is None
+            else {
+                key: self.joined.to_dict()[key]
+                for key in ("kind", "lines", "rays", "equations", "facets", "half_angle_deg")
+            },
             "rests": [rest.to_dict() for rest in self.rests],
             "gap_deg": self.gap_deg,
             "proved": self.proved,
@@ -314,6 +344,12 @@ def region(
     if rests and rubs:
         raise InputError("how it rests is known without friction only", hint="leave friction out")
     found = _region(assembly, contacts, rubs, gap_deg, started, progress)
+    pairs = still_open(contacts.open_pairs, assembly)
+    if pairs:
+        joints = [Joint(tuple(assembly.names[k] for k in pair.parts)) for pair in pairs]
+        joined = assembly.with_joints(joints)
+        other = _region(joined, contacts, rubs, gap_deg, time.perf_counter(), progress)
+        found = replace(found, joined=other)
     if not rests:
         return found
     return replace(found, rests=find_rests(found.cone, assembly, contacts))

@@ -91,6 +91,8 @@ class Orientation:
         Programs solved, verdicts left out.
     judgement : Judgement
         The proof at `down`.
+    level : str or None
+        The level at `down`, with second order and without the guarantee of friction.
     check : Verdict or None
         What moves at `down`, where none was found.
     region : Region
@@ -110,6 +112,7 @@ class Orientation:
     method: Method
     programs: int
     judgement: Judgement
+    level: str | None
     check: Verdict | None
     region: Region
     warnings: tuple[str, ...]
@@ -127,6 +130,7 @@ class Orientation:
         return {
             "verdict": self.verdict,
             "found": self.found,
+            "level": self.level,
             "sentence": self.sentence,
             "down": self.down.tolist(),
             "rotation": self.rotation.tolist(),
@@ -260,12 +264,16 @@ def _found(
     margin = _tilt_margin_deg(program, every, down)
     z: float | None = 0.0
     instability: float | None = 0.0
+    turned = assembly.with_down(down)
+    verdict = check(turned, contacts=contacts.of(turned), require="equilibrium")
     if every.friction:
-        verdict = check(assembly.with_down(down), contacts=contacts, effort=0.0)
         z, instability = verdict.displacement.z, verdict.instability
+    sentence = _sentence(every, down, margin)
+    if verdict.verdict == "balanced":
+        sentence += " There it is balanced: the slightest push makes it fall."
     return Orientation(
         verdict="found",
-        sentence=_sentence(every, down, margin),
+        sentence=sentence,
         assembly=assembly,
         down=frozen(down),
         rotation=frozen(_least_turn(assembly, down)),
@@ -277,6 +285,7 @@ def _found(
         method=method,
         programs=every.programs,
         judgement=judgement,
+        level=verdict.level,
         check=None,
         region=every,
         warnings=every.warnings,
@@ -336,6 +345,7 @@ def _not_found(
         method=method,
         programs=every.programs + near.programs,
         judgement=judgement,
+        level=None,
         check=verdict,
         region=every,
         warnings=tuple(dict.fromkeys([*every.warnings, *more])),

@@ -1,0 +1,132 @@
+"""The level of a tilt limit: the verdict just outside it, and the limit of a higher level.
+
+A tilt margin is a limit of equilibrium: up to it forces that hold the assembly exist. Friction
+guarantees less, so a higher level may end earlier. `find_level_tilt` finds the tilt up to which
+the decision of `kilter.check` reaches that level, along the great circle to the tilt limit, by
+bisection. Both ends of the bracket are decided.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from kilter.analysis.decision.cascade import decide
+from kilter.analysis.decision.decision import Decision
+from kilter.arrays import Array
+from kilter.assembly import Assembly
+from kilter.contact import ContactSet
+from kilter.tell.levels import holds
+from kilter.work import Work
+
+__all__ = ["LevelTilt", "find_level_tilt", "verdict_outside"]
+
+OUTSIDE = 1e-4
+"""Turn beyond a tilt limit at which the verdict is decided [rad]; a larger turn may miss a thin
+sector of another verdict."""
+STEPS = 12
+"""Bisections of a tilt; each further one halves the bracket and costs one decision."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LevelTilt:
+    """The tilt up to which a level is reached.
+
+    Attributes
+    ----------
+    level : str
+    lower, upper : float
+        The greatest tilt that reaches the level, and the least tilt that does not, of the tilts
+        that were decided [deg].
+    """
+
+    level: str
+    lower: float
+    upper: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """The tilt as JSON data."""
+        return {"level": self.level, "tilt_deg": self.lower, "tilt_upper_deg": self.upper}
+
+
+def verdict_outside(assembly: Assembly, contacts: ContactSet, down: Array, work: Work) -> str:
+    """The verdict of `kilter.check` just beyond a tilt limit with gravity along `down`.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    contacts : ContactSet
+    down : ndarray, shape (3,)
+        Direction of gravity at the limit, unit, world frame.
+    work : Work
+        Work whose time limit is kept.
+    """
+    angle = _angle(assembly.down, down)
+    beyond = _toward(assembly.down, down, angle + OUTSIDE)
+    return _decision(assembly, contacts, beyond, "equilibrium", work).verdict
+
+
+def find_level_tilt(
+    assembly: Assembly, contacts: ContactSet, down: Array, level: str, work: Work
+) -> LevelTilt | None:
+    """The tilt toward `down` up to which a level is reached; None if it is not reached as given.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    contacts : ContactSet
+    down : ndarray, shape (3,)
+        Direction of gravity at the limit of equilibrium, unit, world frame.
+    level : {"settles", "proved"}
+    work : Work
+        Work of one decision; its time limit ends the bisection.
+    """
+    lower, upper = 0.0, _angle(assembly.down, down)
+
+    def reaches(angle: float) -> bool:
+        turned = _toward(assembly.down, down, angle)
+        return holds(_decision(assembly, contacts, turned, level, work).level, level)
+
+    if not reaches(lower):
+        return None
+    if upper <= OUTSIDE or reaches(upper - OUTSIDE):
+        return LevelTilt(level, float(np.degrees(upper)), float(np.degrees(upper)))
+    for _ in range(STEPS):
+        if work.late:
+            break
+        middle = 0.5 * (lower + upper)
+        lower, upper = (middle, upper) if reaches(middle) else (lower, middle)
+    return LevelTilt(level, float(np.degrees(lower)), float(np.degrees(upper)))
+
+
+def _decision(
+    assembly: Assembly, contacts: ContactSet, down: Array, require: str, work: Work
+) -> Decision:
+    """The first-order decision under another direction of gravity."""
+    turned = assembly.with_down(down)
+    part = work.beside(work.allowed)
+    return decide(
+        turned,
+        contacts.of(turned),
+        require=require,
+        work=part,
+        second_order=False,
+        question=False,
+    )
+
+
+def _angle(first: Array, second: Array) -> float:
+    """Angle between two unit vectors [rad], also exact if they are nearly parallel."""
+    return float(2.0 * np.arctan2(np.linalg.norm(first - second), np.linalg.norm(first + second)))
+
+
+def _toward(start: Array, end: Array, angle: float) -> Array:
+    """The unit vector `start` turned toward the unit vector `end` by an angle [rad]."""
+    across = end - (end @ start) * start
+    size = float(np.linalg.norm(across))
+    if size == 0.0:
+        return start
+    turned: Array = np.cos(angle) * start + np.sin(angle) * across / size
+    return turned
