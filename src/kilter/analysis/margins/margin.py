@@ -18,6 +18,7 @@ from kilter.analysis.check import check
 from kilter.analysis.decision.fitted_normals import fits_left_out
 from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
 from kilter.analysis.margins.least_friction import LeastFriction, find_least_friction
+from kilter.analysis.margins.limit_level import LevelTilt, find_level_tilt, verdict_outside
 from kilter.analysis.margins.load_limit import (
     Limit,
     NoLimit,
