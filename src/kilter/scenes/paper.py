@@ -119,17 +119,26 @@ def two_blocks_in_an_l(
 
 
 @listed(
+    "paper-figure-1-in-space",
+    "the same L turned by 45 degrees in space: the slightest push makes it fall",
+    source="F1(b)",
+    answer="balanced",
+    orientation="b",
+)
+@listed(
     "paper-figure-1-turned",
     "the same L turned by 45 degrees: stable",
     source="F1(b)",
     answer="stable",
     orientation="b",
+    planar=True,
 )
 @listed(
     "paper-figure-1",
     "a sinking block pushes another block out of an L",
     source="F1(a)",
     answer="unstable",
+    planar=True,
 )
 def figure_1(orientation: str = "a", *, planar: bool = False) -> Assembly:
     """Figure 1: two identical blocks with chamfers of 45 degrees in an L.
@@ -245,17 +254,26 @@ def figure_10(orientation: str = "a", *, planar: bool = False) -> Assembly:
 
 
 @listed(
+    "paper-figure-11-in-space",
+    "the same L at 45 degrees in space: the slightest push makes it fall",
+    source="F11(b)",
+    answer="balanced",
+    orientation="b",
+)
+@listed(
     "paper-figure-11-turned",
     "the same L at 45 degrees, its only stable orientation",
     source="F11(b)",
     answer="stable",
     orientation="b",
+    planar=True,
 )
 @listed(
     "paper-figure-11",
     "two blocks chamfered 45 degrees in an L: one stable direction",
     source="F11(a)",
     answer="unstable",
+    planar=True,
 )
 def figure_11(orientation: str = "a", *, planar: bool = False) -> Assembly:
     """Figure 11: two identical blocks with chamfers of 45 degrees in an L.
@@ -266,17 +284,26 @@ def figure_11(orientation: str = "a", *, planar: bool = False) -> Assembly:
 
 
 @listed(
+    "paper-figure-12-in-space",
+    "the same L at 60 degrees in space: the slightest push makes it fall",
+    source="F12(b)",
+    answer="balanced",
+    orientation="b",
+)
+@listed(
     "paper-figure-12-turned",
     "the same L at 60 degrees, its only stable orientation",
     source="F12(b)",
     answer="stable",
     orientation="b",
+    planar=True,
 )
 @listed(
     "paper-figure-12",
     "two blocks chamfered 60 degrees in an L: one stable direction",
     source="F12(a)",
     answer="unstable",
+    planar=True,
 )
 def figure_12(orientation: str = "a", *, planar: bool = False) -> Assembly:
     """Figure 12: as Figure 11, with chamfers of 60 degrees; in (b), the L leans by 60 degrees."""
