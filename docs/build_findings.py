@@ -16,7 +16,7 @@ from kilter.show.canvas import rendered
 from kilter.show.figures import draw_assembly
 
 DOCS = Path(__file__).resolve().parent
-SCENE = "paper-figure-1-turned"
+SCENE = "paper-figure-1-in-space"
 PICTURE = DOCS / "images" / "finding-figure-1b.svg"
 ENLARGED = 20
 VIEW = (-35.0, 28.0)

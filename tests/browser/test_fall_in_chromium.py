@@ -17,7 +17,7 @@ from kilter.second_order.answer.path_places import find_path_places
 
 pytestmark = pytest.mark.browser
 
-NAME = "paper-figure-1-turned"
+NAME = "paper-figure-1-in-space"
 ROWS = (
     "() => { const d = window.kilter.stage.parts.data; return Array.from({length:"
     " window.kilter.page.parts.names.length}, (_, k) => [...d.subarray(16 * k, 16 * k + 7)]); }"

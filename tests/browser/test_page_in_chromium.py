@@ -174,7 +174,7 @@ def test_dragging_the_arrow_by_mouse_changes_the_verdict_at_the_boundary(opened:
     assert "turned by" in page.page.inner_text(".readout")
 
 
-@pytest.mark.parametrize("name", ["corner-wedges", "paper-figure-11-turned", "paper-figure-9"])
+@pytest.mark.parametrize("name", ["corner-wedges", "paper-figure-11-in-space", "paper-figure-9"])
 def test_the_arrow_keys_change_the_verdict_where_the_cone_says(name: str, opened: Callable) -> None:
     region = kilter.region(scene(name))
     page = opened(name)

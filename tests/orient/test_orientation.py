@@ -26,7 +26,7 @@ def proved(assembly, answer):
     """The answer holds: `down` is stable, and the rotation takes it to the file's gravity."""
     assert answer.verdict == "found"
     assert answer.judgement.forces.holds
-    assert check(assembly.with_down(answer.down)).verdict == "stable"
+    assert check(assembly.with_down(answer.down)).first_order == "stable"
     turned_to = quaternion_to_matrix(answer.rotation) @ answer.down
     assert turned_to == pytest.approx(assembly.down, abs=1e-12)
     assert (answer.z, answer.instability, answer.nearest, answer.check) == (0.0, 0.0, None, None)

@@ -61,6 +61,7 @@ def test_there_are_scenes_of_every_answer():
         "stable",
         "settles",
         "potentially-stable",
+        "balanced",
         "unstable",
     }
 

@@ -29,7 +29,7 @@ from kilter.second_order.proofs.paths import Path
 from kilter.second_order.searches.decide import decide
 
 FINDINGS = pathlib.Path(__file__).parents[2] / "docs" / "findings.md"
-TURNED = ("paper-figure-1-turned", "paper-figure-11-turned", "paper-figure-12-turned")
+TURNED = ("paper-figure-1-in-space", "paper-figure-11-in-space", "paper-figure-12-in-space")
 
 
 def problem_of(assembly: Assembly) -> tuple[Program, Stationary]:

@@ -60,7 +60,7 @@ def test_a_changed_number_of_a_minimum_is_refused(number: str) -> None:
         assert not kilter.verify(assembly, changed(proof, place, 0.37)).holds, place
 
 
-@pytest.mark.parametrize("name", ["paper-figure-1-turned", "paper-figure-12-turned"])
+@pytest.mark.parametrize("name", ["paper-figure-1-in-space", "paper-figure-12-in-space"])
 def test_the_paths_of_the_papers_figures_are_judged_again(name: str) -> None:
     assembly = scene(name)
     verdict = kilter.check(assembly)
@@ -120,7 +120,7 @@ def test_a_small_ball_in_a_hollow_beside_large_blocks_is_not_balanced() -> None:
 
 
 def test_a_configuration_is_a_place_on_its_path_and_near_by() -> None:
-    assembly = scene("paper-figure-1-turned")
+    assembly = scene("paper-figure-1-in-space")
     proof = kilter.check(assembly).proof()
     path = proof["second_order"]
     first, second, place = (path[key] for key in ("first", "second", "configuration"))

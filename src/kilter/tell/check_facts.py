@@ -70,7 +70,7 @@ def check_facts(answer: Answer) -> list[Fact]:
     if answer["z"] is not None and answer["verdict"] != "stable":
         found.append(("instability", instability_phrase(answer)))
     second = answer.get("second_order")
-    if second is not None and (second["state"] != "open" or answer["require"] == "strict"):
+    if second is not None:
         found.append(("second order", second_order_words(second)))
     if answer["neutral"] is not None:
         closed = answer["counted_gap"] is not None
