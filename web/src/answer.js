@@ -1,11 +1,12 @@
-// The answer for any direction of gravity, from what the page holds; nothing is solved here.
+// The answer for any direction of gravity, from the data of the page; nothing is solved here.
 
 import { contains, distance, isThin, margin, nearest, shares } from "./cone.js";
 import { farthest, movers } from "./map.js";
 import { add, angleBetween, scaled, unit } from "./vector.js";
 
-const DEEPER = 20; // blurs towards the middle, so that a narrow cone is entered too
-const SAME = 1e-9; // directions closer than this are one [rad]
+export const HELD = ["stable", "settles", "potentially-stable", "balanced"]; // verdicts with equilibrium forces
+const DEEPER = 20; // depth of a direction inside a narrow cone [blur]
+const SAME = 1e-9; // directions closer than this are equal [rad]
 
 /**
  * Verdict, words, margin, motion and forces for a direction of gravity.
@@ -37,23 +38,23 @@ export function answer(page, down) {
   return result;
 }
 
-/** What surely holds: the region, or the inner cone where friction makes its boundary round. */
+/** The cone of proved directions: the region, or its inner cone if friction makes it round. */
 export const innerOf = (region) => ({ ...region, ...region.inner });
 
-/** What may hold: beyond it nothing does. The outer cone has facets alone. */
+/** The cone outside which no direction holds; an outer cone is given by its facets only. */
 export const outerOf = (region) =>
   region.inner ? { ...region, equations: [], dimension: 3 } : region;
 
-/** The verdict that the cone gives. */
+/** The verdict of a direction according to the cone. */
 export function verdictAt(region, down) {
   if (contains(innerOf(region), down)) return region.inside;
   return region.inner && contains(outerOf(region), down) ? "undecided" : region.outside;
 }
 
-/** The direction that surely holds nearest to a direction. */
+/** The proved direction nearest to a direction. */
 export function nearestHeld(region, down) {
   const cone = innerOf(region);
-  // the foot lies on the boundary: an inner cone that asks for more than that is entered
+  // the foot is on the boundary; an inner cone with a negative blur needs a point inside
   const within = Math.max(0, -cone.blur);
   const foot = nearest({ ...cone, blur: Math.abs(cone.blur) }, down);
   return foot && within && region.center
@@ -62,7 +63,7 @@ export function nearestHeld(region, down) {
 }
 
 function known_(page, name, known, down) {
-  const held = ["stable", "settles", "potentially-stable"].includes(known.verdict);
+  const held = HELD.includes(known.verdict);
   const moving = [];
   known.moves.forEach((m, k) => m && moving.push(k));
   const inCone = page.region
@@ -85,7 +86,7 @@ function known_(page, name, known, down) {
   };
 }
 
-/** Margin inside, angle to the region outside [rad]. */
+/** The margin inside the region, or the angle to the region outside [rad]. */
 function marginAt(page, down, held) {
   const { region } = page;
   const cone = innerOf(region);
@@ -96,13 +97,13 @@ function marginAt(page, down, held) {
   return { margin: isThin(region, page.planar) ? 0 : within, within, away: 0 };
 }
 
-/** Forces for a direction inside: the same mixture of the rays' forces as of the rays. */
+/** Forces for a direction inside: the forces of the rays with the weights of the direction. */
 export function balanceAt(rays, down) {
-  const found = rays && shares(rays.downs, down);
-  if (!found) return null;
+  const weights = rays && shares(rays.downs, down);
+  if (!weights) return null;
   const size = rays.points.length;
   const forces = new Float32Array(size);
-  for (const [k, share] of found) {
+  for (const [k, share] of weights) {
     for (let i = 0; i < size; i += 1) forces[i] += share * rays.forces[k * size + i];
   }
   return { points: rays.points, parts: rays.parts, patch: rays.patch, forces };

@@ -1,7 +1,7 @@
 // The page of a report: the user turns gravity, and verdict, motion and forces follow.
 // Words from the data are set as text, never as HTML.
 
-import { answer, nearestHeld } from "./answer.js";
+import { HELD, answer, nearestHeld } from "./answer.js";
 import { Ball } from "./ball.js";
 import { ramp, rampOf, themeOf } from "./colours.js";
 import { distance, isThin } from "./cone.js";
@@ -19,6 +19,7 @@ const SIGNS = {
   stable: "✓",
   settles: "✓",
   "potentially-stable": "≈",
+  balanced: "△",
   unstable: "✕",
   undecided: "?",
   unknown: "?",
@@ -27,6 +28,7 @@ const TONES = {
   stable: "stable",
   settles: "stable",
   "potentially-stable": "stable",
+  balanced: "stable",
   unstable: "unstable",
   undecided: "undecided",
 };
@@ -314,7 +316,7 @@ export class Report extends Look {
     id("go-recommended").disabled = !page.recommended;
     id("go-recommended").hidden = page.coincide;
     if (page.coincide) id("go-given").textContent = "Given and recommended";
-    const held = page.recommended && ["stable", "settles", "potentially-stable"].includes(page.recommended.verdict);
+    const held = page.recommended && HELD.includes(page.recommended.verdict);
     if (page.recommended && !held) id("go-recommended").textContent = "Closest to stable";
     on("go-nearest", "click", () =>
       this.turn(nearestHeld(page.region, this.down), { follow: true }),

@@ -47,6 +47,14 @@ test("the given direction has a full answer, other directions are answered by th
   assert.equal(outside.z, -4);
 });
 
+test("a balanced assembly has its contact forces, an unstable one has none", () => {
+  const forces = { points: new Float32Array(3) };
+  const given = { ...page().given, forces };
+  const shown = (verdict) => answer({ ...page(), given: { ...given, verdict } }, given.down).forces;
+  assert.equal(shown("balanced"), forces);
+  assert.equal(shown("unstable"), null);
+});
+
 test("the verdict flips between directions just inside and just outside a facet", () => {
   assert.equal(answer(page(), [1 - 1e-6, 0, -1]).verdict, "stable");
   assert.equal(answer(page(), [1 + 1e-6, 0, -1]).verdict, "unstable");
