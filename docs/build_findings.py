@@ -12,7 +12,7 @@ import numpy as np
 import kilter
 from kilter.arrays import Array
 from kilter.scenes import scene
-from kilter.show.canvas import rendered
+from kilter.show.canvas import encode_figure
 from kilter.show.figures import draw_assembly
 
 DOCS = Path(__file__).resolve().parent
@@ -37,7 +37,7 @@ def picture() -> bytes:
     assembly = scene(SCENE)
     fall = ENLARGED * moved(assembly.names)
     verdict = kilter.check(assembly)
-    return rendered(draw_assembly(verdict, view=VIEW, contacts=False, fall=fall), ".svg")
+    return encode_figure(draw_assembly(verdict, view=VIEW, contacts=False, fall=fall), ".svg")
 
 
 if __name__ == "__main__":

@@ -36,10 +36,10 @@ def chosen() -> list[Any]:
 def drawn(scene: Any) -> tuple[bytes, str]:
     """The picture of a scene, and its entry in the gallery."""
     import kilter
-    from kilter.show.canvas import rendered
+    from kilter.show.canvas import encode_figure
 
     verdict = kilter.check(scene.build(), effort=EFFORT)
-    picture = rendered(kilter.draw(verdict), ".png")
+    picture = encode_figure(kilter.draw(verdict), ".png")
     entry = (
         f"\n## {scene.name}\n\n"
         f"{html.escape(scene.title)} ({html.escape(scene.source)}).\n\n"

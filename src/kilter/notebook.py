@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from kilter.errors import InputError
 from kilter.publish import draw, report
-from kilter.show.canvas import rendered
+from kilter.show.canvas import encode_figure
 
 if TYPE_CHECKING:
     from kilter.analysis.planning.order.order import Order
@@ -57,7 +57,7 @@ class Shown:
                 figure = draw(self.answer)
             except InputError:
                 return None
-            self._figure = rendered(figure, ".svg").decode("utf-8")
+            self._figure = encode_figure(figure, ".svg").decode("utf-8")
         return self._figure
 
     def __str__(self) -> str:

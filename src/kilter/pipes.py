@@ -9,7 +9,7 @@ import subprocess
 import sys
 from typing import IO, Any
 
-__all__ = ["can_start", "end_with_parent", "ended", "receive", "send", "started"]
+__all__ = ["can_start", "end_process", "end_with_parent", "receive", "send", "start_process"]
 
 _SERVE = "import sys; sys.path[:] = {path!r}; from {module} import serve; serve()"
 
@@ -19,14 +19,14 @@ def can_start() -> bool:
     return bool(sys.executable) and not getattr(sys, "frozen", False)
 
 
-def started(module: str) -> subprocess.Popen[bytes]:
+def start_process(module: str) -> subprocess.Popen[bytes]:
     """Start a process that runs `serve` of a module, with pipes to its input and output."""
     command = [sys.executable, "-c", _SERVE.format(path=sys.path, module=module)]
     pipe = subprocess.PIPE
     return subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL)
 
 
-def ended(process: subprocess.Popen[bytes]) -> None:
+def end_process(process: subprocess.Popen[bytes]) -> None:
     """Kill a process, close its pipes and wait for its end."""
     process.kill()
     for stream in (process.stdin, process.stdout):

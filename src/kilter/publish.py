@@ -229,6 +229,7 @@ def view(
     path = os.fspath(source) if isinstance(source, str | os.PathLike) else None
 
     def build() -> Report:
+        """Read the source and build its page."""
         if progress is not None:
             progress("reading")
         assembly, contacts = read() if read is not None else _read(source)
@@ -437,7 +438,7 @@ def draw(
     """
     from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region
-    from kilter.show.canvas import rendered
+    from kilter.show.canvas import encode_figure
     from kilter.show.figures import draw_assembly
     from kilter.show.plan_figure import draw_plan
     from kilter.show.sphere import draw_region
@@ -466,7 +467,7 @@ def draw(
     if out is not None:
         from kilter.files import write_bytes
 
-        write_bytes(Path(out), rendered(figure, Path(out).suffix))
+        write_bytes(Path(out), encode_figure(figure, Path(out).suffix))
     return figure
 
 

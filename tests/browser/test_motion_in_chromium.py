@@ -12,7 +12,7 @@ import kilter
 from kilter import Assembly, Pose
 from kilter.rigid import matrix_to_quaternion, quaternion_to_matrix
 from kilter.scenes import SCENES, scene
-from kilter.show.shapes import placed
+from kilter.show.shapes import place_shapes
 
 pytestmark = pytest.mark.browser
 
@@ -22,7 +22,7 @@ ENTERS = 1e-3
 
 def moved(assembly: Assembly, places: np.ndarray) -> Assembly:
     """The assembly in the poses of the page: quaternion x, y, z, w and middle of each shape."""
-    rest = placed(assembly)
+    rest = place_shapes(assembly)
     parts = []
     for k, part in enumerate(assembly.parts):
         turn = quaternion_to_matrix(places[k, [3, 0, 1, 2]])
@@ -65,7 +65,7 @@ def test_play_stops_before_parts_enter_each_other(name: str, opened: Callable) -
 def test_what_is_asked_sees_parts_that_enter() -> None:
     """The test fails for a motion that does not stop."""
     assembly = scene("paper-figure-8")
-    rest = placed(assembly)
+    rest = place_shapes(assembly)
     places = np.column_stack([rest.rotation[:, [1, 2, 3, 0]], rest.position])
     assert not depths(moved(assembly, places))
     places[2, 6] -= 0.2

@@ -71,8 +71,10 @@ def test_a_process_that_breaks_down_is_a_solver_that_did() -> None:
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 def test_an_interruption_ends_the_process_and_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
     made = []
-    start = interrupts.started
-    monkeypatch.setattr(interrupts, "started", lambda name: made.append(start(name)) or made[-1])
+    start = interrupts.start_process
+    monkeypatch.setattr(
+        interrupts, "start_process", lambda name: made.append(start(name)) or made[-1]
+    )
     threading.Timer(0.5, os.kill, [os.getpid(), signal.SIGINT]).start()
     started = time.perf_counter()
     with pytest.raises(KeyboardInterrupt):

@@ -21,7 +21,7 @@ from kilter.show.painter import Camera, Polygon, back_to_front, visible_triangle
 
 pytest.importorskip("matplotlib")
 
-from kilter.show.canvas import label, rendered
+from kilter.show.canvas import encode_figure, label
 from kilter.show.figures import draw_assembly, draw_region
 
 HOSTILE = [
@@ -189,7 +189,7 @@ def test_the_region_on_the_sphere_is_the_region(name: str) -> None:
             for end in (arc[0], arc[-1]):
                 near = float((corners @ end).max())
                 assert near > 1 - 1e-9 or np.allclose(arc[0], arc[-1]) or len(arc) > 600
-    assert rendered(figure, ".png").startswith(b"\x89PNG")
+    assert encode_figure(figure, ".png").startswith(b"\x89PNG")
 
 
 # --- names ---------------------------------------------------------------------------------
@@ -199,7 +199,7 @@ def test_the_region_on_the_sphere_is_the_region(name: str) -> None:
 def test_hostile_names_are_text(recwarn: pytest.WarningsRecorder) -> None:
     verdict = kilter.check(named(HOSTILE))
     figure = draw_assembly(verdict)
-    svg = rendered(figure, ".svg").decode("utf-8")
+    svg = encode_figure(figure, ".svg").decode("utf-8")
     root = ET.fromstring(svg)
     assert not [e for e in root.iter() if e.tag.rsplit("}")[-1] in ("script", "foreignObject")]
     assert not re.search(r"<script|onload|xlink:href=\"http", svg)
@@ -211,7 +211,7 @@ def test_hostile_names_are_text(recwarn: pytest.WarningsRecorder) -> None:
     assert "اسم القطعة" in shown
     assert "$\\frac{1}{0}$ $" in shown
     for suffix in (".png", ".pdf"):
-        assert len(rendered(figure, suffix)) > 1000
+        assert len(encode_figure(figure, suffix)) > 1000
     assert not recwarn.list
 
 

@@ -10,7 +10,7 @@ import kilter
 from kilter import Assembly, Box, Part, Pose
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
-from kilter.show.canvas import rendered
+from kilter.show.canvas import encode_figure
 
 pytest.importorskip("matplotlib", reason="needs the extra kilter[figures]")
 
@@ -42,7 +42,7 @@ def test_names_are_no_formulas_and_the_same_plan_gives_the_same_bytes() -> None:
     base = Part("base", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
     cube = Part("$x^2$ <b>", Box([1, 1, 1]), Pose([0, 0, 0.5]))
     pictures = [
-        rendered(kilter.draw(kilter.plan(Assembly([base, cube]))), ".svg") for _ in range(2)
+        encode_figure(kilter.draw(kilter.plan(Assembly([base, cube]))), ".svg") for _ in range(2)
     ]
     assert pictures[0] == pictures[1]
     assert "$x^2$ &lt;b&gt;" in pictures[0].decode()

@@ -10,7 +10,7 @@ from kilter.rigid import quaternion_to_matrix
 from kilter.scenes import SCENES, scene
 from kilter.shape.primitives import surface
 from kilter.show.colours import part_colours
-from kilter.show.shapes import drawn, feature_edges, placed
+from kilter.show.shapes import feature_edges, place_shapes, shape_mesh
 from kilter.tell.palette import PALETTE
 
 CUBE = surface(Box([1, 1, 1]))
@@ -20,7 +20,7 @@ CUBE = surface(Box([1, 1, 1]))
 @pytest.mark.parametrize("name", list(SCENES))
 def test_parts_are_drawn_where_their_geometry_is(name: str) -> None:
     assembly = scene(name)
-    found, geometry = placed(assembly), assembly.geometry
+    found, geometry = place_shapes(assembly), assembly.geometry
     rotation = quaternion_to_matrix(found.rotation)
     for k in range(len(assembly.parts)):
         drawn_ = found.shapes[found.shape[k]].positions @ rotation[k].T + found.position[k]
@@ -57,16 +57,16 @@ def test_copies_that_differ_by_rounding_are_one_shape() -> None:
     vertices, triangles = CUBE
     away = vertices + np.array([1e3 / 3, 0.1, -7.7])
     parts = [Part("a", Mesh(vertices, triangles)), Part("b", Mesh(away, triangles))]
-    assert len(placed(Assembly(parts)).shapes) == 1
+    assert len(place_shapes(Assembly(parts)).shapes) == 1
     parts.append(Part("c", Mesh(vertices * [1, 1, 1.01], triangles)))
-    found = placed(Assembly(parts))
+    found = place_shapes(Assembly(parts))
     assert found.shape.tolist() == [0, 0, 1]
 
 
 def test_corners_listed_once_a_face_make_the_same_edges() -> None:
     vertices, triangles = CUBE
     soup = vertices[triangles].reshape(-1, 3)
-    shape, middle = drawn(soup, np.arange(len(soup)).reshape(-1, 3))
+    shape, middle = shape_mesh(soup, np.arange(len(soup)).reshape(-1, 3))
     assert len(shape.edges) == 12
     assert len(shape.positions) == 8
     assert np.allclose(middle, 0)
@@ -74,7 +74,7 @@ def test_corners_listed_once_a_face_make_the_same_edges() -> None:
 
 def test_a_shape_far_from_the_origin_keeps_its_digits() -> None:
     box = Part("far", Box([1, 1, 1]), Pose([1e7, 0, 0]))
-    shape = placed(Assembly([box])).shapes[0]
+    shape = place_shapes(Assembly([box])).shapes[0]
     assert np.abs(np.abs(shape.positions) - 0.5).max() == 0
 
 

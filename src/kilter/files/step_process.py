@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kilter.errors import InputError
-from kilter.pipes import can_start, end_with_parent, ended, receive, send, started
+from kilter.pipes import can_start, end_process, end_with_parent, receive, send, start_process
 
 if TYPE_CHECKING:
     from kilter.files.placed import FileBodies
@@ -48,7 +48,7 @@ class _Process:
     """A process that reads STEP files one after the other; `ahead` is a request sent early."""
 
     def __init__(self) -> None:
-        self.process = started(__name__)
+        self.process = start_process(__name__)
         self.ahead: Request | None = None
 
     def ask_ahead(self, request: Request) -> None:
@@ -104,7 +104,7 @@ def _request(path: Path, without: tuple[str, ...], broken: set[int]) -> Request:
 def _end() -> None:
     """End the process, if it runs."""
     while _kept:
-        ended(_kept.pop().process)
+        end_process(_kept.pop().process)
 
 
 def read_apart(path: Path, without: tuple[str, ...], progress: Callable[[str], None]) -> FileBodies:

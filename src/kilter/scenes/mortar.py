@@ -37,7 +37,7 @@ def _course(number: int, x: float = 0.0) -> Part:
     return Part(name, Box(BLOCK), at, grounded=not number, density=DENSITY)
 
 
-def _mortared(
+def _with_mortar(
     parts: list[Part], strength: float, friction: float, loads: list[Load] | None = None
 ) -> Assembly:
     """Assembly in which mortar of a strength [N/mm2] joins each part to the previous part."""
@@ -81,7 +81,7 @@ def corbel(
         Friction coefficient [-].
     """
     parts = [_course(k, k * step) for k in range(count + 1)]
-    return _mortared(parts, strength, friction)
+    return _with_mortar(parts, strength, friction)
 
 
 @listed(
@@ -111,7 +111,7 @@ def pier_in_wind(
     parts = _on_floor(count)
     length, _, height = BLOCK
     loads = [Load(part.name, [0, wind * length * height, 0]) for part in parts[1:]]
-    return _mortared(parts, strength, friction, loads)
+    return _with_mortar(parts, strength, friction, loads)
 
 
 @listed(
@@ -147,4 +147,4 @@ def eccentric_pier(
     """
     parts = _on_floor(count)
     top = [eccentricity, 0.0, count * BLOCK[2]]
-    return _mortared(parts, strength, friction, [Load(parts[-1].name, [0, 0, -load], point=top)])
+    return _with_mortar(parts, strength, friction, [Load(parts[-1].name, [0, 0, -load], point=top)])

@@ -213,7 +213,7 @@ def wall_with_opening(
     Unsupported bricks above the opening are not left out. The default opening, two bricks wide,
     has an unsupported brick above it, which falls without friction.
     """
-    return wall_from_courses(_opened(bond(courses, per_course), opening), **options)
+    return wall_from_courses(_with_opening(bond(courses, per_course), opening), **options)
 
 
 @listed("wall-with-lintel", "the same wall with a lintel", source="running bond", answer="stable")
@@ -229,10 +229,10 @@ def wall_with_lintel(
     The wall is stable without friction.
     """
     left, right, _, top = opening
-    rows = _opened(bond(courses, per_course), opening)
+    rows = _with_opening(bond(courses, per_course), opening)
     if top < len(rows):
         half = 0.5 if top % 2 else 1.0  # so that the lintel ends at joints of its course
-        rows[top] = _joined(rows[top], left - half, right + half)
+        rows[top] = _with_brick(rows[top], left - half, right + half)
     return wall_from_courses(rows, **options)
 
 
@@ -248,8 +248,8 @@ def hanging_brick(courses: int = 6, per_course: int = 6, **options: Any) -> Asse
     The brick touches only the lintel, from below. It falls at 1 g, and the rest stays.
     """
     middle = per_course // 2
-    rows = _opened(bond(courses, per_course), (middle - 1, middle + 2, 1, 3))
-    rows[3] = _joined(rows[3], middle - 1.5, middle + 2.5)
+    rows = _with_opening(bond(courses, per_course), (middle - 1, middle + 2, 1, 3))
+    rows[3] = _with_brick(rows[3], middle - 1.5, middle + 2.5)
     hung = [-abs(width) if width < 0 else width for width in rows[2]]
     opening = next(k for k, width in enumerate(hung) if width < 0)
     spare = (-hung[opening] - 1.0) / 2
@@ -329,7 +329,7 @@ def ferris_tin_loi(number: int = 1, *, friction: float = 0.65) -> Assembly:
     return wall_from_courses(rows, size=(0.4, 0.2, 0.175), friction=friction, planar=True)
 
 
-def _opened(rows: list[list[float]], opening: tuple[int, int, int, int]) -> list[list[float]]:
+def _with_opening(rows: list[list[float]], opening: tuple[int, int, int, int]) -> list[list[float]]:
     """Courses with an opening from brick `left` to `right` in the courses `bottom` to `top`."""
     left, right, bottom, top = opening
     opened = list(rows)
@@ -347,6 +347,6 @@ def _cut(widths: Sequence[float], left: float, right: float) -> list[float]:
     return [*before, -(min(right, edges[-1]) - max(left, 0.0)), *after]
 
 
-def _joined(widths: Sequence[float], left: float, right: float) -> list[float]:
+def _with_brick(widths: Sequence[float], left: float, right: float) -> list[float]:
     """Widths of a course with a single brick from `left` to `right` [brick]."""
     return [abs(width) if width < 0 else width for width in _cut(widths, left, right)]

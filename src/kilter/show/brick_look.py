@@ -14,7 +14,7 @@ from kilter.arrays import Array, Index
 from kilter.assembly.brick import Brick
 from kilter.shape.primitives import Box, surface
 
-__all__ = ["brick_rgb", "studded"]
+__all__ = ["brick_rgb", "studded_surface"]
 
 RADIUS = 0.3
 """Radius of a stud [cell]."""
@@ -57,7 +57,7 @@ def brick_rgb(brick: Brick | None) -> tuple[int, int, int] | None:
     return None if value is None else (value >> 16 & 255, value >> 8 & 255, value & 255)
 
 
-def studded(box: Box, brick: Brick) -> tuple[Array, Index]:
+def studded_surface(box: Box, brick: Brick) -> tuple[Array, Index]:
     """Surface of a brick: its box with a stud in the middle of each cell of the top.
 
     Returns the vertices, shape (n, 3), and the triangles, shape (m, 3).

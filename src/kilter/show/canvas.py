@@ -19,7 +19,7 @@ from kilter.tell.palette import ROLES, ink_of
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["SUFFIXES", "blank", "label", "legend", "rendered", "require", "title"]
+__all__ = ["SUFFIXES", "encode_figure", "label", "legend", "new_figure", "require", "title"]
 
 SUFFIXES = (".svg", ".png", ".pdf")
 """File endings of the supported figure formats."""
@@ -47,7 +47,7 @@ def require() -> None:
         raise InputError("drawing needs matplotlib", hint="pip install 'kilter[figures]'")
 
 
-def blank(width: float, height: float) -> Figure:
+def new_figure(width: float, height: float) -> Figure:
     """Return an empty figure of a width and height in inches; a notebook displays it."""
     require()
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -57,14 +57,14 @@ def blank(width: float, height: float) -> Figure:
         """A figure that a notebook shows as PNG."""
 
         def _repr_png_(self) -> bytes:
-            return rendered(self, ".png")
+            return encode_figure(self, ".png")
 
     figure = Picture(figsize=(width, height), facecolor=PAPER)
     FigureCanvasAgg(figure)
     return figure
 
 
-def rendered(figure: Figure, suffix: str) -> bytes:
+def encode_figure(figure: Figure, suffix: str) -> bytes:
     """Encode a figure as a file; equal figures give equal bytes.
 
     Raises

@@ -12,7 +12,7 @@ import numpy as np
 
 from kilter.arrays import Array
 from kilter.rigid import quaternion_to_matrix, rotation_between
-from kilter.show.canvas import blank, legend, title
+from kilter.show.canvas import legend, new_figure, title
 from kilter.show.overlay import (
     draw_fall,
     draw_forces,
@@ -90,7 +90,7 @@ def draw_assembly(
     assembly = verdict.assembly
     names = len(assembly.parts) <= NAMED if names is None else names
     contacts = len(verdict.contacts) <= PATCHES if contacts is None else contacts
-    figure = blank(WIDTH, HEIGHT)
+    figure = new_figure(WIDTH, HEIGHT)
     axes = figure.add_axes((0.09, 0.11, *SPACE))
     axes.set_axis_off()
     camera = camera_of(assembly, view)

@@ -20,7 +20,7 @@ from kilter.arrays import Array
 from kilter.rigid import rotation_between
 from kilter.show.colours import assembly_colours
 from kilter.show.packing import readable
-from kilter.show.shapes import placed
+from kilter.show.shapes import place_shapes
 from kilter.tell.palette import ROLES, rgb
 from kilter.units import metres_per_unit
 
@@ -83,13 +83,13 @@ class Film:
         Middle of the assembly, the origin of the picture [length unit].
     size : float
         Largest extent of the assembly [length unit].
-    places : Placed
+    places : PlacedShapes
         Shape and pose of each part at rest.
     """
 
     def __init__(self, assembly: Assembly) -> None:
         self._assembly, self._binary = assembly, _BufferBuilder()
-        self.places = placed(assembly)
+        self.places = place_shapes(assembly)
         low, high = (getattr(assembly.geometry.vertices, end)(axis=0) for end in ("min", "max"))
         self.center, self.size = (low + high) / 2, float((high - low).max())
         self._meshes, self._materials, mesh_of = _meshes(assembly, self._binary)
@@ -177,7 +177,7 @@ def _meshes(
 
     Parts with equal shape and colour share a mesh.
     """
-    places = placed(assembly)
+    places = place_shapes(assembly)
     colours = assembly_colours(assembly, places.shape)
     shapes = [
         (
@@ -212,7 +212,7 @@ def _meshes(
 
 
 def _mesh(surface: tuple[int, int], material: int) -> dict[str, Any]:
-    """A mesh with one surface, given by its accessors of positions and of corners."""
+    """A mesh with a single surface, given by its accessors of positions and of corners."""
     positions, corners = surface
     primitive = {"attributes": {"POSITION": positions}, "indices": corners, "material": material}
     return {"primitives": [primitive]}
@@ -236,7 +236,7 @@ def xyzw(quaternion: Array) -> list[float]:
 
 
 def _glb(header: dict[str, Any], data: bytes) -> bytes:
-    """Join the JSON header and the buffer to one file; chunks are padded to four bytes."""
+    """Join the JSON header and the buffer to a file; chunks are padded to four bytes."""
     text = json.dumps(header, separators=(",", ":"), allow_nan=False).encode("ascii")
     text += b" " * (-len(text) % 4)
     data += b"\0" * (-len(data) % 4)

@@ -14,7 +14,7 @@ from kilter.arrays import Array, Index
 from kilter.rigid import quaternion_to_matrix, screwed
 from kilter.show.canvas import INK, PAPER, label
 from kilter.show.painter import Camera
-from kilter.show.shapes import placed
+from kilter.show.shapes import place_shapes
 from kilter.tell.numbers import force
 from kilter.tell.palette import ROLES
 from kilter.units import metres_per_unit
@@ -156,7 +156,7 @@ def draw_fall(axes: Axes, verdict: Verdict, camera: Camera, end: Array) -> list[
 
 def _corners(assembly: Assembly, parts: Index) -> list[tuple[int, Array, Index]]:
     """For each part: its index, its vertices (m, 3) in the world, its feature edges (e, 2)."""
-    places = placed(assembly)
+    places = place_shapes(assembly)
     rows = []
     for k in parts.tolist():
         shape, matrix = places.shapes[places.shape[k]], quaternion_to_matrix(places.rotation[k])

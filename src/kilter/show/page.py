@@ -1,4 +1,4 @@
-"""The offline page: template, style, program and data in one file that makes no request.
+"""The offline page: template, style, program and data in a file that makes no request.
 
 The Content-Security-Policy of the page forbids every connection and allows only the programs
 whose digests it lists. Words from a file therefore cannot run as a program.

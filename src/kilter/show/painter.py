@@ -112,10 +112,10 @@ def back_to_front(polygons: list[Polygon], camera: Camera) -> list[Polygon]:
     points = np.concatenate([p.corners for p in facing])
     thick = THICK * max(float(np.ptp(points, axis=0).max()), 1e-300)
     facing.sort(key=lambda p: -_area(p))
-    return _ordered(facing, camera.towards, thick)
+    return _partition_order(facing, camera.towards, thick)
 
 
-def _ordered(polygons: list[Polygon], towards: Array, thick: float) -> list[Polygon]:
+def _partition_order(polygons: list[Polygon], towards: Array, thick: float) -> list[Polygon]:
     """Sort polygons by binary space partition, with a stack instead of recursion."""
     result: list[Polygon] = []
     waiting: list[tuple[list[Polygon], bool]] = [(polygons, False)]
@@ -190,14 +190,14 @@ def _clip(polygon: Polygon, height: Array) -> Polygon:
     count = len(height)
     for k in range(count):
         after = (k + 1) % count
-        here, ahead = height[k], height[after]
-        if here >= 0:
+        current, following = height[k], height[after]
+        if current >= 0:
             corners.append(polygon.corners[k])
-            drawn.append(bool(polygon.drawn[k]) and not (here == 0 and ahead < 0))
-        if here * ahead < 0:
-            share = here / (here - ahead)
+            drawn.append(bool(polygon.drawn[k]) and not (current == 0 and following < 0))
+        if current * following < 0:
+            share = current / (current - following)
             corners.append(
                 polygon.corners[k] + share * (polygon.corners[after] - polygon.corners[k])
             )
-            drawn.append(bool(polygon.drawn[k]) and here < 0)
+            drawn.append(bool(polygon.drawn[k]) and current < 0)
     return Polygon(np.array(corners), polygon.normal, np.array(drawn, dtype=bool), polygon.part)

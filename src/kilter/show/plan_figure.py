@@ -15,12 +15,12 @@ import numpy as np
 
 from kilter.arrays import Array
 from kilter.rigid import Pose
-from kilter.show.canvas import INK, PAPER, blank, label, legend, title
+from kilter.show.canvas import INK, PAPER, label, legend, new_figure, title
 from kilter.show.colours import assembly_colours
 from kilter.show.figures import camera_of
 from kilter.show.overlay import MOTION
 from kilter.show.painter import Camera
-from kilter.show.shapes import placed
+from kilter.show.shapes import place_shapes
 from kilter.show.solids import GRIP, draw_parts
 
 if TYPE_CHECKING:
@@ -73,8 +73,8 @@ def draw_plan(
     high_picture = wide * float(np.clip(up / right, *HIGH))
     tall = high_picture + WORDS
     height = ABOVE + rows * tall + BELOW
-    figure = blank(WIDTH, height)
-    colours = assembly_colours(assembly, placed(assembly).shape)
+    figure = new_figure(WIDTH, height)
+    colours = assembly_colours(assembly, place_shapes(assembly).shape)
     present = set(answer["base"])
     entries: list[tuple[Any, str]] = []
     for k, step in enumerate(steps):

@@ -73,7 +73,7 @@ def build_plan_scene(order: Order, explained: Explained) -> dict[str, Any]:
 def _step(
     assembly: Assembly, step: dict[str, Any], support: StepForces, center: Array
 ) -> dict[str, Any]:
-    """JSON data of one step.
+    """JSON data of a step.
 
     Parameters
     ----------

@@ -8,7 +8,7 @@ from kilter.show.precedence import graph_svg
 from kilter.show.sections import (
     facts_html,
     made_section,
-    named,
+    name_html,
     rows_html,
     section,
     text,
@@ -68,7 +68,7 @@ def _steps(answer: dict[str, Any]) -> str:
 
     def row(k: int, step: dict[str, Any]) -> list[str]:
         way, held, freed, level = step_cells(step)
-        names = "".join(named(name) for name in step["parts"])
+        names = "".join(name_html(name) for name in step["parts"])
         button = f'<button type="button" class="link" data-step="{k}">{names}</button>'
         touches = ", ".join(step["touches"])
         return [str(k + 1), button, *map(text, (way, touches, held, freed, level))]

@@ -1,7 +1,7 @@
 """The precedence graph of a plan as SVG: required orders and touching parts.
 
-A row contains the steps of one depth. The depth of a step is one more than the largest depth of
-its predecessors. Edges that follow from others are left out. Within a row, a step is near the
+A row contains the steps of equal depth. The depth of a step is 1 plus the largest depth of its
+predecessors. Edges that follow from others are left out. Within a row, a step is near the
 mean position of its neighbours.
 """
 

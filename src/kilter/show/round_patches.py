@@ -114,7 +114,7 @@ def _rings(points: Array, normals: Array) -> list[Array]:
 
 
 def _ring(points: Array, across: Array, angle: Array, axes: Array) -> Array | None:
-    """The polygon along one circle, shape (k, 3), or None if the points lie on no common circle.
+    """The polygon along a circle, shape (k, 3), or None if the points lie on no common circle.
 
     `across`: unit normals across the axis; `angle`: angles of the points about it [rad]; `axes`:
     the two directions across the axis, and the axis.

@@ -15,7 +15,7 @@ from kilter.arrays import Array
 from kilter.show.colours import assembly_colours
 from kilter.show.packing import pack, readable
 from kilter.show.round_patches import round_patches
-from kilter.show.shapes import Drawn, placed
+from kilter.show.shapes import ShapeMesh, place_shapes
 from kilter.tell.check_facts import forces_phrase
 from kilter.tell.facts import facts
 from kilter.tell.region_facts import rest_words
@@ -110,10 +110,10 @@ def _view(assembly: Assembly) -> tuple[Array, Array]:
 
 
 def _shapes(assembly: Assembly) -> list[dict[str, Any]]:
-    return [_shape(shape) for shape in placed(assembly).shapes]
+    return [_shape(shape) for shape in place_shapes(assembly).shapes]
 
 
-def _shape(shape: Drawn) -> dict[str, Any]:
+def _shape(shape: ShapeMesh) -> dict[str, Any]:
     return {
         "positions": pack(shape.positions),
         "triangles": pack(shape.triangles, "index"),
@@ -128,13 +128,14 @@ def _change(answers: Everything, center: Array) -> dict[str, Any] | None:
         return None
     if best.what == "remove":
         return {"part": answers.assembly.index_of(best.name)}
-    places, k = placed(best.assembly), best.assembly.index_of(best.name)
+    places, k = place_shapes(best.assembly), best.assembly.index_of(best.name)
     at = (places.position[k] - center).tolist()
     return {"part": None, "shape": _shape(places.shapes[places.shape[k]]), "at": at}
 
 
 def _parts(assembly: Assembly, center: Array) -> dict[str, Any]:
-    geometry, places = assembly.geometry, placed(assembly)
+    """JSON data of the parts: names, shapes, poses, masses [kg], volumes, colours."""
+    geometry, places = assembly.geometry, place_shapes(assembly)
     return {
         "names": [readable(name) for name in assembly.names],
         "shape": pack(places.shape, "index"),
@@ -150,6 +151,7 @@ def _parts(assembly: Assembly, center: Array) -> dict[str, Any]:
 
 
 def _patches(contacts: ContactSet, center: Array) -> dict[str, Any]:
+    """JSON data of the contact patches: parts, points, normals, areas, gaps, friction, rings."""
     kinds, kind = np.unique(contacts.patch_kind, return_inverse=True)
     rings = round_patches(contacts)
     widest = np.abs(contacts.patch_gap).argmax(axis=1) if len(contacts) else np.zeros(0, int)
@@ -158,7 +160,7 @@ def _patches(contacts: ContactSet, center: Array) -> dict[str, Any]:
         "start": pack(contacts.patch_start, "index"),
         "points": pack(contacts.points - center),
         "normal": pack(contacts.patch_normal),
-        "normals": pack(contacts.normals) if _curved(contacts) else None,
+        "normals": pack(contacts.normals) if _has_varying_normals(contacts) else None,
         "area": pack(contacts.patch_area, "f8"),
         "gap": pack(contacts.patch_gap[np.arange(len(contacts)), widest], "f8"),
         "mu": pack(contacts.patch_mu, "f8"),
@@ -173,7 +175,7 @@ def _patches(contacts: ContactSet, center: Array) -> dict[str, Any]:
     }
 
 
-def _curved(contacts: ContactSet) -> bool:
+def _has_varying_normals(contacts: ContactSet) -> bool:
     """Whether the normals of a patch differ from each other."""
     start = contacts.patch_start
     return not np.array_equal(

@@ -1,7 +1,7 @@
 """The text of a report's page: verdict, facts, parts, contacts, warnings, how to reproduce.
 
 The words come from `kilter.tell` and the data of the answers. Every word from a file is escaped
-by `text` or `named`, so that it is never read as HTML.
+by `text` or `name_html`, so that it is never read as HTML.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ __all__ = [
     "facts_html",
     "made_section",
     "margin_card",
-    "named",
+    "name_html",
     "rows_html",
     "section",
     "sections",
@@ -65,7 +65,7 @@ def text(value: object) -> str:
     return html.escape(readable(str(value)), quote=True)
 
 
-def named(name: str) -> str:
+def name_html(name: str) -> str:
     """A name as HTML, isolated so that its writing direction does not affect the text around it."""
     return f'<bdi class="name">{text(name)}</bdi>'
 
@@ -82,7 +82,7 @@ def sections(answers: Everything, *, command: str, versions: dict[str, str]) -> 
         Version of each package.
     """
     parts = [_verdict(answers), _open_pairs(answers), _parts(answers), _contacts(answers)]
-    parts[2:2] = [_rests(answers), _tried(answers), _pushes(answers), _loads(answers)]
+    parts[2:2] = [_rests(answers), _changes(answers), _pushes(answers), _loads(answers)]
     warnings = [
         *answers.given.check["warnings"],
         *(answers.region or {}).get("warnings", ()),
@@ -108,7 +108,7 @@ def _table(table: Table) -> str:
 
 
 def _cell(cell: str) -> str:
-    return named(cell) if isinstance(cell, Name) else text(cell)
+    return name_html(cell) if isinstance(cell, Name) else text(cell)
 
 
 def rows_html(head: Sequence[str], rows: Iterable[Sequence[str]], of: int) -> str:
@@ -154,7 +154,7 @@ def margin_card(answers: Everything) -> str:
     pushes = push_table(margin)
     if pushes.items:
         name, *words = pushes.row(pushes.items[0])
-        weakest = f"{text(' '.join(filter(None, words)))}, {named(name)}"
+        weakest = f"{text(' '.join(filter(None, words)))}, {name_html(name)}"
         rows.append(("weakest push", weakest))
     items = "".join(f"<li>{text(change['sentence'])}</li>" for change in margin["helps"])
     if items:
@@ -194,7 +194,7 @@ def _rests(answers: Everything) -> str:
     return section(f"Rest directions ({len(table.items)})", f"<p>{text(RESTS)}</p>", _table(table))
 
 
-def _tried(answers: Everything) -> str:
+def _changes(answers: Everything) -> str:
     """Section with the changes that were tried; empty without changes."""
     if answers.change is None or not answers.change.tried:
         return ""
@@ -230,7 +230,7 @@ def _parts(answers: Everything) -> str:
     def row(k: int) -> Sequence[str]:
         part = parts[k]
         return (
-            f'<button class="link" data-part="{k}">{named(part["name"])}</button>',
+            f'<button class="link" data-part="{k}">{name_html(part["name"])}</button>',
             "held" if part["grounded"] else moves if part["moves"] else "stays",
             "" if part["grounded"] else text(part["motion"]),
             number(part["mass"]),

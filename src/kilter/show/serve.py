@@ -1,4 +1,4 @@
-"""HTTP server for one page on this machine only; the page polls its version to reload."""
+"""HTTP server for a single page on this machine only; the page polls its version to reload."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ HTTP = 80
 
 
 class PageServer:
-    """Serves one page on the loopback interface, in a separate thread.
+    """Serves a page on the loopback interface, in a separate thread.
 
     Parameters
     ----------
@@ -101,6 +101,7 @@ def _handler(server: PageServer) -> type[BaseHTTPRequestHandler]:
         timeout = 30
 
         def do_GET(self) -> None:
+            """Answer a request; a foreign host name is refused before the path is looked at."""
             page, version = server.now()
             if self.headers.get_all("Host") not in server.hosts:
                 self._reply(
@@ -116,6 +117,7 @@ def _handler(server: PageServer) -> type[BaseHTTPRequestHandler]:
                 self._reply(HTTPStatus.NOT_FOUND, b"not found: the only page is /\n", "text/plain")
 
         def _reply(self, status: HTTPStatus, body: bytes, kind: str) -> None:
+            """Send a response that no other origin may read and no cache may keep."""
             self.send_response(status)
             self.send_header("Content-Type", kind)
             self.send_header("Content-Length", str(len(body)))

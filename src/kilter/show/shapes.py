@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from kilter.arrays import Array, Index
 from kilter.rigid import quaternion_to_matrix
 from kilter.shape.primitives import Box, surface
-from kilter.show.brick_look import studded
+from kilter.show.brick_look import studded_surface
 
 if TYPE_CHECKING:
     from kilter.assembly import Assembly
 
-__all__ = ["Drawn", "Placed", "drawn", "feature_edges", "placed"]
+__all__ = ["PlacedShapes", "ShapeMesh", "feature_edges", "place_shapes", "shape_mesh"]
 
 
 GRID = 2.0**-20
@@ -30,7 +30,7 @@ CREASE = 25.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Drawn:
+class ShapeMesh:
     """A shape to draw: `positions` (n, 3) float32, `triangles` (m, 3), feature `edges` (k, 2)."""
 
     positions: NDArray[np.float32]
@@ -39,31 +39,31 @@ class Drawn:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Placed:
+class PlacedShapes:
     """The shapes of an assembly, and the shape and pose of each part.
 
     `shape` (N,): index of the shape of each part; `rotation` (N, 4): quaternion w, x, y, z;
     `position` (N, 3): middle of the shape in the world [length unit].
     """
 
-    shapes: tuple[Drawn, ...]
+    shapes: tuple[ShapeMesh, ...]
     shape: Index
     rotation: Array
     position: Array
 
 
-def placed(assembly: Assembly) -> Placed:
+def place_shapes(assembly: Assembly) -> PlacedShapes:
     """Shapes and poses of all parts of an assembly; equal shapes are stored once.
 
     Examples
     --------
     >>> from kilter.scenes import scene
-    >>> places = placed(scene("wall"))
+    >>> places = place_shapes(scene("wall"))
     >>> len(places.shapes), len(places.shape)
     (3, 40)
     """
     known: dict[object, int] = {}
-    shapes: list[Drawn] = []
+    shapes: list[ShapeMesh] = []
     raised: dict[object, Array] = {}
     middles = np.zeros((len(assembly.parts), 3))
     chosen = np.zeros(len(assembly.parts), dtype=np.int64)
@@ -73,13 +73,13 @@ def placed(assembly: Assembly) -> Placed:
         if key is not None and part.brick is not None and isinstance(part.shape, Box):
             key = key, part.brick.cells
             if key not in known:
-                shape, raised[key] = drawn(*studded(part.shape, part.brick))
+                shape, raised[key] = shape_mesh(*studded_surface(part.shape, part.brick))
             middles[k] = raised[key]
         elif key is None:
-            shape, middles[k] = drawn(*surface(part.shape))
+            shape, middles[k] = shape_mesh(*surface(part.shape))
             key = shape.positions.tobytes(), shape.triangles.tobytes()
         elif key not in known:
-            shape, _ = drawn(*surface(part.shape))
+            shape, _ = shape_mesh(*surface(part.shape))
         if key not in known:
             known[key] = len(shapes)
             shapes.append(shape)
@@ -87,10 +87,10 @@ def placed(assembly: Assembly) -> Placed:
     rotation = np.array([part.pose.rotation for part in assembly.parts])
     position = np.array([part.pose.position for part in assembly.parts])
     position = position + np.einsum("nij,nj->ni", quaternion_to_matrix(rotation), middles)
-    return Placed(tuple(shapes), chosen, rotation, position)
+    return PlacedShapes(tuple(shapes), chosen, rotation, position)
 
 
-def drawn(vertices: Array, triangles: Index) -> tuple[Drawn, Array]:
+def shape_mesh(vertices: Array, triangles: Index) -> tuple[ShapeMesh, Array]:
     """A surface as a shape relative to its middle, and that middle, shape (3,)."""
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     middle = (low + high) / 2
@@ -100,7 +100,7 @@ def drawn(vertices: Array, triangles: Index) -> tuple[Drawn, Array]:
     )
     corners = np.asarray(inverse).reshape(-1)[triangles]
     edges = feature_edges(positions, corners)
-    return Drawn((positions * step).astype(np.float32), corners, edges), middle
+    return ShapeMesh((positions * step).astype(np.float32), corners, edges), middle
 
 
 def feature_edges(vertices: Array, triangles: Index, crease: float = CREASE) -> Index:

@@ -12,7 +12,7 @@ from kilter.arrays import Array
 from kilter.rigid import quaternion_to_matrix
 from kilter.show.colours import assembly_colours
 from kilter.show.painter import Camera, Polygon, back_to_front, visible_triangles
-from kilter.show.shapes import placed
+from kilter.show.shapes import place_shapes
 from kilter.tell.palette import ROLES
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def draw_parts(
     ordered = back_to_front(_polygons(assembly), camera)
     grounded = np.array([part.grounded for part in assembly.parts])
     if colours is None:
-        colours = assembly_colours(assembly, placed(assembly).shape)
+        colours = assembly_colours(assembly, place_shapes(assembly).shape)
     base = colours / 255.0
     striped = int(sum(grounded[polygon.part] for polygon in ordered)) <= HELD
     light = LIGHT / np.linalg.norm(LIGHT) @ np.stack([camera.right, -camera.towards, camera.up])
@@ -115,7 +115,7 @@ def draw_parts(
         style: dict[str, Any] = {"capstyle": "round", "joinstyle": "round", "zorder": 1}
         axes.add_collection(
             PolyCollection(
-                _closed(outlines),
+                _close_outlines(outlines),
                 closed=False,
                 facecolors=fills,
                 edgecolors=strokes,
@@ -131,13 +131,13 @@ def draw_parts(
     return [(sign, "held")], faces
 
 
-def _closed(outlines: list[Array]) -> list[Array]:
+def _close_outlines(outlines: list[Array]) -> list[Array]:
     return [np.vstack([p, p[:1]]) if len(p) > 2 else p for p in outlines]
 
 
 def _polygons(assembly: Assembly) -> list[Polygon]:
     """The triangles of all parts as polygons in the world."""
-    places = placed(assembly)
+    places = place_shapes(assembly)
     matrices = quaternion_to_matrix(places.rotation)
     polygons: list[Polygon] = []
     for k, chosen in enumerate(places.shape):

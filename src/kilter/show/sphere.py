@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kilter.arrays import Array, Mask
-from kilter.show.canvas import INK, PAPER, blank, legend, title
+from kilter.show.canvas import INK, PAPER, legend, new_figure, title
 from kilter.show.painter import Camera
 from kilter.tell.numbers import angle as angle_words
 from kilter.tell.palette import ROLES
@@ -62,7 +62,7 @@ def draw_region(region: Region) -> Figure:
     InputError
         If matplotlib is not installed.
     """
-    figure = blank(7.0, 4.3)
+    figure = new_figure(7.0, 4.3)
     given = region.assemblies[0].down
     middle = region.center if region.center is not None else given
     entries: dict[str, Any] = {}

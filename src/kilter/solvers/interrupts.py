@@ -18,7 +18,7 @@ from collections.abc import Callable
 from typing import Any
 
 from kilter.errors import SolverError
-from kilter.pipes import can_start, end_with_parent, ended, receive, send, started
+from kilter.pipes import can_start, end_process, end_with_parent, receive, send, start_process
 
 __all__ = ["DEAF", "LONG", "call_apart", "run_aside", "serve"]
 
@@ -91,7 +91,7 @@ def call_apart(function: Callable[..., Any], *given: Any) -> Any:
     """
     if threading.current_thread() is not threading.main_thread() or not can_start():
         return function(*given)
-    process = started(__name__)
+    process = start_process(__name__)
     assert process.stdin is not None
     assert process.stdout is not None
     try:
@@ -100,7 +100,7 @@ def call_apart(function: Callable[..., Any], *given: Any) -> Any:
     except (EOFError, OSError) as error:
         raise SolverError("a solver's process broke down", status="failed") from error
     finally:
-        ended(process)
+        end_process(process)
     if failure is not None:
         raise failure
     return answer

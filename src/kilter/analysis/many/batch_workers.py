@@ -15,7 +15,7 @@ from typing import Protocol
 
 from kilter.analysis.many.batch_rows import BatchQuestion, BatchRow, judged_rows
 from kilter.errors import KilterError
-from kilter.pipes import end_with_parent, ended, receive, send, started
+from kilter.pipes import end_process, end_with_parent, receive, send, start_process
 
 __all__ = ["LocalWorkers", "Task", "Workers", "serve"]
 
@@ -76,7 +76,7 @@ class LocalWorkers:
             send(worker.stdin, task.files)
 
     def _started(self) -> subprocess.Popen[bytes]:
-        worker = started(__name__)
+        worker = start_process(__name__)
         assert worker.stdin is not None
         assert worker.stdout is not None
         self._ready.register(worker.stdout, selectors.EVENT_READ, worker)
@@ -96,7 +96,7 @@ class LocalWorkers:
             except (EOFError, OSError):
                 rows = None
                 self._ready.unregister(worker.stdout)
-                ended(worker)
+                end_process(worker)
                 self._stillborn += 1
                 if self._stillborn == STILLBORN:
                     raise KilterError("no process that judges comes up") from None
@@ -114,7 +114,7 @@ class LocalWorkers:
     def end(self) -> None:
         """Let all go, whatever they are at."""
         for worker in [*self._busy, *self._idle]:
-            ended(worker)
+            end_process(worker)
         self._ready.close()
 
 
