@@ -1,7 +1,7 @@
 """Broad phase: pairs of parts, and of their facets, that come near each other.
 
 The boxes lie in a frame that follows the most common directions of the faces, so that a
-rotated assembly costs the same as an upright one. The boxes of whole parts are compared
+rotated assembly costs the same as an upright assembly. The boxes of whole parts are compared
 first, then only the facets whose box meets the overlap of the boxes of both parts.
 """
 
@@ -58,7 +58,7 @@ class Boxes:
 def make_boxes(geometry: Geometry, facets: Facets, start: Index | None = None) -> Boxes:
     """Boxes of all parts and facets, each grown by the part's slack if it has curved surfaces.
 
-    `start` holds the first part of each of several independent assemblies; None: one assembly.
+    `start` holds the first part of each of several independent assemblies; None: a single assembly.
     """
     if start is None:
         frame = common_frame(facets.normal, facets.area)

@@ -324,8 +324,10 @@ class ContactSet:
         geometry = self.assembly.geometry
         parts = self.patch_parts
         limit = usual.gap_of(geometry.size[parts].min(axis=1))
+        # a gap within the rounding of the coordinates counts by the default tolerance too
         limit = np.maximum(limit, 2 * geometry.accuracy[parts].sum(axis=1))
         spread = self.patch_gap[:, 1] - self.patch_gap[:, 0]
+        # a gap that varies more than the default angle over the width of the patch
         tilted = spread > 2 * usual.angle * np.sqrt(self.patch_area) + limit
         wide = (np.abs(nearest_gap(self.patch_gap)) > limit) | tilted
         return float(np.abs(self.patch_gap[wide]).max()) if wide.any() else None

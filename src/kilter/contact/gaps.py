@@ -173,6 +173,7 @@ def gap_limits(geometry: Geometry, facets: Facets, pairs: Index, tolerance: Tole
     wanted = tolerance.gap_of(np.minimum(geometry.size[a], geometry.size[b]))
     gap = wanted
     if tolerance.gap is None:
+        # not through thin plates, but never below the rounding of the coordinates
         gap = np.maximum(np.minimum(wanted, thin), rounding)
     clearance = tolerance.clearance or 0.0
     return GapLimits(
@@ -217,6 +218,7 @@ def _cluster_warnings(
 ) -> list[str]:
     """A warning if patches lie just below the gap limit and rejected faces just above it."""
     gap, closed = limits.gap, limits.closed
+    # gaps of patches near the limit are possibly cut off from a cluster beyond it
     near = nearest_gap(patches.gap)
     # a gap is compared with the clearance, a penetration with the tolerance
     limit = np.where(near >= 0, closed[patches.pair], gap[patches.pair])

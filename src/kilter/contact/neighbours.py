@@ -79,6 +79,7 @@ def _nearest(solids: PartSolids, part: int, boxes: tuple[Array, Array]) -> Neigh
     boxes_apart[part] = np.inf
     nearest_part, gap = -1, np.inf
     for other in _order(boxes_apart):
+        # the distance of the boxes is a lower bound: no later part is nearer
         if boxes_apart[other] >= gap:
             break
         distance = _gap(solids, part, int(other), gap)

@@ -130,6 +130,7 @@ def _from_rejected(rejected: RejectedPair, size: Array) -> OpenPair | None:
     kind: OpenKind = "clearance" if rejected.fit else "near"
     limit = LOOSE_GAP * float(size[list(rejected.parts)].min())
     close = rejected.fit or (abs(rejected.gap) <= limit and rejected.angle <= LOOSE_ANGLE)
+    # a contact thinner than the tolerance has its edges and corners, which other searches find
     if rejected.why == THIN or not close:
         return None
     return OpenPair(rejected.parts, kind, gap=rejected.gap, why=rejected.why)

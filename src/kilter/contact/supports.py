@@ -199,6 +199,7 @@ def with_supports(
     while name in assembly.index:
         name += "_"
     middle, size = assembly.geometry.center.mean(axis=0), float(assembly.geometry.size.max())
+    # the outside world is a held box; its size does not matter for the mechanics
     outside = Part(name, Box([size, size, size]), Pose(middle), grounded=True, density=1.0)
     free = {part.name for part in assembly if not part.grounded}
     loads = [

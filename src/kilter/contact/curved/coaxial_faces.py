@@ -86,8 +86,10 @@ def shared_region(
     if top <= bottom:
         return None
     u, v = across(s.axis[[i, j]])
+    # angle of the second surface's zero direction in the frame of the first
     angle_offset = float(np.arctan2(u[1] @ v[0], u[1] @ u[0]))
     begin = angle_offset + sense * float(bands.begin[y])
+    # an opposite axis reverses the direction of angles, so the arc ends where it began
     begin = begin - float(bands.width[y]) if sense < 0 else begin
     arcs = _common_arcs(
         (float(bands.begin[x]), float(bands.width[x])), (begin, float(bands.width[y]))

@@ -271,16 +271,19 @@ def _add_candidate(
                        float(max(surfaces.sagitta[[i, j]])))  # fmt: skip
     if spots is None:
         return
+    # the gap of circles and whole surfaces varies: evaluate it at the contact points
     if not plane and kind in (SAME, CIRCLE):
         off = limit if play > 0 else float(candidate.swing[0])
         low, high = gaps_between(search, i, j, spots.points, off, limit)
     bend = float(candidate.bend[0]) or float(search.geometry.size[search.pairs[pair]].min())
     near = max(limit, abs(gap), play)
+    # chord of a circle of radius `bend` at which the gap exceeds the tolerance and both slacks
     zone = near + float(np.sqrt(2 * bend * (near + 2 * slack)))
     names = (i, -1) if plane else (i, j)
     turned = bool(pairs.turned[row])
     if kind == SAME and surfaces.hollow[i]:  # the normals of a socket are those of its ball
         names, turned = (j, i), not turned
+    # the ends of a line lie on the rims of its faces, so its middle is used to test for material
     inside = (spots.points.mean(axis=0)[None], spots.normals[:1]) if kind == LINE else None
     patch = CurvedPatch(pair, names, (low, high), limit, spots, zone, turned, closed, play, inside)
     classify(search, builder, patch)

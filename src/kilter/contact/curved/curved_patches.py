@@ -156,6 +156,7 @@ def classify(search: ContactSearch, builder: PatchBuilder, patch: CurvedPatch) -
     """
     low, high = patch.gap
     if patch.play > 0:
+        # the gap of a fit is its play all around; only penetration by a tilted axis is tested
         touches, high = low >= -patch.limit and patch.play <= patch.closed, low
     else:
         touches = low <= max(patch.limit, patch.closed) and high >= -patch.limit
@@ -164,6 +165,7 @@ def classify(search: ContactSearch, builder: PatchBuilder, patch: CurvedPatch) -
         builder.touching.append(dataclasses.replace(patch, gap=gap))
     elif high < -patch.limit:
         depth = _overlap_depth(search, patch)
+        # faces of hollow parts may pass each other without any shared material
         if depth > patch.limit:
             builder.pressed.append((patch, depth))
     else:

@@ -155,6 +155,7 @@ def _true_middle(
         for _ in range(3):
             off = s.distance(row, middle[rows])
             steep = np.einsum("ij,ij->i", s.outward(row, middle[rows]), out)
+            # a surface nearly along `out` has no root nearby: no step
             step = off / np.where(np.abs(steep) > SMOOTH_ANGLE, steep, np.inf)
             middle[rows] -= step[:, None] * out
     return exact, middle
@@ -180,12 +181,14 @@ def _nearest_on_edge(
     nearest, off = np.stack(edge, axis=1)[rows, order].copy(), values[rows, order].copy()
     f0, f1, f2 = values.T
     curvature = 2 * (f0 - 2 * f1 + f2)
+    # the minimum of the parabola, if it opens upwards
     t = np.clip((3 * f0 - 4 * f1 + f2) / np.where(curvature > 0, 2 * curvature, np.inf), 0, 1)
     weight = np.stack([(1 - t) * (1 - 2 * t), 4 * t * (1 - t), t * (2 * t - 1)], axis=1)
     vertex_point = np.einsum("nk,nki->ni", weight, np.stack(edge, axis=1))
     vertex_distance = s.distance(face, vertex_point)
     better = (vertex_distance < off) & (curvature > 0)
     nearest[better], off[better] = vertex_point[better], vertex_distance[better]
+    # the distance has a root inside the edge, which a minimum over three points may miss
     pierces = (values.min(axis=1) < -limit) & (values.max(axis=1) > limit)
     share = (f0 / np.where(f0 != f2, f0 - f2, 1.0)).clip(0, 1)
     nearest[pierces] = edge[0][pierces] + share[pierces, None] * (edge[2] - edge[0])[pierces]

@@ -99,7 +99,7 @@ def coaxial_clear(geometry: Geometry, vertex: Index, tolerance: Array) -> Mask:
     radius = np.linalg.norm(radial, axis=3)
     axis_offset = s.point[second] - base
     axis_offset = axis_offset - np.einsum("ni,ni->n", axis_offset, axis)[:, None] * axis
-    for value in (height, radius):  # each chord lies in one circle
+    for value in (height, radius):  # each chord must lie in a circle about the axis
         clear &= (np.ptp(value, axis=2) <= tolerance[:, None]).all(axis=1)
     apart = np.hypot(*(value[:, 0, 0] - value[:, 1, 0] for value in (height, radius)))
     clear &= apart - np.linalg.norm(axis_offset, axis=1) > tolerance

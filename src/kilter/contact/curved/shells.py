@@ -63,6 +63,7 @@ def touching_shells(
         pair, play = int(pairs.pair[candidates.row[k]]), float(candidates.play[k])
         bound, closed = limits.of(int(candidates.row[k]))
         held = search.geometry.grounded[surfaces.part[[solid, hollow]]]
+        # a fit closes at the free part, so that its weight does not rotate it; else at the shaft
         moves = play > 0 and bool(held[0] and not held[1])
         spots = _region_points(surfaces, (solid, hollow), region, moves=moves)
         off = _axis_distance(search, solid, hollow, region.bottom, region.top)
@@ -121,6 +122,7 @@ def _region_points(
     filled, outer = _arc_corners(region.arcs, step, region.bottom, region.top)
     whole = region.corners is None
     corners = filled if region.corners is None else region.corners
+    # a whole band of a cylinder is exact; other regions need points around the true region
     outer_region = (outer if cone else filled) if (cone or not whole) else None
     spots = shell(s.point[i], s.axis[i], alpha, radius, corners, outer_region)
     # the area of a cone grows with its distance from the apex

@@ -10,7 +10,7 @@ sphere, the axis of a cylinder, the circle of a torus) at the distance D and rad
 
 Cylinders and cones are envelopes of planes: a plane with normal m touches a cylinder of axis d if
 m.d = 0, and a cone of axis a and half angle alpha if m.a = -sin(alpha), each along a generator; two
-such surfaces touch where their generators in a common plane cross.
+such surfaces touch at the crossing of their generators in a common plane.
 """
 
 from __future__ import annotations
@@ -55,13 +55,15 @@ def find_candidates(
 
     Parameters
     ----------
+    s : Surfaces
     i, j : ndarray of int, shape (n,)
+        Rows of the surfaces of each pair.
     limits : FormLimits
         Limits of each pair; its `share` is set here.
     held : ndarray of bool, shape (N,)
         Parts that do not move when a clearance closes. The fit is closed at the position of the
-        held part. If neither or both are held, it is closed at the shaft, so that the weight of the
-        shaft does not rotate it.
+        other part, so that its weight does not rotate it; if both or neither are held, at the
+        shaft.
 
     Returns
     -------
@@ -77,6 +79,7 @@ def find_candidates(
     outside = ~s.hollow[second] & ~s.hollow[first]
     socket = s.hollow[first] & ~s.hollow[second]
     stays = held[s.part[first]].astype(int) - held[s.part[second]]
+    # 0: close at the first surface, 1: at the second; a hollow first surface is the hole
     share = np.where(stays == 0, s.hollow[first] & ~s.hollow[second], stays > 0)
     limits = replace(limits, share=share.astype(np.float64))
     blocks: list[Candidates] = []
@@ -265,6 +268,7 @@ def _sphere_in_cone(s: Surfaces, row: Index, i: Index, j: Index, limits: FormLim
         play=play[on_axis],
         bend=s.radius[i[on_axis]],
     )
+    # around the axis of the cone the gap opens slowly: a wide zone
     bend = 10 * s.radius[i]
     return Candidates.join(
         [

@@ -141,7 +141,7 @@ def _forces(geometry: Geometry, surface: int) -> list[tuple[Array, Array]]:
     return [(end, d) for end in ends for d in across(axis)]
 
 
-# faces without a formula: where their triangles come near each other --------------------
+# faces without a formula: near triangles ---------------------------------------------------
 
 
 def _close_triangles(

@@ -173,10 +173,12 @@ def _fits_of(
     sine = float(np.linalg.norm(np.cross(shaft.axis, hole.axis)))
     thickest, thinnest = (share * shaft.radius for share in widest)
     clearance = max(tolerance.clearance or 0.0, thinnest)
+    # the axes must coincide up to the play of the fit
     if sine > tolerance.angle or offset > gap + abs(interference):
         return []
     if not -gap - clearance <= interference <= thickest:
         return []
+    # ends of the hole along the axis of the shaft, which may point the other way
     ends = float(shaft.axis @ apart) + along * np.array([hole.low, hole.high])
     low, high = max(shaft.low, float(ends.min())), min(shaft.high, float(ends.max()))
     if high - low <= FIT_LENGTH * shaft.radius:

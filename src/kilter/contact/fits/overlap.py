@@ -59,8 +59,10 @@ def find_overlaps(
     # triangulations of touching curved faces penetrate each other by their sagittas
     tolerance = search.limits.gap + geometry.slack[a] + geometry.slack[b]
     grow = tolerance[:, None]
+    # boxes that overlap by less than the tolerance along any axis cannot overlap deeper
     deep = (boxes.part_high[a] - boxes.part_low[b] > grow).all(axis=1)
     deep &= (boxes.part_high[b] - boxes.part_low[a] > grow).all(axis=1)
+    # convex parts with a patch lie on either side of its plane
     rows = np.flatnonzero(deep & ~(both_convex & face_patches.has_patch))
     overlaps = list({overlap.parts: overlap for overlap in face_patches.curved.overlaps}.values())
     recorded = {overlap.parts for overlap in overlaps}
@@ -191,6 +193,7 @@ def _convex_overlap(
     if _coincide(geometry, a, b):
         return _same_body(geometry, parts)
     middle = geometry.center[a]
+    # separation by the planes of the facets, relative to the centre of a to keep digits
     normals, offsets, separation = [], [], -np.inf
     for part, other in ((a, b), (b, a)):
         n, origin = _facet_planes(geometry, overlap_search.facets, part)

@@ -205,6 +205,7 @@ def _facets_from_triangles(geometry: Geometry, parts: Index, convex_part: Mask) 
     surface = np.bincount(part, np.linalg.norm(area, axis=1) / 2, minlength=len(geometry.mass))
     thickness = np.zeros(len(geometry.mass))
     thickness[parts] = 2 * geometry.volume[parts] / surface[parts]
+    # flat up to the tolerance, not through thin parts, and not below the coordinates' rounding
     flat = np.minimum(FACET_FLATNESS * geometry.size, THICKNESS * thickness)
     tolerance = np.maximum(flat, np.minimum(ROUNDINGS * geometry.accuracy, thickness / 2))[part]
     rounding = (ROUNDINGS * geometry.accuracy + SAME_PLACE * geometry.size)[part]
@@ -243,6 +244,7 @@ def _convex_parts(
     reflex = (inwards > 2 * tolerance[first]) | ((inwards > rounding[first]) & (sine > FACET_BEND))
     count = int(part.max()) + 1
     has_reflex = np.bincount(part[first[reflex]], minlength=count) > 0
+    # a closed surface has three shared edges for every two triangles
     open_somewhere = np.bincount(part[first], minlength=count) * 2 != 3 * np.bincount(
         part, minlength=count
     )
@@ -270,6 +272,7 @@ def _coplanar_groups(
     fineness = tolerance.copy()
     for _ in range(6):
         limit = np.minimum(fineness[first], fineness[second])
+        # the angle alone fails on slivers, the distance alone on small triangles
         joined = (drop <= limit) & (
             bend <= FACET_BEND + 4 * limit / _least_height(points, twice, first, second)
         )

@@ -177,6 +177,7 @@ def _merge_planes(
     patches: list[_PlanePatch] = []
     dropped: list[Pieces] = []
     remaining = np.ones(len(members), dtype=bool)
+    # the largest piece has the most accurate normal
     for seed in np.argsort(-area, kind="stable"):
         if not remaining[seed]:
             continue

@@ -140,6 +140,7 @@ def find_edges(geometry: Geometry, facets: Facets, parts: Index) -> Edges:
     is_chosen[parts] = True
     begin, end, facet = _boundary(facets, np.flatnonzero(is_chosen[facets.part]))
     low, high = np.minimum(begin, end), np.maximum(begin, end)
+    # both directions of an edge become neighbours, the forward direction first
     order = np.lexsort((begin != low, high, low))
     begin, end, facet, low, high = (x[order] for x in (begin, end, facet, low, high))
     is_new = np.ones(len(low), dtype=bool)

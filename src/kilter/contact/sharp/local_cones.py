@@ -334,7 +334,7 @@ def _inside_by_way(sectors: Sectors, directions: Array, target: Array) -> Mask:
         height, target_height = directions @ normal, float(target @ normal)
         if np.abs(target_height) < EXACT_ANGLE:
             target_height = 0.0  # the target's own facet, or a facet in its plane
-        # a way along the plane, or one that ends before it, does not meet the facet
+        # a way that runs along the plane, or ends before it, does not meet the facet
         fall = height - target_height
         reached = (np.abs(fall) >= np.abs(height)) & (fall != 0)
         share = np.divide(height, fall, out=np.full(len(height), -1.0), where=reached)

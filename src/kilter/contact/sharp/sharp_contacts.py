@@ -282,6 +282,7 @@ def _unsupported_of(points: DegeneratePoints, geometry: Geometry) -> list[Unsupp
     apart = np.linalg.norm(points.points - points.points[first][group], axis=1)
     spread = np.maximum.reduceat(apart, first)
     size = np.minimum(geometry.size[points.part_a], geometry.size[points.part_b])[first]
+    # points spread along a line: an edge; all points in the same place: a vertex
     kinds = np.where(spread > ONE_POINT * size, "edge", "vertex").tolist()
     parts = zip(points.part_a[first].tolist(), points.part_b[first].tolist(), strict=True)
     return [

@@ -143,6 +143,7 @@ def resolve(pairs: list[tuple[Array, Array, Array]]) -> PointConstraints:
     sets = [normals for _, _, normals in pairs]
     accepted = distinct([n[0] for n in sets if len(n) == 1])
     clauses = [n for n in sets if len(n) > 1]
+    # a normal of a clause is a constraint by itself if all pieces together span its plane
     for normal in distinct([n for clause in clauses for n in clause]):
         if not _contains(normal, accepted) and spans(normal, pairs):
             accepted = np.vstack([accepted, normal])
@@ -175,9 +176,11 @@ def _is_implied(clause: Array, accepted: Array) -> bool:
     """Whether the accepted constraints exclude every v with v.m < 0 for all m of the clause."""
     if not len(accepted):
         return False
+    # all v that the accepted normals allow and that violate the clause, at least weakly
     allowed = spanned(np.vstack([clause, -accepted]))
     if not len(allowed):
         return True
+    # the sum lies inside the cone: it violates all of the clause strictly, or no v does
     return bool((clause @ allowed.sum(axis=0)).max() > -CONE_ANGLE)
 
 
@@ -213,6 +216,7 @@ def _in_plane_rays(rays: Array, side: Array) -> Array | None:
         return None
     level = rays[np.abs(height) <= CUT_COSINE]
     above, below = np.flatnonzero(height > CUT_COSINE), np.flatnonzero(height < -CUT_COSINE)
+    # the plane meets the cone between rays on either side of it
     cut = (
         height[above][:, None, None] * rays[below][None]
         - height[below][None, :, None] * (rays[above][:, None])
@@ -229,6 +233,7 @@ def _spanned_arc(directions: Array) -> tuple[float, float] | None:
     angle = np.sort(np.arctan2(directions[:, 1], directions[:, 0]))
     gap = np.diff(np.append(angle, angle[0] + 2 * np.pi))
     widest = int(gap.argmax())
+    # without a gap of a half turn, sums of the directions reach the whole plane
     if gap[widest] < np.pi - CUT_COSINE:
         return float(angle[0]), 2 * np.pi
     return float(angle[(widest + 1) % len(angle)]), float(2 * np.pi - gap[widest])
@@ -240,5 +245,6 @@ def _covers_circle(arcs: list[tuple[float, float]]) -> bool:
     if not len(ends):
         return False
     following = np.append(ends[1:], ends[0] + 2 * np.pi)
+    # between neighbouring ends the cover is constant: test the middles
     middle = ((ends + following) / 2)[following - ends > CUT_COSINE]
     return all(any((x - a) % (2 * np.pi) <= w for a, w in arcs) for x in middle.tolist())

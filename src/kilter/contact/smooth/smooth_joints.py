@@ -230,6 +230,7 @@ def _joint(
         matched.gap <= closed + SMOOTH_GAP * sagitta
     )
     is_sure = is_near & (matched.apart <= SMOOTH_UNSURE)
+    # faces that meet in part only, or cross, are not a joint
     if int(is_sure.sum()) < FEWEST or 2 * int(is_near.sum()) < len(matched):
         return []
     facets = (_facets_of(search, face_a), _facets_of(search, face_b))
@@ -239,6 +240,7 @@ def _joint(
     if facets_are_faces and flush >= FACETS * area:
         return []
     points = matched.take(np.flatnonzero(is_sure))
+    # `apart` is half the angle between the normals of both sides
     tilt = 2 * float(np.sqrt((points.apart**2).mean()))
     corners = (face_a.points[face_a.triangles], face_b.points[face_b.triangles])
     points = _spread_subset(_free_sliding_directions(points, faces, tilt), reach)
