@@ -1,4 +1,4 @@
-"""Rest directions on the page and in the figure of a region agree with the answer."""
+"""Places of rest on the page and in the figure of a region agree with the answer."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def test_the_page_marks_each_place_of_rest_with_the_words_of_the_answer() -> Non
     assert [one["words"] for one in marked] == [rest_words(one) for one in rests]
     assert [one["state"] for one in marked] == ["minimum", "free", "free", "free"]
     assert marked[0]["down"] == pytest.approx(rests[0]["down"])
-    assert "Rest directions (4)" in page
+    assert "Places of rest (4)" in page
     for row in rest_table({"rests": rests}).rows(9):
         assert all(f"<td>{cell}</td>" in page for cell in row)
 
@@ -69,7 +69,7 @@ def test_the_figure_marks_them_where_they_were_asked(mu: float) -> None:
 def test_with_friction_the_page_marks_none() -> None:
     page = render(everything(corner(0.3)), title="rests", command="")
     assert data_of(page)["region"]["rests"] == []
-    assert "Rest directions" not in page
+    assert "Places of rest" not in page
 
 
 @pytest.mark.slow

@@ -93,7 +93,7 @@ export class Ball {
     }
   }
 
-  /** Show the description of a rest direction under the pointer as the title of the canvas. */
+  /** Show the description of a place of rest under the pointer as the title of the canvas. */
   point(event) {
     const { x, y, direction } = this.under(event);
     const rest = Math.hypot(x, y) <= 1.05 ? restAt(this.rests, direction) : null;

@@ -1,4 +1,4 @@
-// Rest directions on the gravity ball: a sign at each direction, its description on hover.
+// Places of rest on the gravity ball: a sign at each direction, its description on hover.
 
 import { angleBetween } from "./vector.js";
 
@@ -13,7 +13,7 @@ export function signOf(state) {
   return { corners, filled: state === "minimum", dashed: state === "open" };
 }
 
-/** The rest direction nearest to `direction`, or null if the pointer is on no sign. */
+/** The place of rest nearest to `direction`, or null if the pointer is on no sign. */
 export function restAt(rests, direction) {
   let best = null;
   let least = WITHIN;

@@ -7,7 +7,7 @@ const rests = [
   { down: [1, 0, 0], state: "balanced", words: "falls" },
 ];
 
-test("the rest direction under a pointer is the nearest, and null far from all signs", () => {
+test("the place of rest under a pointer is the nearest, and null far from all signs", () => {
   assert.equal(restAt(rests, [Math.sin(0.07), 0, -Math.cos(0.07)]).words, "strict");
   assert.equal(restAt(rests, [Math.sin(0.09), 0, -Math.cos(0.09)]), null);
   assert.equal(restAt(rests, [Math.cos(0.01), Math.sin(0.01), 0]).words, "falls");

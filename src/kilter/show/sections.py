@@ -187,11 +187,11 @@ def change_card(answers: Everything) -> str:
 
 
 def _rests(answers: Everything) -> str:
-    """Section with the rest directions of the region; empty without rest directions."""
+    """Section with the places of rest of the region; empty without places of rest."""
     if answers.region is None or not answers.region["rests"]:
         return ""
     table = rest_table(answers.region)
-    return section(f"Rest directions ({len(table.items)})", f"<p>{text(RESTS)}</p>", _table(table))
+    return section(f"Places of rest ({len(table.items)})", f"<p>{text(RESTS)}</p>", _table(table))
 
 
 def _changes(answers: Everything) -> str:

@@ -36,7 +36,7 @@ REST_MARKS = {
     "balanced": ("P", PALE),
     "open": ("d", PALE),
 }
-"""Markers and colours of rest directions, by state."""
+"""Markers and colours of places of rest, by state."""
 SAMPLES = 241
 """Samples of the fill across a half; the border is drawn separately and exactly."""
 AROUND = np.linspace(0.0, 2 * np.pi, 721)
