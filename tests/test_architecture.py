@@ -177,7 +177,6 @@ def test_an_import_waits_inside_a_function_only_for_the_start_up() -> None:
 
 BY_NAME = {
     "kilter.health": "imports packages of other projects, to report whether they work",
-    "kilter.tell.cells": "is to call the page of a notebook through `kilter.hooks`",
 }
 """Modules that may call `import_module`, with the reason. The lazy tables in `__init__` may too."""
 

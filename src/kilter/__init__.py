@@ -155,6 +155,7 @@ __all__ = sorted(_HOMES)
 
 
 _HOOKS = {
+    "cell": "kilter.notebook",
     "load": "kilter.files.reading",
     "scene_of": "kilter.files.objects.trimesh_objects",
     "to_mjcf": "kilter.files.mjcf",

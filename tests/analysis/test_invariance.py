@@ -215,7 +215,7 @@ TILTED = {
 def test_tilted_scene_in_float32_is_unstable(name, degrees, seed):
     verdict = judged(rounded(tilted(TILTED[name](), [0, 1, 0], degrees), seed))
     assert verdict.verdict == "unstable"
-    assert "not by rounding of its coordinates" in verdict.sentence
+    assert "beyond the accuracy of its coordinates" in verdict.sentence
 
 
 @pytest.mark.slow

@@ -395,7 +395,7 @@ def test_several_proofs_in_one_file(files: tuple[Path, Path]) -> None:
     assert sum(map(int, held)) == sum("forces" in one["proof"] for one in again["proofs"])
     unsigned = {**again, "digest": "0"}
     assert verify_bundle(whole, touching, unsigned).reasons == (
-        "the file was changed after it was written (its digest does not fit)",
+        "the proof file was changed after kilter wrote it (its digest does not match)",
     )
     again["proofs"][0]["proof"]["digest"] = "0"
     again["digest"] = digest_of(again)
@@ -430,7 +430,7 @@ def test_a_plan_that_is_none_is_refused_in_words() -> None:
     assert verify_bundle(assembly, contacts, bundle).holds
     bundle["rules"] = 3
     bundle["digest"] = digest_of(bundle)
-    with pytest.raises(InputError, match="the proof of a plan is not of its form"):
+    with pytest.raises(InputError, match="the proof of a plan does not have the required form"):
         verify_bundle(assembly, contacts, bundle)
 
 

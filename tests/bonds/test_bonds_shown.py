@@ -56,7 +56,7 @@ def test_contacts_tell_what_their_bonds_hold():
     found = contacts(Assembly(parts, bonds=bonds))
     told = {tuple(patch["parts"]): patch["pull"] for patch in found.to_dict()["patches"]}
     assert told == {("a", "b"): 20.0, ("b", "c"): pytest.approx(7.0), ("c", "d"): None}
-    [table] = [one for one in tables(found.to_dict()) if one.title == "Where they touch:"]
+    [table] = [one for one in tables(found.to_dict()) if one.title == "Contact patches:"]
     assert table.head[-1] == "bond pulls up to"
     assert sorted(row[-1] for row in table.rows(9)) == ["-", "20 N", "7 N"]
 

@@ -1,4 +1,4 @@
-"""Bonds that bear shear up to a force: closed forms on both sides, proofs, and what they are of."""
+"""Bonds that bear limited shear: closed forms on both sides, proofs, and what they are of."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def test_friction_beside_it_is_asked_for_balance_only():
     )
     verdict = kilter.check(assembly)
     assert (verdict.verdict, verdict.guarantee) == ("potentially-stable", "open")
-    assert any("shear up to a force" in warning for warning in verdict.warnings)
+    assert any("limited shear" in warning for warning in verdict.warnings)
     assert kilter.verify(assembly, json.loads(json.dumps(verdict.proof()))).holds
     assert not kilter.check(Assembly(assembly.parts, friction=0.3, gravity=assembly.gravity)).stable
 

@@ -132,7 +132,7 @@ def test_margins_are_those_of_the_command(opened: Callable) -> None:
     margin = kilter.margin(tower, effort=0)
     told_ = page.text("margins")
     assert f"{margin.tilt_deg:.6g} deg" in told_
-    assert "none is needed" in told_
+    assert "no friction is needed" in told_
     weakest = min(margin.pushes, key=lambda push: push.limit.value)
     assert (
         weakest.to_dict(margin.program)["part"]

@@ -141,7 +141,7 @@ def test_a_list_names_files_beside_it_and_options_reach_them(piles: Path, tmp_pa
     (tmp_path / "empty").mkdir()
     with pytest.raises(InputError, match="no assembly in it; folders in it are not looked into"):
         kilter.batch(tmp_path / "empty", tmp_path / "other")
-    with pytest.raises(InputError, match="is an assembly, no list"):
+    with pytest.raises(InputError, match="is an assembly, not a list"):
         kilter.batch(piles / "pile-1.kilter.json", tmp_path / "other")
     with pytest.raises(InputError, match="cannot be read"):
         kilter.batch(tmp_path / "none", tmp_path / "other")
@@ -193,7 +193,7 @@ def test_workers_that_do_not_come_up_blame_no_assembly(
     piles: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(pipes, "_SERVE", "raise SystemExit({path!r})")
-    with pytest.raises(KilterError, match="no process that judges comes up"):
+    with pytest.raises(KilterError, match="no worker process starts"):
         kilter.batch(piles, tmp_path, processes=2)
     assert not list(tmp_path.glob("*part-*"))
 
@@ -358,7 +358,7 @@ def test_a_cluster_that_loses_a_worker_finishes(piles: Path, tmp_path: Path) -> 
 
 def test_no_scheduler_is_told(piles: Path, tmp_path: Path) -> None:
     pytest.importorskip("distributed")
-    with pytest.raises(InputError, match="no scheduler answers"):
+    with pytest.raises(InputError, match="no Dask scheduler answers"):
         kilter.batch(piles, tmp_path, cluster="nowhere")
 
 

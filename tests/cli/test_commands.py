@@ -242,7 +242,7 @@ def test_a_text_is_brief_unless_more_is_asked_for(capsys: pytest.CaptureFixture[
     for word in ("kappa", "neutral", "proof", "seconds", "mass  "):
         assert word not in brief
         assert word in full
-    assert brief.rstrip().endswith("the least that must be held so that it stays")
+    assert brief.rstrip().endswith("finds the fewest supports that hold it")
 
 
 @pytest.mark.slow

@@ -14,7 +14,7 @@ from kilter.analysis.verdict.motion import NO_MOTION, UNKNOWN_MOTION
 from kilter.cli import main
 from kilter.scenes import scene, stacks
 
-SAID = "no solver finished the impending motion"
+SAID = "no solver finished the program of the impending motion"
 
 
 @pytest.fixture(autouse=True)

@@ -112,8 +112,8 @@ def test_films_and_figures_are_written_where_there_are_steps(
     capsys.readouterr()
     assert main(["plan", str(file), "--hold", "0", "-o", str(made)]) == 1
     told = capsys.readouterr()
-    assert "With nothing held there is no order" in told.out
-    assert "not written: there are no steps to show" in told.err
+    assert "with nothing held no order exists" in told.out
+    assert "not written, because the plan has no steps" in told.err
     assert not made.exists()
 
 
@@ -139,5 +139,5 @@ def test_a_proof_is_never_written_over_the_file(command: str, tmp_path: Path, ca
     kilter.dump(scene("tower"), path)
     before = path.read_text()
     assert main([command, str(path), "--proof", str(path)]) == 2
-    assert "would be written over" in capsys.readouterr().err
+    assert "would be overwritten" in capsys.readouterr().err
     assert path.read_text() == before

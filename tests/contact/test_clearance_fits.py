@@ -91,7 +91,7 @@ def test_clearance_as_wide_as_the_play_closes_the_fit_and_no_narrower_one_does(n
     assert len(closed) == 1
     assert closed.open_pairs == ()
     assert closed.patch_gap[0] == pytest.approx([PLAY, PLAY])
-    named = [w for w in closed.warnings if "taken as closed" in w]
+    named = [w for w in closed.warnings if "counted as closed" in w]
     assert len(named) == 1
     assert "'base' and 'part' (0.1 m)" in named[0]
     assert motions(closed) == count

@@ -84,7 +84,7 @@ def test_plug_in_a_wider_oval_is_closed_by_the_clearance_and_by_no_narrower_one(
     t = np.linspace(0, 2 * np.pi, 4000, endpoint=False)
     outline = np.hypot(2 * np.sin(t), np.cos(t)).mean() * 2 * np.pi + np.pi * PLAY
     assert closed.patch_area[0] == pytest.approx(2 * outline, rel=0.01)
-    (told,) = (word for word in closed.warnings if "taken as closed" in word)
+    (told,) = (word for word in closed.warnings if "counted as closed" in word)
     assert "'hole' and 'plug'" in told
 
 

@@ -121,8 +121,8 @@ def test_shells_on_one_axis_do_not_interfere_and_what_overlaps_does() -> None:
     for parts, volume in OVERLAPS.items():
         assert found[parts].volume == pytest.approx(volume, rel=0.02)
     # both belong to one foot, whose copy is where it should be
-    asked = next(word for word in contacts.remarks() if "placed right" in word)
-    assert "is 'foot_2/footback' placed right?" in asked
+    asked = next(word for word in contacts.remarks() if "in the right place" in word)
+    assert "is 'foot_2/footback' in the right place?" in asked
     assert "its copy 'foot_1/footfront' overlaps nothing" in asked
 
 

@@ -213,7 +213,7 @@ def test_commands_take_friction(tmp_path, monkeypatch, capsys):
     assert main(["orient", "slab.json", "--friction", "0.5", "--quiet"]) == 0
     assert "Forces that hold it exist" in capsys.readouterr().out
     assert main(["region", "slab.json", "--friction", "0.5", "--quiet"]) == 0
-    assert "deg at most between rays inside, facets outside" in capsys.readouterr().out
+    assert "deg between rays (inside) and facets (outside)" in capsys.readouterr().out
     assert main(["region", "slab.json", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["exact"] is True
 

@@ -59,7 +59,7 @@ def test_the_text_says_what_starts_to_move(tower, capsys):
     text = capsys.readouterr().out
     assert "26.5651 deg to the nearest direction that fails" in text
     assert "start to move" in text
-    assert "none is needed" in text
+    assert "no friction is needed" in text
 
 
 @pytest.mark.quick(1)
@@ -101,7 +101,7 @@ def test_a_tilt_about_an_axis_of_what_bears_loads_is_refused(tower, capsys):
     out, error = capsys.readouterr()
     assert (out, error.count("\n")) == ("", 1)
     assert "'cube-1'" in error
-    assert "a tilt about an axis does not take loads" in error
+    assert "a tilt about an axis is not defined with loads" in error
 
 
 @pytest.mark.parametrize("part", ["base", "nobody"])

@@ -85,7 +85,9 @@ def test_every_load_is_proved_on_both_sides(tmp_path, capsys):
     path.write_text("\n".join(f"4x2 ({2 * k},0,{k})" for k in range(4)))
     words = ["margin", str(path), "--loads", "--part", "2x4-4", "--proof", str(proof), "--quiet"]
     assert main(words) == 0
-    assert "Load that is still taken, straight down" in capsys.readouterr().out
+    assert (
+        "Greatest additional load that each part carries, straight down" in capsys.readouterr().out
+    )
     told = json.loads(proof.read_text())["proofs"]
     assert sorted(one["held"] for one in told if one["about"] == "load on 2x4-4") == [False, True]
     assert kilter.verify(path, proof).holds
@@ -95,7 +97,7 @@ def test_what_falls_takes_no_load():
     found = margin(Assembly([cube("base", grounded=True), cube("c", x=0.6, z=1.0)]), loads=True)
     assert found.loads == ()
     assert found.missing["load on c"] == "none"
-    assert any("no load taken" in text for text in found.warnings)
+    assert any("no push and no load" in text for text in found.warnings)
 
 
 def test_the_table_names_the_least_load_first():

@@ -164,7 +164,7 @@ def test_a_failure_is_not_taken_for_what_is_not_held(monkeypatch, corners):
     assert worst.missing == {"held": "failed", "tilt": "failed", "load_factor": "failed"}
     assert (worst.held, worst.tilt_deg, worst.load_factor) == (False, None, None)
     said = dict(facts(answer.to_dict()))
-    assert said["worst case"] == "not known: the numbers failed"
+    assert said["worst case"] == "not known: the solver failed"
 
 
 @pytest.mark.slow

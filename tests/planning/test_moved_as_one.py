@@ -71,7 +71,7 @@ def test_groups_that_make_no_sense() -> None:
     tower = scene("tower")
     for groups, why in (
         (["nobody*"], "no part is named"),
-        ([()], "a group is empty"),
+        ([()], "a group names no part"),
         (["cube-[12]", "cube-[23]"], "'cube-2' is in two groups"),
         (["*"], "held from the start"),
     ):

@@ -202,7 +202,7 @@ def test_a_number_that_is_changed_without_a_signature_is_refused() -> None:
         entries(proof, "step")[0]["legs"] = [[[0.0, 0.6, 0.8], None]]
 
     assert judged("tower", change) == ""
-    assert "digest does not fit" in judged("tower", change, anew=False)
+    assert "digest does not match" in judged("tower", change, anew=False)
 
 
 def test_neither_an_order_nor_an_impossibility_proves_nothing() -> None:

@@ -252,7 +252,7 @@ def test_none_found_is_no_proof() -> None:
     peg = Part("peg", kilter.Cylinder(1.0, 1.0), Pose([0, 0, 0.5]))
     order = kilter.plan(Assembly([*walls, peg]))
     assert (order.verdict, order.exhausted, order.locked) == ("none-found", True, ())
-    assert "that proves nothing" in order.to_dict()["sentence"]
+    assert "does not prove that none exists" in order.to_dict()["sentence"]
     with pytest.raises(InputError, match="nothing is proved"):
         order.proof()
     assert kilter.plan(Assembly([*walls[:-1], peg])).found
@@ -275,7 +275,7 @@ def test_out_of_effort_says_what_can_come_last() -> None:
     assert order.verdict == "none-found"
     assert not order.exhausted
     assert order.best
-    assert "effort was spent" in order.to_dict()["sentence"]
+    assert "effort limit was reached" in order.to_dict()["sentence"]
 
 
 def test_an_interruption_gives_the_best_so_far(monkeypatch: pytest.MonkeyPatch) -> None:

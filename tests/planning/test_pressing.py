@@ -68,7 +68,7 @@ def test_a_sequence_says_where_it_cannot_be_pressed() -> None:
         sequence=["plank", "weight"],
     )
     assert [step.fails for step in order.steps] == [
-        (), ("it cannot be pressed in with that force",)
+        (), ("the standing parts do not withstand the pressing force",)
     ]  # fmt: skip
 
 

@@ -34,12 +34,12 @@ def test_an_order_the_other_way_round_fails_at_each_step() -> None:
     order = kilter.plan(scene("tower"), sequence=CUBES[::-1], hold=0)
     assert order.verdict == "fails"
     first, second, *_, last = order.steps
-    assert first.fails == ("it touches nothing that stands",)
+    assert first.fails == ("it touches no standing part",)
     assert second.fails == ("'cube-5' would fall before it",)
     assert second.level is None
-    assert "no way in was found along the directions that were tried" not in last.fails
+    assert "no free path was found along the directions that were tried" not in last.fails
     words = order.to_dict()["sentence"]
-    assert words.startswith("This order cannot be kept to: step 1, 'cube-5': it touches nothing")
+    assert words.startswith("This order fails at step 1, 'cube-5': it touches no standing part")
     assert words.endswith("4 further steps fail.")
     with pytest.raises(InputError, match="nothing is proved"):
         order.proof()
@@ -70,7 +70,7 @@ def test_a_step_without_a_way_proves_nothing() -> None:
     assert kilter.plan(made, sequence=["inside", "lid"]).found
     order = kilter.plan(made, sequence=["lid", "inside"])
     assert [step.fails for step in order.steps] == [
-        (), ("no way in was found along the directions that were tried",)
+        (), ("no free path was found along the directions that were tried",)
     ]  # fmt: skip
     assert (order.verdict, order.steps[1].direction) == ("none-found", None)
     assert order.to_dict()["steps"][1]["path"] == [[0.0, 0.0, 0.0]]
@@ -121,7 +121,7 @@ def test_files_that_are_no_sequence(tmp_path: Path, name: str, text: str, why: s
         (["base", *CUBES], "'base' is there from the start"),
         (["nobody"], "nobody"),
         ([], "leaves out"),
-        ([[]], "a step of the sequence is empty"),
+        ([[]], "a step of the sequence names no part"),
     ],
 )
 def test_sequences_that_make_no_sense(sequence: list[str], why: str) -> None:

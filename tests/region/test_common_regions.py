@@ -63,7 +63,7 @@ def test_knife_edges_that_agree(rounded: bool) -> None:
 def test_a_plan_without_a_common_direction() -> None:
     region = common_region([paper.figure_11(), paper.figure_12()])
     assert region.kind == "none"
-    assert "no direction is stable for all of them" in region.warnings[-1]
+    assert "no direction is stable for all assemblies" in region.warnings[-1]
     assert region.warnings[0].startswith("assembly 1: ")
 
 

@@ -294,7 +294,7 @@ def test_draw_what_region(wall: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ([], "no figure is named"),
+        ([], "the name of the figure is missing"),
         (["-o", "f.jpg"], "not a file name for a figure"),
         (["-o", "tower.kilter.json"], "not a file name for a figure"),
         (["-o", "f.png", "--view", "nan", "0"], "--view"),
@@ -317,7 +317,7 @@ def test_an_input_is_never_written_over(wall: Path, capsys: pytest.CaptureFixtur
     odd = wall.rename(wall.with_name("input.svg"))
     before = odd.read_bytes()
     assert main(["draw", str(odd), "-o", "./input.svg"]) == 2
-    assert "written over" in capsys.readouterr().err
+    assert "overwritten" in capsys.readouterr().err
     assert odd.read_bytes() == before
 
 

@@ -239,7 +239,7 @@ def test_what_is_left_out_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     assert answers.recommended is None
     page = Tags(render(answers, "x")).text
     assert "the stability map is found up to 3 free parts" in page
-    assert "'kilter orient' looks at every size" in page
+    assert "'kilter orient' has no such limit" in page
 
 
 @pytest.mark.slow

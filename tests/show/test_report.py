@@ -156,7 +156,7 @@ def test_an_input_that_is_named_like_a_page_is_not_written_over(
 ) -> None:
     Path("tower.kilter.json").rename("tower.html")
     assert main(["report", "tower.html", "-o", "tower.html"]) == 2
-    assert "written over" in capsys.readouterr().err
+    assert "overwritten" in capsys.readouterr().err
 
 
 @pytest.mark.slow

@@ -144,7 +144,9 @@ def _work(effort: float, time_limit: float | None, progress: Callable[[str], Non
 
 
 def _late(time_limit: float | None) -> str:
-    return f"cut short by the time limit of {time_limit:g} s: this is what is proved until then"
+    return (
+        f"stopped at the time limit of {time_limit:g} s: the answer is what was proved until then"
+    )
 
 
 def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> str:
@@ -194,22 +196,22 @@ def _warnings(assembly: Assembly, contacts: ContactSet, decision: Decision) -> l
     friction, program = decision.friction, decision.program
     if friction is not None and program.cohesion.any():
         warnings.append(
-            "what friction guarantees is not asked beside bonds that bear shear up to a force: only"
-            " that forces balance"
+            "the guarantee of friction is not computed for bonds with limited shear: only the "
+            "existence of equilibrium forces is proved"
         )
     left_open = still_open(contacts.open_pairs, assembly)
     if decision.trial is not None and left_open:
         warnings.append(trial_words(decision.trial, assembly, len(left_open)))
     elif friction is not None and left_open:
-        warnings.append("pairs that are left open could add motions, or take them away")
+        warnings.append("open pairs could add further motions or prevent the motions found")
     if decision.verdict == "stable":
         return warnings + loose_parts(assembly, contacts)
     if left_open:
-        warnings.append("z, displacements and motions are those of the certain contacts")
+        warnings.append("z, displacements and motions count only the certain contacts")
     mass = program.mass[program.free]
     if len(mass) and mass.max() > FAR_APART * mass.min():
         warnings.append(
-            f"masses differ by a factor of {mass.max() / mass.min():.0e}: accelerations of the "
-            "lightest parts are not exact"
+            f"the masses differ by a factor of {mass.max() / mass.min():.0e}, so the accelerations "
+            "of the lightest parts are not exact"
         )
     return warnings + loose_parts(assembly, contacts)

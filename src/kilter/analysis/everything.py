@@ -273,8 +273,8 @@ def _turned(
     free = _free(assembly)
     if free > REGION_PARTS:
         notes.append(
-            f"the stable region is found up to {REGION_PARTS} free parts, so only the given "
-            "direction is answered; 'kilter region' looks at every size"
+            f"the page computes the stable region for up to {REGION_PARTS} free parts, so it "
+            "answers only the given direction; 'kilter region' has no such limit"
         )
         return None, None, False
     try:
@@ -285,13 +285,13 @@ def _turned(
         tell("stable region")
         found = _region(assembly, contacts, notes)
     except InputError as error:
-        notes.append(f"other directions of gravity are not answered: {error.what}")
+        notes.append(f"the page answers only the given direction of gravity: {error.what}")
         return None, None, False
     center = found.center if found.center is not None else _first(found, assembly.down)
     if center is None:
         notes.append(
-            f"the direction nearest to stable is looked for up to {NEAREST_PARTS} free parts; "
-            "'kilter orient' looks at every size"
+            f"the page computes the direction nearest to stable for up to {NEAREST_PARTS} free "
+            "parts; 'kilter orient' has no such limit"
         )
         return found, None, False
     tell("recommended direction")
@@ -305,8 +305,8 @@ def _region(assembly: Assembly, contacts: ContactSet, notes: list[str]) -> Regio
     if not rubs or _free(assembly) <= FRICTION_PARTS:
         return region(assembly, contacts=contacts)
     notes.append(
-        f"the region with friction is found up to {FRICTION_PARTS} free parts, so that without "
-        "friction is shown; 'kilter region' looks at every size"
+        f"the page computes the region with friction for up to {FRICTION_PARTS} free parts, so it "
+        "shows the region without friction; 'kilter region' has no such limit"
     )
     return common_region([assembly], contacts=[contacts])
 
@@ -356,8 +356,8 @@ def _margin(
         return None
     if free > MARGIN_PARTS and not always:
         notes.append(
-            f"margins are found up to {MARGIN_PARTS} free parts; 'kilter report --margins' and "
-            "'kilter margin' look at every size"
+            f"the page computes margins for up to {MARGIN_PARTS} free parts; 'kilter report "
+            "--margins' and 'kilter margin' have no such limit"
         )
         return None
     # what friction guarantees is said by the check
@@ -371,14 +371,14 @@ def _change(assembly: Assembly, always: bool, tell: Tell, notes: list[str]) -> I
         return None
     if _free(assembly) > CHANGE_PARTS and not always:
         notes.append(
-            f"which brick to add or to take away is looked for up to {CHANGE_PARTS} bricks; "
-            "'kilter report --margins' and 'kilter improve' look at every size"
+            f"the page looks for a brick to add or to remove in models of up to {CHANGE_PARTS} "
+            "bricks; 'kilter report --margins' and 'kilter improve' have no such limit"
         )
         return None
     try:
         return improve(assembly, progress=tell)
     except InputError as error:
-        notes.append(f"which brick to add or to take away is not said: {error.what}")
+        notes.append(f"the page names no brick to add or to remove: {error.what}")
         return None
 
 
@@ -387,9 +387,12 @@ def _map(
 ) -> MapMotions | None:
     """The stability map with a motion a vertex, where it is small enough."""
     free = _free(assembly)
-    left = "so the ball shows the stable region and no colour, and no motion but for the buttons"
+    left = (
+        "so the ball shows the stable region without colours, and motions only for the directions "
+        "of the buttons"
+    )
     if free > MAP_PARTS:
-        notes.append(f"the stability map is found up to {MAP_PARTS} free parts, {left}")
+        notes.append(f"the page computes the map for up to {MAP_PARTS} free parts, {left}")
         return None
     tell("stability map")
     program = build_program(assembly, contacts)

@@ -183,7 +183,9 @@ def verify_bundle(assembly: Assembly, contacts: ContactSet, bundle: dict[str, An
     """
     reasons, residual, power, counts = [], [], [], Counter[str]()
     if bundle.get("digest") != digest_of(bundle):
-        reasons.append("the file was changed after it was written (its digest does not fit)")
+        reasons.append(
+            "the proof file was changed after kilter wrote it (its digest does not match)"
+        )
     proof: dict[str, Any] = {}
     verdicts = []
     for about, proof in split_bundle(bundle):
@@ -234,8 +236,8 @@ def _wrong_together(
         return list(judge(assembly, contacts, bundle, verdicts))
     except (KeyError, IndexError, TypeError, ValueError, OverflowError, AttributeError) as error:
         raise InputError(
-            f"the proof of a {bundle['kind']} is not of its form ({error})",
-            hint="make it anew with --proof",
+            f"the proof of a {bundle['kind']} does not have the required form ({error})",
+            hint="write it again with --proof",
         ) from None
 
 

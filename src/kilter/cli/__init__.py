@@ -1,7 +1,7 @@
-"""The command line: the only place that prints.
+"""The command line, the only package that prints.
 
-`main` turns every way a command can end into an exit code and at most one message:
-see `kilter.cli.exit_codes`.
+`main` converts every end of a command into an exit code and at most one message: see
+`kilter.cli.exit_codes`.
 """
 
 from __future__ import annotations
@@ -21,13 +21,20 @@ __all__ = ["main"]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command; the exit code is returned, and used by the console script."""
+    """Run a command and return its exit code.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Words of the command line; those of this process by default.
+    """
     import warnings
 
     words = list(sys.argv[1:] if arguments is None else arguments)
     alone = arguments is None
     try:
-        if alone:  # a program of its own
+        if alone:
+            # the command owns this process, so it may change threads and streams
             make_no_threads()
             open_closed_streams()
         with warnings.catch_warnings(), interruptible(alone=alone) as heard:
@@ -37,23 +44,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
             except BrokenPipeError:
                 raise
             except Exception as error:
-                if heard():  # this is what was made of an interruption on its way
+                if heard():
+                    # an extension module converted the interruption into this error
                     raise KeyboardInterrupt from None
-                _say(fault_words(error, words))
+                _print_error(fault_words(error, words))
                 return FAULT
     except KeyboardInterrupt:
         if alone:
             end_interrupted()
-        _say("interrupted")
+        _print_error("interrupted")
         return INTERRUPTED
     except BrokenPipeError:
-        # the reader of a pipe has seen enough; nothing is left to tell it
+        # the reader closed the pipe, for instance `head`: the rest of the answer is not needed
         sys.stdout = None
         return WRITTEN
 
 
 def _read_ahead(words: list[str]) -> None:
-    """Have the first STEP file of a command read while the rest of kilter is loaded."""
+    """Start reading the first STEP file of a command while kilter is being loaded."""
     from kilter.files.step_process import begin_early
 
     named = [word for word in words if word.lower().endswith((".step", ".stp"))]
@@ -63,6 +71,7 @@ def _read_ahead(words: list[str]) -> None:
 
 
 def _run(words: list[str]) -> int:
+    """Run a command, and return its exit code after wrong usage, too."""
     with suppress(OSError):
         _read_ahead(words)
     import typer
@@ -75,38 +84,41 @@ def _run(words: list[str]) -> int:
         given = with_two_names(with_floor_value(words))
         result = command()(given, prog_name="kilter", standalone_mode=False)
         sys.stdout.flush()
-        if result == INTERRUPTED:  # the parser of options turns an interruption into its code
+        if result == INTERRUPTED:
+            # the option parser converts an interruption into its exit code
             raise KeyboardInterrupt
         return int(result or 0)
-    except SystemExit as ended:  # what the parser of options makes of a pipe that is closed
-        if isinstance(ended.__context__, BrokenPipeError):
+    except SystemExit as end:
+        # the option parser converts a closed pipe into this exit
+        if isinstance(end.__context__, BrokenPipeError):
             raise BrokenPipeError from None
         raise
-    except typer.Exit as ended:
-        return int(ended.exit_code)
+    except typer.Exit as end:
+        return int(end.exit_code)
     except (typer.Abort, EOFError):
         raise KeyboardInterrupt from None
     except InputError as error:
-        _say(error.for_command)
+        _print_error(error.for_command)
         return USAGE
     except MemoryError:
-        _say(NO_MEMORY)
+        _print_error(NO_MEMORY)
         return USAGE
     except OSError as error:
         if not is_full(error):
             raise
-        _say(f"the answer cannot be written: {error.strerror}; write to where there is room")
-        sys.stdout = None  # what is left in it is not tried again
+        _print_error(f"the answer cannot be written: {error.strerror}; write to another place")
+        sys.stdout = None  # the interpreter would try to write the rest again at its end
         return USAGE
     except Exception as error:
-        if hasattr(error, "format_message"):  # a usage error of the parser of options
-            _say(usage_words(error))
+        if hasattr(error, "format_message"):  # usage errors of the option parser have no base class
+            _print_error(usage_words(error))
             return USAGE
         raise
 
 
-def _say(message: str) -> None:
+def _print_error(message: str) -> None:
+    """Print a message of a single line on the error stream."""
     from kilter.errors import visible
 
-    with suppress(OSError):  # the code says it still
+    with suppress(OSError):  # without an error stream the exit code remains
         print(f"kilter: {visible(message)}", file=sys.stderr, flush=True)

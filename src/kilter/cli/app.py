@@ -23,10 +23,10 @@ COMMANDS = (*JUDGING, improve, report, view, draw, contacts, verify, batch, exam
 
 
 def _untyped(params: list[Any]) -> list[Any]:
-    """Options as a help lists them: no `<bool>` after a flag, no `<str>` after FILE."""
-    for one in params:
-        if one.param_type_name == "argument" or getattr(one, "is_flag", False):
-            one.display_type_rich = lambda ctx: None
+    """Hide the type in the help of flags and arguments: no `<bool>` after a flag."""
+    for param in params:
+        if param.param_type_name == "argument" or getattr(param, "is_flag", False):
+            param.display_type_rich = lambda ctx: None
     return params
 
 
@@ -43,10 +43,10 @@ class _Group(typer.core.TyperGroup):
 app = typer.Typer(
     name="kilter",
     cls=_Group,
-    help="Does an assembly of rigid parts stay together under gravity? An exact verdict, with a "
-    "proof. Answers are of first order; where motions that cost no energy to first order are "
-    "left (see 'neutral'), check says what second order makes of them ('second_order'): a ball "
-    "on a ball is balanced.",
+    help="Does an assembly of rigid parts stay together under gravity? kilter gives an exact "
+    "verdict with a proof. Answers are of first order. If motions without any first-order change "
+    "of energy remain (see 'neutral'), 'check' also decides them to second order "
+    "('second_order'): a ball on top of a ball is balanced.",
     invoke_without_command=True,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -54,19 +54,19 @@ app = typer.Typer(
 
 
 def command() -> Any:
-    """The command with its subcommands."""
-    made = typer.main.get_command(app)
-    for one in (made, *getattr(made, "commands", {}).values()):
-        one.help = _as_written(one.help)
-        for option in one.params:
-            option.help = _as_written(getattr(option, "help", None))
-    return made
+    """Return the program with all its commands and their help texts."""
+    program = typer.main.get_command(app)
+    for entry in (program, *getattr(program, "commands", {}).values()):
+        entry.help = _help_text(entry.help)
+        for option in entry.params:
+            option.help = _help_text(getattr(option, "help", None))
+    return program
 
 
-def _as_written(text: str | None) -> str | None:
-    """A text of a help: brackets are no markup, and lines end where the terminal does."""
+def _help_text(text: str | None) -> str | None:
+    """Return a help text whose brackets are no markup and whose paragraphs are single lines."""
     paragraphs = inspect.cleandoc(text or "").split("\n\n")
-    joined = "\n\n".join(" ".join(one.split()) for one in paragraphs)
+    joined = "\n\n".join(" ".join(paragraph.split()) for paragraph in paragraphs)
     return joined.replace("[", "\\[") or None
 
 
@@ -83,13 +83,15 @@ def kilter_options(
     context: typer.Context,
     version: Annotated[
         bool,
-        typer.Option("-V", "--version", callback=_version, is_eager=True, help="Show the version."),
+        typer.Option(
+            "-V", "--version", callback=_version, is_eager=True, help="Print the version."
+        ),
     ] = False,
 ) -> None:
-    """Options of kilter itself; without a command, the help is shown."""
+    """Handle the options of the program. Without a command, print the help."""
     if context.invoked_subcommand is None:
         print(context.get_help())
 
 
-for _one in COMMANDS:
-    app.command(cls=_Command)(_one)
+for _function in COMMANDS:
+    app.command(cls=_Command)(_function)

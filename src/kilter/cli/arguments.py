@@ -1,4 +1,4 @@
-"""From the words of a command line to how a file is read, and a tolerance."""
+"""Conversion of the words of a command line to a `Reading` and a `Tolerance`."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ __all__ = [
 ]
 
 PAIRS = ("--fasten", "--before", "--screws")
-"""Options that take two names."""
+"""Options with two names as their value."""
 BOND = "--bond"
-"""The option that takes two names and a pull."""
+"""Option with two names and a pull [N] as its value."""
 
 
 def reading_of(
@@ -47,7 +47,7 @@ def reading_of(
     brick_sides: str | None = None,
     bond: list[str] | None = None,
 ) -> Reading:
-    """The reading that the options of a command ask for."""
+    """Return the reading for the values of the options of a command."""
     return Reading(
         ground=tuple(ground or ()),
         floor=None if floor is None else _height(floor),
@@ -71,12 +71,12 @@ def reading_of(
 
 
 def pair_of(option: str, words: str) -> tuple[str, str]:
-    """Two names from one value of an option of `PAIRS`, as `with_two_names` wrote it.
+    """Return the two names in a value of an option of `PAIRS`, as `with_two_names` wrote it.
 
     Raises
     ------
     InputError
-        If they are not two.
+        If the value does not have two names.
     """
     try:
         first, second = json.loads(words)
@@ -90,7 +90,7 @@ def pair_of(option: str, words: str) -> tuple[str, str]:
 
 
 def _bond_of(words: str) -> tuple[str, str, float]:
-    """Two names and a pull [N] of each point, as `with_two_names` wrote them."""
+    """Return the two names and the pull of each point [N], as `with_two_names` wrote them."""
     try:
         first, second, pull = json.loads(words)
         pull = float(pull)
@@ -104,14 +104,14 @@ def _bond_of(words: str) -> tuple[str, str, float]:
 
 
 def with_two_names(words: list[str]) -> list[str]:
-    """Each ``--fasten A B`` as one word, which is what the parser of options can repeat.
+    """Join each ``--fasten A B`` into a single word, since the option parser repeats only these.
 
-    So with every option of `PAIRS`, and with ``--bond A B T``.
+    The same holds for every option of `PAIRS` and for ``--bond A B T``.
 
     Raises
     ------
     InputError
-        If two names, or two and a pull, do not follow.
+        If two names, or two names and a pull, do not follow the option.
 
     Examples
     --------
@@ -142,7 +142,7 @@ def with_two_names(words: list[str]) -> list[str]:
 
 
 def with_floor_value(words: list[str]) -> list[str]:
-    """``--floor`` with its value filled in where it stands alone.
+    """Add the default value to each ``--floor`` without a height.
 
     Examples
     --------
@@ -175,25 +175,32 @@ def _is_number(word: str) -> bool:
 
 
 def _height(floor: str) -> float | str:
+    """Return the height of the floor, or the word for the lowest point."""
     try:
         return floor if floor == LOWEST else float(floor)
     except ValueError:
         raise InputError(
-            f"--floor {floor!r} is no height", hint="give a number or nothing"
+            f"--floor has {floor!r}, which is not a height", hint="give a number or no value"
         ) from None
 
 
 def contact_tolerance(
     gap: float | None, angle: float | None, loose: bool, clearance: float | None = None
 ) -> Tolerance:
-    """The tolerance of contacts from the options."""
+    """Return the tolerance of contacts for the values of the options.
+
+    Raises
+    ------
+    InputError
+        If a value is not positive, or the angle [deg] is 45 or more.
+    """
     from kilter.contact import Tolerance
 
     base = Tolerance.loose() if loose else Tolerance()
     if gap is not None and not (math.isfinite(gap) and gap > 0):
         raise InputError(f"--gap is {gap:g}", hint="give a length above zero, in file units")
     if angle is not None and not (math.isfinite(angle) and 0 < angle < 45):
-        raise InputError(f"--angle is {angle:g}", hint="give degrees between 0 and 45")
+        raise InputError(f"--angle is {angle:g}", hint="give an angle between 0 and 45 degrees")
     if clearance is not None and not (math.isfinite(clearance) and clearance > 0):
         raise InputError(
             f"--clearance is {clearance:g}", hint="give a length above zero, in file units"

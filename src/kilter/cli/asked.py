@@ -1,4 +1,4 @@
-"""What a command was asked: a file, how it is read, when faces touch, and where answers go."""
+"""The values of the options that commands share: file, reading, tolerance, limits, output."""
 
 from __future__ import annotations
 
@@ -27,20 +27,26 @@ __all__ = ["Asked"]
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """The options that commands share.
+    """Values of the options that commands share.
 
     Attributes
     ----------
     file : str
+        Path of the assembly, or "-" for standard input.
     reading : Reading
+        Options of reading the file.
     tolerance : Tolerance
+        Tolerance of contact detection.
     touch : tuple of str
-        The options of the tolerance, as they are typed.
+        Options of the tolerance, as they are typed.
     effort : float
+        Limit of the work of searches with friction.
     time_limit : float or None
-        [s]
+        Limit of the time [s].
     json, quiet, verbose : bool
+        Options of these names.
     output, proof : Path or None
+        Files to write.
     """
 
     file: str
@@ -57,12 +63,12 @@ class Asked:
 
     @classmethod
     def of(cls, given: Mapping[str, Any]) -> Asked:
-        """From the values of the options.
+        """Build the request from the values of the options by name.
 
         Raises
         ------
         InputError
-            If a value makes no sense, or the answer would be written over the file.
+            If a value is invalid, or the answer would overwrite the file.
         """
         reading = reading_of(
             *(given[key] for key in ("ground", "floor", "without", "down", "friction")),
@@ -72,7 +78,7 @@ class Asked:
             *(given[key] for key in ("stud_pull", "stud_shear", "brick_sides", "bond")),
         )
         gap, angle, clearance = (given[key] for key in ("gap", "angle", "clearance"))
-        effort = _at_least_none(given.get("effort", 0.0), "--effort", "N")
+        effort = _not_negative(given.get("effort", 0.0), "--effort", "N")
         limit = given.get("time_limit")
         words = [
             word
@@ -86,7 +92,7 @@ class Asked:
             tolerance=contact_tolerance(gap, angle, given["loose"], clearance),
             touch=(*words, *(["--loose"] if given["loose"] else [])),
             effort=effort,
-            time_limit=None if limit is None else _at_least_none(limit, "--time-limit", "SECONDS"),
+            time_limit=None if limit is None else _not_negative(limit, "--time-limit", "SECONDS"),
             json=given.get("json", False),
             output=given.get("output"),
             proof=given.get("proof"),
@@ -97,21 +103,22 @@ class Asked:
         return asked
 
     def of_file(self, file: str) -> Asked:
-        """The same of another file."""
+        """Return the same request for another file."""
         asked = replace(self, file=file)
         asked.apart()
         return asked
 
     def apart(self, *outputs: Path | None) -> None:
-        """Refuse to write over the file, or two answers to one file."""
+        """Reject outputs that would overwrite the file or each other."""
         keep_apart(self.file or "-", self.output, self.proof, *outputs)
 
     def read(self, progress: Callable[[str], None]) -> tuple[Assembly, ContactSet | None]:
-        """The assembly, and its contacts where they had to be found to read it."""
+        """Return the assembly, and its contacts if reading it needed them."""
         from kilter.contact.fits.fastening import fasten_as_read
 
         progress("reading")
-        if Path(self.file).suffix.lower() in EXACT:  # while OCCT reads, what is needed next
+        if Path(self.file).suffix.lower() in EXACT:
+            # another process reads the STEP file, so this process loads the next modules meanwhile
             import manifold3d  # noqa: F401
             import shapely  # noqa: F401
 
@@ -120,25 +127,25 @@ class Asked:
         assembly = self.reading.read(self.file, progress=progress)
         return fasten_as_read(assembly, self.reading, tolerance=self.tolerance, progress=progress)
 
-    def keep_proof(self, made: Callable[..., dict[str, Any]] | None, answer: dict[str, Any]) -> str:
-        """Write the proof where that was asked for; the line that says so.
+    def keep_proof(self, make: Callable[..., dict[str, Any]] | None, answer: dict[str, Any]) -> str:
+        """Write the proof if `--proof` requires it, and return a line about it.
 
         Parameters
         ----------
-        made : callable or None
-            Gives the proof, from the options of reading; None where there is none.
+        make : callable or None
+            Function that returns the proof; None without a proof.
         answer : dict
-            Gets a warning where a file of an earlier proof stays.
+            Data of the answer; it gets a warning if the file of an earlier proof remains.
         """
         if self.proof is None:
             return ""
-        if made is not None:
-            write_whole(self.proof, as_json(made(options=self.reading.options())))
+        if make is not None:
+            write_whole(self.proof, as_json(make(options=self.reading.options())))
             return f"\nproof file   written to {self.proof}"
         if self.proof.exists():
-            caution = f"there is no proof to write: {self.proof} is left as it was"
+            caution = f"this answer has no proof: the earlier file {self.proof} was not changed"
             answer["warnings"] = [*answer.get("warnings", ()), caution]
-        return "\nproof file   none to write"
+        return "\nproof file   not written: this answer has no proof"
 
     def tell(
         self,
@@ -148,20 +155,20 @@ class Asked:
         typed: Sequence[str] = (),
         bricks: bool = False,
     ) -> None:
-        """Warnings on the error stream, the answer as JSON or as text.
+        """Print the warnings on the error stream, and the answer as JSON or as text.
 
         Parameters
         ----------
         answer : mapping
-            The data of an answer.
+            Data of the answer.
         *more : Table
-            Lists that were asked for; of the text alone.
+            Further lists of the text.
         after : str
-            What the text ends with; else it is the next step to take.
+            End of the text. If it has a paragraph, it replaces the next step.
         typed : sequence of str
-            Options of the command beside those of reading, for a next step of the same name.
+            Options of this command besides those of reading, for a next step of the same name.
         bricks : bool
-            Whether it is about a model of bricks, for the next step.
+            Whether the assembly is a model of bricks, for the next step.
         """
         from kilter.tell.text import text_of
 
@@ -174,7 +181,7 @@ class Asked:
         emit(text if self.output else in_colour(text, answer), self.output)
 
     def _next(self, answer: Mapping[str, Any], typed: Sequence[str], bricks: bool) -> str:
-        """The next step to take, as it is typed; none of what was piped in."""
+        """Return the next step as a command to type, or nothing for standard input."""
         from kilter.tell.facts import kind_of
         from kilter.tell.next_step import next_step
 
@@ -186,36 +193,42 @@ class Asked:
         if step is None:
             return ""
         name, *rest = step.words
-        asked = self
+        request = self
         if "--down" in rest:
-            asked = replace(self, reading=replace(self.reading, down=None))
-        words = asked.command(name, *(typed if name == kind_of(answer) else ()), *rest)
+            request = replace(self, reading=replace(self.reading, down=None))
+        words = request.command(name, *(typed if name == kind_of(answer) else ()), *rest)
         return f"\n\nnext: {words}\n      {step.why}"
 
     def command(self, name: str, *rest: str) -> str:
-        """The command, as it is typed."""
-        found: list[str] = []
+        """Return the command `name` with the options of this request, as it is typed."""
+        words: list[str] = []
         for key, value in self.reading.options().items():
             option = f"--{key.replace('_', '-')}"
             if key == "floor":
-                found += ["--floor"] if value == LOWEST else ["--floor", str(value)]
+                words += ["--floor"] if value == LOWEST else ["--floor", str(value)]
             elif key == "down":
-                found += ["--down", *(repr(float(v)).removesuffix(".0") for v in value)]
+                words += ["--down", *(repr(float(v)).removesuffix(".0") for v in value)]
             elif key == "fasten":
-                found += [word for pair in value for word in ("--fasten", *pair)]
+                words += [word for pair in value for word in ("--fasten", *pair)]
             elif key == "bond":
-                found += [word for a, b, pull in value for word in ("--bond", a, b, f"{pull:.15g}")]
+                words += [word for a, b, pull in value for word in ("--bond", a, b, f"{pull:.15g}")]
             elif value is True:
-                found.append(option)
+                words.append(option)
             elif isinstance(value, list):
-                found += [word for one in value for word in (option, str(one))]
+                words += [word for entry in value for word in (option, str(entry))]
             else:
-                found += [option, f"{value:g}" if isinstance(value, float) else str(value)]
-        return shell_words(["kilter", name, self.file, *found, *self.touch, *rest])
+                words += [option, f"{value:g}" if isinstance(value, float) else str(value)]
+        return shell_words(["kilter", name, self.file, *words, *self.touch, *rest])
 
 
-def _at_least_none(value: float, option: str, what: str) -> float:
-    """Refuse what is no number of work or time."""
+def _not_negative(value: float, option: str, unit: str) -> float:
+    """Return the value of an option.
+
+    Raises
+    ------
+    InputError
+        If the value is negative or not finite.
+    """
     if not (math.isfinite(value) and value >= 0):
-        raise InputError(f"{option} is {value:g}", hint=f"give {option} {what}, 0 or more")
+        raise InputError(f"{option} is {value:g}", hint=f"give {option} {unit}, 0 or more")
     return value

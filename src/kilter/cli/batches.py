@@ -1,4 +1,4 @@
-"""The command about many files: batch."""
+"""The command batch: verdicts of many files."""
 
 from __future__ import annotations
 
@@ -16,11 +16,12 @@ from kilter.cli.exit_codes import SOME_ERRORS, WRITTEN
 from kilter.cli.options import FORM, Json, Require, asks
 from kilter.cli.output import as_json, emit
 from kilter.tell.levels import REQUIRE, require_level
+from kilter.tell.numbers import count
 
 __all__ = ["batch"]
 
 SHOWN = 20
-"""Errors that are listed, those that begin alike as one."""
+"""Largest number of listed errors; errors with the same beginning count as a single error."""
 
 
 @asks(searches=True, answers=False)
@@ -32,7 +33,7 @@ def batch(
             "-o",
             "--output",
             metavar="DIR",
-            help="A folder for the rows, one file a chunk; what is there already is kept.",
+            help="Folder of the tables. Existing rows of the same batch are kept.",
             rich_help_panel=FORM,
             show_default=False,
         ),
@@ -42,31 +43,35 @@ def batch(
         typer.Option(
             "--processes",
             metavar="N",
-            help="Processes of this machine; one a core where not given.",
+            help="Number of processes on this machine; the number of cores by default.",
             show_default=False,
         ),
     ] = None,
-    chunk: Annotated[int, typer.Option("--chunk", metavar="N", help="Rows of one file.")] = 1000,
+    chunk: Annotated[
+        int, typer.Option("--chunk", metavar="N", help="Number of rows in each table file.")
+    ] = 1000,
     cluster: Annotated[
         str | None,
         typer.Option(
             "--cluster",
             metavar="ADDRESS",
-            help="A scheduler of Dask whose workers judge, in place of processes of this machine.",
+            help="Dask scheduler whose workers compute the verdicts, instead of processes on this "
+            "machine.",
             show_default=False,
         ),
     ] = None,
     require: Require = REQUIRE,
     json: Json = False,
 ) -> int:
-    """Verdicts of many assemblies, written to a folder as tables, resumable.
+    """Check many assemblies and write their verdicts to a folder of tables.
 
-    FILE is a folder of assemblies, or a text file with a path a line. The tables are Parquet with
-    kilter[batch], else CSV. Run again, it goes on with what is not there yet; an
-    assembly that cannot be judged is a row with its error. The column 'stable' says whether it
-    holds at the level of --require.
+    FILE is a folder of assemblies, or a text file with a path in each line. The tables are Parquet
+    files with kilter[batch], otherwise CSV files.
 
-    Exit 0 all rows are written, whatever the verdicts; 1 some are errors.
+    A second run computes only the missing rows. An assembly that cannot be checked gets a row with
+    its error. The column 'stable' tells whether it holds at the level of --require.
+
+    Exit code: 0 all rows are written, whatever the verdicts; 1 some rows are errors.
     """
     from kilter.analysis.many.batch import run_batch
     from kilter.analysis.many.batch_rows import BatchQuestion
@@ -75,32 +80,43 @@ def batch(
         asked.reading, asked.tolerance, require_level(require), asked.effort, asked.time_limit
     )
     quiet = asked.quiet or not sys.stderr.isatty()
-    found = run_batch(
+    result = run_batch(
         asked.file,
         output,
         question,
         processes=processes,
         chunk=chunk,
         cluster=cluster,
-        progress=None if quiet else _Rate(),
+        progress=None if quiet else _RateLine(),
     )
+    errors = result.counts["error"]
     if json:
-        emit(as_json(found.to_dict()), None)
+        emit(as_json(result.to_dict()), None)
     else:
-        counts = ", ".join(f"{count:,} {word}" for word, count in found.counts.most_common())
-        there = f", {found.found_there:,} of them were there" if found.found_there else ""
-        head = f"{found.rows:,} rows in {len(found.files)} files{there}: {counts}"
-        emit("\n".join([head, *_errors(found.errors, found.counts["error"])]), None)
-    return SOME_ERRORS if found.counts["error"] else WRITTEN
+        counts = ", ".join(f"{number:,} {word}" for word, number in result.counts.most_common())
+        before = ""
+        if result.found_there:
+            before = f" ({result.found_there:,} of them from an earlier run)"
+        rows, files = count(result.rows, "row", grouped=True), count(len(result.files), "file")
+        head = f"{rows} in {files}{before}: {counts}"
+        emit("\n".join([head, *_error_lines(result.errors, errors)]), None)
+    return SOME_ERRORS if errors else WRITTEN
 
 
-def _errors(errors: Sequence[tuple[str, str]], count: int) -> list[str]:
-    """Lines about errors, one for all that begin alike, the most frequent first.
+def _error_lines(errors: Sequence[tuple[str, str]], total: int) -> list[str]:
+    """Return a line for all errors with the same beginning, the most frequent first.
+
+    Parameters
+    ----------
+    errors : sequence of tuple
+        File and error of the first errors.
+    total : int
+        Number of all errors.
 
     Examples
     --------
     >>> few = [("a", "not JSON: line 1"), ("b", "no such file"), ("c", "not JSON: line 7")]
-    >>> print(*_errors(few, 3), sep="\\n")
+    >>> print(*_error_lines(few, 3), sep="\\n")
     error  a and 1 more: not JSON: line 1
     error  b: no such file
     """
@@ -112,35 +128,35 @@ def _errors(errors: Sequence[tuple[str, str]], count: int) -> list[str]:
     for (file, error), *others in groups:
         more = f" and {len(others):,} more" if others else ""
         lines.append(f"error  {file}{more}: {error}")
-    left = count - sum(map(len, groups))
+    left = total - sum(map(len, groups))
     return [*lines, f"{left:,} more errors are in the tables"] if left else lines
 
 
-class _Rate:
-    """How many rows are written, how many a second, and how long the rest takes."""
+class _RateLine:
+    """Prints how many rows are written, the rate, and the time left, at most once a second."""
 
     def __init__(self) -> None:
-        self._started = self._told = time.perf_counter()
+        self._started = self._printed = time.perf_counter()
         self._first: int | None = None
 
-    def __call__(self, done: int, of: int) -> None:
+    def __call__(self, done: int, total: int) -> None:
         now = time.perf_counter()
         self._first = done if self._first is None else self._first
-        if now - self._told < 1.0 and done < of:
+        if now - self._printed < 1.0 and done < total:
             return
-        self._told = now
+        self._printed = now
         rate = (done - self._first) / max(now - self._started, 1e-9)
-        left = f", {_time((of - done) / rate)} left" if rate > 0 else ""
-        line = f"\r\x1b[Kkilter: {done:,} of {of:,} rows, {rate:,.0f} a second{left}"
-        print(line, end="\n" if done == of else "", file=sys.stderr, flush=True)
+        left = f", {_duration((total - done) / rate)} left" if rate > 0 else ""
+        line = f"\r\x1b[Kkilter: {done:,} of {total:,} rows, {rate:,.0f} rows/s{left}"
+        print(line, end="\n" if done == total else "", file=sys.stderr, flush=True)
 
 
-def _time(seconds: float) -> str:
-    """A time in words.
+def _duration(seconds: float) -> str:
+    """Return a duration in words.
 
     Examples
     --------
-    >>> _time(42.3), _time(130), _time(7300)
+    >>> _duration(42.3), _duration(130), _duration(7300)
     ('42 s', '2 min 10 s', '2 h 1 min')
     """
     whole = round(seconds)

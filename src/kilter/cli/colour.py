@@ -1,6 +1,7 @@
-"""Colour on a terminal: the verdict, in the colours that it has everywhere.
+"""Colour of the verdict on a terminal, equal to its colour on pages and figures.
 
-``NO_COLOR`` and ``TERM=dumb`` leave it out, ``FORCE_COLOR`` puts it in where no terminal is.
+``NO_COLOR`` and ``TERM=dumb`` switch colours off. ``FORCE_COLOR`` switches them on without a
+terminal.
 
 References
 ----------
@@ -19,11 +20,11 @@ from kilter.tell.palette import VERDICT_ROLE
 __all__ = ["coloured", "in_colour"]
 
 TERMINAL = {"stable": "1;34", "unstable": "1;33"}
-"""Of the roles of verdicts: blue, and what is nearest to orange."""
+"""Terminal codes of the roles of verdicts: blue, and yellow as the nearest colour to orange."""
 
 
 def coloured() -> bool:
-    """Whether standard output shows colours."""
+    """Return whether standard output shows colours."""
     if os.environ.get("NO_COLOR"):
         return False
     if os.environ.get("FORCE_COLOR"):
@@ -32,7 +33,7 @@ def coloured() -> bool:
 
 
 def in_colour(text: str, answer: Mapping[str, Any]) -> str:
-    """A text with its first line in the colour of its verdict, where colours are shown."""
+    """Return the text with its first line in the colour of its verdict, if colours are shown."""
     code = TERMINAL.get(VERDICT_ROLE.get(str(answer.get("verdict")), ""))
     if code is None or not coloured():
         return text

@@ -1,4 +1,4 @@
-"""Commands about directions and limits: orient, region, margin."""
+"""The commands orient, region and margin: directions of gravity, and limits."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 __all__ = ["margin", "orient", "region"]
 
 ASKED = "Which margins"
-UNSURE = "The worst case of tilt and load factor, where data are not exact"
+UNSURE = "Worst case of tilt and load factor for uncertain data"
 
 
 class Method(StrEnum):
-    """Ways to the nearest direction."""
+    """Methods for the direction nearest to stable."""
 
     JOINT = "joint"
     WALK = "walk"
@@ -36,17 +36,19 @@ def orient(
         Method,
         typer.Option(
             "--method",
-            help="For the nearest direction: joint programs, or the walk of the paper.",
+            help="Method for the direction nearest to stable: joint programs, or the walk of the "
+            "paper.",
             rich_help_panel=FORM,
         ),
     ] = Method.JOINT,
 ) -> int:
-    """How could it be turned so that it stays: the stable orientation with the widest margin.
+    """Find the stable orientation with the widest tilt margin.
 
-    With friction: the middle of the directions for which forces that hold it exist; 'kilter
-    check --down' tells what is guaranteed there.
+    With friction: the middle of the directions for which forces that hold it exist. 'kilter check
+    --down' reports what friction guarantees there.
 
-    Exit 0 found, 1 none exists (then the nearest to stable, and what moves there), 4 undecided.
+    Exit code: 0 found, 1 none exists (the answer is the direction nearest to stable, with the parts
+    that move there), 4 undecided.
     """
     from kilter.analysis.turning.orientation import orient as find
 
@@ -73,47 +75,51 @@ def region(
     common: Annotated[
         bool,
         typer.Option(
-            "--common", help="The directions stable for all of the files: no reorientation between."
+            "--common",
+            help="The directions that are stable for all files, so that no reorientation is "
+            "needed between them.",
         ),
     ] = False,
     rests: Annotated[
         bool,
         typer.Option(
             "--rests",
-            help="Also which of its directions are strict minima of energy, how far each may be "
-            "tilted and how fast it swings; without friction.",
+            help="Also list the directions at which the energy has a strict minimum, with the "
+            "largest tilt and the swing of each. Without friction only.",
         ),
     ] = False,
 ) -> int:
-    """Every direction of gravity for which it stays: exactly, with a proof for each boundary.
+    """Find every stable direction of gravity exactly, with a proof of each boundary.
 
-    With friction, those for which forces that hold it exist, between rays inside and facets
-    outside; --common leaves friction out.
+    With friction: every direction for which forces that hold it exist, bounded by rays inside and
+    facets outside. --common ignores friction.
     """
     from kilter.analysis.regions.region import common_region
     from kilter.analysis.regions.region import region as find
 
     if common and asked.proof is not None:
         raise InputError(
-            "a common region has proofs about several files", hint="ask each by itself for its own"
+            "--proof is not possible with --common", hint="write the proof of each file by itself"
         )
     if common and rests:
-        raise InputError("rests are of one file", hint="ask each by itself")
+        raise InputError(
+            "--rests is not possible with --common", hint="run it for each file by itself"
+        )
     if len(files) > 1 and not common:
         raise InputError(f"{len(files)} files are given", hint="add --common, or give one")
     tolerance = asked.tolerance
     with Progress(asked.quiet) as progress:
         given = [asked.of_file(file).read(progress) for file in files]
         if common:
-            each = [assembly for assembly, _ in given]
-            answer = common_region(each, tolerance=tolerance, progress=progress)
+            assemblies = [assembly for assembly, _ in given]
+            answer = common_region(assemblies, tolerance=tolerance, progress=progress)
         else:
             [(assembly, contacts)] = given
             answer = find(
                 assembly, contacts=contacts, rests=rests, tolerance=tolerance, progress=progress
             )
-    told, one = answer.to_dict(), asked if common else asked.of_file(files[0])
-    one.tell(told, after=one.keep_proof(answer.proof, told))
+    data, request = answer.to_dict(), asked if common else asked.of_file(files[0])
+    request.tell(data, after=request.keep_proof(answer.proof, data))
     return VERDICT["undecided"] if answer.pairs_decide else WRITTEN
 
 
@@ -125,8 +131,8 @@ def margin(
         typer.Option(
             "--push",
             metavar="X Y Z",
-            help="The load factor of a body force in this direction, in units of each part's "
-            "weight; else that of the given loads.",
+            help="Load factor of a body force in this direction, in units of the weight of each "
+            "part; by default the load factor of the given loads.",
             rich_help_panel=ASKED,
             show_default=False,
         ),
@@ -136,7 +142,8 @@ def margin(
         typer.Option(
             "--about",
             metavar="X Y Z",
-            help="Also how far gravity may turn about this axis, across it; no loads or bonds.",
+            help="Also how far gravity may turn about this horizontal axis. Without loads and "
+            "bonds only.",
             rich_help_panel=ASKED,
             show_default=False,
         ),
@@ -146,8 +153,8 @@ def margin(
         typer.Option(
             "--part",
             metavar="NAME",
-            help="The weakest push of this part, and what holding it adds; repeatable. All parts "
-            "where not given, up to 20.",
+            help="Compute the greatest push that this part resists, and how much holding it adds. "
+            "Repeatable; all parts by default if there are at most 20.",
             rich_help_panel=ASKED,
             show_default=False,
         ),
@@ -156,7 +163,8 @@ def margin(
         bool,
         typer.Option(
             "--loads",
-            help="Also the load that each part still takes straight down, or each of --part.",
+            help="Also the additional load that each part carries straight down; with --part only "
+            "those parts.",
             rich_help_panel=ASKED,
         ),
     ] = False,
@@ -164,8 +172,8 @@ def margin(
         bool,
         typer.Option(
             "--bracket",
-            help="Also between which load factors the limit lies where sliding does not dilate "
-            "(the contact law, not the associative limit).",
+            help="Also bounds of the largest load factor under the contact law without dilation. "
+            "The load factor itself is the associative limit.",
             rich_help_panel=ASKED,
         ),
     ] = False,
@@ -175,7 +183,8 @@ def margin(
         typer.Option(
             "--mass-range",
             metavar="LOW HIGH",
-            help="The mass of every free part by itself within these factors, as 0.9 1.1.",
+            help="Factors between which the mass of every free part varies independently, as "
+            "0.9 1.1.",
             rich_help_panel=UNSURE,
             show_default=False,
         ),
@@ -185,7 +194,7 @@ def margin(
         typer.Option(
             "--com-range",
             metavar="LENGTH",
-            help="Every coordinate of every centre of mass plus or minus this.",
+            help="Largest error of every coordinate of every centre of mass (file units).",
             rich_help_panel=UNSURE,
             show_default=False,
         ),
@@ -195,7 +204,7 @@ def margin(
         typer.Option(
             "--mu-range",
             metavar="LOW HIGH",
-            help="Every friction coefficient within these factors.",
+            help="Factors between which every friction coefficient varies.",
             rich_help_panel=UNSURE,
             show_default=False,
         ),
@@ -205,25 +214,26 @@ def margin(
         typer.Option(
             "--normal-tilt",
             metavar="DEG",
-            help="Every normal tilted by up to this, any way.",
+            help="Largest tilt of every contact normal, in any direction [deg].",
             rich_help_panel=UNSURE,
             show_default=False,
         ),
     ] = None,
 ) -> int:
-    """By how much does it hold: tilt, least friction, load factor, the push each part resists.
+    """Find the limits up to which it holds: tilt, least friction, load factor and pushes.
 
-    Limits are those of equilibrium forces: above them nothing holds, and the mechanism that
-    starts there is named. --require settles or proved adds the tilt up to which that level is
-    reached. Exit 0, whatever the verdict: it is `verdict` in --json, and check
-    exits by it.
+    Up to each limit forces that hold it exist (level equilibrium). Beyond it no such forces exist,
+    and the answer names the parts that start to move. --require settles or proved adds the tilt up
+    to which that level is reached.
+
+    Exit code: 0, whatever the verdict.
     """
     from kilter.analysis.margins.margin import margin as find
 
     ranges = _ranges(mass_range, com_range, mu_range, normal_tilt)
     with Progress(asked.quiet) as progress:
         assembly, contacts = asked.read(progress)
-        found = find(
+        answer = find(
             assembly,
             push=push,
             about=about,
@@ -238,8 +248,8 @@ def margin(
             time_limit=asked.time_limit,
             progress=progress,
         )
-    told = found.to_dict()
-    asked.tell(told, after=asked.keep_proof(found.proof, told))
+    data = answer.to_dict()
+    asked.tell(data, after=asked.keep_proof(answer.proof, data))
     return WRITTEN
 
 
@@ -249,7 +259,7 @@ def _ranges(
     mu: tuple[float, float] | None,
     normal_deg: float | None,
 ) -> Ranges | None:
-    """The intervals that were asked about; None where none were."""
+    """Return the intervals of uncertain data, or None if no option gives an interval."""
     from kilter.analysis.margins.uncertainty import Ranges
 
     if mass is None and com is None and mu is None and normal_deg is None:

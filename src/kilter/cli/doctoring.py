@@ -1,4 +1,4 @@
-"""The command about kilter itself: doctor."""
+"""The command doctor: the state of the installation."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ __all__ = ["doctor"]
 
 
 def doctor(json: Json = False, output: Output = None) -> int:
-    """Does kilter work here? Versions, solvers, extras, STEP, page, terminal.
+    """Test whether this installation works: versions, solvers, extras, STEP, page, terminal.
 
-    Each is asked for something whose answer is known. Put what it prints into a bug report. It
-    asks nothing of a network.
+    Each part computes something with a known result. The test uses no network. Copy its text into
+    a bug report.
 
-    Exit 0 all that is installed works, 1 something is broken; an extra that is absent is not.
+    Exit code: 0 all installed parts work, 1 a part is broken. A missing extra is not broken.
     """
     from kilter.health import doctor as look
     from kilter.tell.health_text import health_text

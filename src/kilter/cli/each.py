@@ -1,4 +1,4 @@
-"""Several files checked one after the other: a line each, and the worst exit code."""
+"""Check of several files: a line for each file, and the worst exit code."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ Answer = Mapping[str, Any]
 WORST = (FAULT, USAGE, VERDICT["unstable"], VERDICT["undecided"], LOWER, HOLDS)
 """Exit codes, the worst first."""
 WIDE = 100
-"""Characters of what is said of a file beside its verdict."""
+"""Largest number of characters about the motion of a file."""
 
 
 def code_of(answer: Answer) -> int:
-    """The exit code of an answer of `check`."""
+    """Return the exit code of an answer of `check`."""
     if answer["level"] is None:
         return VERDICT[answer["verdict"]]
     return HOLDS if answer["holds"] else LOWER
 
 
 def check_each(asked: Asked, files: Sequence[str], judge: Callable[[Asked], Answer]) -> int:
-    """Say of each file what it is; of one that cannot be judged, why, on the error stream.
+    """Print the verdict of each file, and the errors of the files that cannot be checked.
 
     Parameters
     ----------
     asked : Asked
     files : sequence of str
     judge : callable
-        The data of the verdict about one file.
+        Function that returns the data of the verdict of one file.
 
     Returns
     -------
@@ -47,8 +47,9 @@ def check_each(asked: Asked, files: Sequence[str], judge: Callable[[Asked], Answ
     from kilter.tell.text import aligned
 
     answers, rows, codes = [], [], set()
-    for file, one in [(file, asked.of_file(file)) for file in files]:
-        answer, code = _answered(one, judge)
+    # every name is validated before the first file is checked
+    for file, request in [(file, asked.of_file(file)) for file in files]:
+        answer, code = _answer(request, judge)
         answers.append({"file": file, **answer})
         codes.add(code)
         moves = plain(answer["summary"], WIDE) if answer.get("verdict") == "unstable" else ""
@@ -58,8 +59,8 @@ def check_each(asked: Asked, files: Sequence[str], judge: Callable[[Asked], Answ
     return next(code for code in WORST if code in codes)
 
 
-def _answered(asked: Asked, judge: Callable[[Asked], Answer]) -> tuple[Answer, int]:
-    """The answer about a file and its exit code; of one that has none, its error."""
+def _answer(asked: Asked, judge: Callable[[Asked], Answer]) -> tuple[Answer, int]:
+    """Return the answer about a file and its exit code, or its error as the answer."""
     try:
         answer = judge(asked)
     except InputError as error:
@@ -71,7 +72,7 @@ def _answered(asked: Asked, judge: Callable[[Asked], Answer]) -> tuple[Answer, i
     except Exception as error:
         why, code = fault_words(error, ["check", asked.file]), FAULT
     else:
-        warnings = [f"{asked.file}: {one}" for one in answer["warnings"]]
+        warnings = [f"{asked.file}: {warning}" for warning in answer["warnings"]]
         tell_warnings(warnings, asked.quiet or asked.json)
         return answer, code_of(answer)
     print(f"kilter: {visible(why)}", file=sys.stderr)

@@ -1,4 +1,4 @@
-"""Exit codes: how every command ends."""
+"""Exit codes of all commands."""
 
 from __future__ import annotations
 
@@ -20,26 +20,28 @@ __all__ = [
 ]
 
 WRITTEN = 0
-"""The answer is given or written, whatever it says."""
+"""The answer is printed or written, whatever its verdict."""
 HOLDS, LOWER = 0, 3
-"""Of `check`: it holds at the level that is asked for, or only at a lower one."""
+"""`check` and `plan`: it holds at the required level, or only at a lower level."""
 VERDICT = {"unstable": 1, "undecided": 4}
-"""Of `check` where it holds at no level."""
+"""`check`: it holds at no level."""
 ORIENT = {"found": 0, "none": 1, "undecided": 4}
+"""`orient`, by its verdict."""
 PLAN = {"impossible": 1, "fails": 1, "none-found": 4, "undecided": 4}
-"""Of `plan` where there is no order, or the given one is none."""
+"""`plan` without an order, or with a given order that fails."""
 VERIFY = {True: 0, False: 1}
-"""Of whether a proof holds."""
+"""`verify`, by whether the proof holds."""
 HOLD = {"impossible": 1, "undecided": 4}
-"""Exit codes of `hold` if no supports were found."""
+"""`hold` without sufficient supports."""
 IMPROVE = {True: 0, False: 1}
-"""Of whether it stands as it is, or with the one brick that is named."""
+"""`improve`, by whether the model stands as it is or with the named change."""
 DOCTOR = {True: 0, False: 1}
-"""Of whether all that is installed works."""
+"""`doctor`, by whether all installed parts work."""
 SOME_ERRORS = 1
-"""Of `batch`: all rows are written, and some say why there is no verdict."""
+"""`batch`: all rows are written, and some rows have an error instead of a verdict."""
 USAGE = 2
 """Wrong usage or input."""
 FAULT = 70
-"""Of kilter itself."""
+"""Fault of kilter itself."""
 INTERRUPTED = 130
+"""Ctrl-C, or a request of the system to end."""

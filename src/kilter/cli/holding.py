@@ -1,4 +1,4 @@
-"""The command about supports: hold."""
+"""The command hold: the fewest supports."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["hold"]
 
-MAY = "What may hold it"
+MAY = "Candidates for supports"
 
 
 @asks(searches=True, proves=True)
@@ -30,9 +30,9 @@ def hold(
         typer.Option(
             "--candidates",
             metavar="grips|props|fingers|FILE.json",
-            help="What may hold it: every part gripped, a prop under every part, a finger on every "
-            "flat face that is free, or a list of supports (kind, part, point, direction, mu, "
-            "capacity, on); repeatable. Grips where not given.",
+            help="Possible supports. grips: every part gripped. props: a prop under every part. "
+            "fingers: a finger on every free flat face. FILE.json: a list of supports (kind, part, "
+            "point, direction, mu, capacity, on). Repeatable; grips by default.",
             rich_help_panel=MAY,
             show_default=False,
         ),
@@ -42,20 +42,19 @@ def hold(
         typer.Option(
             "--most",
             metavar="K",
-            help="More supports than these are not asked for.",
+            help="Largest number of supports in the answer; no limit by default.",
             rich_help_panel=MAY,
             show_default=False,
         ),
     ] = None,
     require: Require = REQUIRE,
 ) -> int:
-    """What is the least that must be held so that it stays, and where?
+    """Find the fewest supports with which it stays together, and prove that fewer are not enough.
 
-    Asked of the assembly as it stands; --without leaves out what is not there yet. With the fewest
-    supports stands the proof that fewer are not enough.
+    For a half-built assembly, leave out the missing parts with --without.
 
-    Exit 0 found at the level of --require; 3 found at a lower level only; 1 proved that not even
-    all candidates are enough; 4 undecided.
+    Exit code: 0 found at the level of --require, 3 found only at a lower level, 1 proved that not
+    even all candidates are enough, 4 undecided.
     """
     from kilter.analysis.planning.hold.hold import hold as find
 
@@ -63,7 +62,9 @@ def hold(
         assembly, contacts = asked.read(progress)
         fixture = find(
             assembly,
-            candidates=[one for word in candidates or ("grips",) for one in _candidates(word)],
+            candidates=[
+                candidate for word in candidates or ("grips",) for candidate in _candidates(word)
+            ],
             most=most,
             require=require,
             effort=asked.effort,
@@ -84,7 +85,7 @@ def hold(
 
 
 def _candidates(word: str) -> list[str | Support]:
-    """What a word or a file asks for."""
+    """Return the candidates of a word, or the supports of a file."""
     from kilter.analysis.planning.hold.support_candidates import WORDS
     from kilter.contact.supports import Support
     from kilter.files.reading import read_json
@@ -96,8 +97,8 @@ def _candidates(word: str) -> list[str | Support]:
         raise InputError(f"--candidates has {word!r:.60}", hint=hint)
     data = read_json(Path(word))
     if not isinstance(data, list):
-        raise InputError("it has no list of supports", file=word, hint="give a list")
+        raise InputError("it is not a list of supports", file=word, hint="give a list")
     try:
-        return [Support.from_dict(one) for one in data]
+        return [Support.from_dict(entry) for entry in data]
     except InputError as error:
         raise error.located(file=word) from None

@@ -1,4 +1,4 @@
-"""The command about changes: improve."""
+"""The command improve: a brick to add or to remove."""
 
 from __future__ import annotations
 
@@ -23,19 +23,18 @@ def improve(
         typer.Option(
             "--write",
             metavar="CHANGED.json",
-            help="Also write the model with the change that is named, as a kilter file.",
+            help="Also write the model with the best change, as a kilter file.",
             rich_help_panel=FORM,
             show_default=False,
         ),
     ] = None,
 ) -> int:
-    """Which brick to add or to take away so that a model of bricks stands, or holds more easily.
+    """Find a brick to add or to remove so that a model of bricks stands, or needs less strength.
 
-    Bricks are tried where the fall, or the first motion beyond the strength of the studs, says;
-    with each the strength that is needed is found anew.
+    The tried places follow from the fall, or from the first motion beyond the strength of the
+    studs. For every change the needed strength is computed again.
 
-    Exit 0 it stands, as it is or with the brick that is named; 1 no one brick that was tried is
-    enough.
+    Exit code: 0 it stands, as it is or with the named change; 1 no tried single change is enough.
     """
     from kilter.analysis.margins.improve import improve as find
     from kilter.files.writing import dump
@@ -43,12 +42,12 @@ def improve(
     asked.apart(write)
     with Progress(asked.quiet) as progress:
         assembly, _ = asked.read(progress)
-        found = find(assembly, progress=progress)
+        improvement = find(assembly, progress=progress)
     after = ""
-    if write is not None and found.best is not None:
-        dump(found.best.assembly, write)
+    if write is not None and improvement.best is not None:
+        dump(improvement.best.assembly, write)
         after = f"\nchanged model  written to {write}"
     elif write is not None:
-        after = "\nchanged model  none to write"
-    asked.tell(found.to_dict(), after=after)
-    return IMPROVE[found.stands]
+        after = "\nchanged model  not written: no change lowers the need"
+    asked.tell(improvement.to_dict(), after=after)
+    return IMPROVE[improvement.stands]

@@ -1,14 +1,14 @@
-"""Ctrl-C, or a request to end: one line and exit code 130 within a second, whatever is computed.
+"""Interruption by Ctrl-C or by the system: a line and exit code 130 within a second.
 
-Python raises `KeyboardInterrupt` between two of its own steps, and one call of a solver is one
-step, however long. Solvers of large programs are told to stop (`kilter.solvers.interrupts`);
-for every other call a thread is told of the signal at once, by the interpreter itself, and ends
-the process where the main thread has not heard of it within `GRACE`. No file is half written
-then: each is put in its place whole, by one step of the system.
+Python raises `KeyboardInterrupt` only between two bytecodes, and a long call of a solver is a
+single bytecode. Solvers of large programs receive a request to stop (`kilter.solvers.interrupts`).
+For every other call a thread watches the signals through the wakeup descriptor of the interpreter.
+It ends the process if the main thread has not handled a signal within `GRACE`. No file is half
+written then, since every file is moved into its place as a whole.
 
-What is raised may also get lost: in an import Python and numpy make another error of it, and in
-a callback (`__del__`, of a weak reference) it is printed and forgotten. So a process of its own
-ends at once where a module is being loaded, and where an interruption was dropped.
+The exception may also get lost. During an import, Python and numpy convert it into another error.
+In a callback (`__del__`, weak references) Python prints and drops it. So a process that belongs to
+the command ends at once if a module is being loaded or if an interruption was dropped.
 """
 
 from __future__ import annotations
@@ -28,30 +28,30 @@ from kilter.cli.exit_codes import INTERRUPTED
 __all__ = ["end_interrupted", "interruptible"]
 
 GRACE = 0.6
-"""What the main thread is given to hear a signal; what comes again before is the same [s]."""
+"""Time in which the main thread must handle a signal; signals within it count as the same [s]."""
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
-OURS = (signal.SIG_DFL, signal.SIG_IGN, signal.default_int_handler)
-"""What a process begins with; a program that listens by itself goes on doing so."""
+REPLACED = (signal.SIG_DFL, signal.SIG_IGN, signal.default_int_handler)
+"""Default handlers, which are replaced. A handler of the calling program stays in force."""
 
 
 @contextmanager
 def interruptible(*, alone: bool) -> Iterator[Callable[[], bool]]:
-    """Signals end a command, also one that a script started with them ignored.
+    """Handle signals while a command runs, also if the calling script ignores them.
 
     Parameters
     ----------
     alone : bool
-        The process is that of the command, and may be ended.
+        Whether the process belongs to the command, so that it may be ended.
 
     Yields
     ------
     callable
-        Whether a signal was heard, whatever became of what it raised.
+        Function that returns whether a signal has arrived.
     """
     if threading.current_thread() is not threading.main_thread():
         yield lambda: False
         return
-    inherited = {one: signal.getsignal(one) for one in SIGNALS}
+    inherited = {number: signal.getsignal(number) for number in SIGNALS}
     heard: list[float] = []
 
     def hear(number: int, frame: FrameType | None) -> None:
@@ -65,21 +65,22 @@ def interruptible(*, alone: bool) -> Iterator[Callable[[], bool]]:
 
     watched = _watch(heard) if alone and os.name == "posix" else None
     if alone:
-        sys.unraisablehook = _end_where_dropped
+        sys.unraisablehook = _end_if_dropped
     try:
-        for one in SIGNALS:
-            if inherited[one] in OURS:
-                signal.signal(one, hear)
+        for number in SIGNALS:
+            if inherited[number] in REPLACED:
+                signal.signal(number, hear)
         yield lambda: bool(heard)
     finally:
         if watched is not None:
             signal.set_wakeup_fd(-1)
-        for one, handler in inherited.items():  # what has its answer is not interrupted any more
-            signal.signal(one, signal.SIG_IGN if alone else handler)
+        for number, handler in inherited.items():
+            # the answer is complete, so a late signal must not change the exit code
+            signal.signal(number, signal.SIG_IGN if alone else handler)
 
 
 def _is_loading(frame: FrameType | None) -> bool:
-    """Whether a module is being loaded."""
+    """Return whether a module is being loaded in the frame or in its callers."""
     while frame is not None:
         if frame.f_code.co_filename.startswith("<frozen importlib."):
             return True
@@ -87,40 +88,51 @@ def _is_loading(frame: FrameType | None) -> bool:
     return False
 
 
-def _end_where_dropped(dropped: sys.UnraisableHookArgs) -> None:
-    """End the process where an interruption fell into what cannot pass it on."""
+def _end_if_dropped(dropped: sys.UnraisableHookArgs) -> None:
+    """End the process if Python dropped an interruption in a callback."""
     if issubclass(dropped.exc_type, KeyboardInterrupt):
         end_interrupted()
     sys.__unraisablehook__(dropped)
 
 
 def _watch(heard: list[float]) -> int:
-    """A thread that ends the process where a signal is not heard in time; where it is told."""
-    told, telling = os.pipe()
-    os.set_blocking(telling, False)
-    signal.set_wakeup_fd(telling, warn_on_full_buffer=False)
+    """Start a thread that ends the process if the main thread does not handle a signal in time.
+
+    Parameters
+    ----------
+    heard : list of float
+        Times at which the main thread handled signals [s].
+
+    Returns
+    -------
+    int
+        Descriptor to which the interpreter writes the signals.
+    """
+    receiver, sender = os.pipe()
+    os.set_blocking(sender, False)
+    signal.set_wakeup_fd(sender, warn_on_full_buffer=False)
 
     def listen() -> None:
         while True:
-            os.read(told, 64)
-            since = time.monotonic() - GRACE  # what was heard just before was the same
+            os.read(receiver, 64)
+            since = time.monotonic() - GRACE  # a signal handled just before counts as this signal
             time.sleep(GRACE)
             if not heard or heard[-1] < since:
                 end_interrupted()
 
     threading.Thread(target=listen, daemon=True).start()
-    return telling
+    return sender
 
 
 def end_interrupted() -> NoReturn:
-    """Say so, and end the process without waiting for what still runs in it."""
-    for one in SIGNALS:
-        with suppress(ValueError):  # not the main thread, which hears nothing any more
-            signal.signal(one, signal.SIG_IGN)
+    """Print a message, remove unfinished files, and end the process without waiting for threads."""
+    for number in SIGNALS:
+        with suppress(ValueError):  # only the main thread may set handlers
+            signal.signal(number, signal.SIG_IGN)
     writing = sys.modules.get("kilter.files.writing")
-    for beside in tuple(writing.UNDER_WAY) if writing is not None else ():
+    for unfinished in tuple(writing.UNDER_WAY) if writing is not None else ():
         with suppress(OSError):
-            os.unlink(beside)
+            os.unlink(unfinished)
     with suppress(OSError, ValueError):
         clear = "\r\x1b[K" if sys.stderr.isatty() else ""
         print(f"{clear}kilter: interrupted", file=sys.stderr, flush=True)

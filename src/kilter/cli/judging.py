@@ -1,4 +1,4 @@
-"""Commands that judge and list: check, contacts, verify, example."""
+"""The commands check, contacts, verify and example."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ def check(
         bool,
         typer.Option(
             "--measures",
-            help="Also z, kappa and the displacements of LP (9) where friction plays a part; they "
-            "leave it out.",
+            help="With friction: also compute z, kappa and the displacements of the displacement "
+            "program, which ignore friction.",
             rich_help_panel=FORM,
         ),
     ] = False,
@@ -42,7 +42,7 @@ def check(
         bool,
         typer.Option(
             "--forces",
-            help="List the contact forces of equilibrium, the greatest first.",
+            help="List the contact forces of one equilibrium, the greatest first.",
             rich_help_panel=FORM,
         ),
     ] = False,
@@ -50,20 +50,22 @@ def check(
         bool,
         typer.Option(
             "--suggest-joints",
-            help="List pairs that look like fasteners, each with the joint to add.",
+            help="List the pairs that look fastened, each with the joint to add.",
             rich_help_panel=FORM,
         ),
     ] = False,
 ) -> int:
-    """Does it stay together under gravity; if not, what moves, and how?
+    """Decide whether it stays together under gravity, and if not, which parts move and how.
 
-    Exit 0 it holds at the level of --require, 1 unstable, 3 it holds at a lower level only, 4
-    undecided; of several files, a line each, the worst. Levels: equilibrium (forces that hold it
-    exist), settles (put down loosely it comes to rest, and no motion was found), proved (to first
-    order), strict (nor does a small push make it fall).
+    Exit code: 0 it holds at the level of --require, 3 it holds only at a lower level, 1 unstable,
+    4 undecided. For several files a line each, and the worst exit code.
 
-    Displacements of LP (9) are given for up to 300 free parts, neutral motions for up to 100;
-    what second order says of them for up to 20.
+    Levels: equilibrium (forces that hold it exist), settles (put down loosely it comes to rest, and
+    no motion was found), proved (no motion can start, to first order), strict (also a small push
+    does not make it fall).
+
+    Displacements are computed for up to 300 free parts, neutral motions for up to 100, and second
+    order for up to 20.
     """
     from kilter.contact.fits.suggestions import suggest_joints
     from kilter.tell.tables import forces_table
@@ -73,24 +75,24 @@ def check(
         if asked.proof is not None or forces or suggest:
             alone = "--proof" if asked.proof is not None else "--forces and --suggest-joints"
             raise InputError(f"{len(files)} files are given", hint=f"give one with {alone}")
-        return check_each(asked, files, lambda one: _judged(one, require, measures)[1])
+        return check_each(asked, files, lambda each: _check_file(each, require, measures)[1])
     asked = asked.of_file(files[0])
-    verdict, answer = _judged(asked, require, measures)
+    verdict, answer = _check_file(asked, require, measures)
     after = asked.keep_proof(None if verdict.certificate is None else verdict.proof, answer)
     if not suggest and verdict.verdict != "stable" and not asked.json:
-        after = _hint(verdict) + after
+        after = _joint_hint(verdict) + after
     if suggest:
-        listed = [one.to_dict() for one in suggest_joints(verdict.assembly, verdict.contacts)]
-        answer["suggested_joints"] = listed
-        after = "\n\n" + suggestions_text(listed) + after
+        joints = suggest_joints(verdict.assembly, verdict.contacts)
+        answer["suggested_joints"] = [joint.to_dict() for joint in joints]
+        after = "\n\n" + suggestions_text(answer["suggested_joints"]) + after
     bricks = any(part.brick is not None for part in verdict.assembly.parts)
     tables = [forces_table(answer)] if forces else []
     asked.tell(answer, *tables, after=after, bricks=bricks)
     return code_of(answer)
 
 
-def _judged(asked: Asked, require: str, measures: bool) -> tuple[Verdict, dict[str, Any]]:
-    """The verdict about a file, and its data with the time that reading took."""
+def _check_file(asked: Asked, require: str, measures: bool) -> tuple[Verdict, dict[str, Any]]:
+    """Return the verdict of a file, and its data with the time of reading."""
     from kilter.analysis.check import check as decide
 
     with Progress(asked.quiet) as progress:
@@ -114,14 +116,18 @@ def _judged(asked: Asked, require: str, measures: bool) -> tuple[Verdict, dict[s
     return verdict, answer
 
 
-def _hint(verdict: Verdict) -> str:
-    """What looks fastened; of unstable solids that nothing joins, what their file leaves out."""
+def _joint_hint(verdict: Verdict) -> str:
+    """Return a paragraph about pairs that look fastened.
+
+    For unstable CAD solids without such pairs and without joints, the paragraph names the data that
+    their file lacks.
+    """
     from kilter.contact.fits.suggestions import suggest_joints
     from kilter.shape.solid import Solid
     from kilter.tell.text import solids_hint, suggestions_hint
 
-    looks = suggest_joints(verdict.assembly, verdict.contacts)
-    firm = [one.kind for one in looks if one.fixed]
+    suggestions = suggest_joints(verdict.assembly, verdict.contacts)
+    firm = [suggestion.kind for suggestion in suggestions if suggestion.fixed]
     solids = any(isinstance(part.shape, Solid) for part in verdict.assembly.parts)
     if not firm and solids and verdict.verdict == "unstable" and not verdict.assembly.joints:
         return solids_hint(friction=bool(verdict.contacts.patch_mu.any()))
@@ -130,29 +136,29 @@ def _hint(verdict: Verdict) -> str:
 
 @asks()
 def contacts(asked: Asked) -> int:
-    """What touches: patches with area, gap, normal; what came near, and why it does not count."""
+    """List the contact patches with area, gap and normal, and the near pairs with their reasons."""
     from kilter.contact import contacts as find
 
     with Progress(asked.quiet) as progress:
         assembly, known = asked.read(progress)
-        found = known or find(assembly, tolerance=asked.tolerance, progress=progress)
-    asked.tell(found.to_dict())
+        contact_set = known or find(assembly, tolerance=asked.tolerance, progress=progress)
+    asked.tell(contact_set.to_dict())
     return WRITTEN
 
 
 def verify(
     file: File,
     proof: Annotated[
-        str, typer.Argument(metavar="P.json", help="A proof that 'kilter check --proof' wrote.")
+        str, typer.Argument(metavar="P.json", help="A proof written by the option --proof.")
     ],
     json: Json = False,
     output: Output = None,
     quiet: Quiet = False,
 ) -> int:
-    """Recompute a proof from the file, without any solver. Exit 0 it holds, 1 it does not.
+    """Recompute a proof from the file, without any solver. Exit code: 0 it holds, 1 it does not.
 
-    The file is read as it was for the proof (parts held, left out, direction of gravity);
-    the answer names these conditions.
+    The file is read with the options of the proof (held parts, parts left out, direction of
+    gravity). The answer lists these options.
     """
     from kilter.analysis.verification import verify as recompute
     from kilter.tell.text import text_of
@@ -168,14 +174,16 @@ def verify(
 def example(
     name: Annotated[
         str | None,
-        typer.Argument(metavar="[NAME]", help="Example to write; without it, all are listed."),
+        typer.Argument(
+            metavar="[NAME]", help="Example to write. Without a name all examples are listed."
+        ),
     ] = None,
     size: Annotated[
         str | None,
         typer.Option(
             "--size",
             metavar="BRICKSxCOURSES",
-            help="Of a wall: bricks a course and courses, as 40x25.",
+            help="Walls only: number of bricks in a course, and of courses, as 40x25.",
             show_default=False,
         ),
     ] = None,
@@ -185,14 +193,12 @@ def example(
             "-o",
             "--output",
             metavar="FILE",
-            help="Where to; NAME.kilter.json in this folder where not given, "
-            "- for standard output.",
+            help="File to write, or - for standard output; NAME.kilter.json in this folder by "
+            "default.",
             show_default=False,
         ),
     ] = None,
-    force: Annotated[
-        bool, typer.Option("--force", help="Replace a file that is there already.")
-    ] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
     json: Json = False,
 ) -> int:
     """List the built-in examples, or write one as an assembly file."""
@@ -200,13 +206,13 @@ def example(
 
     if name is None:
         if size is not None:
-            raise InputError("--size is of an example", hint="name it: kilter example wall")
+            raise InputError("--size needs an example", hint="name it: kilter example wall")
         if json:
-            emit(as_json([one.to_dict() for one in SCENES.values()]), output)
+            emit(as_json([entry.to_dict() for entry in SCENES.values()]), output)
         else:
             from kilter.tell.text import aligned
 
-            rows = [[one.name, one.answer, one.title] for one in SCENES.values()]
+            rows = [[entry.name, entry.answer, entry.title] for entry in SCENES.values()]
             emit("\n".join(aligned(rows)), output)
         return WRITTEN
     from kilter.files import to_text
@@ -217,7 +223,7 @@ def example(
         return WRITTEN
     target = output or Path(f"{name}.kilter.json")
     if target.exists() and not force:
-        raise InputError("is there already", file=str(target), hint="add --force to replace it")
+        raise InputError("already exists", file=str(target), hint="add --force to replace it")
     write_whole(target, text)
     print(f"{target}: {SCENES[name].title}")
     print(f"next: kilter check {target}")
@@ -225,8 +231,8 @@ def example(
 
 
 def _size(words: str) -> tuple[int, int]:
-    """Two whole numbers with an x between them."""
-    found = re.fullmatch(r"(\d{1,4})x(\d{1,4})", words)
-    if found is None:
+    """Return the two whole numbers of a size such as 40x25."""
+    match = re.fullmatch(r"(\d{1,4})x(\d{1,4})", words)
+    if match is None:
         raise InputError(f"--size is {words!r:.40}", hint="give it as 40x25")
-    return int(found[1]), int(found[2])
+    return int(match[1]), int(match[2])

@@ -1,4 +1,4 @@
-"""What went wrong, in one line: wrong usage, and faults of kilter itself."""
+"""Error messages of a single line: wrong usage, and faults of kilter itself."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import Any
 
 __all__ = ["NO_MEMORY", "fault_words", "usage_words"]
 
-NO_MEMORY = "there is not enough memory for this; leave parts out, or make it coarser"
+NO_MEMORY = "not enough memory; leave parts out, or use coarser meshes"
 
 
 def usage_words(error: Any) -> str:
-    """What the parser of options has to say, in one line."""
+    """Return the message of an error of the option parser, with a reference to the help."""
     context = getattr(error, "ctx", None)
     path = context.command_path if context is not None else "kilter"
     message = " ".join(error.format_message().split()).rstrip(".")
@@ -20,12 +20,12 @@ def usage_words(error: Any) -> str:
     named = re.match(r"Invalid value for (.+?): Input should be a valid (\w+)", message)
     if named:
         wanted = {"number": "a number", "integer": "a whole number"}.get(named[2], f"a {named[2]}")
-        message = f"what is given with {named[1]} is not {wanted}"
+        message = f"the value of {named[1]} is not {wanted}"
     return f"{message}; see '{path} --help'"
 
 
 def fault_words(error: Exception, words: Sequence[str]) -> str:
-    """What went wrong inside, where, and how to report it; one line."""
+    """Return the message of a fault of kilter: the error, its place, and how to report it."""
     import traceback
 
     import kilter
@@ -36,5 +36,5 @@ def fault_words(error: Exception, words: Sequence[str]) -> str:
     return (
         f"a fault of kilter itself: {type(error).__name__}: {detail} "
         f"(kilter {kilter.__version__}, {module}:{last.lineno}); please report it with the "
-        f"command 'kilter {' '.join(words)}', the file and what 'kilter doctor' prints"
+        f"command 'kilter {' '.join(words)}', the file and the output of 'kilter doctor'"
     )

@@ -1,15 +1,16 @@
-"""Options that commands share, and the one place where commands get them.
+"""Options that several commands share, and the decorator that adds them to a command.
 
-``@asks()`` gives a command the file and the options of how it is read; the command
-itself takes an `Asked` and its own options.
+``@asks()`` adds the file and the options of its reading. The command itself takes an `Asked` and
+its own options.
 """
 
 from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from dataclasses import fields, is_dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, get_type_hints
 
 import typer
 
@@ -18,15 +19,15 @@ from kilter.work import EFFORT
 
 __all__ = ["FORM", "File", "Files", "Json", "Output", "Quiet", "Require", "asks"]
 
-HELD = "What is held, and how it lies"
-TOUCH = "When faces count as touching"
+HELD = "Held parts, gravity, friction and materials"
+TOUCH = "Contacts and their tolerances"
 FORM = "Form of the answer"
-WORK = "How much work"
+WORK = "Limits of work and time"
 
 HELP_OF_FILE = (
-    "An assembly: STEP (kilter[step]), a folder of meshes (one part a file), OBJ, STL, 3MF, GLB, "
-    "COMPAS JSON, MJCF, URDF, bricks (LDraw, StableLego JSON, BrickGPT text) or *.kilter.json; "
-    "- reads kilter JSON from standard input."
+    "An assembly: STEP (needs kilter[step]), a folder of meshes (a file for each part), OBJ, STL, "
+    "3MF, GLB, COMPAS JSON, MJCF, URDF, bricks (LDraw, StableLego JSON, BrickGPT text) or "
+    "*.kilter.json. With -, kilter JSON is read from standard input."
 )
 File = Annotated[
     str,
@@ -45,7 +46,7 @@ Ground = Annotated[
     typer.Option(
         "--ground",
         metavar="NAME",
-        help="Hold this part; repeatable, * and ? are globs.",
+        help="Hold this part, so that it cannot move. Repeatable; * and ? are wildcards.",
         rich_help_panel=HELD,
         show_default=False,
     ),
@@ -55,7 +56,8 @@ Floor = Annotated[
     typer.Option(
         "--floor",
         metavar="[HEIGHT]",
-        help="Put a table under the lowest point, or at this height (against gravity, file units).",
+        help="Add a held table under the lowest point, or at this height (file units, measured "
+        "against gravity).",
         rich_help_panel=HELD,
         show_default=False,
     ),
@@ -65,7 +67,7 @@ Without = Annotated[
     typer.Option(
         "--without",
         metavar="NAME",
-        help="Leave this part out (the half-built assembly); repeatable, * and ? are globs.",
+        help="Leave this part out, for a half-built assembly. Repeatable; * and ? are wildcards.",
         rich_help_panel=HELD,
         show_default=False,
     ),
@@ -75,7 +77,7 @@ Down = Annotated[
     typer.Option(
         "--down",
         metavar="X Y Z",
-        help="Direction of gravity; its size stays that of the file.",
+        help="Direction of gravity. Its size in the file is kept.",
         rich_help_panel=HELD,
         show_default=False,
     ),
@@ -85,7 +87,7 @@ Up = Annotated[
     typer.Option(
         "--up",
         metavar="x|y|z|-x|-y|-z",
-        help="The axis of the file that points up, for files that are not made with z up.",
+        help="The axis of the file that points up; z by default.",
         rich_help_panel=HELD,
         show_default=False,
     ),
@@ -95,8 +97,8 @@ Contacts = Annotated[
     typer.Option(
         "--contacts",
         metavar="file|geometry",
-        help="Take the contacts that the file carries (interfaces of COMPAS) and no others, or "
-        "detect all of them.",
+        help="file: use only the contacts in the file (interfaces of COMPAS). geometry: detect all "
+        "contacts.",
         rich_help_panel=TOUCH,
         show_default=False,
     ),
@@ -106,7 +108,7 @@ Keyframe = Annotated[
     typer.Option(
         "--keyframe",
         metavar="NAME",
-        help="Of MJCF: the pose of this keyframe; of the first one where not given.",
+        help="MJCF only: use the pose of this keyframe; the first keyframe by default.",
         rich_help_panel=HELD,
         show_default=False,
     ),
@@ -116,7 +118,7 @@ Base = Annotated[
     typer.Option(
         "--base",
         metavar="fixed|floating",
-        help="Of URDF: whether the root is held; fixed where not given.",
+        help="URDF only: whether the root link is held; fixed by default.",
         rich_help_panel=HELD,
         show_default=False,
     ),
@@ -126,8 +128,8 @@ StudPull = Annotated[
     typer.Option(
         "--stud-pull",
         metavar="N",
-        help="Of bricks: what each of the three or four points of a stud holds; .98 N where not "
-        "given.",
+        help="Bricks only: pull that each of the three or four points of a stud resists [N]; "
+        "0.98 N by default.",
         rich_help_panel=HELD,
         show_default=False,
     ),
@@ -137,8 +139,8 @@ StudShear = Annotated[
     typer.Option(
         "--stud-shear",
         metavar="unlimited|mu|N",
-        help="Of bricks: sideways at such a point any force, friction, or up to N; unlimited where "
-        "not given.",
+        help="Bricks only: sideways force that each point of a stud resists: any force, friction "
+        "only (mu), or up to this force [N]; unlimited by default.",
         rich_help_panel=HELD,
         show_default=False,
     ),
@@ -148,7 +150,7 @@ BrickSides = Annotated[
     typer.Option(
         "--brick-sides",
         metavar="lower-edge|face|none",
-        help="Of bricks: where neighbours in a layer push each other; lower-edge where not given.",
+        help="Bricks only: where neighbours in a layer can push each other; lower-edge by default.",
         rich_help_panel=HELD,
         show_default=False,
     ),
@@ -158,7 +160,7 @@ Friction = Annotated[
     typer.Option(
         "--friction",
         metavar="MU",
-        help="Friction coefficient of contacts that have none of their own.",
+        help="Friction coefficient of the contacts without a coefficient in the file.",
         rich_help_panel=HELD,
         show_default=False,
     ),
@@ -168,7 +170,7 @@ Units = Annotated[
     typer.Option(
         "--units",
         metavar="m|cm|mm|in",
-        help="Unit of length of a file that names none; m where not given.",
+        help="Unit of length of a file that does not name its unit; m by default.",
         rich_help_panel=HELD,
         show_default=False,
     ),
@@ -178,7 +180,7 @@ Density = Annotated[
     typer.Option(
         "--density",
         metavar="KG/M3",
-        help="Density of parts that have none; 1000 where not given.",
+        help="Density of the parts without a density in the file [kg/m^3]; 1000 by default.",
         rich_help_panel=HELD,
         show_default=False,
     ),
@@ -188,7 +190,8 @@ Gap = Annotated[
     typer.Option(
         "--gap",
         metavar="LENGTH",
-        help="Largest gap, in file units; 1e-5 of the smaller part where not given.",
+        help="Largest gap between touching faces (file units); 1e-5 of the size of the smaller "
+        "part by default.",
         rich_help_panel=TOUCH,
         show_default=False,
     ),
@@ -198,7 +201,7 @@ Angle = Annotated[
     typer.Option(
         "--angle",
         metavar="DEG",
-        help="Largest angle between the faces; 0.057 degrees (1e-3 rad) where not given.",
+        help="Largest angle between touching faces [deg]; 0.057 deg (1e-3 rad) by default.",
         rich_help_panel=TOUCH,
         show_default=False,
     ),
@@ -207,7 +210,8 @@ Loose = Annotated[
     bool,
     typer.Option(
         "--loose",
-        help="For scanned or rounded data: gaps to 1e-3 of a part, tilts to 1.15 degrees.",
+        help="For scanned or rounded data: touching faces may have gaps up to 1e-3 of the size of "
+        "the smaller part and angles up to 1.15 deg.",
         rich_help_panel=TOUCH,
     ),
 ]
@@ -216,8 +220,9 @@ Effort = Annotated[
     typer.Option(
         "--effort",
         metavar="N",
-        help="With friction: how much work the search of a motion and the proof that there is "
-        "none may take, counted and not timed: 0 quick, 1 usual, each further one ten times more.",
+        help="With friction: limit of the work for finding a motion or proving that none exists. "
+        "0 is quick, 1 is usual, and each further step allows ten times more. Work is counted, "
+        "not timed, so every machine gives the same answer.",
         rich_help_panel=WORK,
     ),
 ]
@@ -226,7 +231,8 @@ TimeLimit = Annotated[
     typer.Option(
         "--time-limit",
         metavar="SECONDS",
-        help="Answer with what is proved after so many seconds, and say so; none where not given.",
+        help="Stop after this time and answer with the proofs found until then; no limit by "
+        "default.",
         rich_help_panel=WORK,
         show_default=False,
     ),
@@ -236,8 +242,8 @@ Clearance = Annotated[
     typer.Option(
         "--clearance",
         metavar="LENGTH",
-        help="Designed clearance: faces that stand apart by up to this, in file units, count as "
-        "closed; faces that penetrate do not.",
+        help="Designed clearance: faces up to this distance apart (file units) count as closed. "
+        "Penetrating faces do not.",
         rich_help_panel=TOUCH,
         show_default=False,
     ),
@@ -247,8 +253,8 @@ Fasten = Annotated[
     typer.Option(
         "--fasten",
         metavar="NAME NAME",
-        help="Join these two parts firmly; repeatable. With * and ? every two that match and "
-        'touch, held ones only by their full name: --fasten "bolt*" "nut*".',
+        help="Join two parts rigidly. Repeatable. With * and ? every two matching parts that touch "
+        'are joined, as in --fasten "bolt*" "nut*"; held parts must have their full name.',
         rich_help_panel=HELD,
         show_default=False,
     ),
@@ -257,8 +263,8 @@ FastenSuggested = Annotated[
     bool,
     typer.Option(
         "--fasten-suggested",
-        help="Join what looks fastened, and name it: screws in threads, press fits, inserts, and "
-        "what else overlaps.",
+        help="Join all pairs that look fastened, and list them: screws in threads, press fits, "
+        "inserts and other overlaps.",
         rich_help_panel=HELD,
     ),
 ]
@@ -266,7 +272,7 @@ FastenOverlaps = Annotated[
     bool,
     typer.Option(
         "--fasten-overlaps",
-        help="Join every two parts that overlap, and name them.",
+        help="Join all pairs of parts that overlap, and list them.",
         rich_help_panel=HELD,
     ),
 ]
@@ -275,8 +281,8 @@ Bonded = Annotated[
     typer.Option(
         "--bond",
         metavar="NAME NAME T",
-        help="Bond these two parts: each contact point of theirs also pulls, up to T newtons, and "
-        "bears any shear; repeatable, * and ? as in --fasten.",
+        help="Bond two parts: each contact point between them also resists a pull up to T [N] and "
+        "any shear force. Repeatable; * and ? as in --fasten.",
         rich_help_panel=HELD,
         show_default=False,
     ),
@@ -286,7 +292,8 @@ Require = Annotated[
     typer.Option(
         "--require",
         metavar="LEVEL",
-        help="The level at which it counts as holding: equilibrium, settles, proved or strict.",
+        help="Level at which the assembly counts as holding: equilibrium, settles, proved or "
+        "strict.",
         rich_help_panel=FORM,
     ),
 ]
@@ -295,21 +302,19 @@ Proof = Annotated[
     typer.Option(
         "--proof",
         metavar="P.json",
-        help="Write the proof here; 'kilter verify FILE P.json' rechecks it.",
+        help="Write the proof to this file; 'kilter verify FILE P.json' recomputes it.",
         rich_help_panel=FORM,
         show_default=False,
     ),
 ]
-Json = Annotated[
-    bool, typer.Option("--json", help="Answer as JSON, nothing else.", rich_help_panel=FORM)
-]
+Json = Annotated[bool, typer.Option("--json", help="Print only JSON.", rich_help_panel=FORM)]
 Output = Annotated[
     Path | None,
     typer.Option(
         "-o",
         "--output",
         metavar="FILE",
-        help="Write the answer here instead.",
+        help="Write the answer to this file instead of standard output.",
         rich_help_panel=FORM,
         show_default=False,
     ),
@@ -319,15 +324,17 @@ Verbose = Annotated[
     typer.Option(
         "-v",
         "--verbose",
-        help="Also what the answer rests on: masses, contacts, proof, what friction guarantees, "
-        "z and kappa, neutral motions, how long it took.",
+        help="Also print the basis of the answer: masses, contacts, proof, guarantee of friction, "
+        "z and kappa, neutral motions, and the time it took.",
         rich_help_panel=FORM,
     ),
 ]
 Quiet = Annotated[
     bool,
     typer.Option(
-        "--quiet", help="No progress and no warnings on the error stream.", rich_help_panel=FORM
+        "--quiet",
+        help="Print no progress and no warnings on the error stream.",
+        rich_help_panel=FORM,
     ),
 ]
 READING: dict[str, tuple[Any, Any]] = {
@@ -354,12 +361,12 @@ READING: dict[str, tuple[Any, Any]] = {
     "clearance": (Clearance, None),
     "loose": (Loose, False),
 }
-"""How a file is read, and when its faces count as touching."""
+"""Options of reading a file and of contact detection, each with its default."""
 SEARCHING: dict[str, tuple[Any, Any]] = {
     "effort": (Effort, EFFORT),
     "time_limit": (TimeLimit, None),
 }
-"""How much work an answer may take."""
+"""Options that limit work and time, each with its default."""
 FORMS: dict[str, tuple[Any, Any]] = {
     "verbose": (Verbose, False),
     "json": (Json, False),
@@ -370,49 +377,71 @@ FORMS: dict[str, tuple[Any, Any]] = {
 def asks(
     *, searches: bool = False, proves: bool = False, answers: bool = True
 ) -> Callable[[Callable[..., int]], Callable[..., int]]:
-    """Give a command ``act(asked, **own)`` the options that commands share.
+    """Return a decorator that adds the shared options to a command ``act(asked, **own)``.
+
+    A parameter whose annotation is a dataclass stands for the options that are its fields.
 
     Parameters
     ----------
     searches : bool
-        The command searches for motions with friction: ``--effort`` and ``--time-limit``.
+        Whether to add ``--effort`` and ``--time-limit``, for commands that search with friction.
     proves : bool
-        The answer has a proof that can be kept: ``--proof``.
+        Whether to add ``--proof``, for answers with a proof.
     answers : bool
-        The command has an answer: ``--json`` and ``--output``. Else it writes a page or a
-        figure, and says itself where.
+        Whether to add ``--json``, ``--output`` and ``--verbose``. Commands that write a page or a
+        figure have output options of their own.
     """
 
-    def made(act: Callable[..., int]) -> Callable[..., int]:
-        _, *own = inspect.signature(act, eval_str=True).parameters.values()
+    def decorate(act: Callable[..., int]) -> Callable[..., int]:
+        _, *declared = inspect.signature(act, eval_str=True).parameters.values()
+        own = [field for parameter in declared for field in _own_options(parameter)]
         shared = READING | (SEARCHING if searches else {})
         kept = {"proof": (Proof, None)} if proves else {}
         last = kept | (FORMS if answers else {}) | {"quiet": (Quiet, False)}
-        several = any(one.name == "files" for one in own)
+        several = any(parameter.name == "files" for parameter in own)
         first = [] if several else [_parameter("file", File)]
         parameters = [
             *first,
-            *(one for one in own if one.default is inspect.Parameter.empty),
-            *(_parameter(name, *one) for name, one in shared.items()),
-            *(one for one in own if one.default is not inspect.Parameter.empty),
-            *(_parameter(name, *one) for name, one in last.items()),
+            *(parameter for parameter in own if parameter.default is inspect.Parameter.empty),
+            *(_parameter(name, *option) for name, option in shared.items()),
+            *(parameter for parameter in own if parameter.default is not inspect.Parameter.empty),
+            *(_parameter(name, *option) for name, option in last.items()),
         ]
-        names = {one.name for one in own}
+        names = {parameter.name for parameter in own}
 
         def command(**given: Any) -> int:
-            mine = {name: value for name, value in given.items() if name in names}
-            return act(Asked.of({k: v for k, v in given.items() if k not in names}), **mine)
+            asked = Asked.of({k: v for k, v in given.items() if k not in names})
+            return act(asked, **{entry.name: _value(entry, given) for entry in declared})
 
+        # the parser of options reads the signature and the annotations of the command
         signature = inspect.Signature(parameters, return_annotation=int)
         command.__signature__ = signature  # type: ignore[attr-defined]
-        command.__annotations__ = {one.name: one.annotation for one in parameters}
+        command.__annotations__ = {entry.name: entry.annotation for entry in parameters}
         command.__name__, command.__doc__ = act.__name__, act.__doc__
         return command
 
-    return made
+    return decorate
+
+
+def _own_options(parameter: inspect.Parameter) -> list[inspect.Parameter]:
+    """Return the options for which a parameter of a command stands."""
+    if not is_dataclass(parameter.annotation):
+        return [parameter]
+    kinds = get_type_hints(parameter.annotation, include_extras=True)
+    every = fields(parameter.annotation)
+    return [_parameter(field.name, kinds[field.name], field.default) for field in every]
+
+
+def _value(parameter: inspect.Parameter, given: dict[str, Any]) -> Any:
+    """Return the value of a parameter of a command from the values of all options."""
+    build: Callable[..., Any] = parameter.annotation
+    if not is_dataclass(parameter.annotation):
+        return given[parameter.name]
+    return build(**{field.name: given[field.name] for field in fields(parameter.annotation)})
 
 
 def _parameter(name: str, kind: Any, default: Any = inspect.Parameter.empty) -> inspect.Parameter:
+    """Return a parameter of a command with its annotation and its default."""
     return inspect.Parameter(
         name, inspect.Parameter.POSITIONAL_OR_KEYWORD, default=default, annotation=kind
     )

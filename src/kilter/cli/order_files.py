@@ -1,4 +1,4 @@
-"""What a plan is written as, by the ending of the file: a page, a film, a figure, a table."""
+"""Files of a plan by their suffix: a page, a film, a figure or a table."""
 
 from __future__ import annotations
 
@@ -17,17 +17,19 @@ __all__ = ["as_typed", "written"]
 
 
 def written(order: Order, answer: dict[str, Any], asked: Asked, typed: list[str]) -> bool:
-    """Write a plan; False where the ending of the file asks for its text or JSON.
+    """Write a plan by the suffix of the output file, and return whether this was possible.
+
+    With any other suffix nothing is written: the caller writes text or JSON.
 
     Parameters
     ----------
     order : Order
     answer : dict
-        Its data, with what the command warns of besides.
+        Data of the plan, with the warnings of the command.
     asked : Asked
-        Has an output.
+        Request with an output file.
     typed : list of str
-        The options of the plan, for the command that a page shows.
+        Options of the plan, for the command that a page shows.
     """
     from kilter import publish
     from kilter.show.canvas import SUFFIXES
@@ -46,7 +48,7 @@ def written(order: Order, answer: dict[str, Any], asked: Asked, typed: list[str]
     elif ending in (*publish.FILMS, *SUFFIXES):
         if not order.found:
             replace(asked, output=None).tell(answer)
-            return _told(asked, "not written: there are no steps to show")
+            return _report(asked, "not written, because the plan has no steps")
         if ending in publish.FILMS:
             publish.animate(order, asked.output)
         else:
@@ -54,18 +56,18 @@ def written(order: Order, answer: dict[str, Any], asked: Asked, typed: list[str]
     else:
         return False
     tell_warnings(answer["warnings"], asked.quiet)
-    return _told(asked, order.verdict)
+    return _report(asked, f"plan {order.verdict}")
 
 
-def _told(asked: Asked, words: str) -> bool:
-    """What became of the file, on the error stream."""
+def _report(asked: Asked, words: str) -> bool:
+    """Print a line about the output file on the error stream, and return True."""
     if not asked.quiet:
         print(f"{asked.output}: {words}", file=sys.stderr)
     return True
 
 
 def as_typed(**given: Any) -> list[str]:
-    """Options of a command as words; those that were not given are left out.
+    """Return the options of a command as words; None and False are left out.
 
     Examples
     --------
@@ -78,7 +80,7 @@ def as_typed(**given: Any) -> list[str]:
         if value is True:
             words.append(option)
         elif value is not None and value is not False:
-            for one in value if isinstance(value, list) else [value]:
-                two = pair_of(option, one) if option in PAIRS else (str(one),)
-                words += [option, *two]
+            for entry in value if isinstance(value, list) else [value]:
+                names = pair_of(option, entry) if option in PAIRS else (str(entry),)
+                words += [option, *names]
     return words

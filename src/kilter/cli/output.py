@@ -1,4 +1,4 @@
-"""Where answers go: standard output, or a file that is whole or not there; and progress."""
+"""Output of answers to standard output or to a file, warnings, and progress."""
 
 from __future__ import annotations
 
@@ -16,24 +16,27 @@ from kilter.errors import InputError, visible
 __all__ = ["Progress", "as_json", "emit", "keep_apart", "tell_warnings", "write_whole"]
 
 EACH = 1.0
-"""Between two words of progress [s]."""
+"""Time between two updates of the progress line [s]."""
 
 
-OBEYED = re.compile(
+CONTROLS = re.compile(
     r"(?!\x1b\[[\d;]*m)[\x00-\x09\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069]"
 )
-"""What moves a cursor or turns a line, in names of files and parts; colours are our own."""
+"""Control characters that a name could bring: cursor moves and changes of the text direction.
+
+Escape sequences of colours do not match, since only kilter writes them.
+"""
 
 
 def as_json(data: Any) -> str:
-    """JSON text with numbers exact to the last digit; what a terminal would obey is escaped."""
+    """Return JSON text with exact numbers and with escaped control characters."""
     text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    return OBEYED.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
+    return CONTROLS.sub(lambda match: f"\\u{ord(match[0]):04x}", text)
 
 
 def emit(text: str, output: Path | None) -> None:
-    """Print an answer, or write it to a file."""
-    text = OBEYED.sub(lambda found: visible(found[0]), text)
+    """Print a text with escaped control characters, or write it to a file."""
+    text = CONTROLS.sub(lambda match: visible(match[0]), text)
     if output is None:
         sys.stdout.write(text if text.endswith("\n") else text + "\n")
     else:
@@ -41,26 +44,24 @@ def emit(text: str, output: Path | None) -> None:
 
 
 def keep_apart(file: str, *outputs: Path | None) -> None:
-    """Refuse to write over the file that is read, or two answers to one file.
+    """Reject outputs that would overwrite the file that is read, or each other.
 
     Raises
     ------
     InputError
-        Naming the file.
+        If an output is the file that is read or an earlier output.
     """
     seen = [Path(file).resolve()] if file != "-" else []
     for output in outputs:
         if output is None:
             continue
         if output.resolve() in seen:
-            raise InputError(
-                "would be written over", file=str(output), hint="write to another file"
-            )
+            raise InputError("would be overwritten", file=str(output), hint="write to another file")
         seen.append(output.resolve())
 
 
 def write_whole(path: Path, text: str) -> None:
-    """Write a file in full or not at all.
+    """Write a file completely or not at all.
 
     Raises
     ------
@@ -73,7 +74,7 @@ def write_whole(path: Path, text: str) -> None:
 
 
 def tell_warnings(warnings: Sequence[str], quiet: bool, limit: int = 20) -> None:
-    """Warnings on the error stream."""
+    """Print the first `limit` warnings on the error stream, unless `quiet`."""
     if quiet:
         return
     for warning in warnings[:limit]:
@@ -83,9 +84,9 @@ def tell_warnings(warnings: Sequence[str], quiet: bool, limit: int = 20) -> None
 
 
 class Progress:
-    """Names the step at work on the error stream, and how long all took, second by second.
+    """A line on the error stream with the current step and the elapsed time.
 
-    From the first second on, only on a terminal, and not where `quiet`.
+    The line appears after a second, only on a terminal, and not if `quiet`.
     """
 
     def __init__(self, quiet: bool) -> None:
@@ -118,7 +119,7 @@ class Progress:
         self.done()
 
     def done(self) -> None:
-        """Nothing is at work."""
+        """Remove the line until the next step."""
         if self._clock is not None:
             self._ended.set()
             self._clock.join()

@@ -1,4 +1,4 @@
-"""Commands that make pages and figures: report, view, draw."""
+"""The commands report, view and draw: pages and figures."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["draw", "report", "view"]
 
 
 class What(StrEnum):
-    """Figures that there are."""
+    """Kinds of figures."""
 
     ASSEMBLY = "assembly"
     REGION = "region"
@@ -31,32 +31,35 @@ def report(
     output: Annotated[
         Path | None,
         typer.Option(
-            "-o", "--output", metavar="OUT.html", help="The page to write.", show_default=False
+            "-o", "--output", metavar="OUT.html", help="Page to write.", show_default=False
         ),
     ] = None,
     margins: Annotated[
         bool,
         typer.Option(
-            "--margins", help="Margins too where more than 20 parts are free: may take minutes."
+            "--margins",
+            help="Compute margins for more than 20 free parts, too. This may take minutes.",
         ),
     ] = False,
 ) -> int:
-    """One offline page: the assembly in space, its motion and forces, and the gravity ball.
+    """Write one offline page: the assembly in 3D, its motion, its forces and the gravity ball.
 
-    The page asks for nothing: it can be mailed, kept, and opened without a network. Exit 0 when
-    written, whatever the verdict.
+    The page is one file that needs no network.
 
-    For up to 50,000 parts; the ball is coloured up to 40 free parts, margins are found up to 20.
+    The page shows up to 50,000 parts. The ball is coloured for up to 40 free parts, and margins are
+    computed for up to 20.
+
+    Exit code: 0 when written, whatever the verdict.
     """
     from kilter import publish
 
     if output is None:
-        raise InputError("no page is named", hint="add -o out.html")
+        raise InputError("the name of the page is missing", hint="add -o out.html")
     publish.require_ending(output, publish.PAGES, "page")
     asked.apart(output)
     with Progress(asked.quiet) as progress:
         assembly, contacts = asked.read(progress)
-        made = publish.report(
+        page = publish.report(
             assembly,
             output,
             title=publish.title_of(asked.file),
@@ -69,8 +72,9 @@ def report(
             progress=progress,
         )
     if not asked.quiet:
-        size = len(made.html.encode("utf-8")) / 1e6
-        print(f"{output}: {made.verdict}; {size:.2f} MB, one file, no network", file=sys.stderr)
+        size = len(page.html.encode("utf-8")) / 1e6
+        words = f"verdict {page.verdict}; {size:.2f} MB in one file that needs no network"
+        print(f"{output}: {words}", file=sys.stderr)
     return WRITTEN
 
 
@@ -79,20 +83,20 @@ def view(
     asked: Asked,
     port: Annotated[
         int,
-        typer.Option("--port", metavar="N", help="Port on this machine; a free one by default."),
+        typer.Option("--port", metavar="N", help="Port on this machine; a free port by default."),
     ] = 0,
     no_browser: Annotated[
-        bool, typer.Option("--no-browser", help="Only serve; open no browser.")
+        bool, typer.Option("--no-browser", help="Serve the page, but open no browser.")
     ] = False,
 ) -> int:
-    """The page of an assembly in the browser, made anew whenever the file changes.
+    """Show the page of an assembly in the browser, and update it whenever the file changes.
 
-    Served to this machine only. Ends with Ctrl-C.
+    The page is served to this machine only. Ctrl-C ends it.
     """
     from kilter import publish
 
     if asked.file == "-":
-        raise InputError("standard input cannot be watched", hint="give a file or a folder")
+        raise InputError("view cannot watch standard input", hint="give a file or a folder")
     if not 0 <= port < 2**16:
         raise InputError(f"--port is {port}", hint="give a number from 0 to 65535")
     with Progress(asked.quiet) as progress:
@@ -117,7 +121,7 @@ def view(
 
 
 def _say(line: str, *, quiet: bool) -> None:
-    """Where the page is, on standard output; what has changed, on the error stream."""
+    """Print the address of the page on standard output, and other lines on the error stream."""
     if line.startswith("http"):
         print(line, flush=True)
     elif not quiet:
@@ -133,7 +137,7 @@ def draw(
             "-o",
             "--output",
             metavar="OUT.svg|png|pdf|glb",
-            help="The figure to write; OUT.glb: a film of how parts start to move.",
+            help="Figure to write. OUT.glb is a film of how parts start to move.",
             show_default=False,
         ),
     ] = None,
@@ -141,8 +145,8 @@ def draw(
         What,
         typer.Option(
             "--what",
-            help="The assembly with its motion or forces, or the stable region on the sphere of "
-            "directions of gravity.",
+            help="assembly: the assembly with its motion or its forces. region: the stable region "
+            "on the sphere of directions of gravity.",
         ),
     ] = What.ASSEMBLY,
     view: Annotated[
@@ -150,20 +154,22 @@ def draw(
         typer.Option(
             "--view",
             metavar="AZIMUTH ELEVATION",
-            help="Where the eye is: to the right of -y, above the ground (deg); gravity is down.",
+            help="Direction to the eye: azimuth to the right of -y, and elevation above the ground "
+            "[deg].",
             show_default=False,
         ),
     ] = None,
 ) -> int:
-    """A figure for a document: the assembly with arrows, or its stable region; or a film.
+    """Draw a figure for a document: the assembly with arrows, its stable region, or a film.
 
-    Figures need kilter[figures]; OUT.glb, an animated GLB for any viewer, needs nothing more.
-    Exit 0 when written, whatever the verdict.
+    Figures need kilter[figures]. OUT.glb is an animated GLB for any viewer and needs no extra.
+
+    Exit code: 0 when written, whatever the verdict.
     """
     from kilter import publish
 
     if output is None:
-        raise InputError("no figure is named", hint="add -o figure.svg")
+        raise InputError("the name of the figure is missing", hint="add -o figure.svg")
     films = output.suffix.lower() in publish.FILMS
     if films:
         publish.require_film(what.value, view)
@@ -172,7 +178,7 @@ def draw(
     asked.apart(output)
     with Progress(asked.quiet) as progress:
         assembly, contacts = asked.read(progress)
-        found = publish.answer_to_draw(
+        answer = publish.answer_to_draw(
             assembly,
             what.value,
             contacts=contacts,
@@ -183,11 +189,12 @@ def draw(
         )
         progress("film" if films else "figure")
         if films:
-            publish.animate(found, output)
+            publish.animate(answer, output)
         else:
-            publish.draw(found, output, view=view)
-    answer = found.to_dict()
-    tell_warnings(answer["warnings"], asked.quiet)
+            publish.draw(answer, output, view=view)
+    data = answer.to_dict()
+    tell_warnings(data["warnings"], asked.quiet)
     if not asked.quiet:
-        print(f"{output}: {answer.get('verdict', answer.get('kind'))}", file=sys.stderr)
+        words = f"verdict {data['verdict']}" if "verdict" in data else f"region {data['kind']}"
+        print(f"{output}: {words}", file=sys.stderr)
     return WRITTEN

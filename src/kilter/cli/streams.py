@@ -1,4 +1,4 @@
-"""The streams of a process: closed ones give and take nothing, and one that is full is said."""
+"""Standard streams: closed streams become empty streams, and full streams are recognised."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ import sys
 __all__ = ["is_full", "open_closed_streams"]
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
-"""How writing ends that finds no room."""
+"""System errors of a stream that accepts no more data."""
 
 
 def open_closed_streams() -> None:
-    """Streams that were closed before the process began, opened on nothing.
+    """Open the standard streams that are closed at the start of the process as empty streams.
 
-    Else the first file that is opened would take their place, and get what a library prints.
+    Otherwise the first opened file would get the number of a closed stream, and the output of
+    libraries.
     """
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
@@ -23,5 +24,8 @@ def open_closed_streams() -> None:
 
 
 def is_full(error: OSError) -> bool:
-    """Whether a stream, which has no name, took no more."""
+    """Return whether an error comes from a stream that accepts no more data.
+
+    Such an error names no file.
+    """
     return error.filename is None and error.errno in FULL

@@ -1,1 +1,1 @@
-"""Answers in words: one place for what the terminal, the page and a notebook say."""
+"""Answers in words: the sentences, facts and tables of the terminal, of pages and of notebooks."""

@@ -1,30 +1,31 @@
-"""What answers share that a notebook shows as a page."""
+"""Base class of the answers that a notebook can show as a page."""
 
 from __future__ import annotations
 
-import importlib
 from typing import Any
+
+from kilter.hooks import hook
 
 __all__ = ["InCells"]
 
 
 class InCells:
-    """An answer with a page of its own."""
+    """An answer that a notebook can show as a page."""
 
     __slots__ = ()
 
     def show(self, *, height: int = 720, title: str = "") -> Any:
-        """The page of this answer in the cell of a notebook; it turns without a network.
+        """Return the page of this answer for the cell of a notebook. It needs no network.
 
-        It is the page that `kilter.report` writes. Viewers that run no programs get a figure, where
-        matplotlib is there.
+        It is the page that `kilter.report` writes. Viewers that run no scripts show a figure
+        instead, if matplotlib is installed.
 
         Parameters
         ----------
         height : int
-            Of the frame [px].
+            Height of the frame [px].
         title : str
-            Above the page; the name of the file where it is not given.
+            Title above the page; the name of the file by default.
 
         Returns
         -------
@@ -35,5 +36,5 @@ class InCells:
         InputError
             As `kilter.report`.
         """
-        # drawing knows answers, not they it: it is asked for by name, when it is used
-        return importlib.import_module("kilter.notebook").cell(self, height=height, title=title)
+        # the page is drawn by an upper package, which this package cannot import
+        return hook("cell")(self, height=height, title=title)

@@ -1,4 +1,4 @@
-"""What the answer of a check says beside its sentence: what it rests on, its level, its forces."""
+"""Facts of the answer of a check: parts, proof, guarantee of friction, level, forces, motions."""
 
 from __future__ import annotations
 
@@ -21,35 +21,35 @@ from kilter.tell.shared_facts import (
 __all__ = ["check_facts", "forces_phrase"]
 
 MOST_OF_FREE_FALL = 0.9
-"""A bound of the power of any motion that is above this share of free fall is not worth words."""
+"""A bound on the power of any motion is shown only below this share of free fall [-]."""
 GUARANTEE = {
     "proved": "proved: Coulomb's law allows no motion",
-    "refuted": "refuted: Coulomb's law allows a motion too",
+    "refuted": "refuted: Coulomb's law also allows a motion",
     "open": "open: neither proved nor refuted",
 }
 SEATED = {
-    "yes": "yes: set in place with care, it is held by its own weight",
-    "runs-away": "no: from every start that was tried its parts move off",
-    "not-found": "not found",
+    "yes": "yes: placed carefully, it is held by the friction that its own weight creates",
+    "runs-away": "no: from every starting state that was tried its parts move away",
+    "not-found": "not determined",
 }
 WHY = {
-    "refuted": "Coulomb's law allows a motion too",
+    "refuted": "Coulomb's law also allows a motion",
     "jams": "it can jam, but put down loosely it did not come to rest in every try",
-    "squeeze": "it holds only if something other than its weight presses its parts together",
+    "squeeze": "it holds only if forces other than its weight press the parts together",
     "balanced": "the slightest push makes it fall",
     "not-asked": "settling and other motions were not examined",
-    "not-found": "whether its own weight can hold it was not found out",
+    "not-found": "whether its own weight can hold it was not determined",
 }
-UNDONE = "not every try was finished"
-"""Why, where a seat was found."""
+UNDONE = "not every loose try was finished"
+"""Reason of the level if a seat was found but the tries were not finished."""
 
 
 def check_facts(answer: Answer) -> list[Fact]:
-    """Terms of a verdict and what they are."""
+    """Return the facts of a verdict, each a term and its words."""
     found = [
         ("parts", parts_phrase(answer["parts"])),
         ("units", f"{answer['units']}; {_density(answer['density'])}"),
-        ("mass", f"{mass(_free_mass(answer['parts']))} free"),
+        ("mass", f"{mass(_free_mass(answer['parts']))} (all free parts)"),
         ("gravity", gravity_phrase(answer)),
         ("contacts", counts(**answer["contacts"])),
         *joint_facts(answer),
@@ -74,27 +74,27 @@ def check_facts(answer: Answer) -> list[Fact]:
         found.append(("second order", second_order_words(second)))
     if answer["neutral"] is not None:
         closed = answer["counted_gap"] is not None
-        found.append(("neutral", _neutral(**answer["neutral"], second=second, closed=closed)))
+        found.append(("neutral", _neutral_words(**answer["neutral"], second=second, closed=closed)))
     return [*found, *_seconds(answer)]
 
 
 def _level(answer: Answer) -> str:
-    """The level reached, and what was asked for."""
+    """Return the reached level with its reason, and the required level if it is higher."""
     level, why = answer["level"], answer["why"]
     seated = why == "not-found" and answer["seated"] == "yes"
     words = level if why is None else f"{level}: {UNDONE if seated else WHY[why]}"
-    return words if answer["holds"] else f"{words} (asked for: {answer['require']})"
+    return words if answer["holds"] else f"{words} (required: {answer['require']})"
 
 
 def _settles(tries: Answer, friction: Answer) -> str:
-    """How it came to rest when it was put down loosely, and what makes the tries left undone."""
+    """Return how many loose tries came to rest, and the effort that may finish the others."""
     settling, more = friction["settling"], math.floor(max(friction["effort"], 1.0)) + 1
     words = f"{tries['passed']} of {settling['of']} loose tries came to rest"
     undone = settling["of"] - len(settling["ends"]) + settling["ends"].count("not-found")
     if not undone:
         return words
-    left = "one was" if undone == 1 else f"{undone} were"
-    return f"{words}; {left} not finished (--effort {more} may)"
+    left, them = ("1 was", "it") if undone == 1 else (f"{undone} were", "them")
+    return f"{words}; {left} not finished (--effort {more} may finish {them})"
 
 
 def _free_mass(parts: Iterable[Answer]) -> float:
@@ -102,26 +102,28 @@ def _free_mass(parts: Iterable[Answer]) -> float:
 
 
 def _density(density: Answer) -> str:
-    """What the masses of the free parts rest on."""
+    """Return the densities from which the masses of the free parts were computed."""
     words = []
     if density["given"] is not None:
         ends = [number(end) for end in dict.fromkeys(density["given"])]
         words.append(f"density {' to '.join(ends)} kg/m^3")
     if density["default"] is not None:
-        words.append(f"density {number(density['default'])} kg/m^3 where none is given")
+        words.append(
+            f"density {number(density['default'])} kg/m^3 for parts without a given density"
+        )
     return ", ".join(words) or "masses as given"
 
 
 def _proof(answer: Answer) -> str:
-    """What proves a verdict."""
+    """Return the kind of proof of a verdict and its residual."""
     proof = answer["certificate"]
     if proof["kind"] == "forces":
         limit = f"(tolerance {answer['tolerance']['verdict']:.0e})"
-        return f"{balance_phrase(proof['residual'])} {limit}, recomputed apart from the solver"
+        return f"{balance_phrase(proof['residual'])} {limit}, verified independently of the solver"
     if proof["kind"] == "motion":
         return (
             f"a motion that gains {proof['power']:.4g} W at 1 m/s and violates "
-            f"{_violation(proof['violation'])}, recomputed apart from the solver"
+            f"{_violation(proof['violation'])}, verified independently of the solver"
         )
     return "none"
 
@@ -131,10 +133,10 @@ def _violation(violation: float) -> str:
 
 
 def _guarantee(guarantee: str, friction: Answer) -> str:
-    """What friction guarantees, and how that is known."""
+    """Return the guarantee of friction with its proof, its motion, or the bound on any motion."""
     words = GUARANTEE[guarantee]
     if guarantee == "open":
-        words += f" (more than --effort {number(friction['effort'])} may decide)"
+        words += f" (an --effort above {number(friction['effort'])} may decide)"
     exclusion, witness = friction["exclusion"], friction["witness"]
     if exclusion is not None and exclusion["proved"]:
         words += f" ({exclusion['kind']}, {exclusion['programs']} programs)"
@@ -142,25 +144,29 @@ def _guarantee(guarantee: str, friction: Answer) -> str:
         share = f"{100 * exclusion['bound']:.2g} %"
         words += f"; any motion starts with at most {share} of the power of free fall"
     if witness is not None:
-        words += f" (to {witness['residual']:.1e})" if witness["residual"] else " (exactly)"
+        residual = witness["residual"]
+        words += f" (residual {residual:.1e})" if residual else " (residual 0)"
     return words
 
 
 def forces_phrase(forces: Answer | None) -> str | None:
-    """The greatest contact force, and where most of the friction is used; None of none."""
+    """Return the largest contact force and the largest use of friction and of bonds.
+
+    None without contact forces.
+    """
     patches = [] if forces is None else forces["patches"]
     if not patches:
         return None
     greatest = max(patches, key=lambda patch: math.hypot(*patch["resultant"]))
-    words = f"up to {force(math.hypot(*greatest['resultant']))}, {_pair(greatest)}"
+    words = f"up to {force(math.hypot(*greatest['resultant']))} ({_pair(greatest)})"
     rubs = [patch for patch in patches if patch["utilisation"]]
     if rubs:
         most = max(rubs, key=lambda patch: float(patch["utilisation"]))
-        words += f"; friction used up to {percent(most['utilisation'])}, {_pair(most)}"
+        words += f"; friction used up to {percent(most['utilisation'])} ({_pair(most)})"
     bonded = [patch for patch in patches if patch.get("bond_utilisation")]
     if bonded:
         most = max(bonded, key=lambda patch: float(patch["bond_utilisation"]))
-        words += f"; bonds used up to {percent(most['bond_utilisation'])}, {_pair(most)}"
+        words += f"; bonds used up to {percent(most['bond_utilisation'])} ({_pair(most)})"
     return words
 
 
@@ -169,9 +175,20 @@ def _pair(patch: Answer) -> str:
     return f"{plain(first)} on {plain(second)}"
 
 
-def _neutral(
+def _neutral_words(
     two_sided: int, one_sided: int, *, second: Answer | None = None, closed: bool = False
 ) -> str:
+    """Return the words of the neutral motions, and of second order if it is open.
+
+    Parameters
+    ----------
+    two_sided, one_sided : int
+        Dimensions of the neutral motions (`neutral` of `check --json`).
+    second : mapping, optional
+        Answer of second order.
+    closed : bool
+        Whether gaps count as closed by a widened tolerance.
+    """
     if two_sided + one_sided == 0:
         return (
             "none, counting gaps as closed"
@@ -179,12 +196,12 @@ def _neutral(
             else "none: strictly held, every motion costs energy"
         )
     words = (
-        f"motions that neither cost nor gain energy to first order: {two_sided} can go both ways, "
-        f"{one_sided} one way only; only for these could second order (curvature) matter"
+        f"{two_sided} two-sided and {one_sided} one-sided independent motions change no energy to "
+        "first order; only for these second order (curvature) matters"
     )
     if second is None or second["state"] != "open":
         return words
-    return f"{words}, which is {second_order_words(second)}"
+    return f"{words}; second order is {second_order_words(second)}"
 
 
 def _seconds(answer: Answer) -> list[Fact]:

@@ -1,6 +1,6 @@
-"""What is said of contacts beside their list: overlaps, and parts that touch nothing.
+"""Warnings about overlaps and about parts that touch nothing.
 
-From the data of an answer: `overlaps` and `nearest` of `kilter contacts --json`.
+The functions read the data of an answer: `overlaps` and `nearest` of `kilter contacts --json`.
 """
 
 from __future__ import annotations
@@ -15,54 +15,61 @@ __all__ = ["copy_warnings", "gap_words", "lone_warnings", "overlap_warnings"]
 
 Entry = Mapping[str, Any]
 FEW = 3
-"""So many misplaced copies are named."""
+"""Largest number of misplaced copies that a warning names."""
 LISTED = 20
-"""So many overlaps are named."""
+"""Largest number of overlaps that are listed."""
 ROUND = 0.005
-"""An accuracy up to this fraction of a gap is not told: the gap has three digits."""
+"""An accuracy below this fraction of a gap is not shown, since the gap has three digits [-]."""
 
 
 def overlap_warnings(overlaps: Sequence[Entry], units: str) -> list[str]:
-    """Pairs that share volume, a line each.
+    """Return one line for each pair of parts that share volume.
 
     Examples
     --------
-    >>> one = {"parts": ["a", "b"], "why": "overlap", "depth": 2.0, "volume": 0.5}
-    >>> overlap_warnings([one], "mm")
+    >>> overlap = {"parts": ["a", "b"], "why": "overlap", "depth": 2.0, "volume": 0.5}
+    >>> overlap_warnings([overlap], "mm")
     ["'a' and 'b' overlap, 2 mm deep, volume 0.5 mm^3; an overlap is not a contact"]
     """
-    found = []
-    for one in overlaps[:LISTED]:
-        first, second = one["parts"]
-        size = "" if one["volume"] is None else f", volume {one['volume']:.3g} {units}^3"
-        found.append(
-            f"{first!r} and {second!r} {one['why']}, {one['depth']:.3g} {units} deep{size}; "
-            "an overlap is not a contact"
+    lines = []
+    for overlap in overlaps[:LISTED]:
+        first, second = overlap["parts"]
+        size = "" if overlap["volume"] is None else f", volume {overlap['volume']:.3g} {units}^3"
+        lines.append(
+            f"{first!r} and {second!r} {overlap['why']}, {overlap['depth']:.3g} {units} deep{size};"
+            " an overlap is not a contact"
         )
     more = len(overlaps) - LISTED
-    return [*found, *([f"{more} more pairs overlap"] if more > 0 else [])]
+    return [*lines, *([f"{more} more pairs overlap"] if more > 0 else [])]
 
 
 def copy_warnings(odd: Sequence[tuple[str, Sequence[str], str]]) -> list[str]:
-    """Parts that overlap others, and a copy of each that overlaps nothing: a line in all.
+    """Return at most one warning about parts that may be misplaced.
+
+    Parameters
+    ----------
+    odd : sequence of tuple
+        Name of the part, names of the parts that it overlaps, and name of an equal part that
+        overlaps nothing.
 
     Examples
     --------
-    >>> copy_warnings([("foot_2", ["body", "head"], "foot_1")])
-    ["is 'foot_2' placed right? it overlaps 'body', 'head', and its copy 'foot_1' overlaps nothing"]
+    >>> copy_warnings([("foot_2", ["body"], "foot_1")])
+    ["is 'foot_2' in the right place? it overlaps 'body', but its copy 'foot_1' overlaps nothing"]
     """
     if not odd:
         return []
     words = [
-        f"is {part!r} placed right? it overlaps {some_names(others)}, and its copy {copy!r} "
+        f"is {part!r} in the right place? it overlaps {some_names(others)}, but its copy {copy!r} "
         "overlaps nothing"
         for part, others, copy in odd
     ]
-    return ["; ".join(words[:FEW]) + (f"; {len(words) - FEW} more like it" * (len(words) > FEW))]
+    more = f"; {len(words) - FEW} more parts overlap, but their copies do not" * (len(words) > FEW)
+    return ["; ".join(words[:FEW]) + more]
 
 
 def lone_warnings(nearest: Sequence[Entry], units: str) -> list[str]:
-    """Parts that touch nothing, with what is nearest to them; held ones apart.
+    """Return warnings about parts that touch nothing, one for free parts and one for held parts.
 
     Examples
     --------
@@ -70,28 +77,29 @@ def lone_warnings(nearest: Sequence[Entry], units: str) -> list[str]:
     >>> lone_warnings([top], "mm")
     ["touches nothing: 'top' (0.25 mm from 'base')"]
     """
-    found = []
-    for held, words in ((False, "touches nothing"), (True, "held, but touches nothing")):
-        alone = [one for one in nearest if one["grounded"] == held]
+    warnings = []
+    for held, words in ((False, "touches nothing"), (True, "is held, but touches nothing")):
+        alone = [_lone_part(entry, units) for entry in nearest if entry["grounded"] == held]
         if alone:
-            found.append(f"{words}: {some([_lone(one, units) for one in alone])}")
-    return found
+            warnings.append(f"{words}: {some(alone)}")
+    return warnings
 
 
-def _lone(one: Entry, units: str) -> str:
-    if one["nearest"] is None:
-        return repr(one["part"])
-    return f"{one['part']!r} ({gap_words(one, units)} from {one['nearest']!r})"
+def _lone_part(entry: Entry, units: str) -> str:
+    """Return the name of a part, with its gap to the nearest part if there is one."""
+    if entry["nearest"] is None:
+        return repr(entry["part"])
+    return f"{entry['part']!r} ({gap_words(entry, units)} from {entry['nearest']!r})"
 
 
-def gap_words(one: Entry, units: str) -> str:
-    """A gap, with its accuracy where that is not small.
+def gap_words(entry: Entry, units: str) -> str:
+    """Return a gap with its unit, and with its accuracy if that is not negligible.
 
     Examples
     --------
     >>> gap_words({"gap": 0.25, "accuracy": 0.01}, "mm")
-    '0.25 mm, to within 0.01,'
+    '0.25 +/- 0.01 mm'
     """
-    gap, accuracy = one["gap"], one["accuracy"]
-    words = f"{number(gap, 3)} {units}"
-    return words if accuracy <= ROUND * gap else f"{words}, to within {number(accuracy, 1)},"
+    gap, accuracy = entry["gap"], entry["accuracy"]
+    spread = "" if accuracy <= ROUND * gap else f" +/- {number(accuracy, 1)}"
+    return f"{number(gap, 3)}{spread} {units}"

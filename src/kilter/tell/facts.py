@@ -1,7 +1,7 @@
-"""What an answer says beside its sentence: terms, and what they are in words.
+"""Facts of every kind of answer: pairs of a term and its words.
 
-Every voice says these and no others: the terminal, a notebook, the page. They are read from
-the answer as data (its `to_dict()`, which `--json` prints), never from what made it.
+The terminal, notebooks and pages show these facts and no others. The functions read the data of
+an answer (its `to_dict()`, which `--json` prints), not the objects that produced it.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from kilter.tell.shared_facts import (
 
 __all__ = ["facts", "kind_of"]
 
-TELLING = {
+KIND_OF_KEY = {
     "held_steps": "plan",
     "candidates": "hold",
     "tried": "improve",
@@ -42,7 +42,7 @@ TELLING = {
     "reasons": "verify",
     "certificate": "check",
 }
-"""A key that only one kind of answer has; the first that is there tells the kind."""
+"""Keys that only one kind of answer has, and this kind. The first present key decides."""
 
 
 DETAILS = {
@@ -55,37 +55,37 @@ DETAILS = {
     "plan": ("directions", "search"),
     "hold": ("search",),
 }
-"""What an answer rests on; a terminal says it where it is asked for."""
+"""Terms that a terminal shows only with `--verbose`, by kind of answer."""
 
 
 def kind_of(answer: Answer) -> str:
-    """Which answer it is, as the commands are called; or an assembly.
+    """Return the kind of an answer: the name of its command, or "assembly".
 
     Raises
     ------
     ValueError
-        If it is none of them.
+        If no known kind of answer has these keys.
 
     Examples
     --------
     >>> kind_of({"histogram": {}})
     'contacts'
     """
-    for key, kind in TELLING.items():
+    for key, kind in KIND_OF_KEY.items():
         if key in answer:
             return kind
     raise ValueError(f"no answer of kilter has only the keys {', '.join(answer)}")
 
 
 def facts(answer: Answer, *, brief: bool = False) -> list[Fact]:
-    """Terms of an answer and what they are, in words; an empty term goes on with the last.
+    """Return the facts of an answer. An empty term continues the term before it.
 
     Parameters
     ----------
     answer : mapping
-        The data of an answer (`to_dict()`), or of an assembly (`kilter.files.to_dict`).
+        Data of an answer (`to_dict()`), or of an assembly (`kilter.files.to_dict`).
     brief : bool
-        Without those that the answer rests on (`DETAILS`).
+        Whether to leave out the terms of `DETAILS`.
 
     Examples
     --------
@@ -94,22 +94,23 @@ def facts(answer: Answer, *, brief: bool = False) -> list[Fact]:
     """
     kind = kind_of(answer)
     details = DETAILS.get(kind, ()) if brief else ()
-    found, term = [], ""
-    for name, words in _TELLERS[kind](answer):
+    rows, term = [], ""
+    for name, words in _FACTS_OF_KIND[kind](answer):
         term = name or term
         if term not in details:
-            found.append((name, words))
-    return found
+            rows.append((name, words))
+    return rows
 
 
-def _contacts(answer: Answer) -> list[Fact]:
+def _contacts_facts(answer: Answer) -> list[Fact]:
     tolerance = answer["tolerance"]
     gap = f"{number(tolerance['gap'], 3)} {answer['units']}"
     touching = touching_phrase(gap, tolerance["angle_deg"], tolerance["clearance"], answer["units"])
     return [("touching", touching), *joint_facts(answer)]
 
 
-def _verify(answer: Answer) -> list[Fact]:
+def _verify_facts(answer: Answer) -> list[Fact]:
+    """Return the reasons of a refused proof, or the figures and the options of a valid proof."""
     if not answer["holds"]:
         return [("" if k else "because", words) for k, words in enumerate(answer["reasons"])]
     figure = (
@@ -123,7 +124,8 @@ def _verify(answer: Answer) -> list[Fact]:
     found.append(("held", some(held) or "joints to the ground"))
     found.append(("gravity", gravity_phrase(answer)))
     if answer["options"]:
-        found.append(("read with", ", ".join(_option(*one) for one in answer["options"].items())))
+        options = ", ".join(_option(name, value) for name, value in answer["options"].items())
+        found.append(("read with", options))
     limits, unit = answer["tolerance"], answer["units"]
     gap = f"{limits['gap']:g} {unit}" if limits["gap"] else f"{limits['relative_gap']:g} of a part"
     degrees = math.degrees(limits["angle"])
@@ -131,17 +133,19 @@ def _verify(answer: Answer) -> list[Fact]:
 
 
 def _option(name: str, value: Any) -> str:
-    """An option that a file was read with; `True` is its name alone."""
+    """Return an option with which a file was read; the name alone for `True`."""
     words = name.replace("_", "-")
     return words if value is True else f"{words} {value}"
 
 
-def _assembly(answer: Answer) -> list[Fact]:
+def _assembly_facts(answer: Answer) -> list[Fact]:
+    """Return the facts of an assembly file."""
     found = [("parts", parts_phrase(answer["parts"])), ("units", answer.get("units", "m"))]
     if "gravity" in answer:
         found.append(("gravity", f"{vector(answer['gravity'])} m/s^2"))
     if answer.get("friction"):
-        found.append(("friction", f"{number(answer['friction'])} where none is given"))
+        friction = number(answer["friction"])
+        found.append(("friction", f"{friction} at contacts without a given coefficient"))
     found += joint_facts(answer)
     for key in ("loads", "contacts"):
         if answer.get(key):
@@ -149,15 +153,15 @@ def _assembly(answer: Answer) -> list[Fact]:
     return found
 
 
-_TELLERS: dict[str, Callable[[Answer], list[Fact]]] = {
-    "assembly": _assembly,
+_FACTS_OF_KIND: dict[str, Callable[[Answer], list[Fact]]] = {
+    "assembly": _assembly_facts,
     "check": check_facts,
-    "contacts": _contacts,
+    "contacts": _contacts_facts,
     "hold": hold_facts,
     "improve": improve_facts,
     "margin": margin_facts,
     "orient": orient_facts,
     "plan": order_facts,
     "region": region_facts,
-    "verify": _verify,
+    "verify": _verify_facts,
 }

@@ -1,4 +1,4 @@
-"""What `kilter doctor` found, for a terminal and a bug report."""
+"""The answer of `kilter doctor` as text, for a terminal and for a bug report."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ __all__ = ["health_text"]
 
 
 def health_text(answer: Answer) -> str:
-    """The looks, a line each, and below them what is broken and what to do about it.
+    """Return the text: a sentence, then a line for each item with its state and its remedy.
 
     Examples
     --------

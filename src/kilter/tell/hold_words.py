@@ -1,4 +1,4 @@
-"""What a fixture says: its sentence, its facts, its supports."""
+"""The answer of `kilter hold` (a fixture) in words: its sentence, its facts, its supports."""
 
 from __future__ import annotations
 
@@ -15,33 +15,37 @@ Answer = Mapping[str, Any]
 
 
 def hold_sentence(answer: Answer) -> str:
-    """A fixture in a sentence or two; the sentence itself is not needed."""
+    """Return one or two sentences about a fixture.
+
+    Parameters
+    ----------
+    answer : mapping
+        Data of the fixture; the key `sentence` is not used.
+    """
     least = answer["least"]
     candidates = count(answer["candidates"], "candidate")
     if answer["verdict"] == "held":
         return _held_sentence(answer, candidates)
     if answer["verdict"] == "impossible":
         if not answer["candidates"]:
-            return "It falls, and there is no candidate that could hold it."
-        every = "the one candidate is" if answer["candidates"] == 1 else f"all {candidates} are"
-        return f"Not even {every} enough, that is proved: a motion is stopped by none."
-    why = "the effort was spent"
+            return "It falls, and no candidate support exists."
+        every = "with its only candidate" if answer["candidates"] == 1 else f"with all {candidates}"
+        return f"It falls even {every} as supports: it is proved that a motion remains free."
+    proved = f"It is proved that at least {count(least, 'support')} must be used"
+    why = "the effort limit was reached"
     if answer["interrupted"]:
-        why = "it was interrupted"
+        why = "the search was interrupted"
     elif answer["time_limit"] is not None:
-        why = f"the time limit of {answer['time_limit']:g} s was met"
+        why = f"the time limit of {answer['time_limit']:g} s was reached"
     elif answer["exhausted"] and answer["most"] is not None and least > answer["most"]:
-        return (
-            f"{least} or more supports are needed, that is proved; no more than "
-            f"{answer['most']} were asked for."
-        )
+        return f"{proved}, but no more than {answer['most']} are allowed."
     elif answer["exhausted"]:
-        why = "of some sets of supports it is undecided whether they hold it"
-    return f"No supports were found: {why}. {least} or more are needed, that is proved."
+        why = "for some sets of supports it is undecided whether they hold it"
+    return f"No sufficient supports were found: {why}. {proved}."
 
 
 def _held_sentence(answer: Answer, candidates: str) -> str:
-    """The sentence if supports were found, at the required level or below it."""
+    """Return the sentence of supports that hold it at the required level or below it."""
     held, least = len(answer["supports"]), answer["least"]
     if answer["why"] == "balanced":
         return "Balanced with nothing held: the slightest push makes it fall."
@@ -55,25 +59,25 @@ def _held_sentence(answer: Answer, candidates: str) -> str:
         return "It holds by itself: nothing must be held."
     first = f"It holds with {count(held, 'support')} of {candidates} (level {answer['level']})"
     if answer["fewest"]:
-        return f"{first}; fewer are not enough, that is proved."
+        return f"{first}. It is proved that fewer supports are not enough."
     if least == 0 or answer["require"] != "equilibrium":
-        return f"{first}. No smaller set that was tried reaches this level; that is not proved."
-    return f"{first}; {least} or more are needed, that is proved."
+        return f"{first}. No smaller set that was tried reaches this level, but this is no proof."
+    return f"{first}. It is proved that at least {count(least, 'support')} must be used."
 
 
 def hold_facts(answer: Answer) -> list[tuple[str, str]]:
-    """Terms of a fixture and what they are, in words."""
-    found = [("level", answer["level"] or "none"), ("base", some_names(answer["base"]) or "none")]
+    """Return the facts of a fixture, each a term and its words."""
+    rows = [("level", answer["level"] or "none"), ("base", some_names(answer["base"]) or "none")]
     for k, motion in enumerate(answer["motions"]):
-        by = some_names(motion["stopped_by"], 4) or "nothing"
-        words = f"{some_names(motion['moving'], 3)} would move, stopped by {by}"
-        found.append(("" if k else "because", words))
-    sets = count(answer["judged"], "set")
-    return [*found, ("search", f"{sets} of {count(answer['candidates'], 'candidate')}")]
+        by = some_names(motion["stopped_by"], 4) or "no candidate"
+        words = f"{some_names(motion['moving'], 3)} would move; stopped by {by}"
+        rows.append(("" if k else "because", words))
+    sets, candidates = count(answer["judged"], "set"), count(answer["candidates"], "candidate")
+    return [*rows, ("search", f"{sets} of supports judged, {candidates}")]
 
 
 def support_cells(support: Answer, units: str) -> tuple[str, str, str, str]:
-    """Kind, part, place and force of a support."""
+    """Return the table cells of a support: kind, part, place and force."""
     place = "" if support["point"] is None else f"at {vector(support['point'])} {units}"
     if support["on"]:
         place += f", on {support['on']}"

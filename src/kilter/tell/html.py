@@ -1,4 +1,4 @@
-"""Answers as a notebook shows them: the sentence and the facts, every word escaped."""
+"""Answers as HTML for notebooks: the sentence and the facts, with every word escaped."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from kilter.tell.tables import moving_table, sentences
 __all__ = ["html_of"]
 
 ROWS = 12
-"""Parts that are listed, the fastest first."""
+"""Largest number of moving parts, the fastest first, and of warnings that are listed."""
 LONG = 80
-"""Characters of a name that are shown."""
+"""Largest number of characters of a name."""
 
 
 def html_of(answer: Answer) -> str:
-    """The sentence, what moves and how, and the facts.
+    """Return the sentence, the moving parts, the facts and the warnings of an answer.
 
     Examples
     --------
@@ -37,18 +37,18 @@ def html_of(answer: Answer) -> str:
         for name, value in [*rows, *facts(answer)]
     )
     warnings = answer.get("warnings", ())
-    told = "".join(f"<li>{_text(warning, 400)}</li>" for warning in warnings[:ROWS])
+    items = "".join(f"<li>{_text(warning, 400)}</li>" for warning in warnings[:ROWS])
     word = str(answer.get("verdict", "none" if answer.get("kind") == "none" else "stable"))
     style = f"color:{ink_of(word)};font-weight:bold"
-    said = "".join(f'<p style="{style}">{_text(line, 1000)}</p>' for line in sentences(answer))
+    head = "".join(f'<p style="{style}">{_text(line, 1000)}</p>' for line in sentences(answer))
     return (
-        f'<div class="kilter">{said}<table><tbody>{body}</tbody></table>'
-        f"{f'<ul>{told}</ul>' if told else ''}</div>"
+        f'<div class="kilter">{head}<table><tbody>{body}</tbody></table>'
+        f"{f'<ul>{items}</ul>' if items else ''}</div>"
     )
 
 
 def _text(value: str, length: int = LONG) -> str:
-    """Text as HTML: one line, of limited length."""
+    """Return text escaped for HTML, in one line of limited length."""
     value = value if len(value) <= length else value[: length - 1] + "…"
     plain = "".join(c if c.isprintable() else "\ufffd" for c in value)
     return html.escape(plain, quote=True)

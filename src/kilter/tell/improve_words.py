@@ -1,4 +1,4 @@
-"""What an improvement says: its sentence, its facts, the changes that were tried."""
+"""The answer of `kilter improve` in words: its sentence, its facts, the tried changes."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ __all__ = ["HEAD", "change_cells", "improve_facts", "improve_sentence"]
 
 Answer = Mapping[str, Any]
 
-HEAD = ("change", "brick", "cell", "layer", "strength then needed")
-"""Over the changes that were tried."""
+HEAD = ("change", "brick", "cell", "layer", "strength needed after it")
+"""Column heads of the tried changes."""
 NEAR = 1e-3
-"""Shares this near to 1 are told with more digits [-]."""
-VERBS = {"add": "add", "remove": "take away"}
+"""Shares within this distance of 1 are shown with more digits [-]."""
+VERBS = {"add": "add", "remove": "remove"}
 
 
 def improve_sentence(answer: Answer) -> str:
-    """What to change, in a sentence.
+    """Return the sentences about the present state and the best change.
 
     Examples
     --------
@@ -27,60 +27,63 @@ def improve_sentence(answer: Answer) -> str:
     >>> falls = {"verdict": "unstable", "share": 1.0055, "best": {**best, "share": 0.9}}
     >>> improve_sentence(falls | {"stands": True})
     'It falls: its studs would need 100.6 % of their strength. Add a brick of 6 x 2 in layer 0 at \
-cell (4, 19), and it stands with 90 %.'
+cell (4, 19): then it stands and needs 90 %.'
     """
     best, share = answer["best"], answer["share"]
     falls = answer["verdict"] == "unstable"
     needed = "no strength of its studs is enough" if share is None else _needs(share, falls)
     first = f"It {'falls' if falls else 'stands'}: {needed}."
     if best is None:
-        return f"{first} None of the changes that were tried lowers that."
-    change = _change(best)
+        return f"{first} No change that was tried lowers this need."
+    change = _change_words(best)
     if not falls:
-        return f"{first} {change}, and {_few(best['share'])} is needed."
+        return f"{first} {change}: then it needs {_need_words(best['share'])}."
     if answer["stands"]:
-        return f"{first} {change}, and it stands with {_percent(best['share'])}."
-    return f"{first} No one brick is enough; the most helps: {change[0].lower()}{change[1:]}."
+        return f"{first} {change}: then it stands and needs {_need_words(best['share'])}."
+    return (
+        f"{first} No single brick is enough. The best change is: {change[0].lower()}{change[1:]}."
+    )
 
 
 def _needs(share: float, falls: bool) -> str:
+    """Return the need of stud strength, a share of the given strength [-]."""
     if share == 0.0:
-        return "no pull of its studs is needed"
+        return "its studs need not pull"
     return f"its studs {'would need' if falls else 'need'} {_percent(share)} of their strength"
 
 
-def _few(share: float) -> str:
-    return _percent(share) if share else "no pull"
+def _need_words(share: float) -> str:
+    return _percent(share) if share else "no pull of its studs"
 
 
-def _change(one: Answer) -> str:
-    """A change in words."""
-    a, b = one["cells"]
-    x, y, _ = one["corner"]
-    where = f"in layer {number(one['layer'], 4)} at cell ({x}, {y})"
-    if one["what"] == "remove":
-        return f"Take away {plain(one['name'])} {where}"
-    return f"Add a brick of {a} x {b} {where}"
+def _change_words(change: Answer) -> str:
+    """Return a change as an instruction."""
+    a, b = change["cells"]
+    x, y, _ = change["corner"]
+    place = f"in layer {number(change['layer'], 4)} at cell ({x}, {y})"
+    if change["what"] == "remove":
+        return f"Remove {plain(change['name'])} {place}"
+    return f"Add a brick of {a} x {b} {place}"
 
 
 def _percent(share: float) -> str:
-    """A share in percent, with the digits that tell it from 1."""
+    """Return a share in percent, with enough digits to distinguish it from 100 %."""
     return f"{number(100 * share, 4 if abs(share - 1) > NEAR else 7)} %"
 
 
-def change_cells(one: Answer) -> Sequence[str]:
-    """The cells of a change in a table."""
-    a, b = one["cells"]
-    x, y, _ = one["corner"]
-    brick = plain(one["name"]) if one["what"] == "remove" else f"{a} x {b}"
-    share = "no strength is enough" if one["share"] is None else _percent(one["share"])
-    return VERBS[one["what"]], brick, f"({x}, {y})", number(one["layer"], 4), share
+def change_cells(change: Answer) -> Sequence[str]:
+    """Return the table cells of a change, in the order of `HEAD`."""
+    a, b = change["cells"]
+    x, y, _ = change["corner"]
+    brick = plain(change["name"]) if change["what"] == "remove" else f"{a} x {b}"
+    share = "no strength is enough" if change["share"] is None else _percent(change["share"])
+    return VERBS[change["what"]], brick, f"({x}, {y})", number(change["layer"], 4), share
 
 
 def improve_facts(answer: Answer) -> list[tuple[str, str]]:
-    """Terms of an improvement and what they are."""
-    found = [("bricks", str(answer["bricks"]))]
+    """Return the facts of an improvement, each a term and its words."""
+    rows = [("bricks", str(answer["bricks"]))]
     if answer["weakest"] is not None:
         first, second = answer["weakest"]
-        found.append(("weakest", f"the studs between {plain(first)} and {plain(second)}"))
-    return found
+        rows.append(("weakest", f"the studs between {plain(first)} and {plain(second)}"))
+    return rows

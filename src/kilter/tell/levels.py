@@ -1,10 +1,10 @@
-"""Levels: how surely an assembly holds, the lowest first, and which verdict reaches which.
+"""Levels of confidence that an assembly holds, from the lowest, and the level of each verdict.
 
 equilibrium    forces that hold it exist
-settles        put down loosely it comes to rest, in every try, and no motion was found
+settles        put down loosely it comes to rest in every try, and no motion was found
 proved         no motion can start, without friction or with it
-strict         nor does it fall from a small push: no motion is neutral, or second order says so;
-               looked at where it is asked for, by a check
+strict         also a small push does not make it fall: no motion is neutral, or second order
+               proves it; a check decides this level only if it is required
 """
 
 from __future__ import annotations
@@ -14,20 +14,20 @@ from kilter.errors import InputError
 __all__ = ["LEVELS", "REQUIRE", "holds", "level_of", "require_level"]
 
 LEVELS = ("equilibrium", "settles", "proved", "strict")
-"""From the lowest on."""
+"""All levels, from the lowest to the highest."""
 REQUIRE = "settles"
-"""What is asked for where nothing is said."""
+"""Level that is required by default."""
 REACHED = {
     "stable": "proved",
     "settles": "settles",
     "potentially-stable": "equilibrium",
     "balanced": "equilibrium",
 }
-"""The level of a verdict; the others reach none."""
+"""Level of each verdict. Other verdicts reach no level."""
 
 
 def level_of(verdict: str, *, strict: bool = False) -> str | None:
-    """The level that a verdict reaches; `strict`: a stable one is that too.
+    """Return the level of a verdict; with `strict` a stable verdict is of the level strict.
 
     Examples
     --------
@@ -38,7 +38,7 @@ def level_of(verdict: str, *, strict: bool = False) -> str | None:
 
 
 def holds(level: str | None, require: str) -> bool:
-    """Whether a level is the one that is asked for, or above.
+    """Return whether a level is at least the required level.
 
     Examples
     --------
@@ -49,21 +49,28 @@ def holds(level: str | None, require: str) -> bool:
 
 
 def require_level(word: str, *, strict: bool = False) -> str:
-    """The level that is asked for; `strict` where that may be it.
+    """Return the required level after validation.
+
+    Parameters
+    ----------
+    word : str
+        Name of the level.
+    strict : bool
+        Whether the level strict is available.
 
     Raises
     ------
     InputError
-        If there is no such level, or it is not looked at here.
+        If the level does not exist or is not available.
     """
     known = LEVELS if strict else LEVELS[:-1]
     if word not in LEVELS:
         raise InputError(
-            f"there is no level {word!r:.40}", hint=f"require one of {', '.join(known)}"
+            f"the level {word!r:.40} does not exist", hint=f"require one of {', '.join(known)}"
         )
     if word not in known:
         raise InputError(
-            "motions of second order are looked at by a check of one assembly only",
+            "the level 'strict' is available only for the check of one assembly",
             hint="require 'proved'",
             option="give --require proved",
         )

@@ -1,4 +1,4 @@
-"""What the answer of margins says: tilt, least friction, loads, the worst case, what helps."""
+"""Facts of the answer of margins: tilt, least friction, bonds, loads, worst case, remedies."""
 
 from __future__ import annotations
 
@@ -10,9 +10,12 @@ from kilter.tell.shared_facts import Answer, Fact, joint_facts
 
 __all__ = ["margin_facts"]
 
+FAILED = "not known: the solver failed"
+"""Words of a limit whose program no solver finished."""
+
 
 def margin_facts(answer: Answer) -> list[Fact]:
-    """Terms of margins and what they are."""
+    """Return the facts of margins, each a term and its words."""
     found = [*joint_facts(answer), ("tilt", _tilt(answer))]
     about = answer["about"]
     if about is not None:
@@ -25,26 +28,27 @@ def margin_facts(answer: Answer) -> list[Fact]:
     limits = answer["load_limits"]
     if limits is not None:
         ends = answer["load_factor"]
-        words = "not known: the numbers failed"
+        words = FAILED
         if answer["missing"].get("load_factor") != "failed":
-            words = "no factor is held, however small or large"
+            words = "none: no load factor is held, however small or large"
         words = words if ends is None else _interval(ends) + _starting(limits[1])
         found.append(("load factor", words))
     if answer["load_factor_bracket"] is not None:
         found.append(("bracket", _bracket(answer["load_factor_bracket"]["greatest"])))
-    if "none" in [why for what, why in answer["missing"].items() if what.startswith("push of")]:
-        found.append(("pushes", "none is resisted: it is not in balance as given"))
-    found += _worst(answer["uncertainty"])
-    helps = [one["sentence"] for one in answer["helps"]]
+    if "none" in [why for key, why in answer["missing"].items() if key.startswith("push of")]:
+        found.append(("pushes", "no push is resisted: it is not in equilibrium as given"))
+    found += _worst_case(answer["uncertainty"])
+    helps = [remedy["sentence"] for remedy in answer["helps"]]
     return found + [("" if k else "helps", words) for k, words in enumerate(helps)]
 
 
 def _interval(ends: Sequence[float | None]) -> str:
+    """Return an interval of load factors; None is an end without limit."""
     return " to ".join("unlimited" if end is None else number(end) for end in ends)
 
 
 def _starting(limit: Answer | None) -> str:
-    """What starts to move beyond a limit."""
+    """Return which parts start to move beyond a limit, or nothing if they are not known."""
     names = [] if limit is None else [plain(name) for name in limit["moves"]]
     if limit is None or limit["mechanism"] is None:
         return ""
@@ -52,52 +56,54 @@ def _starting(limit: Answer | None) -> str:
 
 
 def _tilt(answer: Answer) -> str:
+    """Return the words of the tilt margin and of its bounds."""
     tilt, lower = answer["tilt_deg"], answer["tilt_lower_deg"]
     if tilt is None:
         why = answer["missing"].get("tilt")
         if why is None:
-            return "none: given loads, or what bonds hold, would not turn with gravity"
+            return "not defined: given loads and bond forces do not turn with gravity"
         if why == "failed":
-            return "not known: the numbers failed"
-        return "none: not held as given, nor with gravity along any direction within a right angle"
+            return FAILED
+        return "none: not held as given, nor with gravity in any direction within 90 deg of it"
     if answer["tilt_down"] is None:
         held = "forces that hold it exist" if answer["level"] == "equilibrium" else "it holds"
-        return f"more than 90 deg: {held} at every tilt up to a right angle"
+        return f"more than 90 deg: {held} after every tilt up to 90 deg"
     down = vector(answer["tilt_down"])
     if lower is None:
-        upper, held = answer["tilt_upper_deg"], f"the nearest held direction is {down}"
+        upper, held = answer["tilt_upper_deg"], f"the nearest held direction of gravity is {down}"
         known = upper - tilt <= 1e-6 * max(-tilt, 1e-3)
-        least = "" if known else f" (none within {number(-upper)} is held)"
-        return f"{angle(tilt)}: not held as it lies; {held}{least}"
+        least = "" if known else f" (no direction within {number(-upper)} deg is held)"
+        return f"{angle(tilt)}: not held as given; {held}{least}"
     if answer["tilt_limit"]["mechanism"] is None:
-        return f"{angle(tilt)} are held, down = {down}; that no more are is not proved"
+        return f"at least {angle(tilt)}, toward gravity along {down}; the limit is not proved"
     fails = "that fails"
     if answer["tilt_outside"] == "undecided":
-        fails = "at which open contacts decide"
-    words = f"{angle(tilt)} to the nearest direction {fails}"
+        fails = "at which open pairs decide"
+    words = f"{angle(tilt)} to the nearest direction of gravity {fails}"
     if tilt - lower > 1e-6 * max(tilt, 1e-12):
-        words += f" (at least {number(lower)})"
-    words = f"{words}, down = {down}{_starting(answer['tilt_limit'])}"
+        words += f" (at least {number(lower)} deg)"
+    words = f"{words}, {down}{_starting(answer['tilt_limit'])}"
     if answer["level"] == "equilibrium":
-        words += "; up to there forces that hold it exist"
+        words += "; up to this tilt forces that hold it exist"
     at_level = answer["tilt_at_level"]
     if at_level is None:
         return words
     verb = {"settles": "it settles", "proved": "no motion can start"}[at_level["level"]]
-    return f"{words}; {verb} up to {angle(at_level['tilt_deg'])} toward that direction"
+    return f"{words}; {verb} up to {angle(at_level['tilt_deg'])} toward this direction"
 
 
 def _least_friction(answer: Answer) -> str:
+    """Return the words of the least friction coefficient and of its lower bound."""
     least = answer["friction"]
     if least is None:
         failed = answer["missing"].get("friction") == "failed"
-        return "not known: the numbers failed" if failed else "none is enough to hold it"
+        return FAILED if failed else "no friction coefficient is enough to hold it"
     if least == 0.0:
         attained = answer["friction_limit"]["attained"]
         return (
-            "none is needed"
+            "no friction is needed"
             if attained
-            else "any mu above 0 holds, since parts are clamped between others"
+            else "any mu above 0 is enough, because parts are clamped between others"
         )
     lower = answer["friction_limit"]["lower"]
     words = f"mu >= {number(least)}, the same at every contact"
@@ -107,49 +113,50 @@ def _least_friction(answer: Answer) -> str:
 
 
 def _bonds(answer: Answer) -> str:
-    """Which share of their strength bonds need, and which gives way first."""
+    """Return the share of their strength that bonds need, and the bonds that fail first."""
     why, limit, share = answer["missing"].get("bond"), answer["bond_limit"], answer["bond"]
     if why is not None:
-        return "not known: the numbers failed" if why == "failed" else "no strength is enough"
+        return FAILED if why == "failed" else "no bond strength is enough"
     if share is None:
-        return "none is needed: it stands without"
-    words = f"{number(share)} of their strength is needed"
+        return "no bond strength is needed: it holds without bonds"
+    words = f"{number(share)} times their strength is needed"
     opens = limit["opens"]
     if not opens:
         return words
-    names = some([f"{plain(a)} on {plain(b)}" for a, b in (one["parts"] for one in opens)], 3)
-    return f"{words}; {names} give{'s' if len(opens) == 1 else ''} way first"
+    names = some([f"{plain(a)} on {plain(b)}" for a, b in (patch["parts"] for patch in opens)], 3)
+    return f"{words}; {names} fail{'s' if len(opens) == 1 else ''} first"
 
 
 def _bracket(greatest: Sequence[float | None] | None) -> str:
-    """Where the greatest load factor lies where sliding does not dilate."""
+    """Return the bounds of the largest load factor under the contact law without dilation."""
     if greatest is None:
-        return "no factor is held"
+        return "no load factor is held"
     low, high = greatest
-    sure = "none" if low is None else number(round(low, 12))
-    most = "unlimited" if high is None else number(high)
-    return (
-        f"sure to hold up to {sure}; forces that hold it exist up to {most}; the limit lies between"
-    )
+    proved = "for no factor" if low is None else f"up to {number(round(low, 12))}"
+    most = "for every factor" if high is None else f"up to {number(high)}"
+    return f"proved to hold {proved}; forces that hold it exist {most}; the limit lies between"
 
 
-def _worst(worst: Answer | None) -> list[Fact]:
-    """The worst case over intervals."""
+def _worst_case(worst: Answer | None) -> list[Fact]:
+    """Return the facts of the worst case over the given intervals."""
     if worst is None:
         return []
     exact, tilt = worst["kind"] == "exact", worst["tilt_deg"]
-    unknown = "not known: the numbers failed"
     if not worst["held"]:
-        words = "some are not held as given" if exact else "not shown that all are held as given"
-        words = unknown if worst["missing"]["held"] == "failed" else words
+        words = "some cases are not held as given"
+        if not exact:
+            words = "not proved that all cases are held as given; nor that one of them fails"
+        words = FAILED if worst["missing"]["held"] == "failed" else words
     elif worst["missing"].get("tilt") == "failed":
-        words = f"all are held as given; the tilt is {unknown}"
+        words = f"all cases are held as given; the tilt is {FAILED}"
     else:
-        words = "all are held as given" if tilt is None else angle(tilt)
-        words += " (exact)" if exact else " (at least; it may be more)"
+        words = "all cases are held as given"
+        if tilt is not None:
+            words = f"{'' if exact else 'at least '}{angle(tilt)} of tilt"
+        words += " (exact)" if exact else " (a bound: it may be more)"
     found = [("worst case", words)]
     if worst["missing"].get("load_factor") == "failed":
-        found.append(("", f"load factor {unknown}"))
+        found.append(("", f"load factor {FAILED}"))
     if worst["load_factor"] is not None:
         found.append(("", f"load factor {_interval(worst['load_factor'])}"))
     return found

@@ -13,16 +13,16 @@ __all__ = ["NextStep", "next_step"]
 
 @dataclass(frozen=True, slots=True)
 class NextStep:
-    """A command without its file and the options of reading, and what it tells."""
+    """A command without its file and without the options of reading, and its purpose."""
 
     words: tuple[str, ...]
     why: str
 
 
-HOLD = NextStep(("hold",), "the least that must be held so that it stays")
-MARGIN = NextStep(("margin",), "by how much it holds: tilt, friction, loads")
-VIEW = NextStep(("view",), "the motion and the forces in space, in the browser")
-CONTACTS = NextStep(("contacts",), "what touches, what came near, and why it does not count")
+HOLD = NextStep(("hold",), "finds the fewest supports that hold it")
+MARGIN = NextStep(("margin",), "finds the tilt, the least friction and the loads at which it fails")
+VIEW = NextStep(("view",), "shows its motion and its contact forces in 3D in the browser")
+CONTACTS = NextStep(("contacts",), "lists contacts and near pairs, and why these are rejected")
 AFTER_CHECK = {
     "stable": MARGIN,
     "settles": MARGIN,
@@ -31,27 +31,27 @@ AFTER_CHECK = {
     "unstable": HOLD,
     "undecided": CONTACTS,
 }
-FALL = NextStep(("view",), "how it falls where it is pushed, and the forces, in the browser")
-BRICK = NextStep(
-    ("improve",), "which brick to add or to take away; margin: how much stronger studs had to be"
+FALL = NextStep(("view",), "shows its fall after a push, and its contact forces, in the browser")
+BRICK = NextStep(("improve",), "finds a brick to add or to remove so that it stands")
+STRONGER = NextStep(
+    ("margin",), "finds the bond strength that it needs, and which bonds fail first"
 )
-STRONGER = NextStep(("margin",), "how much stronger its bonds would have to be, and which give way")
-PLAN = NextStep(("plan",), "in which order it can be put together")
-LOADS = NextStep(("margin", "--loads"), "what each brick still takes, and the push that it resists")
-CHECK = NextStep(("check",), "whether it stays together under gravity")
+PLAN = NextStep(("plan",), "finds an order in which it can be put together")
+LOADS = NextStep(("margin", "--loads"), "finds the load and the push that each brick resists")
+CHECK = NextStep(("check",), "decides whether it stays together under gravity")
 
 
 def next_step(answer: Answer, name: str, *, bricks: bool = False) -> NextStep | None:
-    """What to ask next; None where nothing follows.
+    """Return the next useful command after an answer, or None if there is none.
 
     Parameters
     ----------
     answer : mapping
-        The data of an answer.
+        Data of the answer (`to_dict()`).
     name : str
-        What a file that is written is called, without its ending.
+        Name of a file that the command writes, without its suffix.
     bricks : bool
-        Whether it is a model of bricks.
+        Whether the assembly is a model of bricks.
 
     Examples
     --------
@@ -65,15 +65,15 @@ def next_step(answer: Answer, name: str, *, bricks: bool = False) -> NextStep | 
         return _after_check(answer, bricks)
     if kind == "orient":
         down = tuple(number(c, 9) for c in answer["down"])
-        turned = NextStep(("check", "--down", *down), "what is guaranteed as it is turned")
+        turned = NextStep(("check", "--down", *down), "decides whether it holds in this direction")
         return turned if answer["found"] else HOLD
     if kind == "region":
-        widest = NextStep(("orient",), "of these the one with the widest margin")
+        widest = NextStep(("orient",), "finds the direction with the widest margin")
         return HOLD if answer["kind"] == "none" else widest
     if kind == "margin":
-        return NextStep(("report", "-o", f"{name}.html"), "all of it on one page that can be sent")
+        return NextStep(("report", "-o", f"{name}.html"), "writes all answers to one offline page")
     if kind == "plan":
-        shown = NextStep(("plan", "-o", f"{name}.html"), "a page that plays the steps")
+        shown = NextStep(("plan", "-o", f"{name}.html"), "writes a page that plays the steps")
         return shown if answer["found"] else None
     if kind == "improve":
         return None if answer["verdict"] == "unstable" else LOADS
@@ -83,7 +83,7 @@ def next_step(answer: Answer, name: str, *, bricks: bool = False) -> NextStep | 
 
 
 def _after_check(answer: Answer, bricks: bool) -> NextStep:
-    """What falls is mended, what only balances is looked at."""
+    """Return the step after a check: a remedy if it falls, a view if it only balances."""
     if answer["verdict"] == "unstable" and answer["bonds"]:
         return BRICK if bricks else STRONGER
     if answer["verdict"] == "balanced":

@@ -1,4 +1,4 @@
-"""Numbers in words: the one way in which a size, a force, an angle or a vector is shown."""
+"""Numbers as text: every size, force, angle, share and vector that an answer shows."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ __all__ = [
 ]
 
 NO_ANGLE = 1e-9
-"""An angle below this is what rounding leaves of none [deg]."""
+"""An angle below this is shown as 0, since it comes from rounding [deg]."""
 NO_SHARE = 1e-9
-"""A share below this is what rounding leaves of none [-]."""
+"""A share below this is shown as 0, since it comes from rounding [-]."""
 MASSES = ((1e3, "t"), (1.0, "kg"), (1e-3, "g"), (1e-6, "mg"))
 PREFIXES = ((1e6, "MN"), (1e3, "kN"), (1.0, "N"), (1e-3, "mN"))
 
 
 def number(value: float, digits: int = 6) -> str:
-    """A number with so many significant digits; no minus zero.
+    """Return a number with the given count of significant digits, and without a negative zero.
 
     Examples
     --------
@@ -39,7 +39,7 @@ def number(value: float, digits: int = 6) -> str:
 
 
 def force(newtons: float) -> str:
-    """A force with a unit that suits its size.
+    """Return a force [N] with a unit that suits its size.
 
     Examples
     --------
@@ -53,7 +53,7 @@ def force(newtons: float) -> str:
 
 
 def mass(kilograms: float) -> str:
-    """A mass with a unit that suits its size.
+    """Return a mass [kg] with a unit that suits its size.
 
     Examples
     --------
@@ -67,7 +67,7 @@ def mass(kilograms: float) -> str:
 
 
 def angle(degrees: float) -> str:
-    """An angle given in degrees; what rounding leaves of none is none.
+    """Return an angle [deg] with its unit; an angle below `NO_ANGLE` is 0.
 
     Examples
     --------
@@ -78,7 +78,7 @@ def angle(degrees: float) -> str:
 
 
 def percent(share: float) -> str:
-    """A share in percent; what rounding leaves of none is none.
+    """Return a share [-] in percent; a share below `NO_SHARE` is 0.
 
     Examples
     --------
@@ -89,7 +89,7 @@ def percent(share: float) -> str:
 
 
 def vector(values: Iterable[float], digits: int = 6) -> str:
-    """A vector in brackets, rounded to so many decimals.
+    """Return a vector in brackets, rounded to the given count of decimals.
 
     Examples
     --------
@@ -99,25 +99,26 @@ def vector(values: Iterable[float], digits: int = 6) -> str:
     return "(" + ", ".join(f"{round(float(v), digits) + 0.0:g}" for v in values) + ")"
 
 
-def count(many: int, word: str) -> str:
-    """A number of things.
+def count(many: int, word: str, *, grouped: bool = False) -> str:
+    """Return a count with its noun; `grouped` separates thousands by commas.
 
     Examples
     --------
-    >>> count(1, "patch"), count(2, "patch"), count(2, "pair")
-    ('1 patch', '2 patches', '2 pairs')
+    >>> count(1, "patch"), count(2, "patch"), count(2000, "pair", grouped=True)
+    ('1 patch', '2 patches', '2,000 pairs')
     """
     ending = "es" if word.endswith("ch") else "s"
-    return f"{many} {word}{'' if many == 1 else ending}"
+    figure = f"{many:,}" if grouped else f"{many}"
+    return f"{figure} {word}{'' if many == 1 else ending}"
 
 
 def counts(*, pairs: int, patches: int, points: int) -> str:
-    """How much touches."""
+    """Return the counts of touching pairs, of patches and of contact points."""
     return f"{count(pairs, 'pair')}, {count(patches, 'patch')}, {count(points, 'point')}"
 
 
 def plain(name: str, width: int = 40) -> str:
-    """A name within a line: no control characters, and no longer than `width`.
+    """Return a name without control characters and no longer than `width`.
 
     Examples
     --------
@@ -129,13 +130,13 @@ def plain(name: str, width: int = 40) -> str:
     shown = "".join(c if c.isprintable() else "?" for c in name)
     if len(shown) <= width:
         return shown
-    # the end of a path tells more than its middle
+    # names from CAD are paths, and their last component identifies the part
     head = (width - 3) // 3
     return f"{shown[:head]}...{shown[head + 3 - width :]}"
 
 
 def shortened(names: Iterable[str], width: int = 40) -> dict[str, str]:
-    """Names as a list shows them: `plain`, but whole where two would look alike.
+    """Return the shown form of each name: `plain`, or the full name if two forms are equal.
 
     Examples
     --------
@@ -146,4 +147,7 @@ def shortened(names: Iterable[str], width: int = 40) -> dict[str, str]:
     """
     short = {name: plain(name, width) for name in names}
     often = Counter(short.values())
-    return {name: one if often[one] == 1 else plain(name, len(name)) for name, one in short.items()}
+    return {
+        name: shown if often[shown] == 1 else plain(name, len(name))
+        for name, shown in short.items()
+    }

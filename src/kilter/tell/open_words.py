@@ -1,4 +1,7 @@
-"""Open pairs in words: what was left open, what decides, and the option that settles it."""
+"""Open pairs in words: their state, the deciding pairs, and the options that decide them.
+
+An open pair is a pair of parts whose geometry does not determine how they touch.
+"""
 
 from __future__ import annotations
 
@@ -14,15 +17,15 @@ __all__ = ["open_facts", "pair_words", "settling_options", "undecided_sentence"]
 
 Pair = Mapping[str, Any]
 FEW = 4
-"""Up to so many pairs are fastened one by one; more of one kind by one option."""
+"""Up to this number of overlapping pairs, each pair gets an option of its own."""
 TILT = "tilted"
-"""In the reason of a pair whose faces lie at an angle: a gap closes none."""
+"""Word in the reason of a pair whose faces are not parallel; no gap tolerance closes it."""
 ABOVE = 1.01
-"""By so much an option is wider than the gap that it has to close."""
+"""Ratio of a suggested tolerance to the gap that it must close [-]."""
 
 
 def pair_words(pair: Pair, units: str) -> str:
-    """A pair, and what is open about it.
+    """Return a pair and its state.
 
     Examples
     --------
@@ -35,6 +38,7 @@ def pair_words(pair: Pair, units: str) -> str:
 
 
 def _state(pair: Pair, units: str) -> str:
+    """Return how the parts of an open pair lie to each other."""
     kind, gap, depth = pair["kind"], pair["gap"], pair["depth"]
     if kind == "overlap":
         return "they overlap" if depth is None else f"they overlap by {number(depth, 3)} {units}"
@@ -43,15 +47,24 @@ def _state(pair: Pair, units: str) -> str:
     if kind == "near":
         if not gap or TILT in pair["why"]:
             return str(pair["why"])
-        word = "apart" if gap > 0 else "into each other"
+        word = "apart" if gap > 0 else "deep in each other"
         return f"{number(abs(gap), 3)} {units} {word}"
     if kind == "free-form":
         return "a curved contact of a kind that is not modelled yet"
-    return "edges or corners alone touch"
+    return "only edges or corners touch"
 
 
 def undecided_sentence(open_pairs: Sequence[Pair], units: str, *, more: Sequence[str] = ()) -> str:
-    """What an assembly hangs on that nothing holds as it is drawn; `more` is said beside.
+    """Return the sentence of an assembly that falls as drawn, but holds if open pairs are joined.
+
+    Parameters
+    ----------
+    open_pairs : sequence of mapping
+        Open pairs of the answer; the sentence names those that decide.
+    units : str
+        Length unit.
+    more : sequence of str
+        Further reasons.
 
     Examples
     --------
@@ -69,7 +82,7 @@ joined."
 
 
 def settling_options(open_pairs: Sequence[Pair]) -> list[str]:
-    """Options that say of the deciding pairs that they hold, one after the other.
+    """Return the options that join or close the deciding pairs.
 
     Examples
     --------
@@ -81,30 +94,30 @@ def settling_options(open_pairs: Sequence[Pair]) -> list[str]:
     ['--gap 0.202']
     """
     decides = [pair for pair in open_pairs if pair["decides"]]
-    found: list[str] = []
+    options: list[str] = []
     for kind in dict.fromkeys(pair["kind"] for pair in decides):
-        mine = [pair for pair in decides if pair["kind"] == kind]
+        alike = [pair for pair in decides if pair["kind"] == kind]
         if kind == "clearance":
-            found.append(f"--clearance {_above(mine)}")
+            options.append(f"--clearance {_above(alike)}")
         elif kind == "near":
-            loose = any(not pair["gap"] or TILT in pair["why"] for pair in mine)
-            found.append("--loose" if loose else f"--gap {_above(mine)}")
-        elif kind == "overlap" and len(mine) > FEW:
-            found.append("--fasten-overlaps")
+            loose = any(not pair["gap"] or TILT in pair["why"] for pair in alike)
+            options.append("--loose" if loose else f"--gap {_above(alike)}")
+        elif kind == "overlap" and len(alike) > FEW:
+            options.append("--fasten-overlaps")
         else:
-            found += [f"--fasten {shell_words(pair['parts'])}" for pair in mine]
-    return found
+            options += [f"--fasten {shell_words(pair['parts'])}" for pair in alike]
+    return options
 
 
 def _above(pairs: Sequence[Pair]) -> str:
-    """A length a little above the widest gap, of three digits."""
+    """Return a length of three digits just above the widest gap of the pairs [length unit]."""
     widest = ABOVE * max(abs(pair["gap"]) for pair in pairs)
     step = 10.0 ** (math.floor(math.log10(widest)) - 2)
     return f"{math.ceil(widest / step - 1e-9) * step:.3g}"
 
 
 def open_facts(answer: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """How many pairs are open, by kind, and of an undecided verdict what settles it.
+    """Return the facts of open pairs: their number by kind, and the options that decide.
 
     Examples
     --------
@@ -120,8 +133,10 @@ def open_facts(answer: Mapping[str, Any]) -> list[tuple[str, str]]:
     found = [("open pairs", f"{len(kinds)}: {counted}")]
     if joined is not None:
         least = (
-            "no fewer open pairs do it" if joined["smallest"] else "none of them can be left out"
+            "no smaller set of open pairs is enough"
+            if joined["smallest"]
+            else "each of these pairs is needed"
         )
         found.append(("if joined", f"{VERDICTS[joined['verdict']].lower()}; {least}"))
-        found.append(("to settle it", " ".join(settling_options(pairs))))
+        found.append(("to decide it", " ".join(settling_options(pairs))))
     return found

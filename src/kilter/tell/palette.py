@@ -1,8 +1,8 @@
-"""The one grammar of colour: what each colour says, in light and dark.
+"""Colours and their meaning, in light and dark.
 
-Pages, figures, sheets, films, notebooks and docs take their colours from here and nowhere else.
-Signs keep apart for eyes that see no red, no green or no blue, and words have the contrast that
-they need; no colour says what a word or a shape does not say too. Figures are light.
+Pages, figures, sheets, films, notebooks and docs take all their colours from this module. Readers
+with any colour blindness can distinguish the signs, and words have sufficient contrast. A word or
+a shape repeats the meaning of every colour. Figures use the light colours.
 
 References
 ----------
@@ -19,7 +19,16 @@ __all__ = ["GROUND", "PALETTE", "RAMP", "ROLES", "VERDICT_ROLE", "Role", "as_css
 
 @dataclass(frozen=True, slots=True)
 class Role:
-    """What a colour says: `light` and `dark` as #rrggbb; `use` is sign, word, fill or ground."""
+    """A colour and its meaning.
+
+    Attributes
+    ----------
+    light, dark : str
+        The colour as #rrggbb in a light and in a dark theme.
+    use : {"sign", "word", "fill", "ground"}
+    says : str
+        Meaning of the colour.
+    """
 
     light: str
     dark: str
@@ -31,38 +40,38 @@ ROLES = {
     "stable": Role("#0066b4", "#4fa8f0", "sign", "stable: a verdict, a region and its boundary"),
     "unstable": Role("#c24e00", "#ff8a3d", "sign", "unstable, and motion: arrows, edges, ghosts"),
     "force": Role("#006b50", "#4fdcab", "sign", "contact force, line of thrust"),
-    "limit": Role("#6a0018", "#fff3b0", "sign", "force that uses up its friction or bond"),
+    "limit": Role("#6a0018", "#fff3b0", "sign", "force at the limit of its friction or bond"),
     "patch": Role("#a3307f", "#e070b8", "sign", "contact patch"),
     "open": Role(
-        "#f5b800", "#e8b400", "sign", "open pair: the geometry does not say how it touches"
+        "#f5b800", "#e8b400", "sign", "open pair: the geometry does not determine its contact"
     ),
     "ink": Role("#1b2530", "#e8edf2", "sign", "text, gravity, loads"),
     "undecided": Role("#5b6673", "#8d99ad", "word", "undecided, unknown"),
     "grip": Role("#0066b4", "#4fa8f0", "word", "held by a hand, in stripes"),
     "link": Role("#005a8d", "#7cc8f7", "word", "link"),
     "soft": Role("#5b6673", "#a3afbb", "word", "text of less weight"),
-    "focus": Role("#0066b4", "#7cc8f7", "fill", "what has the keyboard"),
+    "focus": Role("#0066b4", "#7cc8f7", "fill", "element with the keyboard focus"),
     "picked": Role(
         "#ffdb00", "#ffdb00", "fill", "the part that was picked, in stripes; the brick to add"
     ),
     "stable-fill": Role("#4aa3dc", "#3b9bd8", "fill", "stable directions of the ball"),
     "stable-edge": Role("#ffffff", "#0b1620", "fill", "rim of the boundary of the region"),
     "unstable-fill": Role(
-        "#f3c19b", "#b5754a", "fill", "unstable directions, how much is not known"
+        "#f3c19b", "#b5754a", "fill", "unstable directions of unknown instability"
     ),
     "undecided-fill": Role("#f0e4a0", "#b39a2f", "fill", "undecided directions"),
     "blank": Role("#cfd5dc", "#56616d", "fill", "directions that are not mapped"),
     "edge": Role("#22303c", "#0a0f14", "fill", "edges of parts"),
-    "hatch": Role("#8f969e", "#565e67", "fill", "stripes of what is held"),
+    "hatch": Role("#8f969e", "#565e67", "fill", "stripes of held parts"),
     "line": Role("#d8dde3", "#35404b", "ground", "rules and frames"),
     "surface": Role("#ffffff", "#1c232b", "ground", "cards, rims of arrows"),
     "page": Role("#f3f4f6", "#12171d", "ground", "the page"),
     "stage-top": Role("#fbfcfd", "#2a333d", "ground", "behind the picture, above"),
     "stage-bottom": Role("#dfe5ec", "#171d24", "ground", "behind the picture, below"),
 }
-"""By name; in CSS each is a property of that name."""
+"""Colours by name; each is a CSS property of this name."""
 GROUND = "#c3c8ce"
-"""Of held parts, striped; the same in light and dark, as all parts."""
+"""Colour of held parts under their stripes. Part colours are equal in light and dark."""
 PALETTE = (
     "#7fb2d9",
     "#e8c268",
@@ -73,10 +82,11 @@ PALETTE = (
     "#9fa8da",
     "#b7d17a",
 )
-"""Of free parts, in the order they are given out: pale, so that signs stand out."""
+"""Colours of free parts, in the order in which parts get them. They are pale, so that signs stand
+out."""
 RAMP = ("#fff6de", "#fdd68c", "#f3a14b", "#d55e00", "#8c3006")
-"""Instability, or use of bonds, from none to the most: from light to dark, so that no hue is
-needed to read it."""
+"""Scale of instability or of the use of bonds. Its lightness falls from none to the most, so that
+it can be read without hue."""
 VERDICT_ROLE = {
     "stable": "stable",
     "found": "stable",
@@ -89,11 +99,11 @@ VERDICT_ROLE = {
     "fails": "unstable",
     "none": "unstable",
 }
-"""The role of a verdict; of any other, undecided."""
+"""Role of each verdict. Every other verdict has the role undecided."""
 
 
 def ink_of(verdict: str) -> str:
-    """The colour of a verdict's words on white.
+    """Return the colour of the words of a verdict on white.
 
     Examples
     --------
@@ -104,7 +114,7 @@ def ink_of(verdict: str) -> str:
 
 
 def rgb(text: str) -> tuple[int, int, int]:
-    """A colour as numbers from 0 to 255.
+    """Return red, green and blue of a colour, each from 0 to 255.
 
     Examples
     --------
@@ -116,8 +126,10 @@ def rgb(text: str) -> tuple[int, int, int]:
 
 
 def as_css() -> str:
-    """The roles as properties of a style: light, dark where the reader's system or choice is."""
-    light, dark = (_properties([getattr(one, of) for one in ROLES.values()]) for of in _THEMES)
+    """Return the style sheet of the roles, for light and dark, by the reader's system or choice."""
+    light, dark = (
+        _properties([getattr(role, theme) for role in ROLES.values()]) for theme in _THEMES
+    )
     ramp = f"--ramp: {', '.join(RAMP)}; --ground: {GROUND};"
     return (
         f":root {{ color-scheme: light; {light} {ramp} }}\n"
@@ -131,4 +143,4 @@ _THEMES = ("light", "dark")
 
 
 def _properties(colours: list[str]) -> str:
-    return " ".join(f"--{name}: {one};" for name, one in zip(ROLES, colours, strict=True))
+    return " ".join(f"--{name}: {colour};" for name, colour in zip(ROLES, colours, strict=True))

@@ -1,4 +1,4 @@
-"""What a plan says: its sentence, its facts, its steps."""
+"""The answer of `kilter plan` in words: its sentence, its facts, its steps."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ Answer = Mapping[str, Any]
 
 
 def order_sentence(answer: Answer) -> str:
-    """A plan in a sentence or two.
+    """Return one or two sentences about a plan.
 
     Parameters
     ----------
     answer : mapping
-        Data of a plan; the sentence itself is not needed.
+        Data of the plan; the key `sentence` is not used.
     """
     fewer = _without_holds(answer)
     if answer["found"]:
@@ -27,7 +27,7 @@ def order_sentence(answer: Answer) -> str:
         words = "with nothing held"
         if held:
             most = count(answer["holds_max"], "part")
-            words = f"with at most {most} held at once, in {count(held, 'step')}"
+            words = f"with at most {most} held at once (in {count(held, 'step')})"
         if answer["turns"]:
             times = {1: "once", 2: "twice"}.get(answer["turns"], f"{answer['turns']} times")
             words += f", turned {times}"
@@ -41,113 +41,116 @@ def order_sentence(answer: Answer) -> str:
         return fewer
     if answer["given"]:
         return _failing(answer)
-    why = "the effort was spent"
+    why = "the effort limit was reached"
     if answer["search"]["exhausted"]:
-        why = "none is left of the directions that were tried"
+        why = "all tried directions are exhausted"
     elif answer["interrupted"]:
-        why = "it was interrupted"
+        why = "the search was interrupted"
     elif answer["time_limit"] is not None:
-        why = f"the time limit of {answer['time_limit']:g} s was met"
+        why = f"the time limit of {answer['time_limit']:g} s was reached"
     most = count(answer["search"]["hold"], "part")
-    first = f"No order was found with up to {most} held: {why}; that proves nothing."
+    first = (
+        f"No order was found with up to {most} held: {why}. This does not prove that none exists."
+    )
     return f"{first} {fewer}" if fewer else first
 
 
 def _finished(answer: Answer) -> str:
-    """A sentence about the finished assembly, if it is only balanced."""
+    """Return a sentence about the finished assembly if it is only balanced."""
     if answer["finished"]["verdict"] != "balanced":
         return ""
     return "The finished assembly is balanced: the slightest push makes it fall."
 
 
 def _open(answer: Answer) -> str:
-    """The open pairs of an answer, in words."""
+    """Return the open pairs of an answer in words."""
     pairs = [" and ".join(pair["parts"]) for pair in answer["open_pairs"]]
     return f"; open pairs: {some_names(pairs)}" if pairs else ""
 
 
 def _failing(answer: Answer) -> str:
-    """What fails in an order that was given: its first step that does, and how many more."""
+    """Return the sentence of a given order that fails: its first failing step, and the rest."""
     failing = [(k, step) for k, step in enumerate(answer["steps"], 1) if step["fails"]]
     number, step = failing[0]
     why = "; ".join(step["fails"])
     more = f" {count(len(failing) - 1, 'further step')} fail." if len(failing) > 1 else ""
-    sure = "cannot be kept to" if answer["verdict"] == "fails" else "was not confirmed"
-    return f"This order {sure}: step {number}, {some_names(step['parts'])}: {why}.{more}"
+    outcome = "fails" if answer["verdict"] == "fails" else "was not confirmed"
+    return f"This order {outcome} at step {number}, {some_names(step['parts'])}: {why}.{more}"
 
 
 def _least(answer: Answer) -> str:
-    """How surely nothing has less, where it is more than nothing and that is not said yet."""
+    """Return how surely the minimised quantity is least.
+
+    The text is empty if the quantity is zero, or if the first sentences state its proof already.
+    """
     fewest, most = answer["fewest"], answer["holds_max"]
-    said = fewest["what"] == "holds" and most == 1 and answer["impossible"]
-    if answer["given"] or said or not (answer["turns"] if fewest["what"] == "turns" else most):
+    stated = fewest["what"] == "holds" and most == 1 and answer["impossible"]
+    if answer["given"] or stated or not (answer["turns"] if fewest["what"] == "turns" else most):
         return ""
     allowed = answer["search"]["hold"]
     held = f"up to {count(allowed, 'part')}" if allowed else "nothing"
-    what = {
-        "holds": "parts at once",
-        "held-steps": "held steps",
+    quantity = {
+        "holds": "parts held at once",
+        "held-steps": "steps with held parts",
         "turns": f"turns with {held} held",
     }[fewest["what"]]
     return {
-        "always": f"No order has fewer {what}.",
-        "as-tried": f"Along the ways that were tried no order has fewer {what}.",
-        None: f"Whether fewer {what} are enough was not found out.",
+        "always": f"It is proved that no order has fewer {quantity}.",
+        "as-tried": f"Along the directions that were tried no order has fewer {quantity}.",
+        None: f"Whether an order has fewer {quantity} was not determined.",
     }[fewest["least"]]
 
 
 def _without_holds(answer: Answer) -> str:
+    """Return the sentence of the proof that no order exists, or that none exists without holds."""
     impossible = answer["impossible"]
     if impossible is None:
         return ""
+    names = some_names(impossible["parts"])
     if impossible["kind"] == "falls":
-        return (
-            "There is no order: the finished assembly does not hold by itself, "
-            f"{some_names(impossible['parts'])} would move."
-        )
+        return f"No order exists, because the finished assembly falls: {names} would move."
     if impossible["kind"] == "locking":
-        return (
-            "There is no order, whatever the paths and whatever is held: of "
-            f"{some_names(impossible['parts'])} none can move before another one has left."
-            if len(impossible["parts"]) > 1
-            else "There is no order, whatever the paths and whatever is held: "
-            f"{some_names(impossible['parts'])} cannot move."
-        )
+        first = "It is proved that no order exists, whatever the paths and whatever is held:"
+        if len(impossible["parts"]) > 1:
+            return f"{first} of {names} none can move before another of them has left."
+        return f"{first} {names} cannot move."
     if impossible["kind"] == "exhaustion":
         most = impossible["holds"]
         held = f"up to {count(most, 'part')}" if most else "nothing"
         return (
-            f"With {held} held there is no order, whatever the paths: each has a step that "
-            f"needs more, else {some_names(impossible['parts'])} would move."
+            f"It is proved that with {held} held no order exists, whatever the paths: at some step "
+            f"{names} would move."
         )
     return (
-        "With nothing held there is no order, whatever the paths: "
-        f"{some_names(impossible['parts'])} cannot stand on what can be reached."
+        "It is proved that with nothing held no order exists, whatever the paths: "
+        f"{names} would fall from the parts on which it can be put."
     )
 
 
 def order_facts(answer: Answer) -> list[tuple[str, str]]:
-    """Terms of a plan and what they are, in words."""
+    """Return the facts of a plan, each a term and its words."""
     search, assumes = answer["search"], answer["assumes"]
-    tried = ", ".join(one if isinstance(one, str) else vector(one) for one in assumes["directions"])
-    found = [("base", some_names(answer["base"]))]
+    tried = ", ".join(
+        word if isinstance(word, str) else vector(word) for word in assumes["directions"]
+    )
+    rows = [("base", some_names(answer["base"]))]
     if answer["level"] is not None:
-        words = answer["level"]
+        words = f"{answer['level']}, the lowest level of its states"
         if answer["found"] and not answer["holds"]:
-            words += f" (asked for: {answer['require']})"
-        found.append(("level", f"{words}: the lowest level of its states"))
+            words += f" (required: {answer['require']})"
+        rows.append(("level", words))
     if answer["best"]:
-        found.append(("best so far", f"these can come last: {some_names(answer['best'], 8)}"))
-    found.append(("directions", tried))
+        rows.append(("best so far", f"these can be put in last: {some_names(answer['best'], 8)}"))
+    rows.append(("directions", tried))
     if assumes["screws"]:
-        found.append(("screws", some_names([" in ".join(pair) for pair in assumes["screws"]], 4)))
-    sizes = ", ".join(count(search[f"{one}s"], one) for one in ("state", "program", "sweep"))
-    return [*found, ("search", sizes)]
+        rows.append(("screws", some_names([" in ".join(pair) for pair in assumes["screws"]], 4)))
+    sizes = ", ".join(count(search[f"{word}s"], word) for word in ("state", "program", "sweep"))
+    return [*rows, ("search", sizes)]
 
 
 def step_cells(step: Answer) -> tuple[str, str, str, str]:
-    """Direction, held parts, what is gripped and let go, and the level of a step."""
+    """Return the table cells of a step: direction, held parts, released parts, level."""
     held = f"hold {some_names(step['held'])}" if step["held"] else ""
-    freed = f"let go {some_names(step['releases'])}" if step["releases"] else ""
+    freed = f"release {some_names(step['releases'])}" if step["releases"] else ""
     along = "" if step["direction"] is None else f"along {vector(step['direction'], 3)}"
     return along, held, freed, "; ".join(step["fails"]) or step["level"]

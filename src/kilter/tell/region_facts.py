@@ -1,4 +1,4 @@
-"""What an answer about directions of gravity says: a region, or the turn into it."""
+"""Facts of the answers about directions of gravity: regions, orientations, places of rest."""
 
 from __future__ import annotations
 
@@ -9,20 +9,23 @@ from kilter.tell.shared_facts import Answer, Fact, balance_phrase, instability_p
 __all__ = ["orient_facts", "region_facts", "region_phrase", "region_words", "rest_words"]
 
 ROWS = 20
-"""Vectors of a region that are told one by one."""
+"""Largest number of vectors of each kind that are listed."""
 DIRECTIONS = {
-    "lines": "both senses stable",
-    "rays": "extreme directions",
-    "equations": "q.g = 0",
-    "facets": "q.g >= 0",
+    "lines": "stable in both senses",
+    "rays": "extreme stable directions",
+    "equations": "normals q: stable directions g have q.g = 0",
+    "facets": "inward normals q: stable directions g have q.g >= 0",
 }
 
 
 def orient_facts(answer: Answer) -> list[Fact]:
-    """Terms of a direction that was looked for and what they are."""
-    turn = f"quaternion (w, x, y, z) {vector(answer['rotation'])}: takes it to the file's gravity"
+    """Return the facts of a recommended or nearest direction, each a term and its words."""
+    turn = (
+        f"quaternion (w, x, y, z) {vector(answer['rotation'])}: rotates this direction to the "
+        "gravity of the file"
+    )
     found = [
-        ("down", f"{vector(answer['down'])} in the frame of the assembly"),
+        ("down", f"{vector(answer['down'])}: direction of gravity in the assembly's frame"),
         ("turn", turn),
     ]
     if answer["found"]:
@@ -33,30 +36,32 @@ def orient_facts(answer: Answer) -> list[Fact]:
             found.append(("proof", balance_phrase(answer["residual"])))
     else:
         found.append(("instability", instability_phrase(answer)))
-        found += _nearest(answer["nearest"])
+        found += _nearest(answer["nearest"], answer["units"])
     return [*found, *joint_facts(answer), ("programs", f"{answer['programs']} solved")]
 
 
-def _nearest(near: Answer | None) -> list[Fact]:
-    """The directions nearest to stable, in three senses."""
+def _nearest(near: Answer | None, units: str) -> list[Fact]:
+    """Return the directions nearest to stable by three measures."""
     if near is None:
         return []
-    known = {key: one for key, one in near.items() if one is not None}
-    at = {key: vector(one["direction"]) for key, one in known.items()}
-    value = {key: number(one["value"]) for key, one in known.items()}
-    least = "by kappa not known: no solver finished it"
+    known = {key: entry for key, entry in near.items() if entry is not None}
+    at = {key: vector(entry["direction"]) for key, entry in known.items()}
+    value = {key: number(entry["value"]) for key, entry in known.items()}
+    least = "least kappa: not known, no solver finished it"
     if "kappa" in known:
         bound = number(near["kappa"]["bound"])
-        least = f"{at['kappa']} by kappa, {value['kappa']} (no direction has less than {bound})"
+        least = f"{at['kappa']} has the least kappa, {value['kappa']} (proved: at least {bound})"
+    greatest = f"has the greatest z, {{}} kg {units}, of all"
+    diamond, sphere = (greatest.format(value[key]) for key in ("diamond", "sphere"))
     return [
-        ("nearest", f"{at['diamond']} on the paper's diamond, z = {value['diamond']}"),
-        ("", f"{at['sphere']} on the sphere, z = {value['sphere']}"),
+        ("nearest", f"{at['diamond']} {diamond} g with |x| + |y| + |z| = 1"),
+        ("", f"{at['sphere']} {sphere} unit vectors g"),
         ("", least),
     ]
 
 
 def region_phrase(kind: str, half_angle_deg: float | None, *, friction: bool) -> str:
-    """A region in few words.
+    """Return the kind and the width of a region.
 
     Examples
     --------
@@ -68,29 +73,29 @@ def region_phrase(kind: str, half_angle_deg: float | None, *, friction: bool) ->
 
 
 def region_words(answer: Answer, *, proved_none: bool) -> str:
-    """A region in few words, and whether it is all of it."""
+    """Return the kind and the width of a region, and whether it may be larger."""
     words = region_phrase(answer["kind"], answer["half_angle_deg"], friction=answer["friction"])
     if answer["complete"] or proved_none:
         return words
-    return f"{words}; more directions may be stable: not every force there may be was counted"
+    return f"{words}; more directions may be stable, since not every possible force was counted"
 
 
 def region_facts(answer: Answer) -> list[Fact]:
-    """Terms of a region and what they are."""
+    """Return the facts of a region, each a term and its words."""
     found = [("kind", f"{answer['kind']}, dimension {answer['dimension']}")]
     if answer["center"] is not None:
-        center = f"{vector(answer['center'])}: the direction with the widest margin"
+        center = f"{vector(answer['center'])}: the direction with the widest tilt margin"
         found.append(("center", center))
     if answer["half_angle_deg"] is not None:
         half = angle(answer["half_angle_deg"])
         found.append(("half angle", f"{half}, of the widest circular cone inside"))
     if answer["gap_deg"] is not None:
-        gap = f"{answer['gap_deg']:.3g} deg at most between rays inside, facets outside"
+        gap = f"at most {answer['gap_deg']:.3g} deg between rays (inside) and facets (outside)"
         found.append(("gap", gap))
-    for name, what in DIRECTIONS.items():
-        listed = [vector(one) for one in answer[name][:ROWS]]
+    for name, meaning in DIRECTIONS.items():
+        listed = [vector(row) for row in answer[name][:ROWS]]
         found += [
-            ("" if k else name, words if k else f"{words}  ({what})")
+            ("" if k else name, words if k else f"{words}  ({meaning})")
             for k, words in enumerate(listed)
         ]
         if len(answer[name]) > ROWS:
@@ -104,37 +109,37 @@ def region_facts(answer: Answer) -> list[Fact]:
 
 
 def _rests(answer: Answer) -> list[Fact]:
-    """How it rests in each direction that was asked."""
-    words = [f"{vector(one['down'])}: {rest_words(one)}" for one in answer.get("rests", ())]
-    return [("" if k else "rests", one) for k, one in enumerate(words)]
+    """Return the state of rest in each direction of gravity of `--rests`."""
+    phrases = [f"{vector(rest['down'])}: {rest_words(rest)}" for rest in answer.get("rests", ())]
+    return [("" if k else "rests", words) for k, words in enumerate(phrases)]
 
 
 def rest_words(rest: Answer) -> str:
-    """How it rests in one direction.
+    """Return the state of rest in one direction of gravity.
 
     Examples
     --------
     >>> corner = {"state": "minimum", "rate": None, "moving": [], "why": None, "tilt_deg": 35.3}
     >>> rest_words(corner).split("; ")[1]
-    'tilted up to 35.3 deg it stays'
+    'it stays after any tilt up to 35.3 deg'
     """
     words = [second_order_words({**rest, "motion": rest["moving"], "free": 0})]
     if rest["state"] == "minimum" and rest["tilt_deg"]:
-        words.append(f"tilted up to {angle(rest['tilt_deg'])} it stays")
+        words.append(f"it stays after any tilt up to {angle(rest['tilt_deg'])}")
     if rest.get("well"):
         words += _well_words(rest["well"])
     return "; ".join(words)
 
 
 def _well_words(well: Answer) -> list[str]:
-    """How wide, deep and stiff the well of a body on a table is."""
+    """Return the width, the depth and the stiffness of the energy well of a body on a table."""
     words = []
     if well["barrier"] is not None:
-        over = f"tilted on its table by less than {angle(well['over_deg'])} it comes back"
-        words += [over, f"to tip it takes {number(well['barrier'], 4)} J"]
+        over = f"on its table it comes back from any tilt below {angle(well['over_deg'])}"
+        words += [over, f"tipping it needs {number(well['barrier'], 4)} J"]
     elif well["over_deg"] is not None:
-        words.append("however it is tilted on its table, it comes back")
+        words.append("on its table it comes back from any tilt")
     if well["stiffness"] is not None:
-        moment = f"it rights itself by {number(well['stiffness'], 4)} N m a radian at least"
-        words += [moment, f"its slowest swing takes {number(well['period'], 4)} s"]
+        moment = f"its righting moment is at least {number(well['stiffness'], 4)} N m/rad"
+        words += [moment, f"its slowest swing has a period of {number(well['period'], 4)} s"]
     return words

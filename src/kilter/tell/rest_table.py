@@ -1,4 +1,4 @@
-"""Places of rest as a table: where gravity points, what it lies on, how safe it stands there."""
+"""Table of the places of rest: direction of gravity, supporting parts, state, limits of tilt."""
 
 from __future__ import annotations
 
@@ -16,12 +16,13 @@ REST_SIGNS = {
     "balanced": "only balances",
     "open": "open",
 }
-"""States of rest in a word or three."""
+"""Words of the states of rest, the safest first."""
 HEAD = ("gravity", "lies on", "rest", "tilt", "energy to tip", "righting moment", "swing")
+"""Column heads; the swing is a period [s], or a rate [1/s] if the period is not known."""
 
 
 def rest_table(region: Answer) -> Table:
-    """The places of rest of a region, those that are strict first.
+    """Return the table of the places of rest of a region, the strict minima first.
 
     Examples
     --------
@@ -31,11 +32,12 @@ def rest_table(region: Answer) -> Table:
     [['(0, 0, -1)', 'floor', 'strict minimum', '35.3 deg', '', '', '']]
     """
     order = {state: k for k, state in enumerate(REST_SIGNS)}
-    rests = sorted(region["rests"], key=lambda one: order[one["state"]])
+    rests = sorted(region["rests"], key=lambda rest: order[rest["state"]])
     return Table("", HEAD, rests, _row)
 
 
 def _row(rest: Answer) -> Sequence[str]:
+    """Return the cells of a place of rest, in the order of `HEAD`."""
     well = rest["well"] or {}
     tilt = rest["tilt_deg"] if rest["state"] == "minimum" else None
     tilt = well.get("over_deg", tilt) if well else tilt

@@ -1,4 +1,4 @@
-"""Second order in a mechanic's words."""
+"""The answer of second order in words: minimum, free, balanced or open."""
 
 from __future__ import annotations
 
@@ -16,13 +16,20 @@ FRICTION = {
     "falls": "with friction, too",
 }
 NAMED = 3
-"""Parts that are named; more are counted."""
+"""Largest number of parts that are named."""
 
 
 def balanced_sentence(parts: Sequence[str], within: str = "", rolling: str | None = None) -> str:
-    """The verdict on what is stable to first order and falls to second, unless friction holds it.
+    """Return the sentence of an assembly that is stable to first order and falls to second order.
 
-    `rolling`: "holds" or "falls" where it is proved whether friction does.
+    Parameters
+    ----------
+    parts : sequence of str
+        Names of the parts that fall.
+    within : str
+        Words about the accuracy, after the verdict.
+    rolling : {"holds", "falls"}, optional
+        Proved effect of friction on this fall.
 
     Examples
     --------
@@ -32,18 +39,18 @@ def balanced_sentence(parts: Sequence[str], within: str = "", rolling: str | Non
     them = "it" if len(parts) == 1 else "them"
     if rolling == "holds":
         return (
-            f"Stable{within}: friction holds {_names(parts)} against small pushes; without "
+            f"Stable{within}: friction holds {_names(parts)} against small pushes. Without "
             f"friction the slightest push makes {them} fall."
         )
     if rolling == "open":
         return (
-            f"Stable to first order, as in the paper{within}: it cannot start to move by itself; "
-            f"the slightest push makes {_names(parts)} fall, unless friction holds {them}."
+            f"Stable to first order, as in the paper{within}: it cannot start to move by itself. "
+            f"The slightest push makes {_names(parts)} fall, unless friction holds {them}."
         )
     falls = f"makes {_names(parts)} fall"
     friction = f"unless friction holds {them}"
     if rolling == "falls":
-        friction = f"and friction does not hold {them}: nothing needs to slip"
+        friction = f"and friction cannot hold {them}, because no contact needs to slip"
     return (
         f"Balanced{within}: it cannot start to move by itself, but the slightest push {falls}, "
         f"{friction}."
@@ -51,17 +58,17 @@ def balanced_sentence(parts: Sequence[str], within: str = "", rolling: str | Non
 
 
 def second_order_words(answer: Mapping[str, Any]) -> str:
-    """What the answer of second order says.
+    """Return the state of second order with its rate, free motions or reason.
 
     Examples
     --------
     >>> second_order_words({"state": "minimum", "free": 0, "rate": None})
     'a strict minimum of its energy: small pushes do not move it away'
     >>> second_order_words({"state": "free", "motion": {"b": []}})
-    'neutral: b can move freely, at no cost'
+    'neutral: b can move freely without any change of energy'
     >>> second_order_words({"state": "balanced", "rate": 0.5, "motion": {"b": [], "c": []}})
-    'balanced: the slightest push makes b and c fall, unless friction holds them; a push grows \
-e-fold in 2 s'
+    'balanced: the slightest push makes b and c fall, unless friction holds them; a deviation \
+grows e-fold in 2 s'
     """
     state = answer["state"]
     if state == "minimum":
@@ -69,15 +76,16 @@ e-fold in 2 s'
         if answer["rate"]:
             more.append(f"it swings at {number(answer['rate'], 3)} rad/s or faster")
         if answer["free"]:
-            spins = "1 spin costs" if answer["free"] == 1 else f"{answer['free']} spins cost"
-            more.append(f"{spins} nothing")
+            spins = "1 spin changes" if answer["free"] == 1 else f"{answer['free']} spins change"
+            more.append(f"{spins} no energy")
         words = "a strict minimum of its energy: small pushes do not move it away"
         return f"{words} ({'; '.join(more)})" if more else words
     if state == "free":
-        return f"neutral: {_names(list(answer['motion']))} can move freely, at no cost"
+        names = _names(list(answer["motion"]))
+        return f"neutral: {names} can move freely without any change of energy"
     if state == "balanced":
         rate = answer["rate"]
-        grows = f"; a push grows e-fold in {number(1 / rate, 3)} s" if rate else ""
+        grows = f"; a deviation grows e-fold in {number(1 / rate, 3)} s" if rate else ""
         names = _names(list(answer["motion"]))
         them = "it" if len(answer["motion"]) == 1 else "them"
         friction = FRICTION[answer.get("rolling")].format(them=them)
@@ -86,6 +94,7 @@ e-fold in 2 s'
 
 
 def _names(parts: Sequence[str]) -> str:
+    """Return the first `NAMED` names, and the number of the others."""
     shown = [plain(name) for name in parts[:NAMED]]
     if len(parts) > NAMED:
         return f"{', '.join(shown)} and {len(parts) - NAMED} more"

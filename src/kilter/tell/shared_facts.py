@@ -1,4 +1,4 @@
-"""Facts that several kinds of answers tell: parts, joints, gravity, what touches, a balance."""
+"""Facts that several kinds of answers share: parts, joints, gravity, tolerances, equilibrium."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ Fact = tuple[str, str]
 
 
 def parts_phrase(parts: Sequence[Answer]) -> str:
-    """How many parts there are, and which are held."""
+    """Return the number of parts and the names of the held parts."""
     held = [plain(part["name"]) for part in parts if part.get("grounded")]
     return f"{len(parts)}, held: {some(held) or 'none (joints to the ground)'}"
 
 
 def gravity_phrase(answer: Answer) -> str:
-    """Size and direction of gravity."""
+    """Return the size and the direction of gravity."""
     size = math.hypot(*answer["gravity"])
     along = [component / size for component in answer["gravity"]]
     return f"{number(size)} m/s^2 along {vector(along)}"
 
 
 def joint_facts(answer: Answer) -> list[Fact]:
-    """The joints, a row a kind."""
+    """Return one row for each kind of joint."""
     found: list[Fact] = []
     joints = answer.get("joints", ())
     short = shortened(dict.fromkeys(name for joint in joints for name in joint["parts"]))
@@ -53,22 +53,22 @@ def joint_facts(answer: Answer) -> list[Fact]:
 
 
 def touching_phrase(gap: str, degrees: float, clearance: float | None, unit: str) -> str:
-    """When faces count as touching."""
+    """Return the tolerances at which faces count as touching."""
     words = f"gap up to {gap}, angle up to {number(degrees, 3)} deg"
     if clearance is None:
         return words
-    return f"{words}, clearances up to {number(clearance, 3)} {unit} taken as closed"
+    return f"{words}, clearances up to {number(clearance, 3)} {unit} counted as closed"
 
 
 def balance_phrase(residual: float) -> str:
-    """How well forces balance every part."""
+    """Return the residual of the equilibrium of every part."""
     how = f"to {residual:.1e} of its weight" if residual else "exactly"
     return f"contact forces that balance every part {how}"
 
 
 def instability_phrase(answer: Answer) -> str:
-    """Z of LP (9), and kappa where it is known."""
-    words = f"z = {number(answer['z'])} (LP (9): kg, {answer['units']}, gravity 1)"
+    """Return z, the optimum of the displacement program, and kappa if it is known."""
+    words = f"z = {number(answer['z'])} kg {answer['units']} (displacement program, gravity 1)"
     if answer["instability"] is not None:
         words += f", kappa = {number(answer['instability'])} (0 stable, 1 free fall)"
     return words

@@ -1,4 +1,4 @@
-"""What one step of a plan says: which way, what is touched, what is held and why."""
+"""Facts of one step of a plan: path, touched parts, held parts with their reasons, level."""
 
 from __future__ import annotations
 
@@ -12,51 +12,51 @@ __all__ = ["hand_phrase", "step_facts"]
 
 Answer = Mapping[str, Any]
 LEVELS = {
-    "proved": "it cannot start to move, that is proved",
-    "settles": "its own weight makes the friction that holds it",
-    "equilibrium": "forces that hold it exist",
+    "proved": "they cannot start to move, that is proved",
+    "settles": "the friction that their own weight creates holds them",
+    "equilibrium": "forces that hold them exist",
 }
-"""What a level says of what stands."""
+"""Meaning of a level for the standing parts."""
 LISTED = 6
-"""Names of a list that are shown."""
+"""Largest number of names in a list."""
 NO_SHARE = 1e-6
-"""A force below this part of the weight of a part is what rounding leaves of none [-]."""
+"""A force below this share of the weight of a part is shown as next to nothing [-]."""
 
 
 def step_facts(step: Answer, hands: Sequence[Answer]) -> list[tuple[str, str]]:
-    """Terms of a step and what they are, in words.
+    """Return the facts of a step, each a term and its words.
 
     Parameters
     ----------
     step : mapping
-        An entry of `steps` of a plan.
+        Entry of `steps` of a plan.
     hands : sequence of mapping
-        ``part``, ``force`` [N] and ``torque`` [N m] or None, ``weight`` [N] and ``radius`` [m] of
-        the part, ``falls``.
+        Held parts, each with ``part``, ``force`` [N] and ``torque`` [N m] or None, ``weight`` [N]
+        and ``radius`` [m] of the part, and ``falls``: the parts that fall without this hand.
     """
-    way = "no way was found"
+    path = "no path was found"
     if step["direction"] is not None:
-        way = f"along {vector(step['direction'], 3)}"
+        path = f"along {vector(step['direction'], 3)}"
     pieces = len(step["path"]) - 1
     if pieces > 1:
-        way += f", the last of {count(pieces, 'straight piece')}"
+        path += f", the last of {count(pieces, 'straight piece')}"
     if step["over"] is not None:
-        way += f", over the thread of {some_names([step['over']])}"
-    found = [("comes in", way), ("touches", some_names(step["touches"], LISTED))]
+        path += f", over the thread of {some_names([step['over']])}"
+    rows = [("comes in", path), ("touches", some_names(step["touches"], LISTED))]
     if step["rubs"]:
-        found.append(("slides along", some_names(step["rubs"], LISTED)))
+        rows.append(("slides along", some_names(step["rubs"], LISTED)))
     if step["grips"]:
-        found.append(("first grip", some_names(step["grips"], LISTED)))
+        rows.append(("first grip", some_names(step["grips"], LISTED)))
     if step["releases"]:
-        found.append(("then let go", some_names(step["releases"], LISTED)))
-    found += [(f"hold {some_names([hand['part']])}", hand_phrase(hand)) for hand in hands]
+        rows.append(("then release", some_names(step["releases"], LISTED)))
+    rows += [(f"hold {some_names([hand['part']])}", hand_phrase(hand)) for hand in hands]
     if step["fails"]:
-        return [*found, ("fails", "; ".join(step["fails"]))]
-    return [*found, ("what stands", f"{LEVELS[step['level']]} ({step['level']})")]
+        return [*rows, ("fails", "; ".join(step["fails"]))]
+    return [*rows, ("standing parts", f"{LEVELS[step['level']]} ({step['level']})")]
 
 
 def hand_phrase(hand: Answer) -> str:
-    """What a hand carries, and why it is needed.
+    """Return the load of a hand, and the parts that would move without it.
 
     Examples
     --------
@@ -65,17 +65,17 @@ def hand_phrase(hand: Answer) -> str:
     >>> hand_phrase({"force": 2.0, "torque": 1e-9, "weight": 1.0, "radius": 0.1, "falls": []})
     'it may carry 2 N'
     """
-    said = []
+    phrases = []
     if hand["force"] is not None:
         least = NO_SHARE * hand["weight"]
         carried = force(hand["force"]) if hand["force"] > least else "next to nothing"
         if hand["torque"] > least * hand["radius"]:
             carried += f" and {force(hand['torque'])} m"
-        said.append(f"it may carry {carried}")
+        phrases.append(f"it may carry {carried}")
     falls = hand["falls"]
     if falls:
         move = count(len(falls), "part")
-        said.append(f"without it {move} would move: {some_names(falls, LISTED)}")
-    elif not said:
-        said.append("what stands may hold without it")
-    return "; ".join(said)
+        phrases.append(f"without it {move} would move: {some_names(falls, LISTED)}")
+    elif not phrases:
+        phrases.append("the standing parts may hold without it")
+    return "; ".join(phrases)

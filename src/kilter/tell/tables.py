@@ -1,4 +1,4 @@
-"""What an answer lists: parts that move, forces, pushes, patches, gaps, as rows of words."""
+"""Sentences and tables of an answer: moving parts, forces, pushes, loads, patches, gaps."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ __all__ = [
 
 INTERFERENCE = "an interference fit: a press fit or a thread"
 NO_FORCE = 1e-9
-"""A force below this fraction of the greatest is what rounding leaves of none [-]."""
+"""A force below this share of the greatest force is left out, since it comes from rounding [-]."""
 NO_GAP = 1e-14
-"""A gap below this fraction of the largest part is what rounding leaves of none [-]."""
+"""A gap below this share of the largest part is shown as 0, since it comes from rounding [-]."""
 KINDS = {
     "none": "No direction of gravity is stable.",
     "ray": "One direction of gravity is stable, and none near it.",
@@ -48,13 +48,16 @@ KINDS = {
     "half-space": "The stable directions of gravity are a half-space.",
     "all": "Every direction of gravity is stable: it is locked.",
 }
-HELD = "With friction, where forces that hold it exist ('kilter check --down' tells the rest):"
+HELD = (
+    "With friction, a direction counts as held if forces that hold it exist ('kilter check --down' "
+    "reports what friction guarantees):"
+)
 TRIED = "Changes that were tried, the best first:"
-LEFT_OUT = "Without friction and contacts not modelled:"
+LEFT_OUT = "Without friction and without the contacts that are not modelled:"
 
 
 class Name(str):
-    """A name from a file: each voice shows it as what cannot disturb it."""
+    """A name from a file; the terminal and the pages escape and shorten it."""
 
     __slots__ = ()
 
@@ -67,11 +70,11 @@ class Table:
     ----------
     title : str
     head : sequence of str
-        Words above the columns; empty where they need none.
+        Column heads; empty for a list without heads.
     items : sequence
-        What is listed, a row each.
+        Listed items, one for each row.
     row : callable
-        The cells of an item: words, or a `Name`.
+        Function from an item to its cells, each words or a `Name`.
     """
 
     title: str
@@ -80,12 +83,12 @@ class Table:
     row: Callable[[Any], Sequence[str]]
 
     def rows(self, limit: int) -> list[Sequence[str]]:
-        """The first rows."""
+        """Return the cells of the first `limit` items."""
         return [self.row(item) for item in self.items[:limit]]
 
 
 def sentences(answer: Answer) -> list[str]:
-    """What an answer says first."""
+    """Return the first lines of an answer."""
     kind = kind_of(answer)
     if kind == "region":
         return [_region_sentence(answer)]
@@ -96,7 +99,8 @@ def sentences(answer: Answer) -> list[str]:
         lines = [f"Parts touch in {counts(pairs=pairs, patches=len(patches), points=points)}."]
         left_open, alone = len(answer["open_pairs"]), len(answer["nearest"])
         if left_open:
-            lines.append(f"Left open by the geometry: {count(left_open, 'pair')}.")
+            decides = "does not determine how they touch"
+            lines.append(f"Open: {count(left_open, 'pair')}, since the geometry {decides}.")
         if alone:
             lines.append(f"Touching nothing: {count(alone, 'part')}.")
         return lines
@@ -116,7 +120,7 @@ def sentences(answer: Answer) -> list[str]:
 
 
 def region_sentence(kind: str, *, friction: bool) -> str:
-    """Which directions of gravity an assembly holds for; with friction, which can be held.
+    """Return the sentence of a region by its kind; with friction, "held" replaces "stable".
 
     Examples
     --------
@@ -127,6 +131,7 @@ def region_sentence(kind: str, *, friction: bool) -> str:
 
 
 def _region_sentence(answer: Answer) -> str:
+    """Return the sentence of a region, after the forces that it counts or leaves out."""
     head = region_sentence(answer["kind"], friction=answer["friction"])
     inner = _lower_case(head)
     if answer["pairs_decide"]:
@@ -148,36 +153,34 @@ def _lower_case(sentence: str) -> str:
 
 
 def tables(answer: Answer) -> list[Table]:
-    """What an answer lists after its facts."""
+    """Return the tables that follow the facts of an answer; empty tables are left out."""
     kind = kind_of(answer)
     if kind == "margin":
-        return [one for one in (push_table(answer), load_table(answer)) if len(one.items)]
+        return [table for table in (push_table(answer), load_table(answer)) if len(table.items)]
     if kind == "plan" and answer["steps"]:
-        return [_steps(answer)]
+        return [_step_table(answer)]
     if kind == "hold" and answer["supports"]:
-        return [_supports(answer)]
+        return [_support_table(answer)]
     if kind == "improve" and answer["tried"]:
-        return [
-            Table("Changes that were tried, the best first:", HEAD, answer["tried"], change_cells)
-        ]
+        return [Table(TRIED, HEAD, answer["tried"], change_cells)]
     if kind == "check":
         return [table for table in [fastened_table(answer)] if len(table.items)]
     if kind == "contacts":
         every = [
             open_table(answer),
-            _lone(answer),
+            _lone_table(answer),
             fastened_table(answer),
-            _fits(answer),
-            _patches(answer),
-            _gaps(answer),
-            *_doubtful(answer),
+            _fit_table(answer),
+            _patch_table(answer),
+            _gap_table(answer),
+            *_rejected_tables(answer),
         ]
         return [table for table in every if len(table.items)]
     return []
 
 
 def moving_table(answer: Answer) -> Table | None:
-    """The parts that move and how, the fastest first; None where it tells of none."""
+    """Return the moving parts and their motions, the fastest first, or None without a motion."""
     if kind_of(answer) not in ("check", "orient"):
         return None
     verdict = answer["verdict"]
@@ -194,8 +197,8 @@ def moving_table(answer: Answer) -> Table | None:
     moving = [part for part in parts if part["moves"]]
     left_out = bool(answer["open_pairs"])
     if verdict == "undecided" or (left_out and moving):
-        by = "certain contacts" if left_out else "modelled, frictionless contacts"
-        title = f"By its {by} alone, {len(moving)} of {free} free parts move:"
+        counted = "certain contacts" if left_out else "modelled, frictionless contacts"
+        title = f"With its {counted} alone, {len(moving)} of {free} free parts move:"
     elif verdict == "potentially-stable":
         title = f"{len(moving)} of {free} free parts could move:"
     elif moving or not parts:
@@ -211,23 +214,23 @@ def moving_table(answer: Answer) -> Table | None:
 
 
 def fastened_table(answer: Answer) -> Table:
-    """What was joined as it looks or overlaps, not by name."""
+    """Return the table of the pairs that an option joined because they look fastened or overlap."""
     joined = [joint for joint in answer["joints"] if joint.get("why")]
-    title = f"Fastened, as asked for: {count(len(joined), 'pair')}"
+    title = f"Fastened by option: {count(len(joined), 'pair')}"
     return Table(title, (), joined, lambda joint: (*_names(joint), joint["why"]))
 
 
 def forces_table(answer: Answer) -> Table:
-    """The contact forces of an equilibrium, the greatest first; of bonds what they use."""
-    found = answer["forces"]
+    """Return the contact forces of one equilibrium, the greatest first, with the use of bonds."""
+    forces = answer["forces"]
     head = ["part", "on part", "force", "direction", f"at {answer['units']}", "friction used"]
-    if found is None:
-        return Table("No contact forces: there is no equilibrium.", (), (), tuple)
-    bonded = any(patch["bond_utilisation"] is not None for patch in found["patches"])
+    if forces is None:
+        return Table("No contact forces: no equilibrium exists.", (), (), tuple)
+    bonded = any(patch["bond_utilisation"] is not None for patch in forces["patches"])
     head += ["bond used"] * bonded
-    patches = sorted(found["patches"], key=lambda patch: -math.hypot(*patch["resultant"]))
+    patches = sorted(forces["patches"], key=lambda patch: -math.hypot(*patch["resultant"]))
     most = math.hypot(*patches[0]["resultant"]) if patches else 0.0
-    patches = [one for one in patches if math.hypot(*one["resultant"]) > NO_FORCE * most]
+    patches = [patch for patch in patches if math.hypot(*patch["resultant"]) > NO_FORCE * most]
 
     def row(patch: Answer) -> Sequence[str]:
         size = math.hypot(*patch["resultant"])
@@ -243,23 +246,23 @@ def forces_table(answer: Answer) -> Table:
             *("-" if share is None else percent(share) for share in used),
         )
 
-    which = "least sum of squares" if found["least"] else "as the verdict's proof has them"
-    return Table(f"Contact forces of equilibrium ({which}; one of many):", head, patches, row)
+    which = "with the least sum of squares" if forces["least"] else "from the proof of the verdict"
+    return Table(f"Contact forces of one equilibrium of many ({which}):", head, patches, row)
 
 
-def _steps(answer: Answer) -> Table:
-    """The steps of a plan, in their order."""
+def _step_table(answer: Answer) -> Table:
+    """Return the steps of a plan, in their order."""
     numbered = list(enumerate(answer["steps"], 1))
 
     def row(item: tuple[int, Answer]) -> Sequence[str]:
         number, step = item
         return str(number), Name(", ".join(step["parts"])), *step_cells(step)
 
-    return Table("Put in one after the other:", (), numbered, row)
+    return Table("Put in, one after the other:", (), numbered, row)
 
 
-def _supports(answer: Answer) -> Table:
-    """The supports of a fixture."""
+def _support_table(answer: Answer) -> Table:
+    """Return the supports of a fixture."""
 
     def row(support: Answer) -> Sequence[str]:
         kind, part, *rest = support_cells(support, answer["units"])
@@ -269,7 +272,7 @@ def _supports(answer: Answer) -> Table:
 
 
 def push_table(answer: Answer) -> Table:
-    """The weakest push of each part, the weakest first."""
+    """Return the least push that moves each part, the weakest first."""
 
     def row(push: Answer) -> Sequence[str]:
         if push["force"] is None:
@@ -279,27 +282,29 @@ def push_table(answer: Answer) -> Table:
     def size(push: Answer) -> float:
         return math.inf if push["force"] is None else float(push["force"])
 
-    return Table("Weakest push at the centre of mass:", (), sorted(answer["pushes"], key=size), row)
+    title = "Greatest push that each part resists at its centre of mass, in its weakest direction:"
+    return Table(title, (), sorted(answer["pushes"], key=size), row)
 
 
 def load_table(answer: Answer) -> Table:
-    """The load that each part takes straight down, the least first."""
+    """Return the greatest additional load of each part, straight down, the least first."""
 
-    def row(one: Answer) -> Sequence[str]:
-        if one["load"] is None:
-            return Name(one["part"]), "unlimited", "", ""
-        starts = some([plain(name) for name in one["moves"]], 3)
-        words = f"then {starts} start{'s' if len(one['moves']) == 1 else ''} to move"
-        return Name(one["part"]), force(one["load"]), mass(one["mass"]), words * bool(starts)
+    def row(entry: Answer) -> Sequence[str]:
+        if entry["load"] is None:
+            return Name(entry["part"]), "unlimited", "", ""
+        starts = some([plain(name) for name in entry["moves"]], 3)
+        words = f"then {starts} start{'s' if len(entry['moves']) == 1 else ''} to move"
+        return Name(entry["part"]), force(entry["load"]), mass(entry["mass"]), words * bool(starts)
 
-    def size(one: Answer) -> float:
-        return math.inf if one["load"] is None else float(one["load"])
+    def size(entry: Answer) -> float:
+        return math.inf if entry["load"] is None else float(entry["load"])
 
-    title = "Load that is still taken, straight down at the centre of mass:"
+    title = "Greatest additional load that each part carries, straight down at its centre of mass:"
     return Table(title, (), sorted(answer["loads"], key=size), row)
 
 
-def _patches(answer: Answer) -> Table:
+def _patch_table(answer: Answer) -> Table:
+    """Return the contact patches."""
     unit = answer["units"]
     head = ["part a", "part b", "kind", f"area [{unit}^2]", f"gap [{unit}]", "normal a to b"]
     bonded = any(patch["pull"] is not None for patch in answer["patches"])
@@ -318,63 +323,63 @@ def _patches(answer: Answer) -> Table:
         )
 
     head += ["mu", "points", *["bond pulls up to"] * bonded]
-    return Table("Where they touch:", head, answer["patches"], row)
+    return Table("Contact patches:", head, answer["patches"], row)
 
 
 def open_table(answer: Answer) -> Table:
-    """Pairs between which the geometry does not say what acts, and the option that settles each."""
+    """Return the open pairs, each with the option that decides it."""
     unit = answer["units"]
 
-    def row(one: Answer) -> Sequence[str]:
+    def row(pair: Answer) -> Sequence[str]:
         size = ""
-        if one["depth"] is not None:
-            size = f"{number(one['depth'], 3)} {unit} deep"
-        elif one["gap"]:
-            size = f"gap {number(one['gap'], 3)} {unit}"
-        [option] = settling_options([{**one, "decides": True}])
-        return *_names(one), one["kind"], size, one["why"], option
+        if pair["depth"] is not None:
+            size = f"{number(pair['depth'], 3)} {unit} deep"
+        elif pair["gap"]:
+            size = f"gap {number(pair['gap'], 3)} {unit}"
+        [option] = settling_options([{**pair, "decides": True}])
+        return *_names(pair), pair["kind"], size, pair["why"], option
 
-    head = ("part a", "part b", "kind", "how far", "why", "it holds with")
-    return Table("Left open, so that a verdict may hang on it:", head, answer["open_pairs"], row)
+    head = ("part a", "part b", "kind", "distance", "why", "counts as holding with")
+    return Table("Open pairs, on which a verdict may depend:", head, answer["open_pairs"], row)
 
 
-def _lone(answer: Answer) -> Table:
-    """Parts that touch nothing, the nearest to something first."""
+def _lone_table(answer: Answer) -> Table:
+    """Return the parts that touch nothing, the smallest gap to another part first."""
 
-    def row(one: Answer) -> Sequence[str]:
-        if one["nearest"] is None:
-            return Name(one["part"]), "", ""
-        return Name(one["part"]), gap_words(one, answer["units"]), Name(one["nearest"])
+    def row(entry: Answer) -> Sequence[str]:
+        if entry["nearest"] is None:
+            return Name(entry["part"]), "", ""
+        return Name(entry["part"]), gap_words(entry, answer["units"]), Name(entry["nearest"])
 
-    def gap(one: Answer) -> float:
-        return math.inf if one["gap"] is None else float(one["gap"])
+    def gap(entry: Answer) -> float:
+        return math.inf if entry["gap"] is None else float(entry["gap"])
 
     head = ("part", "gap", "nearest part")
     return Table("Touching nothing:", head, sorted(answer["nearest"], key=gap), row)
 
 
-def _fits(answer: Answer) -> Table:
-    """Shafts in holes."""
+def _fit_table(answer: Answer) -> Table:
+    """Return the shafts in holes."""
     unit = answer["units"]
 
-    def row(one: Answer) -> Sequence[str]:
-        play = "0" if one["fit"] == "size on size" else number(one["clearance"], 3)
-        return *_names(one), number(one["radius"]), play, number(one["length"], 4), one["fit"]
+    def row(fit: Answer) -> Sequence[str]:
+        play = "0" if fit["fit"] == "size on size" else number(fit["clearance"], 3)
+        return *_names(fit), number(fit["radius"]), play, number(fit["length"], 4), fit["fit"]
 
     head = ("shaft", "hole", f"radius [{unit}]", f"clearance [{unit}]", f"length [{unit}]", "fit")
-    return Table("Shafts in holes (clearance of the radius):", head, answer["fits"], row)
+    return Table("Shafts in holes (radial clearance):", head, answer["fits"], row)
 
 
-def _gaps(answer: Answer) -> Table:
-    """A row a decade of gaps that has any, with a bar."""
+def _gap_table(answer: Answer) -> Table:
+    """Return the histogram of gaps: a row with a bar for each decade that has faces."""
     edges, counts = answer["histogram"]["edges"], answer["histogram"]["counts"]
     most = max(counts, default=1)
     bins = [(k, many) for k, many in enumerate(counts) if many]
     least, largest = answer["sizes"]
     span = number(least, 3) if least == largest else f"{number(least, 3)} to {number(largest, 3)}"
 
-    def row(one: tuple[int, int]) -> Sequence[str]:
-        k, many = one
+    def row(item: tuple[int, int]) -> Sequence[str]:
+        k, many = item
         low, high = (
             math.copysign(math.inf, side) if edge is None else edge
             for side, edge in ((-1, edges[k]), (1, edges[k + 1]))
@@ -383,44 +388,43 @@ def _gaps(answer: Answer) -> Table:
         return f"{low:8.0e} to {high:8.0e}", str(many), bar
 
     title = (
-        f"Gaps of opposing faces over the size of the smaller part (sizes {span} "
-        f"{answer['units']}; negative gaps penetrate):"
+        f"Gaps of opposing faces, divided by the size of the smaller part (sizes {span} "
+        f"{answer['units']}; a negative gap is a penetration):"
     )
     return Table(title, ("gap / size", "faces", ""), bins, row)
 
 
-def _doubtful(answer: Answer) -> list[Table]:
-    """What is not modelled, what came near, what overlaps."""
+def _rejected_tables(answer: Answer) -> list[Table]:
+    """Return the contacts of unknown kind, the near pairs, and the overlaps that are not open."""
     unit = answer["units"]
     odd, near, over = (answer[key] for key in ("unsupported", "rejected", "overlaps"))
-    left_open = {frozenset(one["parts"]) for one in answer["open_pairs"]}
-    over = [one for one in over if frozenset(one["parts"]) not in left_open]
+    left_open = {frozenset(pair["parts"]) for pair in answer["open_pairs"]}
+    over = [pair for pair in over if frozenset(pair["parts"]) not in left_open]
 
-    def rejected(one: Answer) -> Sequence[str]:
-        size = f"gap {number(one['gap'], 3)} {unit}"
-        return *_names(one), size, f"angle {number(one['angle_deg'], 3)} deg", one["why"]
+    def unsupported(pair: Answer) -> Sequence[str]:
+        return *_names(pair), pair["kind"], f"at {vector(pair['point'])}"
 
-    def overlap(one: Answer) -> Sequence[str]:
-        volume = one["volume"]
+    def rejected(pair: Answer) -> Sequence[str]:
+        size = f"gap {number(pair['gap'], 3)} {unit}"
+        return *_names(pair), size, f"angle {number(pair['angle_deg'], 3)} deg", pair["why"]
+
+    def overlap(pair: Answer) -> Sequence[str]:
+        volume = pair["volume"]
         return (
-            *_names(one),
-            f"depth {number(one['depth'], 3)} {unit}",
+            *_names(pair),
+            f"depth {number(pair['depth'], 3)} {unit}",
             "" if volume is None else f"volume {number(volume, 3)} {unit}^3",
-            INTERFERENCE if one["why"] == "interfere" else one["why"],
+            INTERFERENCE if pair["why"] == "interfere" else pair["why"],
         )
 
+    kinds, faces, joined = (count(len(pairs), "pair") for pairs in (odd, near, over))
     return [
-        Table(
-            f"Touching in a way not modelled yet: {count(len(odd), 'pair')}",
-            (),
-            odd,
-            lambda one: (*_names(one), one["kind"], f"at {vector(one['point'])}"),
-        ),
-        Table(f"Near, but not touching: {count(len(near), 'pair')} of faces", (), near, rejected),
-        Table(f"Overlapping, and joined or held: {count(len(over), 'pair')}", (), over, overlap),
+        Table(f"Contacts of a kind that is not modelled yet: {kinds}", (), odd, unsupported),
+        Table(f"Near, but not touching: {faces} of faces", (), near, rejected),
+        Table(f"Overlapping, but joined or held: {joined}", (), over, overlap),
     ]
 
 
-def _names(one: Answer) -> tuple[Name, Name]:
-    first, second = one["parts"]
+def _names(pair: Answer) -> tuple[Name, Name]:
+    first, second = pair["parts"]
     return Name(first), Name(second)

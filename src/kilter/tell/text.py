@@ -21,20 +21,22 @@ __all__ = [
 ]
 
 LISTED = 20
-"""Rows of a list that are shown; --json gives all."""
+"""Largest number of rows of a list in a terminal; --json gives all rows."""
 WIDE = 400
-"""Characters of the sentence about the fastest parts."""
+"""Largest number of characters of each sentence after the first."""
 
 
 def text_of(answer: Answer, *more: Table, brief: bool = False) -> str:
-    """An answer: its sentence, what moves, its facts, its lists, and `more` lists.
+    """Return an answer as text: sentence, moving parts, facts, lists and the lists `more`.
 
     Parameters
     ----------
     answer : mapping
+        Data of the answer (`to_dict()`).
     *more : Table
+        Further lists.
     brief : bool
-        Without the facts that an answer rests on.
+        Whether to leave out the rows of `--verbose`.
 
     Examples
     --------
@@ -55,7 +57,7 @@ def text_of(answer: Answer, *more: Table, brief: bool = False) -> str:
 
 
 def listed(table: Table) -> list[str]:
-    """A list: its title, the first rows, and how many more there are."""
+    """Return the lines of a list: title, first rows, and the number of rows left out."""
     rows = table.rows(LISTED)
     head = [table.head] if rows and table.head else []
     more = len(table.items) - len(rows)
@@ -67,7 +69,7 @@ def listed(table: Table) -> list[str]:
 
 
 def aligned(rows: Sequence[Sequence[str]], indent: str = "") -> list[str]:
-    """Rows with their columns aligned to the left.
+    """Return rows as lines whose columns are aligned to the left.
 
     Examples
     --------
@@ -84,7 +86,12 @@ def aligned(rows: Sequence[Sequence[str]], indent: str = "") -> list[str]:
 
 
 def suggestions_hint(kinds: Sequence[str]) -> str:
-    """That pairs look as if they were fastened, by their kinds; nothing where none do.
+    """Return a paragraph about pairs that look fastened, or an empty text without such pairs.
+
+    Parameters
+    ----------
+    kinds : sequence of str
+        Kind of fastening of each pair.
 
     Examples
     --------
@@ -103,45 +110,50 @@ def suggestions_hint(kinds: Sequence[str]) -> str:
 
 
 def solids_hint(*, friction: bool) -> str:
-    """What solids of CAD leave out that an unstable verdict may hang on.
+    """Return a paragraph about the data that files of CAD solids do not contain.
+
+    Parameters
+    ----------
+    friction : bool
+        Whether friction is counted already.
 
     Examples
     --------
     >>> solids_hint(friction=True).strip()
-    'No file of solids says what is screwed or glued: --fasten A B joins two parts that touch, \
---fasten "*" "*" all that do.'
+    'A file of solids does not record screwed or glued connections: --fasten A B joins two parts \
+that touch, --fasten "*" "*" joins all such pairs.'
     """
-    rubs = "" if friction else " None says how parts rub: --friction 0.3 counts friction."
+    rubs = "" if friction else " It records no friction either: --friction 0.3 sets a coefficient."
     return (
-        "\n\nNo file of solids says what is screwed or glued: --fasten A B joins two parts that "
-        f'touch, --fasten "*" "*" all that do.{rubs}'
+        "\n\nA file of solids does not record screwed or glued connections: --fasten A B joins "
+        f'two parts that touch, --fasten "*" "*" joins all such pairs.{rubs}'
     )
 
 
 def suggestions_text(suggestions: Sequence[Answer]) -> str:
-    """The list of `kilter check --suggest-joints`."""
+    """Return the list of `kilter check --suggest-joints`."""
     if not suggestions:
-        return "No pair looks as if it were fastened: none overlaps, and no shaft fills a hole."
-    firm = sum(_kind(one) == "fixed" for one in suggestions)
+        return "No pair looks fastened: no parts overlap, and no shaft fills a hole."
+    firm = sum(_joint_kind(entry) == "fixed" for entry in suggestions)
     lines = [
-        f"{count(len(suggestions), 'pair')} may be fastened; nothing is joined by itself"
+        f"{count(len(suggestions), 'pair')} may be fastened; none is joined automatically"
         + (f" (--fasten-suggested joins {firm}):" if firm else ":")
     ]
-    short = shortened(name for one in suggestions[:LISTED] for name in one["parts"])
-    for one in suggestions[:LISTED]:
-        first, second = (short[name] for name in one["parts"])
-        slides = _kind(one) not in ("fixed", None)
-        firmly = "   (firmly), or as a joint of the file:" if slides else ""
+    short = shortened(name for entry in suggestions[:LISTED] for name in entry["parts"])
+    for entry in suggestions[:LISTED]:
+        first, second = (short[name] for name in entry["parts"])
+        slides = _joint_kind(entry) not in ("fixed", None)
+        rigidly = "   (rigidly), or add this joint to the file:" if slides else ""
         lines += [
-            f"  {one['kind']}: {first} in {second}: {one['why']}",
-            f"    {one['option']}{firmly}",
-            *([] if one["joint"] is None else [f"    {json.dumps(one['joint'])}"]),
+            f"  {entry['kind']}: {first} in {second}: {entry['why']}",
+            f"    {entry['option']}{rigidly}",
+            *([] if entry["joint"] is None else [f"    {json.dumps(entry['joint'])}"]),
         ]
     more = len(suggestions) - LISTED
     return "\n".join([*lines, *([f"  and {more} more (--json lists all)"] if more > 0 else [])])
 
 
-def _kind(suggestion: Answer) -> str | None:
-    """The kind of joint that is suggested; None where none is."""
+def _joint_kind(suggestion: Answer) -> str | None:
+    """Return the kind of the suggested joint, or None if no joint is suggested."""
     joint = suggestion["joint"]
     return None if joint is None else joint["kind"]

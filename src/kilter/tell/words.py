@@ -1,4 +1,4 @@
-"""Verdicts and motions in words, each phrase once."""
+"""Sentences for verdicts, for directions of gravity and for motions; each phrase stands once."""
 
 from __future__ import annotations
 
@@ -29,92 +29,95 @@ VERDICTS = {
     "undecided": "Undecided",
     "unknown": "Not known",
 }
-"""Of a page also `unknown`: a direction of gravity that was not answered."""
+"""Words of the verdicts. Only a page uses `unknown`: a direction of gravity without an answer."""
 SMALL = 1e-3
-"""A component below this part of a motion is left out of the words."""
+"""A component below this share of the whole motion is not mentioned [-]."""
 ALONG = 1e-6
-"""A direction this near to an axis, or to gravity, is called by its name."""
+"""A direction within this distance of an axis or of gravity is named after it [rad]."""
 LEVEL = 5e-4
-"""A direction that leans by less is level as it is shown, with three decimals."""
+"""A slope below this is described as level, since vectors are shown with three decimals [rad]."""
 NAMED = 2
-"""Parts that `motion_summary` describes, the fastest."""
+"""Number of parts, the fastest first, that `motion_summary` describes."""
 SENTENCES = {
     ("stable", None): "Stable{within}: it cannot start to move{slippery}.",
     ("stable", "first order"): (
         "Stable to first order, as in the paper{within}: it cannot start to move{slippery}."
     ),
     ("stable", "proved"): (
-        "Stable{within}: with this friction no motion can start, whatever the contact forces "
-        "were before{assumed}."
+        "Stable{within}: with this friction no motion can start, whatever the initial contact "
+        "forces are{assumed}."
     ),
     ("settles", None): (
-        "Settles{within}: put down loosely, it came to rest in each of {of} tries, by the friction "
-        "that its own weight makes; no motion was found, though that there is none is not proved."
+        "Settles{within}: put down loosely, it came to rest in all {of} tries, held by the "
+        "friction that its own weight creates. No motion from rest was found, but it is not proved "
+        "that none exists."
     ),
     ("potentially-stable", "refuted"): (
-        "Potentially stable{within}: its own weight can make the friction that holds it, but "
-        "released loose it could also move like this."
+        "Potentially stable{within}: the friction that its own weight creates can hold it. "
+        "Released loosely, it could also start to move like this."
     ),
     ("potentially-stable", "refuted squeeze"): (
-        "Potentially stable{within}, held only by squeeze: it stays only if something other than "
-        "its weight presses the parts together; else it moves like this."
+        "Potentially stable{within}, held only by preload: it stays only if forces other than its "
+        "weight press the parts together. Otherwise it moves like this."
     ),
     ("potentially-stable", "jams"): (
-        "Potentially stable{within}: it can jam, but put down loosely it came to rest in {passed} "
-        "of {tried} tries; no motion was found."
+        "Potentially stable{within}: it can jam. Put down loosely, it came to rest in only "
+        "{passed} of {tried} tries. No motion from rest was found."
     ),
     ("potentially-stable", "squeeze"): (
-        "Potentially stable{within}, held only by squeeze: it stays only if something other than "
-        "its weight presses the parts together; no motion was found."
+        "Potentially stable{within}, held only by preload: it stays only if forces other than its "
+        "weight press the parts together. No motion from rest was found."
     ),
     ("potentially-stable", "not-asked"): (
         "Potentially stable{within}: forces that hold it exist; settling and other motions were "
         "not examined."
     ),
     ("potentially-stable", "not-found"): (
-        "Potentially stable{within}: forces that hold it exist; no motion was found, and whether "
-        "it settles was not found out."
+        "Potentially stable{within}: forces that hold it exist, and no motion from rest was found. "
+        "Whether it settles was not determined."
     ),
     ("unstable", None): (
         "Unstable{beyond}: {smooth}no contact forces can hold it; here is how it starts to move."
     ),
 }
-"""Sentence of a verdict and of what friction guarantees."""
+"""Sentences by verdict and, if the verdict rests on friction, by guarantee or by reason."""
 
 
 BASIS = {
-    "exact": "the exact cone of stable directions; the margin is the angle to its nearest side",
+    "exact": "the exact cone of stable directions. The margin is the angle to its nearest facet",
     "friction": "the cone of directions for which forces that hold it exist",
     "band": (
-        "the cone of directions for which forces that hold it exist; friction makes it round, so "
-        "it is known between two cones of flat sides: inside the inner one forces are proved, "
-        "outside the outer one there are none, in between it is undecided"
+        "the cone of directions for which forces that hold it exist. Friction makes this cone "
+        "round, so two cones with flat facets bound it. Inside the inner cone the forces are "
+        "proved to exist. Outside the outer cone no such forces exist. Between the two cones the "
+        "answer is undecided"
     ),
     "inner": (
-        "the cone of directions that hold even without friction and without contacts that are not "
-        "modelled; outside of it these may still hold it, so there it is undecided"
+        "the cone of directions that are stable without friction and without the contacts that "
+        "are not modelled. Outside this cone friction or these contacts may hold it, so there "
+        "the answer is undecided"
     ),
 }
-"""What the answer of a page for a direction rests on."""
+"""Basis of the answer that a page gives for any direction of gravity."""
 QUESTION = {
-    "exact": "Inside the region it cannot start to move, outside it does.",
+    "exact": "Inside the region it cannot start to move. Outside the region it starts to move.",
     "friction": (
-        "Inside the region forces that hold it exist (the level equilibrium), outside there are "
-        "none. Whether friction is sure to hold it is told only of the given and of the "
+        "Inside the region forces that hold it exist (level equilibrium). Outside the region no "
+        "such forces exist. What friction guarantees is known only for the given and for the "
         "recommended direction."
     ),
     "inner": (
-        "Inside the region it holds however slippery the parts; outside, friction or contacts "
-        "that are not modelled may hold it, which is left open."
+        "Inside the region it is stable even without friction. Outside the region friction or "
+        "contacts that are not modelled may hold it: there the answer is undecided."
     ),
 }
-"""What a page asks of each direction of gravity."""
+"""Meaning of the inside and the outside of the region on a page."""
 INSIDE = {
     "exact": "stable",
     "friction": "forces that hold it exist",
-    "inner": "stable, however slippery",
+    "inner": "stable, even without friction",
 }
-"""What the colour of the region says."""
+"""Meaning of the colour of the region."""
 NONE = {
     "exact": "no direction of gravity is stable",
     "friction": "no direction of gravity is held by the modelled contacts, not even with friction",
@@ -138,36 +141,36 @@ def verdict_sentence(
     counted: str = "",
     bonded: bool = False,
 ) -> str:
-    """The sentence of a verdict that is not undecided.
+    """Return the sentence of a verdict other than undecided.
 
     Parameters
     ----------
     verdict : {"stable", "settles", "potentially-stable", "unstable"}
     guarantee : str, optional
-        What friction guarantees, where the verdict rests on it.
+        Guarantee of friction, if the verdict rests on friction.
     why : str, optional
-        Why it is only potentially stable.
+        Reason of a potentially stable verdict (key `why` of `check --json`).
     squeeze : bool
-        Every seat runs away.
+        Whether the parts move away from every starting state of the search for a seat.
     tries : tuple of int
-        Passed, made, and asked for.
+        Number of loose tries that came to rest, that were made, and that were planned.
     first_order : bool
-        Second order leaves a neutral motion free or open.
+        Whether second order leaves a neutral motion free or open.
     frictionless : bool
-        No contact of the assembly has friction.
+        Whether no contact of the assembly has friction.
     assumed : str
-        The bound on contact forces that the proof of "proved" assumes.
+        Bound on the contact forces that the proof of "proved" assumes.
     coarse : bool
-        The data are coarser than float64.
+        Whether the coordinates are less accurate than float64.
     counted : str
-        The widest gap that only a widened tolerance counts as closed.
+        Widest gap, with its unit, that counts as closed only by a widened tolerance.
     bonded : bool
-        Bonds may pull.
+        Whether the assembly has bonds.
 
     Examples
     --------
     >>> verdict_sentence("stable")
-    'Stable: it cannot start to move, however slippery the parts.'
+    'Stable: it cannot start to move, even without friction.'
     >>> verdict_sentence("stable", counted="1 mm")
     'Stable, counting gaps up to 1 mm as closed: it cannot start to move.'
     """
@@ -181,10 +184,10 @@ def verdict_sentence(
     counting += ", if no bond breaks below its capacity" if bonded else ""
     return SENTENCES[verdict, key].format(
         within=(" within the accuracy of the coordinates" if coarse else "") + counting,
-        slippery="" if counted else ", however slippery the parts",
+        slippery="" if counted else ", even without friction",
         smooth="without friction " if frictionless else "",
         assumed=f" (up to {assumed})" if assumed else "",
-        beyond=", and not by rounding of its coordinates" if coarse else "",
+        beyond=" beyond the accuracy of its coordinates" if coarse else "",
         passed=passed,
         tried=tried,
         of=of,
@@ -200,19 +203,22 @@ def found_sentence(
     within: str | None,
     half_angle_deg: float | None,
 ) -> str:
-    """That a direction of gravity was found, and how far it may tilt from there.
+    """Return the sentence of a recommended direction of gravity and of its tilt margin.
 
     Parameters
     ----------
     down : ndarray, shape (3,)
+        Unit vector in the frame of the assembly.
     margin_deg : float
-        To the boundary [deg].
-    friction, exact : bool
-        Friction was counted; nothing was left out that might hold more.
+        Angle to the boundary of the region [deg].
+    friction : bool
+        Whether friction was counted.
+    exact : bool
+        Whether every force that could hold the assembly was counted.
     within : str, optional
-        The kind of region, where it is more than one direction.
+        Kind of the region, if it has more than one direction.
     half_angle_deg : float, optional
-        Of the region [deg].
+        Half angle of the widest circular cone inside the region [deg].
 
     Examples
     --------
@@ -223,11 +229,11 @@ within the fan, not out of it."
     """
     at, tilt = f"{vector(down)} of the assembly's frame", f"{number(margin_deg, 4)} degrees"
     if friction:
-        turn = "any turn keeps them" if margin_deg >= 180 else f"a tilt by {tilt} keeps them"
+        turn = "after any turn" if margin_deg >= 180 else f"after any tilt up to {tilt}"
         options = " ".join(vector([c])[1:-1] for c in down)
         return (
-            f"Forces that hold it exist with gravity along {at}, and {turn}; 'kilter check --down "
-            f"{options}' tells what friction guarantees there."
+            f"Forces that hold it exist with gravity along {at}, and {turn}. 'kilter check --down "
+            f"{options}' reports what friction guarantees there."
         )
     if margin_deg >= 180:
         words = "it may be turned in any way"
@@ -238,20 +244,20 @@ within the fan, not out of it."
         words = f"it may tilt by {half} degrees within the {within}, not out of it"
     else:
         words = "it may not tilt at all"
-    return f"Stable with gravity along {at}: {words if exact else f'without friction {words}'}."
+    return f"Stable with gravity along {at}: {'' if exact else 'even without friction '}{words}."
 
 
 def live_words(*, exact: bool, band: bool, friction: bool) -> dict[str, str]:
-    """What a page says of a direction of gravity that it answers by the region alone.
+    """Return the phrases of a page for directions of gravity that the region alone answers.
 
     Parameters
     ----------
     exact : bool
-        The region is all of it.
+        Whether the region contains every stable direction.
     band : bool
-        There is an inner and an outer cone.
+        Whether an inner and an outer cone bound the region.
     friction : bool
-        Friction was counted.
+        Whether friction was counted.
 
     Examples
     --------
@@ -259,13 +265,13 @@ def live_words(*, exact: bool, band: bool, friction: bool) -> dict[str, str]:
     'stable direction'
     """
     basis = BASIS["band" if band else "friction" if friction else "exact" if exact else "inner"]
-    asked = "friction" if friction else "exact" if exact else "inner"
+    kind = "friction" if friction else "exact" if exact else "inner"
     return {
         "none": NONE["exact" if exact else "friction" if friction else "inner"],
-        "question": QUESTION[asked],
-        "inside": INSIDE[asked],
+        "question": QUESTION[kind],
+        "inside": INSIDE[kind],
         "basis": f"Live: by {basis}.",
-        "nearest": "stable direction" if exact else "direction that surely holds",
+        "nearest": "stable direction" if exact else "direction that is proved to hold",
     }
 
 
@@ -277,24 +283,25 @@ def motion_words(
     center: Array | None = None,
     unit: float = 1.0,
 ) -> str:
-    """How a part starts to move, from its accelerations.
+    """Return how a part starts to move, from its accelerations.
 
-    A part that turns about a line that stays is said to turn about that line; any other
-    rotation is told about the centre of mass, with the acceleration of the centre. It *tips*
-    where the line is level, and *turns* elsewhere. What *slides* has a level or oblique
-    acceleration, what *drops* or *rises* a vertical one.
+    If the part rotates about a line at rest, the words name this line. Any other rotation is
+    described about the centre of mass, with the acceleration of the centre. The part *tips* if
+    the axis is level and *turns* otherwise. It *slides* if its acceleration is level or oblique,
+    and *drops* or *rises* if its acceleration is vertical.
 
     Parameters
     ----------
     acceleration : ndarray, shape (6,)
-        Linear [m/s^2] and angular [rad/s^2].
+        Linear [m/s^2] and angular [rad/s^2] acceleration, in the world frame.
     relative : ndarray, shape (2,)
-        Linear, and radius x angular, over gravity [-].
+        Linear acceleration, and radius times angular acceleration, over gravity [-].
     down : ndarray, shape (3,)
+        Unit vector of gravity.
     center : ndarray, shape (3,), optional
-        Centre of mass [length unit], for the point that a line of rotation goes through.
+        Centre of mass [length unit]; with it, the words give a point of the axis at rest.
     unit : float
-        Metres of the length unit.
+        Length unit [m].
 
     Examples
     --------
@@ -332,14 +339,14 @@ def motion_words(
 
 
 def motion_summary(phrases: Sequence[str], total: int) -> str:
-    """The fastest parts in one sentence.
+    """Return one phrase about the fastest parts.
 
     Parameters
     ----------
     phrases : sequence of str
-        Name and words of the fastest parts, the fastest first; more than `NAMED` are counted.
+        Name and motion of the fastest parts, the fastest first. Only `NAMED` of them are shown.
     total : int
-        Parts that move.
+        Number of all moving parts.
 
     Examples
     --------
@@ -359,6 +366,7 @@ def motion_summary(phrases: Sequence[str], total: int) -> str:
 
 
 def _translation(linear: Array, size: float, down: Array) -> str:
+    """Return the words of a translation with the relative acceleration `size` [-]."""
     direction = linear / np.linalg.norm(linear)
     fall = float(direction @ down)
     level = float(np.linalg.norm(direction - fall * down))
@@ -372,7 +380,7 @@ def _translation(linear: Array, size: float, down: Array) -> str:
 
 
 def _direction(vector: Array) -> str:
-    """An axis by name where the vector lies along it, else its unit vector."""
+    """Return the name of the axis along the vector, or the unit vector if there is none."""
     unit = vector / np.linalg.norm(vector)
     axis = int(np.abs(unit).argmax())
     if np.linalg.norm(np.delete(unit, axis)) < ALONG:
@@ -381,6 +389,6 @@ def _direction(vector: Array) -> str:
 
 
 def _point(point: Array) -> str:
-    """A point to 3 decimals of its largest coordinate."""
+    """Return a point, rounded to 3 significant digits of its largest coordinate."""
     digits = 3 - max(0, int(np.ceil(np.log10(max(float(np.abs(point).max()), 1e-6)))))
     return "(" + ", ".join(f"{round(float(c), digits) + 0.0:g}" for c in point) + ")"

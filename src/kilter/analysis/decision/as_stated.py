@@ -48,9 +48,8 @@ def explained_by_accuracy(assembly: Assembly, contacts: ContactSet, program: Pro
     fastest = assembly.names[int(motion.relative.max(axis=1).argmax())]
     stated = f"{number(float(off.max()), 3)} {assembly.units}"
     return (
-        "within the accuracy of the coordinates it may hold or not: as drawn "
-        f"{fastest!r} starts to move, but so little that points off by {stated}, "
-        "as the file states of itself, would hold it"
+        f"the coordinates are not accurate enough to decide: as drawn {fastest!r} starts to move, "
+        f"but it would hold if points moved by {stated}, which is the accuracy that the file states"
     )
 
 

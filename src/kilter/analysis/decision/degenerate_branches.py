@@ -77,8 +77,8 @@ class Degenerates:
         said = []
         if self.branching:
             said.append(
-                "every choice of normals at the edges and corners without one normal leaves it "
-                "stable (by branching, without a proof file)"
+                "it is stable for every choice of normals at the edges and corners without a "
+                "unique normal (by branching, without a proof file)"
             )
         if self.approximation is not None:
             word = "stable" if self.approximation else "unstable"

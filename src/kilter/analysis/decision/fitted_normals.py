@@ -45,8 +45,8 @@ def why_fits_leave_it_open(
         return ()
     worst = float(contacts.patch_doubt.max(initial=0.0))
     return (
-        "forces that hold it exist with the fitted normals of curved faces, which are known to "
-        f"{np.degrees(worst):.1g} degrees only; friction above {worst:.2g} would settle it",
+        "forces that hold it exist, but they use fitted normals of curved faces, which are "
+        f"accurate only to {np.degrees(worst):.1g} deg; friction above {worst:.2g} would decide it",
     )
 
 
@@ -67,7 +67,7 @@ def fits_left_out(assembly: Assembly, contacts: ContactSet, certain: Program) ->
     names, worst = assembly.names, float(contacts.patch_doubt[out].max())
     pairs = np.unique(contacts.patch_parts[out], axis=0).tolist()
     return [
-        "left out: contacts of curved faces with fitted normals, known to "
-        f"{np.degrees(worst):.1g} degrees only, which are certain with friction above "
-        f"{worst:.2g} alone: {some([f'{names[a]!r} and {names[b]!r}' for a, b in pairs])}"
+        "left out: contacts of curved faces whose fitted normals are accurate only to "
+        f"{np.degrees(worst):.1g} deg; with friction above {worst:.2g} they would count: "
+        f"{some([f'{names[a]!r} and {names[b]!r}' for a, b in pairs])}"
     ]

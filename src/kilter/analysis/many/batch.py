@@ -32,7 +32,7 @@ CHUNK = 1000
 """Rows of one file."""
 TRIES = 2
 """How often a task is tried before it is halved, or its one assembly is blamed."""
-KILLED = "ended the process that judged it, whenever it was tried"
+KILLED = "ended the process that checked it, in every attempt"
 TOLD = 1000
 """Errors that an answer lists."""
 
@@ -153,7 +153,9 @@ def run_batch(
     base, files = listed_files(source)
     if Path(output).resolve() == base and Path(source).is_dir():
         raise InputError(
-            "rows would lie among what is judged", file=str(output), hint="give another folder"
+            "the rows would lie among the files to check",
+            file=str(output),
+            hint="give another folder",
         )
     question = dataclasses.replace(question, base=base)
     with open_folder(Path(output), files, question, size=size) as folder:

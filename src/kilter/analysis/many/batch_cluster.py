@@ -33,7 +33,7 @@ class ClusterWorkers:
             self._client: Any = distributed.Client(address, timeout=20)
         except (OSError, ValueError, TimeoutError):
             raise InputError(
-                f"no scheduler answers at {address!r:.80}", hint="give it as tcp://HOST:8786"
+                f"no Dask scheduler answers at {address!r:.80}", hint="give it as tcp://HOST:8786"
             ) from None
         self._question, self._killed = question, distributed.KilledWorker
         self._tasks: dict[Any, Task] = {}

@@ -92,7 +92,7 @@ def open_folder(
     Raises
     ------
     InputError
-        If it cannot be made, another run is at work in it, or it has another batch.
+        If it cannot be made, another run is writing to it, or it has another batch.
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
@@ -115,7 +115,7 @@ def open_folder(
         else:
             if any(path.glob("part-*")):
                 raise InputError(
-                    "has parts, but no batch.json", file=str(path), hint="give another folder"
+                    "has table files, but no batch.json", file=str(path), hint="give another folder"
                 )
             form = "parquet" if importlib.util.find_spec("pyarrow") else "csv"
             write_text(manifest, json.dumps({**asked, "rows": size, "form": form}, indent=2) + "\n")
@@ -171,7 +171,7 @@ def _alone(path: Path) -> Iterator[None]:
             _lock(handle)
         except OSError:
             raise InputError(
-                "another run is at work in it", file=str(path), hint="wait, or give another folder"
+                "another run is writing to it", file=str(path), hint="wait, or give another folder"
             ) from None
         yield
     finally:

@@ -32,8 +32,8 @@ def listed_files(source: str | Path) -> tuple[Path, list[str]]:
     path = Path(source)
     if path.suffix.lower() in READABLE and path.is_file():
         raise InputError(
-            "is an assembly, no list of them", file=str(path),
-            hint="ask `kilter check`, or give its folder",
+            "is an assembly, not a list of assemblies", file=str(path),
+            hint="use `kilter check`, or give its folder",
         )  # fmt: skip
     try:
         if path.is_dir():
@@ -45,15 +45,15 @@ def listed_files(source: str | Path) -> tuple[Path, list[str]]:
             base, found = path.parent, [w for w in words if w and not w.startswith("#")]
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(
-            f"cannot be read: {getattr(error, 'strerror', None) or 'it is no text'}",
+            f"cannot be read: {getattr(error, 'strerror', None) or 'it is not a text file'}",
             file=str(path),
-            hint="give a folder of assemblies, or a text file with a path a line",
+            hint="give a folder of assemblies, or a text file with a path in each line",
         ) from None
     if not found:
-        hint = "name one file a line"
+        hint = "name a file in each line"
         if path.is_dir():
-            hint = "folders in it are not looked into; name their files in a list, one a line"
-        raise InputError("no assembly in it", file=str(path), hint=hint)
+            hint = "subfolders are not searched; name their files in a list, one in each line"
+        raise InputError("it contains no assembly", file=str(path), hint=hint)
     return base.resolve(), found
 
 

@@ -99,7 +99,7 @@ class LocalWorkers:
                 end_process(worker)
                 self._stillborn += 1
                 if self._stillborn == STILLBORN:
-                    raise KilterError("no process that judges comes up") from None
+                    raise KilterError("no worker process starts") from None
             if rows == STARTED:
                 continue
             task = self._busy.pop(worker, None)

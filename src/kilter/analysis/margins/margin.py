@@ -322,7 +322,9 @@ def margin(
     warnings = list(verdict.warnings)
     if verdict.contacts.open_pairs:
         left_out = open_pair_names(assembly, verdict.contacts)
-        warnings.append(f"open pairs are left out, with them margins may be larger: {left_out}")
+        warnings.append(
+            f"open pairs are left out; the margins may be larger if they hold: {left_out}"
+        )
     warnings += fits_left_out(assembly, verdict.contacts, program)
     tell("tilt")
     missing: dict[str, Why] = {}
@@ -359,8 +361,8 @@ def margin(
     warnings += _missing_words(missing)
     if pushed is None and int(program.free.sum()) > PUSHED:
         warnings.append(
-            f"pushes, and what holding a part adds, are left out above {PUSHED} free parts:"
-            " --part NAME asks for those of a part"
+            f"the pushes, and the gain of holding a part, are left out above {PUSHED} free parts;"
+            " --part NAME computes those of a part"
         )
     worst = _worst(program, ranges, direction, warnings, tell)
     greatest = None if factor is None else _known(factor[1])
@@ -409,11 +411,11 @@ def _known(found: T | NoLimit | None) -> T | None:
 def _missing_words(missing: dict[str, Why]) -> list[str]:
     """Warnings: what the numbers failed to give, and that nothing resists a push."""
     failed = [what for what, why in missing.items() if why == "failed"]
-    words = [f"the numbers failed, so this is not said: {some_names(failed)}"] if failed else []
+    words = [f"not known, because the solver failed: {some_names(failed)}"] if failed else []
     if any(
         what.startswith(("push of", "load on")) and why == "none" for what, why in missing.items()
     ):
-        words.append("not in balance as given, so no push is resisted and no load taken")
+        words.append("it is not in equilibrium as given, so it resists no push and no load")
     return words
 
 
@@ -421,10 +423,13 @@ def _axis(assembly: Assembly, about: Any) -> Array:
     axis = unit(about, "axis of the tilt")
     if abs(float(axis @ assembly.down)) > ACROSS_GRAVITY:
         raise InputError(
-            f"the axis {axis.tolist()} is not across gravity", hint="give a horizontal axis"
+            f"the axis {axis.tolist()} is not perpendicular to gravity",
+            hint="give a horizontal axis",
         )
     if assembly.planar and abs(abs(float(axis[1])) - 1) > ACROSS_GRAVITY:
-        raise InputError("the axis leaves the plane", hint="give 0 1 0 where planar")
+        raise InputError(
+            "the axis is not perpendicular to the plane", hint="give 0 1 0 for planar assemblies"
+        )
     return axis
 
 
@@ -433,10 +438,10 @@ def _require_turnable(assembly: Assembly) -> None:
     require_no_bonds(assembly, "a tilt about an axis", NO_CONE)
     if assembly.loads:
         raise InputError(
-            "a tilt about an axis does not take loads: they do not turn with gravity",
+            "a tilt about an axis is not defined with loads: they do not turn with gravity",
             file=assembly.source or None,
             part=assembly.loads[0].part,
-            hint="leave the loads out, or ask margin as it lies",
+            hint="leave the loads out, or compute the margins without an axis",
         )
 
 
@@ -449,7 +454,7 @@ def _pushed(assembly: Assembly, names: list[str] | None, *, most: int | None = P
     for name in names:
         k = assembly.index_of(name)
         if assembly.parts[k].grounded:
-            raise InputError("it is held: no push moves it", part=name, hint="name a free part")
+            raise InputError("it is held, so no push moves it", part=name, hint="name a free part")
         chosen.append(k)
     return chosen
 
@@ -468,8 +473,8 @@ def _worst(
     worst = find_uncertainty(program, ranges, push=push)
     if worst is None:
         warnings.append(
-            "too many parts and contacts for masses or centres within intervals, so no worst"
-            " case is given: without --mass-range and --com-range there is no such limit"
+            "no worst case: there are too many parts and contacts for intervals of masses or"
+            " centres; without --mass-range and --com-range there is no such limit"
         )
     return worst
 
@@ -479,10 +484,10 @@ def _tilt(
 ) -> TiltMargin | NearestHeld | None:
     """The margin, or where gravity as given is not held the way back."""
     if program.applied.any():
-        warnings.append("given loads do not turn with gravity: no tilt margin")
+        warnings.append("no tilt margin: given loads do not turn with gravity")
         return None
     if program.has_strength:
-        warnings.append("what bonds hold does not turn with gravity: no tilt margin")
+        warnings.append("no tilt margin: bond forces do not turn with gravity")
         return None
     tilt = find_tilt_margin(program)
     if isinstance(tilt, TiltMargin):

@@ -104,7 +104,9 @@ def _require_interval(what: str, ends: tuple[float, float], *, positive: bool) -
             hint=f"give factors {'above 0' if positive else 'of 0 or more'}, 0.9 1.1 for instance",
         )
     if low > high:
-        raise InputError(f"{what} is {low:g} to {high:g}: it is empty", hint="give low, then high")
+        raise InputError(
+            f"{what} is {low:g} to {high:g}: the interval is empty", hint="give low, then high"
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -158,7 +158,7 @@ def _helps(
 
 
 def _words(of: str, gain: float) -> str:
-    return f"{gain:.3g} degrees" if of == "tilt" else f"{gain:.3g} of the load factor"
+    return f"{gain:.3g} deg of tilt" if of == "tilt" else f"{gain:.3g} to the load factor"
 
 
 def _hold(
@@ -184,7 +184,7 @@ def _hold(
     name, more = program.names[best[1]], _words(of, best[0])
     words = f"hold {name!r}: it adds {more}"
     if np.isinf(best[0]):
-        words = f"hold {name!r}: then no factor is too large"
+        words = f"hold {name!r}: then every load factor is held"
     return Help(of, "hold", (name,), best[0], words)
 
 
@@ -223,7 +223,7 @@ def _friction(
     k = int(total.argmax())
     a, b = (program.names[p] for p in each[k])
     more = _words(of, MORE_FRICTION * float(total[k]))
-    words = f"friction between {a!r} and {b!r}: {MORE_FRICTION:g} more adds about {more}"
+    words = f"increase mu between {a!r} and {b!r} by {MORE_FRICTION:g}: it adds about {more}"
     return Help(of, "friction", (a, b), float(total[k]), words)
 
 
@@ -232,7 +232,8 @@ def _mass(program: Program, gain: Array, of: Literal["tilt", "load factor"]) -> 
     k = int(np.abs(gain).argmax())
     if abs(gain[k]) <= NO_GAIN:
         return None
-    name, share = program.names[k], f"{100 * MORE_MASS:g} percent"
+    name, share = program.names[k], f"{100 * MORE_MASS:g} %"
     less = "heavier" if gain[k] > 0 else "lighter"
     more = _words(of, MORE_MASS * abs(float(gain[k])))
-    return Help(of, "mass", (name,), float(gain[k]), f"{name!r} {share} {less}: about {more} more")
+    words = f"make {name!r} {share} {less}: it adds about {more}"
+    return Help(of, "mass", (name,), float(gain[k]), words)

@@ -98,15 +98,15 @@ def trial_words(trial: OpenTrial, assembly: Assembly, count: int) -> str:
     """What a trial of `count` open pairs says."""
     if trial.level == PROVED:
         return (
-            f"what is said of friction is so with the {count} open pairs as ordinary contacts too, "
-            f"in every subset of them ({trial.tried} tried)"
+            f"the guarantee of friction is valid for every subset of the {count} open pairs as "
+            f"ordinary contacts, too ({trial.tried} subsets checked)"
         )
-    word = "proved" if trial.level == SETTLES else "said to settle"
+    word = "is not proved" if trial.level == SETTLES else "does not reach the level settles"
     if not trial.lowest:
-        return f"not {word}, since {count} open pairs may be contacts too, in more ways than tried"
+        return f"it {word}, because {count} open pairs may touch in more ways than were checked"
     names = assembly.names
     pairs = [f"{names[p.parts[0]]!r} and {names[p.parts[1]]!r}" for p in trial.lowest]
-    return f"not {word}, since it is not so if these touch as ordinary contacts: {some(pairs)}"
+    return f"it {word}, because it fails if these open pairs are ordinary contacts: {some(pairs)}"
 
 
 def _subsets(pairs: tuple[OpenPair, ...]) -> Iterator[tuple[OpenPair, ...]]:

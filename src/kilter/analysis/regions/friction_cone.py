@@ -107,9 +107,9 @@ def friction_cone(
     """
     if program.applied[program.free].any():
         raise InputError(
-            "loads are given: what they hold depends on the size of gravity, so the directions"
-            " that are held are no cone",
-            hint="leave the loads out, or ask check for one direction",
+            "loads are given: their effect depends on the size of gravity, so the held directions"
+            " are not a cone",
+            hint="leave the loads out, or check a single direction",
         )
     if program.planar or not program.mu.any() or not program.free.any():
         return _exact(program, progress)

@@ -222,8 +222,8 @@ class Region(InCells):
         """
         if len(self.assemblies) > 1:
             raise InputError(
-                "a common region has proofs about several files",
-                hint="ask each file by itself, or write those of `proofs` one by one",
+                "a common region has no single proof, since it is about several files",
+                hint="write the proof of each file by itself, or use `proofs`",
             )
         proofs = []
         for one in self.proofs(options=options):
@@ -342,7 +342,7 @@ def region(
         contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
     rubs = bool((contacts.patch_mu > 0).any())
     if rests and rubs:
-        raise InputError("how it rests is known without friction only", hint="leave friction out")
+        raise InputError("rests are available only without friction", hint="leave friction out")
     found = _region(assembly, contacts, rubs, gap_deg, started, progress)
     pairs = still_open(contacts.open_pairs, assembly)
     if pairs:
@@ -458,5 +458,7 @@ def _common_warnings(cone: Cone, regions: Sequence[Region]) -> list[str]:
         for text in one.warnings
     ]
     if cone.kind == "none" and all(one.kind != "none" for one in regions):
-        warnings.append("no direction is stable for all of them, though each has one of its own")
+        warnings.append(
+            "no direction is stable for all assemblies, although each of them has stable directions"
+        )
     return warnings

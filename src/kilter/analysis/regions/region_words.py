@@ -53,19 +53,17 @@ def warnings_of(
         warnings.append(_knife_edge(program, found))
     if program.tolerance[program.free].max(initial=0.0) > TOLERANCE:
         warnings.append(
-            "within the accuracy of the coordinates: directions nearer to the boundary than "
-            f"{np.degrees(found.cone.blur):.2g} deg count as on it"
+            "the coordinates have limited accuracy: directions within "
+            f"{np.degrees(found.cone.blur):.2g} deg of the boundary count as on the boundary"
         )
     if np.degrees(found.gap) > gap_deg:
         warnings.append(
-            f"the boundary of the region is known only to within {np.degrees(found.gap):.2g} deg;"
-            f" {gap_deg:g} was asked for"
+            f"the boundary of the region is known only to {np.degrees(found.gap):.2g} deg instead"
+            f" of the required {gap_deg:g} deg"
         )
     missing = sum(not proof.certificate.holds for proof in found.proofs)
     if missing:
-        warnings.append(
-            f"{missing} of {len(found.proofs)} proofs do not hold within the tolerance of the data"
-        )
+        warnings.append(f"{missing} of {len(found.proofs)} proofs exceed the tolerance of the data")
     return warnings
 
 
@@ -81,13 +79,13 @@ def _inner(assembly: Assembly, contacts: ContactSet, rubs: bool) -> list[str]:
     if not rubs and (contacts.patch_mu > 0).any():
         why.append("friction")
     if contacts.open_pairs:
-        why.append(f"what open pairs could bring ({open_pair_names(assembly, contacts)})")
+        why.append(f"the forces of open pairs ({open_pair_names(assembly, contacts)})")
     if not why:
         return []
     word = "held" if rubs else "stable"
     return [
-        f"{' and '.join(why)} left out: every direction found is {word}; with it"
-        " more may be, and none fewer"
+        f"left out: {' and '.join(why)}; every direction in the answer is {word}, and further"
+        " directions may be"
     ]
 
 
@@ -109,10 +107,10 @@ def _knife_edge(program: Program, found: StableCone) -> str:
     what = {"ray": "one direction", "line": "one direction and its opposite"}
     space = "the plane" if program.planar else "space"
     return (
-        f"a knife edge: stable for {what.get(cone.kind, f'a {cone.kind} of directions')} only, "
-        f"with no room beside it in {space}; the least tilt along {along}, either way, sets parts"
-        f" in motion: {first}{some_names(names)}. Hold them against sliding and tipping that way"
-        " (a stop, a clamp or friction)"
+        f"a knife edge: stable only for {what.get(cone.kind, f'a {cone.kind} of directions')}, "
+        f"which has no width in {space}. The slightest tilt along {along}, in either sense, moves "
+        f"these parts: {first}{some_names(names)}. Hold them against this motion by a stop, a "
+        "clamp or friction"
     )
 
 

@@ -123,7 +123,7 @@ def _rest(down: Array, cone: Cone, assembly: Assembly, contacts: ContactSet) -> 
     turned = assembly.with_down(down)
     verdict = check(turned, contacts=contacts)
     if verdict.verdict != "stable":
-        why = f"a check says {verdict.verdict} so near the boundary of the region"
+        why = f"so near the boundary of the region its verdict is {verdict.verdict}"
         return PlaceOfRest(down, "open", tilt, None, (), why)
     second = verdict.to_dict()["second_order"]
     well, on = find_well(turned, contacts, verdict), _bearing(verdict)

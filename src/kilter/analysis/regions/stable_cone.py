@@ -134,9 +134,9 @@ def stable_cone(program: Program, *, progress: Callable[[str], None] | None = No
     """
     if program.applied[program.free].any():
         raise InputError(
-            "loads are given: what they hold depends on the size of gravity, so the stable"
-            " directions are no cone",
-            hint="leave the loads out, or ask check for one direction",
+            "loads are given: their effect depends on the size of gravity, so the stable directions"
+            " are not a cone",
+            hint="leave the loads out, or check a single direction",
         )
     across = np.array([[0.0, 1.0, 0.0]]) if program.planar else np.empty((0, 3))
     blur = BLUR_OVER_TOLERANCE * float(program.tolerance[program.free].max(initial=TOLERANCE))

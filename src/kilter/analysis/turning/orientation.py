@@ -235,7 +235,7 @@ def orient(
 def _require_turnable(assembly: Assembly, method: str) -> None:
     """Refuse what is not held, or has loads, which do not turn."""
     if method not in ("joint", "walk"):
-        raise InputError(f"there is no method {method!r}", hint="give 'joint' or 'walk'")
+        raise InputError(f"the method {method!r} does not exist", hint="give 'joint' or 'walk'")
     require_assembly(assembly, "orient")
     require_no_bonds(assembly, "orient", NO_CONE)
     assembly.require_grounded()
@@ -326,10 +326,15 @@ def _not_found(
     if why:
         sentence = f"Undecided: {'; '.join(why)}."
     else:
-        first = "is held, not even with friction; without it" if every.friction else "is stable;"
+        first = "No orientation is stable. The orientation nearest to stable"
+        if every.friction:
+            first = (
+                "No orientation is held, even with friction. The orientation nearest to stable "
+                "without friction"
+            )
         sentence = (
-            f"No orientation {first} the nearest has gravity along {vector(down)} of the "
-            "assembly's frame, and here is what moves there."
+            f"{first} has gravity along {vector(down)} of the assembly's frame; here are the parts "
+            "that move there."
         )
     return Orientation(
         verdict="undecided" if why else "none",
@@ -356,12 +361,13 @@ def _open_questions(
     contacts: ContactSet, every: Region, program: Program, best: DiamondOptimum
 ) -> list[str]:
     """What keeps "no direction is stable" from being proved; nothing where it is proved."""
+    assembly = every.assemblies[0]
     if not _none_is_stable(program, best):
         return [
-            "the numbers carry neither a proof that a direction is stable nor that none is "
-            f"(best z = {best.z:.2g} of a mass of {float(program.mass[program.free].sum()):.2g} kg)"
+            "numerical errors prevent a proof that a direction is stable, and that none is (best "
+            f"z = {best.z:.2g} kg {assembly.units}, free mass "
+            f"{float(program.mass[program.free].sum()):.2g} kg)"
         ]
-    assembly = every.assemblies[0]
     outer = bounding_program(assembly, contacts)
     if len(outer.part_a) == len(program.part_a):
         return []
@@ -372,7 +378,7 @@ def _open_questions(
         why.append("without friction no orientation is stable, and friction could hold one")
     if contacts.open_pairs:
         why.append(f"open pairs could hold it: {open_pair_names(assembly, contacts)}")
-    return why or ["the polygon that stands for a round face could hold it, a circle might not"]
+    return why or ["the polygon in place of a round face could hold it, but the circle might not"]
 
 
 def _none_is_stable(program: Program, best: DiamondOptimum) -> bool:

@@ -56,7 +56,7 @@ def free_travel(verdict: Verdict) -> Array:
         )
     if len(assembly) > MOST:
         raise InputError(
-            f"a film of {len(assembly)} parts is too much, up to {MOST} are moved",
+            f"a film of {len(assembly)} parts is too large: the limit is {MOST} parts",
             hint="leave parts out with assembly.without(...)",
             option="leave parts out with --without NAME",
         )

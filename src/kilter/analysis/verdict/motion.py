@@ -58,8 +58,10 @@ MANY = 8000
 """Unknowns, about 1,300 parts, above which accelerations are asked for to fewer digits."""
 
 
-NO_MOTION = "no solver finished the impending motion: accelerations and kappa are left out"
-UNKNOWN_MOTION = {True: "moves, how is not known", False: "is not known to move"}
+NO_MOTION = (
+    "no solver finished the program of the impending motion: accelerations and kappa are left out"
+)
+UNKNOWN_MOTION = {True: "moves in an unknown way", False: "is not known to move"}
 """Of a part where no solver finished, by whether a proof has it moving."""
 
 

@@ -1,4 +1,4 @@
-"""What an answer has to say beside itself: remarks of the reader, loose parts, what is held."""
+"""Warnings of an answer: remarks of the reader, parts that touch nothing, no free parts."""
 
 from __future__ import annotations
 

@@ -280,8 +280,9 @@ class Verdict(InCells):
         if self.verdict != "unstable" or kappa is None or kappa >= BARELY:
             return ""
         return (
-            f"barely unstable (kappa {kappa:.1e}): coordinates rounded by about {kappa:.0e} of a "
-            "part's size would do as much; where they are, state it as the accuracy of the mesh"
+            f"barely unstable (kappa {kappa:.1e}): rounding of the coordinates by about "
+            f"{kappa:.0e} of the size of a part has the same effect; if they are rounded, state "
+            "the accuracy of the mesh"
         )
 
     @property
@@ -324,7 +325,7 @@ class Verdict(InCells):
         motion = self.motion
         which = np.flatnonzero(motion.moves)
         if not (motion.known or len(which)):
-            return "what moves is not known"
+            return "the moving parts are not known"
         order = which[np.argsort(-motion.relative[which].max(axis=1), kind="stable")]
         names = self.program.names
         fastest = [f"{names[k]} {self.words(int(k))}" for k in order[:NAMED]]
@@ -410,7 +411,7 @@ class Verdict(InCells):
     def _cautions(self) -> list[str]:
         """Warnings that only the motions bring."""
         failed = self.measured and self.displacement.z is None
-        unfinished = "no solver finished LP (9): z and displacements are left out"
+        unfinished = "no solver finished the displacement program: z and displacements are left out"
         open_motion = [] if self.motion.known else [NO_MOTION]
         return [*filter(None, [self.barely]), *([unfinished] if failed else []), *open_motion]
 

@@ -42,7 +42,7 @@ def candidates_of(
     found: list[Support] = []
     words = list(asked)
     if not words:
-        raise InputError("there is nothing that may hold it", hint=f"give {', '.join(WORDS)}")
+        raise InputError("there are no candidates for supports", hint=f"give {', '.join(WORDS)}")
     for one in words:
         if isinstance(one, Support):
             one.require_of(assembly)

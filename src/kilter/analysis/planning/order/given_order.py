@@ -30,18 +30,22 @@ def sets_of_order(assembly: Assembly, order: Iterable[str | Iterable[str]]) -> l
     Raises
     ------
     InputError
-        If a name is no part, is there from the start, comes twice, or a part is left out.
+        If a name is not a part, belongs to a grounded part, comes twice, or if a part is left out.
     """
     found, seen = [], {part.name for part in assembly if part.grounded}
     for one in order:
         names = [one] if isinstance(one, str) else list(one)
         if not names:
-            raise InputError("a step of the sequence is empty", hint="name its parts")
+            raise InputError("a step of the sequence names no part", hint="name its parts")
         for name in names:
             place = assembly.index_of(name)
             if name in seen:
                 fixed = assembly[place].grounded
-                why = "is there from the start" if fixed else "comes twice in the sequence"
+                why = (
+                    "is grounded, so it stands from the start"
+                    if fixed
+                    else "comes twice in the sequence"
+                )
                 raise InputError(f"{name!r} {why}", hint="leave it out")
             seen.add(name)
         found.append(sum(1 << assembly.index_of(name) for name in names))
@@ -77,9 +81,9 @@ def _judged(search: OrderSearch, moved: int, present: int, hold: int) -> Removed
     early = search.later_of(moved) & rest
     if early:
         later = [names[k] for k in members(early, len(names)).tolist()]
-        fails.append(f"it has to come before {some_names(later)}")
+        fails.append(f"it must come before {some_names(later)}")
     if not search.hangs_on(moved, rest):
-        fails.append("it touches nothing that stands")
+        fails.append("it touches no standing part")
     legs = search.way_out(moved, present, 1) or search.way_out(moved, present, 2)
     if legs is None:
         fails.append(NO_WAY)
@@ -97,5 +101,5 @@ def _judged(search: OrderSearch, moved: int, present: int, hold: int) -> Removed
         pressed = next(search.pressed(search.pressing, moved, legs, present, hold), None)
         if pressed is not None:
             return pressed
-        fails.append("it cannot be pressed in with that force")
+        fails.append("the standing parts do not withstand the pressing force")
     return Removed(parts, legs or (), state, needs, tuple(fails))

@@ -92,7 +92,7 @@ def wrong_order(
             assembly, bool(bundle["rules"]["turn"]), entries["step"], entries["turned"]
         )
     elif entries["whole"] or entries["not fewer"] or entries["pressed"] or entries["turned"]:
-        yield "it speaks of an order but has no step"
+        yield "it is about an order, but has no steps"
     if (entries["falls alone"] or entries["refused"]) and (
         bundle["rules"]["groups"] or bundle["rules"]["turn"]
     ):

@@ -138,8 +138,8 @@ def plan(
     held_steps = fewest == "held-steps"
     if turn and (press or together or sequence is not None or held_steps or assembly.loads):
         raise InputError(
-            "turns are not sought with press, together, a sequence, held-steps or loads",
-            hint="leave one of them out",
+            "turns cannot be combined with press, together, a sequence, held-steps or loads",
+            hint="leave the turns or the other option out",
         )
     if time_limit is not None:
         time_limit = number(time_limit, "time_limit", lowest=0)
@@ -165,9 +165,9 @@ def plan(
     one_by_one = sequence is None and not together
     one_by_one = one_by_one and bool(whole.stable) and not any(unit & (unit - 1) for unit in units)
     if one_by_one:
-        work.stage("what is locked")
+        work.stage("locked parts")
         locked = find_locked(found, removal)
-        work.stage("what stands by itself")
+        work.stage("parts that stand by themselves")
         falling = [] if locked or turn else find_unreachable(found)[1]
     if not whole.stable:
         searched = Searched(None)

@@ -25,8 +25,8 @@ FAR = 2.0
 """How far away a part begins, over the size of the whole assembly."""
 VERDICTS = {"proved": "stable", "settles": "settles", "equilibrium": "potentially-stable"}
 """Of a step by its level."""
-NO_WAY = "no way in was found along the directions that were tried"
-UNDECIDED = "whether what stands before it holds is undecided"
+NO_WAY = "no free path was found along the directions that were tried"
+UNDECIDED = "it is undecided whether the parts that stand before it hold"
 """Why a step of a given order fails, so far as is known."""
 
 

@@ -38,7 +38,7 @@ def find_screws(contacts: ContactSet, named: Iterable[tuple[str, str]]) -> list[
         screws = [(fit.parts, fit.axis) for fit in fits if fit.parts in wanted]
         if not screws:
             raise InputError(
-                f"no {pair[1]!r} is round the shaft of a {pair[0]!r}",
+                f"no {pair[1]!r} surrounds the shaft of a {pair[0]!r}",
                 hint="name the bolt, then the nut",
             )
         for (bolt, nut), axis in screws:

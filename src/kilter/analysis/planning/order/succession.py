@@ -25,7 +25,7 @@ def later_parts(assembly: Assembly, before: Iterable[tuple[str, str]]) -> list[i
             for other in second:
                 if assembly[other].grounded and not assembly[name].grounded:
                     raise InputError(
-                        f"{name!r} is to come before {other!r}, which is held from the start",
+                        f"{name!r} must come before {other!r}, which is held from the start",
                         hint="leave that pair out",
                     )
                 later[assembly.index[name]] |= 1 << assembly.index[other]
@@ -44,7 +44,7 @@ def _require_no_circle(assembly: Assembly, later: list[int]) -> None:
     if left:
         names = [name for k, name in enumerate(assembly.names) if left >> k & 1]
         raise InputError(
-            f"the precedence goes round in a circle: {some_names(names)}",
+            f"the precedence has a cycle: {some_names(names)}",
             hint="leave one of the pairs out",
         )
 

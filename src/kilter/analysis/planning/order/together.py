@@ -40,7 +40,7 @@ def units_of_groups(assembly: Assembly, groups: Iterable[str | Iterable[str]]) -
     for group in groups:
         names = sorted(assembly.matching(group), key=assembly.index_of)
         if not names:
-            raise InputError("a group is empty", hint="name its parts")
+            raise InputError("a group names no part", hint="name its parts")
         fixed = [name for name in names if assembly[name].grounded]
         if fixed:
             raise InputError(

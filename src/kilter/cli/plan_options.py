@@ -1,0 +1,195 @@
+"""Options of the command plan about the order of assembly."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from kilter.cli.arguments import pair_of
+from kilter.cli.options import Require
+from kilter.cli.order_files import as_typed
+from kilter.errors import InputError
+from kilter.files.sequence import read_sequence
+
+__all__ = ["PlanOptions"]
+
+ORDER = "Allowed orders"
+
+
+@dataclass(frozen=True, slots=True)
+class PlanOptions:
+    """Values of the options, each with its help text."""
+
+    hold: Annotated[
+        int | None,
+        typer.Option(
+            "--hold",
+            metavar="K",
+            help="Largest number of parts held at once, besides the moving part; by default the "
+            "fewest, up to 2.",
+            rich_help_panel=ORDER,
+            show_default=False,
+        ),
+    ] = None
+    directions: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--directions",
+            metavar="axes|normals|X,Y,Z",
+            help="Directions along which parts move, in the order of their trial. Repeatable; axes "
+            "and contact normals by default.",
+            rich_help_panel=ORDER,
+            show_default=False,
+        ),
+    ] = None
+    before: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--before",
+            metavar="A B",
+            help="A is put in before B. Repeatable; * and ? are wildcards.",
+            rich_help_panel=ORDER,
+            show_default=False,
+        ),
+    ] = None
+    never_hold: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--never-hold",
+            metavar="NAME",
+            help="This part must not be held. Repeatable; * and ? are wildcards.",
+            rich_help_panel=ORDER,
+            show_default=False,
+        ),
+    ] = None
+    screws: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--screws",
+            metavar="BOLT NUT",
+            help="A bolt stays while its nut is on, and the nut comes off along its axis. "
+            "Repeatable; * and ? are wildcards.",
+            rich_help_panel=ORDER,
+            show_default=False,
+        ),
+    ] = None
+    group: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--group",
+            metavar="PATTERN",
+            help="The parts that match move as a single body. Repeatable; * and ? are wildcards.",
+            rich_help_panel=ORDER,
+            show_default=False,
+        ),
+    ] = None
+    together: Annotated[
+        bool,
+        typer.Option(
+            "--together",
+            help="Parts that block one another may move as a single body if none can leave alone.",
+            rich_help_panel=ORDER,
+        ),
+    ] = False
+    fewest: Annotated[
+        str,
+        typer.Option(
+            "--fewest",
+            metavar="WHAT",
+            help="Quantity to minimise: holds (parts held at once), held-steps (steps with held "
+            "parts) or turns (implies --turn).",
+            rich_help_panel=ORDER,
+        ),
+    ] = "holds"
+    sequence: Annotated[
+        Path | None,
+        typer.Option(
+            "--sequence",
+            metavar="FILE",
+            help="Check this order instead of finding one: a name in each line, .csv with a column "
+            "'part', or .json.",
+            rich_help_panel=ORDER,
+            show_default=False,
+        ),
+    ] = None
+    press: Annotated[
+        float,
+        typer.Option(
+            "--press",
+            metavar="N",
+            help="Force that presses each part into its place along its path [N]; the standing "
+            "parts must withstand it.",
+            rich_help_panel=ORDER,
+        ),
+    ] = 0.0
+    turn: Annotated[
+        bool,
+        typer.Option(
+            "--turn",
+            help="The standing parts may be turned between two steps, with the base.",
+            rich_help_panel=ORDER,
+        ),
+    ] = False
+    require: Require = "equilibrium"
+
+    def typed(self) -> list[str]:
+        """Return the options as they are typed, without those that have their default."""
+        return as_typed(
+            hold=self.hold,
+            directions=self.directions,
+            before=self.before,
+            never_hold=self.never_hold,
+            screws=self.screws,
+            group=self.group,
+            together=self.together,
+            fewest=None if self.fewest == "holds" else self.fewest,
+            sequence=self.sequence,
+            press=self.press or None,
+            turn=self.turn or None,
+            require=None if self.require == "equilibrium" else self.require,
+        )
+
+    def arguments(self) -> dict[str, Any]:
+        """Return the options as keyword arguments of `kilter.plan`.
+
+        Raises
+        ------
+        InputError
+            If a direction, a pair of names or the file of the sequence is invalid.
+        """
+        return {
+            "hold": self.hold,
+            "directions": [_direction(word) for word in self.directions or ("axes", "normals")],
+            "before": [pair_of("--before", words) for words in self.before or ()],
+            "never_hold": self.never_hold or (),
+            "screws": [pair_of("--screws", words) for words in self.screws or ()],
+            "groups": self.group or (),
+            "together": self.together,
+            "fewest": self.fewest,
+            "sequence": None if self.sequence is None else read_sequence(self.sequence),
+            "press": self.press,
+            "turn": self.turn,
+            "require": self.require,
+        }
+
+
+def _direction(word: str) -> str | list[float]:
+    """Return a named direction, or a direction of three numbers.
+
+    Raises
+    ------
+    InputError
+        If the word is neither.
+    """
+    if word in ("axes", "normals"):
+        return word
+    try:
+        x, y, z = (float(number) for number in word.split(","))
+    except ValueError:
+        raise InputError(
+            f"--directions has {word!r:.60}", hint="give axes, normals or X,Y,Z"
+        ) from None
+    return [x, y, z]
