@@ -64,7 +64,7 @@ def next_step(answer: Answer, name: str, *, bricks: bool = False) -> NextStep | 
     if kind == "check":
         return _after_check(answer, bricks)
     if kind == "orient":
-        down = tuple(number(c, 9) for c in answer["down"])
+        down = tuple(number(round(c, 9), 9) for c in answer["down"])
         turned = NextStep(("check", "--down", *down), "decides whether it holds in this direction")
         return turned if answer["found"] else HOLD
     if kind == "region":

@@ -11,10 +11,10 @@ __all__ = ["orient_facts", "region_facts", "region_phrase", "region_words", "res
 ROWS = 20
 """Largest number of vectors of each kind that are listed."""
 DIRECTIONS = {
-    "lines": "stable in both senses",
-    "rays": "extreme stable directions",
-    "equations": "normals q: stable directions g have q.g = 0",
-    "facets": "inward normals q: stable directions g have q.g >= 0",
+    "lines": "both senses belong to the region",
+    "rays": "extreme directions of the region",
+    "equations": "normals q: every direction g of the region has q.g = 0",
+    "facets": "inward normals q: every direction g of the region has q.g >= 0",
 }
 
 
@@ -30,7 +30,8 @@ def orient_facts(answer: Answer) -> list[Fact]:
     ]
     if answer["found"]:
         margin = angle(answer["tilt_margin_deg"])
-        found.append(("margin", f"{margin} to the nearest unstable direction"))
+        outside = "that is not held" if answer["friction"] else "that is unstable"
+        found.append(("margin", f"{margin} to the nearest direction {outside}"))
         found.append(("region", region_phrase(**answer["region"])))
         if answer["residual"] is not None:
             found.append(("proof", balance_phrase(answer["residual"])))

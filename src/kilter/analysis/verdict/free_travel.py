@@ -50,7 +50,7 @@ def free_travel(verdict: Verdict) -> Array:
     assembly, motion = verdict.assembly, verdict.motion
     if not (motion.known and motion.moves.any()):
         raise InputError(
-            f"no part is known to move: {verdict.sentence}",
+            f"no part is known to move: {verdict.sentence.removesuffix('.')}",
             hint="a film shows how parts start to move; kilter.draw makes a figure",
             option="a film shows how parts start to move; -o figure.svg is a figure",
         )
