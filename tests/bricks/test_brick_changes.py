@@ -135,7 +135,7 @@ def test_the_sentence_tells_what_is_needed(answer: dict[str, object], said: str)
     assert one.endswith("Take away 2x4-3 in layer 2 at cell (1, 2), and 25 % is needed.")
     falls = {**whole, "verdict": "unstable", "stands": False, "best": {**best, "share": 1.5}}
     assert improve_sentence(falls).endswith(
-        "No one brick is enough; the most helps: take away 2x4-3 in layer 2 at cell (1, 2)."
+        "No single brick is enough. The best change is: remove 2x4-3 in layer 2 at cell (1, 2)."
     )
 
 

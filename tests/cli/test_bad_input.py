@@ -152,9 +152,15 @@ def test_a_broken_file(
         (["check", "a.json", "--down", "0", "0"], "--down"),
         (["check", "a.json", "--down", "0", "0", "0"], "down"),
         (["check", "a.json", "--down", "0", "0", "nan"], "down"),
-        (["check", "a.json", "--friction", "abc"], "given with '--friction' is not a number; see"),
-        (["check", "a.json", "--down", "0", "0", "z"], "given with '--down' is not a number; see"),
-        (["view", "a.json", "--port", "x"], "given with '--port' is not a whole number; see"),
+        (
+            ["check", "a.json", "--friction", "abc"],
+            "the value of '--friction' is not a number; see",
+        ),
+        (
+            ["check", "a.json", "--down", "0", "0", "z"],
+            "the value of '--down' is not a number; see",
+        ),
+        (["view", "a.json", "--port", "x"], "the value of '--port' is not a whole number; see"),
         (["draw", "a.json", "--what", "y"], "'--what': 'y' is not one of 'assembly', 'region'"),
         (["check", "a.json", "--ground", "cubes"], "did you mean 'cube'"),
         (["check", "a.json", "--without", "c?be", "--without", "table"], "all parts are left out"),

@@ -139,7 +139,7 @@ def test_a_list_names_files_beside_it_and_options_reach_them(piles: Path, tmp_pa
     assert found.counts == {"unstable": 2}
     assert [row["file"] for row in rows_of(tmp_path / "out")] == [first] * 2
     (tmp_path / "empty").mkdir()
-    with pytest.raises(InputError, match="no assembly in it; folders in it are not looked into"):
+    with pytest.raises(InputError, match="it contains no assembly; subfolders are not searched"):
         kilter.batch(tmp_path / "empty", tmp_path / "other")
     with pytest.raises(InputError, match="is an assembly, not a list"):
         kilter.batch(piles / "pile-1.kilter.json", tmp_path / "other")
@@ -315,7 +315,7 @@ def test_a_second_run_in_one_folder_is_refused(
     files = listed_files(piles)[1]
     with open_folder(tmp_path, files, BatchQuestion(), size=1000):
         assert main(["batch", str(piles), "-o", str(tmp_path)]) == 2
-        assert "another run is at work" in capsys.readouterr().err
+        assert "another run is writing" in capsys.readouterr().err
     assert main(["batch", str(piles), "-o", str(tmp_path), "--processes", "1"]) == 1
 
 

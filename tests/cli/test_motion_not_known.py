@@ -90,7 +90,7 @@ def test_no_command_ends_as_a_fault(capsys, command, assembly, code):
 def test_a_knife_edge_names_the_parts_that_its_proof_has_moving():
     words = [text for text in kilter.region(scene("keystone")).warnings if "knife edge" in text]
     assert words
-    assert all("sets parts in motion: '" in text for text in words)
+    assert all("moves these parts: '" in text for text in words)
 
 
 @pytest.mark.slow

@@ -128,7 +128,7 @@ def test_an_earlier_proof_stays_where_there_is_none_and_that_is_said(
     Path("order.txt").write_text("\n".join(f"cube-{k}" for k in (5, 4, 3, 2, 1)))
     words = ["plan", "tower.json", "--sequence", "order.txt", "--proof", "p.json", *page]
     assert main(words) == 1
-    assert "p.json is left as it was" in capsys.readouterr().err
+    assert "p.json was not changed" in capsys.readouterr().err
     assert Path("p.json").read_text() == "earlier"
 
 

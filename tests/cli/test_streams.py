@@ -44,8 +44,7 @@ def test_a_full_output_is_one_sentence(files: Path, words: str) -> None:
     code, error = ended(files, words, "> /dev/full")
     assert code == 2
     assert error == (
-        "kilter: the answer cannot be written: No space left on device; "
-        "write to where there is room\n"
+        "kilter: the answer cannot be written: No space left on device; write to another place\n"
     )
 
 

@@ -184,9 +184,9 @@ def table_with(*places: tuple[float, float, float]) -> Assembly:
 
 
 def test_a_copy_that_overlaps_where_the_others_do_not_is_asked_about() -> None:
-    told = [w for w in contacts(table_with((0, 0, 1), (3, 0, 0.9))).remarks() if "placed" in w]
+    told = [w for w in contacts(table_with((0, 0, 1), (3, 0, 0.9))).remarks() if "right place" in w]
     assert told == [
-        "is 'foot_1' placed right? it overlaps 'base', and its copy 'foot_0' overlaps nothing"
+        "is 'foot_1' in the right place? it overlaps 'base', but its copy 'foot_0' overlaps nothing"
     ]
     assert told[0] in check(table_with((0, 0, 1), (3, 0, 0.9))).warnings
 

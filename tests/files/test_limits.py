@@ -284,4 +284,4 @@ def test_too_little_memory_is_one_sentence(tmp_path: Path) -> None:
     command = [sys.executable, "-c", program, str(path)]
     ended = subprocess.run(command, capture_output=True, text=True, timeout=60)
     assert (ended.returncode, ended.stderr.count("\n")) == (2, 1)
-    assert ended.stderr.startswith("kilter: there is not enough memory for this; ")
+    assert ended.stderr.startswith("kilter: not enough memory; ")

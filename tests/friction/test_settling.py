@@ -94,9 +94,9 @@ def test_tries_that_were_not_made_are_told_with_the_effort_that_makes_them():
     told["friction"]["settling"] = {"ends": ["balance"] * 3 + ["not-found"], "of": 8}
     words = dict(facts(told))
     assert words["settles"] == (
-        "3 of 8 loose tries came to rest; 5 were not finished (--effort 2 may)"
+        "3 of 8 loose tries came to rest; 5 were not finished (--effort 2 may finish them)"
     )
-    assert words["level"].startswith("equilibrium: not every try was finished")
+    assert words["level"].startswith("equilibrium: not every loose try was finished")
 
 
 @pytest.mark.slow

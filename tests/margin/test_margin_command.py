@@ -57,7 +57,7 @@ def test_json_has_all_keys_and_the_numbers_of_a_tower(tower, capsys):
 def test_the_text_says_what_starts_to_move(tower, capsys):
     assert main(["margin", tower, "--quiet", "--effort", "0.5"]) == 0
     text = capsys.readouterr().out
-    assert "26.5651 deg to the nearest direction that fails" in text
+    assert "26.5651 deg to the nearest direction of gravity that fails" in text
     assert "start to move" in text
     assert "no friction is needed" in text
 

@@ -322,7 +322,7 @@ def test_wrong_input() -> None:
         kilter.plan(tower, fewest="parts")
     with pytest.raises(InputError, match="a direction is 'up'"):
         kilter.plan(tower, directions=["up"])
-    with pytest.raises(InputError, match="no 'cube-2' is round the shaft"):
+    with pytest.raises(InputError, match="no 'cube-2' surrounds the shaft"):
         kilter.plan(tower, screws=[("cube-1", "cube-2")])
     with pytest.raises(InputError, match="held from the start"):
         kilter.plan(tower, before=[("cube-1", "base")])

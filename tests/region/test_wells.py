@@ -253,8 +253,8 @@ def test_words_and_numbers_are_one_voice() -> None:
     (rest,) = kilter.region(on_table(lathed((0, 0), (1, 1, 0, 1), (0, 1))), rests=True).rests
     answer = json.loads(json.dumps(rest.to_dict()))
     words = rest_words(answer)
-    assert "tilted on its table by less than 110.556 deg it comes back" in words
-    assert "to tip it takes 9102 J" in words
-    assert "it rights itself by 7705 N m a radian at least" in words
-    assert "its slowest swing takes 1.668 s" in words
+    assert "on its table it comes back from any tilt below 110.556 deg" in words
+    assert "tipping it needs 9102 J" in words
+    assert "its righting moment is at least 7705 N m/rad" in words
+    assert "its slowest swing has a period of 1.668 s" in words
     assert answer["well"]["part"] == "b"

@@ -238,7 +238,7 @@ def test_what_is_left_out_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     assert answers.map is None
     assert answers.recommended is None
     page = Tags(render(answers, "x")).text
-    assert "the stability map is found up to 3 free parts" in page
+    assert "the page computes the map for up to 3 free parts" in page
     assert "'kilter orient' has no such limit" in page
 
 

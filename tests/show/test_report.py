@@ -110,7 +110,7 @@ def test_margins_are_on_the_page_up_to_a_size_and_above_it_where_asked(
     assert main(written) == 0
     page = Path("two.html").read_text(encoding="utf-8")
     assert 'id="margins"' not in page
-    assert "margins are found up to 1 free parts" in page
+    assert "the page computes margins for up to 1 free parts" in page
     assert main([*written, "--margins"]) == 0
     page = Path("two.html").read_text(encoding="utf-8")
     assert 'id="margins"' in page
