@@ -224,7 +224,7 @@ def test_proof_with_a_key_missing_is_refused_in_words(damage):
     proof = judged(assembly).proof()
     del proof[damage]
     proof["digest"] = digest_of(proof)
-    with pytest.raises(InputError, match="write it again"):
+    with pytest.raises(InputError, match="make it anew"):
         verified(assembly, proof)
 
 

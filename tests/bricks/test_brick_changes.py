@@ -124,7 +124,7 @@ def test_the_command_names_the_brick_and_writes_the_model(
     [
         ({"share": 0.4, "stands": True}, "It stands: its studs need 40 % of their strength."),
         ({"share": 1.00005, "stands": True}, "need 100.005 % of their strength."),
-        ({"share": 0.0, "stands": True}, "no pull of its studs is needed."),
+        ({"share": 0.0, "stands": True}, "its studs need not pull."),
     ],
 )
 def test_the_sentence_tells_what_is_needed(answer: dict[str, object], said: str) -> None:
@@ -132,7 +132,7 @@ def test_the_sentence_tells_what_is_needed(answer: dict[str, object], said: str)
     assert said in improve_sentence(whole)
     best = {"what": "remove", "name": "2x4-3", "corner": [1, 2, 6], "layer": 2.0, "cells": [2, 4]}
     one = improve_sentence({**whole, "best": {**best, "share": 0.25}})
-    assert one.endswith("Take away 2x4-3 in layer 2 at cell (1, 2), and 25 % is needed.")
+    assert one.endswith("Remove 2x4-3 in layer 2 at cell (1, 2): then it needs 25 %.")
     falls = {**whole, "verdict": "unstable", "stands": False, "best": {**best, "share": 1.5}}
     assert improve_sentence(falls).endswith(
         "No single brick is enough. The best change is: remove 2x4-3 in layer 2 at cell (1, 2)."

@@ -88,7 +88,7 @@ def test_fasten_and_clearance_work_on_every_command(
     code, out, error = said(capsys, command, file, *words)
     assert code == 0
     assert "1 fixed: arm-1 - post" in out
-    assert "clearances taken as closed" in error
+    assert "clearances counted as closed" in error
     error = refused(capsys, command, file, "--fasten", "arm-1", "post")
     assert "none touches" in error
 
@@ -199,9 +199,9 @@ def test_clearance_is_in_the_proof_and_in_what_verify_says(
     assert said(capsys, "check", file, *words)[0] == 0
     code, out, _ = said(capsys, "verify", file, "p.json")
     assert code == 0
-    assert "clearances up to 0.3 mm taken as closed" in out
+    assert "clearances up to 0.3 mm counted as closed" in out
     code, out, _ = said(capsys, "contacts", file, "--clearance", "0.3")
-    assert "clearances up to 0.3 mm taken as closed" in out
+    assert "clearances up to 0.3 mm counted as closed" in out
     code, out, _ = said(capsys, "check", file, "--clearance", "0.3", "--json")
     assert json.loads(out)["tolerance"]["clearance"] == 0.3
 

@@ -215,7 +215,7 @@ def test_clearance_closes_gaps_up_to_it_and_no_penetration(height, word):
 
 def test_closed_pairs_are_named_with_their_gaps():
     found = detect.contacts(resting(0.9e-3), tolerance=Tolerance(clearance=1e-3))
-    closing = [text for text in found.warnings if "clearances taken as closed" in text]
+    closing = [text for text in found.warnings if "clearances counted as closed" in text]
     assert len(closing) == 1
     assert "'floor' and 'box' (0.0009 m)" in closing[0]
     touching = detect.contacts(resting(0.0), tolerance=Tolerance(clearance=1e-3))

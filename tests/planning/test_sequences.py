@@ -118,7 +118,7 @@ def test_files_that_are_no_sequence(tmp_path: Path, name: str, text: str, why: s
     [
         (["cube-1"], "leaves out 'cube-2'"),
         ([*CUBES, "cube-1"], "'cube-1' comes twice"),
-        (["base", *CUBES], "'base' is there from the start"),
+        (["base", *CUBES], "'base' is grounded, so it stands from the start"),
         (["nobody"], "nobody"),
         ([], "leaves out"),
         ([[]], "a step of the sequence names no part"),
