@@ -80,7 +80,7 @@ def test_a_step_without_a_way_proves_nothing() -> None:
 def test_parts_that_come_too_early() -> None:
     order = kilter.plan(scene("tower"), sequence=CUBES, before=[("cube-5", "cube-2")])
     assert [step.part for step in order.steps if step.fails] == ["cube-5"]
-    assert order.steps[-1].fails == ("it has to come before 'cube-2'",)
+    assert order.steps[-1].fails == ("it must come before 'cube-2'",)
 
 
 def test_sequences_from_files(tmp_path: Path) -> None:

@@ -261,6 +261,6 @@ def closed_by_clearance(assembly: Assembly, patches: Patches, limits: GapLimits)
     names, unit = assembly.names, assembly.units
     pairs = [f"{names[a]!r} and {names[b]!r} ({g:.3g} {unit})" for (a, b), g in widest.items()]
     return [
-        f"clearances counted as closed in {len(rows)} patches, {len(pairs)} pairs that stand apart: "
+        f"clearances counted as closed in {len(rows)} patches, {len(pairs)} separated pairs: "
         f"{some(pairs)}; the answer holds for parts that are moved together there"
     ]
