@@ -74,7 +74,7 @@ def test_what_falls_when_it_is_finished_is_named(
 ) -> None:
     assert main(["plan", str(file), "--friction", "0.1"]) == 1
     said = capsys.readouterr().out
-    assert "the finished assembly does not hold by itself, 'voussoir-" in said
+    assert "the finished assembly falls: 'voussoir-" in said
 
 
 @pytest.mark.slow

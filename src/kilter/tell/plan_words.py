@@ -36,7 +36,10 @@ def order_sentence(answer: Answer) -> str:
         first = f"It can be put together {given}in {steps}, {words}."
         return " ".join(filter(None, [first, fewer, _least(answer), _finished(answer)]))
     if answer["verdict"] == "undecided":
-        return f"No order: whether the finished assembly holds is undecided{_open(answer)}."
+        return (
+            "No order was found, because it is undecided whether the finished assembly holds"
+            f"{_open(answer)}."
+        )
     if answer["verdict"] == "impossible":
         return fewer
     if answer["given"]:

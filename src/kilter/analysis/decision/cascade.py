@@ -119,7 +119,7 @@ def _first_order(
             known = judge(program, work=work)
         judgement = known
     if judgement.stable is None:
-        reason = "the time limit was met" if work.cut else _best_figures(judgement)
+        reason = "the time limit was reached" if work.cut else _best_figures(judgement)
         return Decision("undecided", program, judgement, reasons=(reason,))
     if judgement.stable:
         return _with_friction(assembly, contacts, program, judgement, require, work)
@@ -224,19 +224,21 @@ def _best_figures(judgement: Judgement) -> str:
     """The best forces and the best motion, neither of which passes as a proof."""
     residual = judgement.forces.residual if judgement.forces else float("nan")
     motion = judgement.motion
-    ratio = f"{motion.power:.2g} W at violation {motion.violation:.2g}" if motion else "none"
+    ratio = "no motion"
+    if motion:
+        ratio = f"the best motion gains {motion.power:.2g} W and violates {motion.violation:.2g}"
     return (
-        f"the numbers do not carry a proof (best forces leave {residual:.2g} of a weight, "
-        f"best motion: {ratio})"
+        f"numerical errors prevent a proof (the best forces leave {residual:.2g} of a weight, "
+        f"{ratio})"
     )
 
 
 def _unclear(contacts: ContactSet, bound: Judgement, work: Work) -> str:
     """Why an assembly is undecided that no joined pairs decide; `bound`: with all open contacts."""
     if work.cut:
-        return "the time limit was met"
+        return "the time limit was reached"
     if bound.stable is None:
-        return f"with every possible contact {_best_figures(bound)}"
+        return f"with every possible contact, {_best_figures(bound)}"
     if contacts.open_pairs:
         return "open pairs could hold it together with round rims"
-    return "the polygon that stands for a round face could hold it, a circle might not"
+    return "the polygon in place of a round face could hold it, but the circle might not"
