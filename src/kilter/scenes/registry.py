@@ -16,7 +16,7 @@ from kilter.errors import InputError, nearest_name
 
 __all__ = ["SCENES", "Answer", "Example", "listed", "scene"]
 
-Answer = Literal["stable", "settles", "potentially-stable", "unstable"]
+Answer = Literal["stable", "settles", "balanced", "potentially-stable", "unstable"]
 Builder = TypeVar("Builder", bound=Callable[..., Assembly])
 
 
@@ -34,7 +34,7 @@ class Example:
         Function that builds the assembly.
     source : str
         Case, figure or publication.
-    answer : {"stable", "settles", "potentially-stable", "unstable"}
+    answer : {"stable", "settles", "balanced", "potentially-stable", "unstable"}
         Known verdict. "settles": the proof that no motion obeys the contact law needs more than
         the default effort. "potentially-stable": a motion obeys the contact law, too.
     """

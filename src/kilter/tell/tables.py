@@ -148,7 +148,7 @@ def _region_sentence(answer: Answer) -> str:
 
 
 def _lower_case(sentence: str) -> str:
-    """A sentence with a small first letter, for use after a colon or comma."""
+    """Return a sentence with a small first letter, for use after a colon or a comma."""
     return f"{sentence[0].lower()}{sentence[1:]}"
 
 

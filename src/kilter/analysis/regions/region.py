@@ -346,7 +346,8 @@ def region(
     found = _region(assembly, contacts, rubs, gap_deg, started, progress)
     pairs = still_open(contacts.open_pairs, assembly)
     if pairs:
-        joints = [Joint(tuple(assembly.names[k] for k in pair.parts)) for pair in pairs]
+        names = assembly.names
+        joints = [Joint((names[pair.parts[0]], names[pair.parts[1]])) for pair in pairs]
         joined = assembly.with_joints(joints)
         other = _region(joined, contacts, rubs, gap_deg, time.perf_counter(), progress)
         found = replace(found, joined=other)

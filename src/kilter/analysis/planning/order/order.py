@@ -230,14 +230,14 @@ class Order(InCells):
         """Why there is no order, or none without holds."""
         if self.whole.stable is False:
             motion = self.whole.motion
-            names = self.whole.moving
+            moving = self.whole.moving
             index = self.states.assembly.index
             motions = (
                 None
                 if motion is None
-                else [{name: motion.motion[index[name]].tolist() for name in names}]
+                else [{name: motion.motion[index[name]].tolist() for name in moving}]
             )
-            return {"kind": "falls", "holds": None, "parts": names, "motions": motions}
+            return {"kind": "falls", "holds": None, "parts": moving, "motions": motions}
         if self.locked:
             parts = [self.states.assembly.names[one.part] for one in self.locked]
             return {"kind": "locking", "holds": None, "parts": parts, "motions": None}
