@@ -89,7 +89,7 @@ def on_edge(offset: float = 0.0) -> Part:
 
 
 @pytest.mark.parametrize(
-    ("offset", "word"), [(0, "stable"), (1e-6, "unstable"), (-1e-6, "unstable")]
+    ("offset", "word"), [(0, "balanced"), (1e-6, "unstable"), (-1e-6, "unstable")]
 )
 def test_a_cube_on_its_edge_is_neutral_over_it(offset, word):
     assert judged(Assembly([FLOOR, on_edge(offset)])) == word
@@ -103,7 +103,7 @@ def test_a_cube_on_its_edge_between_two_walls_stands_over_its_foot_only(offset):
     assembly = Assembly([FLOOR, left, right, on_edge(offset)])
     # the walls push against each other along one line: no torque, so it stands only where
     # its centre of mass is over its foot
-    assert judged(assembly) == ("stable" if offset == 0 else "unstable")
+    assert judged(assembly) == ("balanced" if offset == 0 else "unstable")
 
 
 def test_a_corner_in_a_corner_has_one_normal_a_wall():
@@ -133,7 +133,7 @@ def _octant_hole() -> tuple[np.ndarray, list[list[int]]]:
     return body.vertices, body.triangles.tolist()
 
 
-@pytest.mark.parametrize(("offset", "word"), [(0.0, "stable"), (1e-6, "unstable")])
+@pytest.mark.parametrize(("offset", "word"), [(0.0, "balanced"), (1e-6, "unstable")])
 def test_a_tetrahedron_balances_on_its_tip(offset, word):
     points = [[0, 0, 0], [1, 0, 1], [-0.5, 0.8, 1], [-0.5, -0.8, 1]]
     faces = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]

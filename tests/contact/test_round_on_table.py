@@ -144,7 +144,8 @@ def on_table(shape, down, seed, **more):
 def test_body_on_a_table_is_in_equilibrium_and_moves_as_derived(name, seed):
     shape, down, count = RESTING[name]
     verdict = check(on_table(shape, down, seed))
-    assert verdict.verdict == "stable"
+    assert verdict.first_order == "stable"
+    assert verdict.verdict == ("balanced" if name == "capsule, standing" else "stable")
     assert verdict.contacts.unsupported == ()
     assert np.abs(verdict.contacts.patch_gap).max() < 1e-13
     assert verdict.to_dict()["neutral"] == {"two_sided": count, "one_sided": 0}
@@ -165,7 +166,7 @@ def test_body_on_a_table_is_in_equilibrium_and_moves_as_derived(name, seed):
 def test_body_falls_where_its_centre_is_beyond_its_foot(shape, down, inside, outside):
     for centre, word in ((inside, "stable"), (outside, "unstable")):
         verdict = check(on_table(shape, down, 3, mass=1.0, center_of_mass=centre))
-        assert verdict.verdict == word
+        assert verdict.first_order == word
 
 
 @pytest.mark.slow
@@ -215,7 +216,7 @@ def test_tilted_end_carries_what_stands_above_its_lowest_point_alone(shape):
     for aside, word in ((0.0, "stable"), (1e-3, "unstable")):
         centre = foot - 0.5 * down + aside * np.array([0.8, 0.6, 0])
         verdict = check(on_table(shape, down, 0, mass=1.0, center_of_mass=centre))
-        assert verdict.verdict == word
+        assert verdict.first_order == word
 
 
 @pytest.mark.slow
