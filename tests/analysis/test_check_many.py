@@ -245,11 +245,11 @@ def test_meshes_that_are_not_plain_are_read_one_by_one() -> None:
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"part_start": [0, 1]}, "part_start does not cut 2 rows"),
-        ({"vertex_start": [0, 8, 17]}, "vertex_start does not cut 16 rows in 2"),
-        ({"face_start": [0, 12, 12, 24]}, "face_start does not cut 24 rows in 2"),
+        ({"part_start": [0, 1]}, "part_start does not divide 2 rows"),
+        ({"vertex_start": [0, 8, 17]}, "vertex_start does not divide 16 rows into 2"),
+        ({"face_start": [0, 12, 12, 24]}, "face_start does not divide 24 rows into 2"),
         ({"faces": [[0.5, 1, 2]]}, "faces is"),
-        ({"gravity": [0, 0]}, "gravity is no vector"),
+        ({"gravity": [0, 0]}, "gravity is not a vector"),
         ({"density": [1.0]}, "density has shape"),
         ({"units": "yd"}, "yd"),
     ],

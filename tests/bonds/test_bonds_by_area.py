@@ -102,5 +102,5 @@ def test_a_bond_by_area_of_what_is_not_flat_and_convex_is_refused():
 @pytest.mark.parametrize("options", [{"about": [0, 1, 0]}, {"ranges": Ranges(mass=(0.9, 1.1))}])
 def test_a_margin_that_takes_gravity_for_all_there_is_takes_no_bonds(options):
     parts = [cube("top", z=1.0, grounded=True), cube("low")]
-    with pytest.raises(kilter.InputError, match="does not take bonds"):
+    with pytest.raises(kilter.InputError, match="does not support bonds"):
         kilter.margin(Assembly(parts, bonds=[Bond(("low", "top"), pull=WEIGHT)]), **options)

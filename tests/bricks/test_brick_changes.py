@@ -116,7 +116,7 @@ def test_the_command_names_the_brick_and_writes_the_model(
     assert main(["improve", str(path), "--write", str(path)]) == 2
     assert main(["example", "tower", "-o", str(tmp_path / "tower.json")]) == 0
     assert main(["improve", str(tmp_path / "tower.json")]) == 2
-    assert "it is no brick" in capsys.readouterr().err
+    assert "it is not a brick" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -170,5 +170,5 @@ def test_a_brick_off_the_grid_is_named(pose: Pose) -> None:
 
 
 def test_what_is_no_brick_is_named() -> None:
-    with pytest.raises(kilter.InputError, match="part 'base': it is no brick"):
+    with pytest.raises(kilter.InputError, match="part 'base': it is not a brick"):
         kilter.improve(kilter.example("tower"))

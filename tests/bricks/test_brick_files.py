@@ -108,7 +108,7 @@ def test_the_libraries_are_those_of_the_sources() -> None:
         ({"z": -1}, "line 3: brick '2' is in layer -1; layers are counted from 0"),
         ({"x": 1.5}, "line 3: brick '2' has x 1.5; give a whole number"),
         ({"ori": 2}, "line 3: brick '2' has ori 2; give 0 for along x"),
-        ({"x": 6, "z": 0}, r"line 3: cell \(6, 5\) is taken by the brick of line 2; move one"),
+        ({"x": 6, "z": 0}, r"line 3: cell \(6, 5\) is occupied by the brick in line 2; move one"),
     ],
 )
 def test_wrong_bricks_of_stable_lego(change: dict, message: str, tmp_path: Path) -> None:
@@ -130,7 +130,7 @@ def test_a_brick_of_stable_lego_that_is_none(tmp_path: Path) -> None:
         ("3x5 (0,0,0)", "line 3: a brick of 3x5 is unknown; known sizes are 1x1, 1x2, 1x4"),
         ("2x4 (0,0,-2)", "line 3: the brick is in layer -2; layers are counted from 0"),
         ("2x4 (0,0)", r"line 3: '2x4 \(0,0\)' is not a brick; write a brick like 2x4 \(10,3,0\)"),
-        ("1x1 (4,6,0)", r"line 3: cell \(4, 6\) is taken by the brick of line 1"),
+        ("1x1 (4,6,0)", r"line 3: cell \(4, 6\) is occupied by the brick in line 1"),
         ("1x1 (99999999,6,0)", "line 3: .* is not a brick"),
     ],
 )
@@ -155,7 +155,7 @@ def test_text_without_a_brick_and_of_other_bytes(tmp_path: Path) -> None:
         ("1 4 0 0 0 .8 0 .6 0 1 0 -.6 0 .8 3001.dat", "line 5: the part is tilted or upside"),
         ("1 4 0 0 0 1 0 0 0 -1 0 0 0 -1 3001.dat", "line 5: the part is tilted or upside"),
         ("1 4 0 -23 0 1 0 0 0 1 0 0 0 1 3001.dat", "line 5: the part is off the grid of .* line 2"),
-        ("1 4 60 -32 40 1 0 0 0 1 0 0 0 1 3001.dat", r"line 5: cell .* is taken by .* line 2"),
+        ("1 4 60 -32 40 1 0 0 0 1 0 0 0 1 3001.dat", r"line 5: cell .* is occupied by .* line 2"),
         ("1 -4 0 0 0 1 0 0 0 1 0 0 0 1 3001.dat", "line 5: .* does not place a part"),
         ("1 0x100000000 0 0 0 1 0 0 0 1 0 0 0 1 3001.dat", "line 5: .* does not place a part"),
         ("2x4 (0,0,0)", r"line 5: '2x4 \(0,0,0\)' is not a line of LDraw"),
@@ -181,7 +181,7 @@ def test_models_in_models_inherit_colours_and_turns(tmp_path: Path) -> None:
     assert [part.brick.cells for part in found.parts[:4]] == [(4, 1), (4, 1), (1, 4), (1, 4)]
     assert found.parts[1].shape.size == pytest.approx([32, 8, 3.2])
     assert any("drawn edges and faces" in note for note in found.notes)
-    assert any("no library states are estimated: 1x4 plate" in note for note in found.notes)
+    assert any("masses of these bricks are estimates: 1x4 plate" in note for note in found.notes)
     circle = text + "1 4 0 0 0 1 0 0 0 1 0 0 0 1 house.ldr\n"
     assert "line 8: the model 'house.ldr' contains itself" in refused(tmp_path / "c.mpd", circle)
 

@@ -9,7 +9,7 @@ from solids import bolt, bore, cone_frustum, mesh_of, peg, socket, torus, trough
 
 from kilter import Assembly, Box, Cylinder, Part, Pose, Sphere
 from kilter.assembly.polyhedra import polyhedron_moments
-from kilter.assembly.refined import refined
+from kilter.assembly.refined import refine
 from kilter.contact import detect
 
 SHAPES = {
@@ -38,7 +38,7 @@ def test_finer_triangles_close_in_on_the_exact_body_and_stay_closed(name):
     whole = np.full(3, -99.0), np.full(3, 99.0)
     volumes = []
     for rounds in range(3):
-        vertices, triangles = refined(geometry, 1, rounds, whole)
+        vertices, triangles = refine(geometry, 1, rounds, whole)
         sides = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
         there = {tuple(side) for side in sides.tolist()}
         assert len(there) == len(sides)
@@ -54,10 +54,10 @@ def test_finer_triangles_close_in_on_the_exact_body_and_stay_closed(name):
 def test_only_what_comes_within_the_box_is_cut():
     geometry = Assembly([Part("a", Cylinder(1.0, 3.0))]).geometry
     none = np.array([2.0, 0, 0]), np.array([3.0, 1, 1])
-    vertices, triangles = refined(geometry, 0, 2, none)
+    vertices, triangles = refine(geometry, 0, 2, none)
     assert len(triangles) == len(geometry.triangles)
     some = np.array([0.9, -0.1, 1.4]), np.array([1.1, 0.1, 1.6])
-    vertices, triangles = refined(geometry, 0, 2, some)
+    vertices, triangles = refine(geometry, 0, 2, some)
     assert len(geometry.triangles) < len(triangles) < 3 * len(geometry.triangles)
     assert np.hypot(*vertices[:, :2].T).max() == pytest.approx(1.0, abs=1e-12)
 
@@ -89,5 +89,5 @@ def test_meshes_are_measured_as_they_are():
     mesh = mesh_of(peg(sides=12))
     geometry = Assembly([Part("a", mesh)]).geometry
     whole = np.full(3, -99.0), np.full(3, 99.0)
-    finer = volume_of(*refined(geometry, 0, 2, whole))
+    finer = volume_of(*refine(geometry, 0, 2, whole))
     assert finer == pytest.approx(float(geometry.volume[0]), rel=1e-12)

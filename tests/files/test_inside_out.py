@@ -21,7 +21,7 @@ def with_lumps(turn: int, at: float) -> Mesh:
 
 
 def test_negative_matter_is_refused() -> None:
-    with pytest.raises(InputError, match=r"part .stone.: its faces cross each other: .*; heal it"):
+    with pytest.raises(InputError, match=r"part .stone.: its faces intersect .*; repair"):
         _ = Assembly([Part("stone", with_lumps(-1, 5.0))]).geometry
 
 

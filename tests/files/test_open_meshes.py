@@ -61,7 +61,7 @@ def test_mixed_winding_is_turned_with_a_warning(shape, seed: int) -> None:
     geometry = Assembly([Part("stone", Mesh(vertices, mixed))]).geometry
     true = Assembly([Part("stone", Mesh(vertices, faces))]).geometry
     assert geometry.warnings == (
-        f"part 'stone': {count} faces turned, they were wound the other way",
+        f"part 'stone': {count} faces had the wrong winding and were reversed",
     )
     assert np.array_equal(geometry.mass, true.mass)
     assert np.array_equal(geometry.inertia, true.inertia)
@@ -111,8 +111,8 @@ def test_a_held_open_mesh_holds() -> None:
     """Its hole is at a side that nothing comes near: the verdict is as that of the closed one."""
     assembly = on(Part("base", without_face_at(SIDE), grounded=True))
     (warning,) = assembly.geometry.warnings
-    assert warning.startswith("part 'base': mesh is open: 3 edges have a face on one side only")
-    assert warning.endswith("it is held, so its surfaces are enough")
+    assert warning.startswith("part 'base': the mesh is open: 3 edges have a face on one side only")
+    assert warning.endswith("a held part needs no closed mesh")
     found = check(assembly)
     assert found.verdict == "stable"
     assert not [r for r in found.contacts.rejected if r.why == UNKNOWN]
@@ -145,7 +145,7 @@ def test_a_free_mesh_with_a_small_hole_wants_mass_and_centre() -> None:
     mesh = without_face_at(SIDE)
     table = Part("table", Box([4, 4, 1]), Pose([0, 0, -1]), grounded=True)
     for given in ({}, {"mass": 2.0}, {"center_of_mass": [0, 0, 0]}):
-        with pytest.raises(InputError, match="hold it, or give its mass and center_of_mass"):
+        with pytest.raises(InputError, match="hold the part, or give mass and center_of_mass"):
             _ = Assembly([table, Part("stone", mesh, **given)]).geometry
     stone = Part("stone", mesh, mass=2.0, center_of_mass=[0.1, 0, 0])
     assembly = Assembly([table, stone])
@@ -160,7 +160,9 @@ def test_a_free_mesh_with_a_small_hole_wants_mass_and_centre() -> None:
 def test_a_free_mesh_with_a_large_hole_is_refused() -> None:
     vertices, faces = surface(Box([1, 1, 1]))
     lid = Part("lid", Mesh(vertices, faces[:-2]), mass=1.0, center_of_mass=[0, 0, 0])
-    with pytest.raises(InputError, match=r"mesh is open: 4 edges .*; close it where it was made$"):
+    with pytest.raises(
+        InputError, match=r"open: 4 edges .*; close it in the program that made it$"
+    ):
         _ = Assembly([lid]).geometry
 
 

@@ -46,12 +46,12 @@ def rechecked(made: Made, capsys: pytest.CaptureFixture[str], slack: float) -> s
             assert all(f"{name!r} (1 shell)" in flat.what for name in made.volumes)
             return "refused"
         # one flat face is left of it, and no body
-        assert flat is None or (flat.part in made.spoilt and "a flat part" in flat.what)
+        assert flat is None or (flat.part in made.spoilt and "the part is flat" in flat.what)
         return "refused"
     assembly = load(made.path)
     geometry = assembly.geometry
     # a ball or a ring that lost its only face is nothing: it is named as left out
-    passed = [note for note in assembly.notes if "passed over" in note]
+    passed = [note for note in assembly.notes if "ignored, not solids" in note]
     gone = {name for name in made.spoilt if any(f"{name}' (1 shell)" in note for note in passed)}
     assert sorted(assembly.names) == sorted(set(made.volumes) - gone)
     for k, name in enumerate(assembly.names):
@@ -62,7 +62,7 @@ def rechecked(made: Made, capsys: pytest.CaptureFixture[str], slack: float) -> s
             away = np.linalg.norm(geometry.center[k] - made.centers[name])
             assert away <= slack * max(size, float(np.abs(made.centers[name]).max()))
     if made.turned:
-        assert any("wound the other way" in warning for warning in geometry.warnings)
+        assert any("wrong winding" in warning for warning in geometry.warnings)
     return "mended" if made.spoilt or made.turned else "read"
 
 

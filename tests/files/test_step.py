@@ -271,7 +271,7 @@ def test_an_entity_that_is_missing(tmp_path: Path, capfd: Any) -> None:
         name = entity.split(" ")[0]
         path.write_text(text.replace(entity, ""))
         if re.search(rf"{name}\b(?! =)", text):
-            assert f"1 entities are named but not there, the first is {name};" in refused(path)
+            assert f"1 entities are named but not defined, such as {name};" in refused(path)
     path.write_text(text.replace("CYLINDRICAL_SURFACE", "CYLINDRICAL_SURFOOT"))
     refused(path)
     assert capfd.readouterr() == ("", "")

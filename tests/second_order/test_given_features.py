@@ -122,7 +122,7 @@ def test_a_surface_is_of_revolution_about_its_axis_or_refused(off: float) -> Non
     for make in tries:
         one = make(off)
         if off:
-            with pytest.raises(InputError, match="not of revolution about its axis"):
+            with pytest.raises(InputError, match="not a surface of revolution about its axis"):
                 at_origin(one)
         else:
             at_origin(one)
@@ -146,11 +146,11 @@ def test_contacts_of_other_lists_are_open() -> None:
         (lambda: Feature("fase"), "did you mean 'face'"),  # type: ignore[arg-type]
         (lambda: Feature("edge"), 'give "along"'),
         (lambda: Feature("face", curvature=(1, 2)), 'give "along"'),
-        (lambda: Feature("edge", [1, 0, 0], (1, 2)), "give one, along it"),
-        (lambda: Feature("vertex", curvature=1), "leave it out"),
+        (lambda: Feature("edge", [1, 0, 0], (1, 2)), "give only that along the edge"),
+        (lambda: Feature("vertex", curvature=1), "remove it"),
         (lambda: Feature("face", curvature=np.nan), "finite"),
         (lambda: Feature("face", axis=UP), 'give both "point" and "axis"'),
-        (lambda: Feature("vertex", point=UP, axis=UP), "leave it out"),
+        (lambda: Feature("vertex", point=UP, axis=UP), "remove it"),
         (lambda: Feature("face", point=UP, axis=[0, 0, 0]), "axis of a face"),
         (lambda: assembly((Feature("face"), Feature("edge", UP))), "not across its normal"),
         (lambda: assembly((Feature("face"),)), "pair of kilter.Feature"),  # type: ignore[arg-type]

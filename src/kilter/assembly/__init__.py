@@ -1,4 +1,4 @@
-"""Assemblies: parts, which are held, what acts on them, and what follows from their shapes."""
+"""Assemblies: parts, held parts, interactions, and the geometry and mass properties of parts."""
 
 from kilter.assembly.assembly import Assembly, require_assembly
 from kilter.assembly.bonds import Bond

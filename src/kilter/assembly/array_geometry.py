@@ -1,8 +1,8 @@
-"""The geometry of small closed meshes in arrays: that of `build_geometry`, without a look at each.
+"""Compute the geometry of many small closed meshes at once; same result as `build_geometry`.
 
-Plain is a mesh that nothing has to be done to: every edge has a face on either side, run the
-other way; no two vertices in one place, none that no face names; no face of no area; wound
-outwards; and too few faces to stand for anything round.
+A mesh is plain if it needs no repair: every edge has two faces in opposite senses; vertices are
+distinct and used; no face has zero area; the faces point outwards; and there are too few faces to
+represent a curved surface.
 """
 
 from __future__ import annotations
@@ -27,13 +27,22 @@ from kilter.units import metres_per_unit
 __all__ = ["arrays_side_by_side"]
 
 HUGE = 1e100
-"""Densities and gravity above this, or below its inverse, are read one by one, and refused."""
+"""Assemblies with a density or gravity above this, or below its inverse, are read one by one, and
+rejected there."""
 SOME_MESH = Part("part", Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 1, 2]]))
-"""Stands for every part: of these only that they are meshes is asked."""
+"""Placeholder for every part; only the type of its shape matters."""
 
 
 def arrays_side_by_side(arrays: AssemblyArrays) -> tuple[SideBySide | None, Index]:
-    """The assemblies of plain meshes side by side, and which they are; None where none is."""
+    """Join the assemblies of plain meshes.
+
+    Returns
+    -------
+    joined : SideBySide or None
+        None if no assembly has only plain meshes.
+    which : ndarray of int
+        Positions of these assemblies.
+    """
     with np.errstate(all="ignore"):
         which = np.flatnonzero(_usable(arrays))
         while len(which):
@@ -49,7 +58,7 @@ def arrays_side_by_side(arrays: AssemblyArrays) -> tuple[SideBySide | None, Inde
 
 
 def _usable(arrays: AssemblyArrays) -> Mask:
-    """Assemblies of plain meshes, some held, in a gravity that is one, shape (M,)."""
+    """Whether each assembly has plain meshes only, a held part, and valid gravity, shape (M,)."""
     size = np.abs(arrays.gravity).max(axis=1)
     usable = (size > 1 / HUGE) & (size < HUGE)
     usable &= np.logical_or.reduceat(arrays.held, arrays.part_start[:-1])
@@ -59,16 +68,16 @@ def _usable(arrays: AssemblyArrays) -> Mask:
 
 
 def _plain(arrays: AssemblyArrays) -> Mask:
-    """Parts whose mesh is plain, shape (N,)."""
+    """Whether the mesh of each part is plain, shape (N,)."""
     vertices, faces = arrays.vertices, arrays.faces
     part = np.repeat(np.arange(len(arrays.held)), np.diff(arrays.face_start))
     low, high = arrays.vertex_start[part][:, None], arrays.vertex_start[part + 1][:, None]
     inside = ((faces >= low) & (faces < high)).all(axis=1)
     faces = np.where(inside[:, None], faces, low)
-    bad = part[~(inside & _has_area(vertices, faces) & _met(faces, len(vertices)))]
+    bad = part[~(inside & _has_area(vertices, faces) & _is_matched(faces, len(vertices)))]
     used = np.zeros(len(vertices), dtype=bool)
     used[faces.ravel()] = True
-    fine = used & np.isfinite(vertices).all(axis=1) & _alone(vertices, arrays.vertex_start)
+    fine = used & np.isfinite(vertices).all(axis=1) & _is_distinct(vertices, arrays.vertex_start)
     plain = np.logical_and.reduceat(fine, arrays.vertex_start[:-1])
     plain &= np.diff(arrays.face_start) < FEWEST
     plain[bad] = False
@@ -76,22 +85,25 @@ def _plain(arrays: AssemblyArrays) -> Mask:
     return result
 
 
-def _met(faces: Index, count: int) -> Mask:
-    """Faces all of whose edges one other face runs the other way, shape (F,)."""
+def _is_matched(faces: Index, count: int) -> Mask:
+    """Whether every edge of a face has exactly one other face, in the opposite sense, shape (F,).
+
+    `count`: the number of vertices.
+    """
     start, end = faces.ravel(), faces[:, [1, 2, 0]].ravel()
-    there, back = start * count + end, np.sort(end * count + start)
-    ordered = np.sort(there)
+    forward, back = start * count + end, np.sort(end * count + start)
+    ordered = np.sort(forward)
     once = not len(ordered) or bool((np.diff(ordered) > 0).all())
     if once and np.array_equal(ordered, back):
         return np.ones(len(faces), dtype=bool)
-    runs = np.searchsorted(ordered, there, side="right") - np.searchsorted(ordered, there)
-    met = np.searchsorted(back, there, side="right") - np.searchsorted(back, there)
-    result: Mask = ((runs == 1) & (met == 1)).reshape(-1, 3).all(axis=1)
+    runs = np.searchsorted(ordered, forward, side="right") - np.searchsorted(ordered, forward)
+    opposite = np.searchsorted(back, forward, side="right") - np.searchsorted(back, forward)
+    result: Mask = ((runs == 1) & (opposite == 1)).reshape(-1, 3).all(axis=1)
     return result
 
 
 def _has_area(vertices: Array, faces: Index) -> Mask:
-    """Faces that are no slivers, shape (F,)."""
+    """Whether each face has an area, relative to its longest side, shape (F,)."""
     p, q, r = (vertices[faces[:, k]].astype(np.float64) for k in range(3))
     twice = np.linalg.norm(cross(q - p, r - p), axis=1)
     longest = np.maximum.reduce([((u - v) ** 2).sum(axis=1) for u, v in ((p, q), (q, r), (r, p))])
@@ -99,30 +111,42 @@ def _has_area(vertices: Array, faces: Index) -> Mask:
     return result
 
 
-def _alone(vertices: Array, start: Index) -> Mask:
-    """Vertices that no other one of their part shares its place with, shape (V,)."""
+def _is_distinct(vertices: Array, start: Index) -> Mask:
+    """Whether each vertex differs from the other vertices of its part, shape (V,).
+
+    Of several equal vertices, the first counts as distinct.
+    """
     part = np.repeat(np.arange(len(start) - 1), np.diff(start))
     order = np.lexsort((*(vertices + 0.0).T, part))
     same = (vertices[order[1:]] == vertices[order[:-1]]).all(axis=1)
     same &= part[order[1:]] == part[order[:-1]]
-    alone = np.ones(len(vertices), dtype=bool)
-    alone[order[1:][same]] = False
-    return alone
+    distinct = np.ones(len(vertices), dtype=bool)
+    distinct[order[1:][same]] = False
+    return distinct
 
 
 def _boxes_in_order(arrays: AssemblyArrays) -> tuple[AssemblyArrays, Array, Index, Mask]:
-    """The arrays, their vertices and faces with the corners of boxes in order, which are boxes."""
+    """Find the parts that are boxes, and sort their corners.
+
+    Returns
+    -------
+    arrays : AssemblyArrays
+        The argument.
+    vertices, faces : ndarray, shape (V, 3), (F, 3)
+        Those of the arrays, with the corners of boxes in the order of `BOX_CORNERS`.
+    is_box : ndarray of bool, shape (N,)
+    """
     vertices, faces = arrays.vertices.astype(np.float64), arrays.faces
     first = arrays.vertex_start[:-1]
     is_box = (np.diff(arrays.vertex_start) == 8) & (np.diff(arrays.face_start) == 12)
-    some = np.flatnonzero(is_box)
-    rows = first[some][:, None] + np.arange(8)
-    own = arrays.face_start[some][:, None] + np.arange(12)
-    local = faces[own] - first[some][:, None, None]
-    order, found = box_orders(vertices[rows], local, _accuracy(arrays)[some])
-    is_box[some] = found
+    candidates = np.flatnonzero(is_box)
+    rows = first[candidates][:, None] + np.arange(8)
+    face_rows = arrays.face_start[candidates][:, None] + np.arange(12)
+    local = faces[face_rows] - first[candidates][:, None, None]
+    order, confirmed = box_orders(vertices[rows], local, _accuracy(arrays)[candidates])
+    is_box[candidates] = confirmed
     source = np.arange(len(vertices))
-    source[rows[found]] = first[some[found]][:, None] + order[found]
+    source[rows[confirmed]] = first[candidates[confirmed]][:, None] + order[confirmed]
     place = np.empty_like(source)
     place[source] = np.arange(len(source))
     return arrays, vertices[source], place[faces], is_box
@@ -131,7 +155,10 @@ def _boxes_in_order(arrays: AssemblyArrays) -> tuple[AssemblyArrays, Array, Inde
 def _moments(
     arrays: AssemblyArrays, vertices: Array, faces: Index, is_box: Mask
 ) -> tuple[Array, Array, Array, Array]:
-    """Volume, centroid, second moment and centroid of the surface, as `polyhedron_moments`."""
+    """Volume, centroid, second moment and surface centroid of all parts.
+
+    The result is that of `polyhedron_moments`.
+    """
     count = len(is_box)
     volume, center, second = np.empty(count), np.empty((count, 3)), np.empty((count, 3, 3))
     corners = vertices[arrays.vertex_start[:-1][is_box][:, None] + np.arange(8)]
@@ -140,9 +167,9 @@ def _moments(
     if len(others):
         _, rows = ragged(arrays.face_start, others)
         start = starts(np.diff(arrays.face_start)[others])
-        found = polyhedron_moments(vertices, faces[rows], start)
-        volume[others], center[others], second[others], middle[others] = found
-    # a box whose faces are wound inwards holds as much, with the other sign
+        moments = polyhedron_moments(vertices, faces[rows], start)
+        volume[others], center[others], second[others], middle[others] = moments
+    # a box whose faces point inwards has a negative volume, as for other meshes
     first = faces[arrays.face_start[:-1][is_box]]
     p, q, r = (vertices[first[:, k]] for k in range(3))
     inwards = np.einsum("ni,ni->n", cross(q - p, r - p), p - center[is_box]) < 0
@@ -151,7 +178,7 @@ def _moments(
 
 
 def _accuracy(arrays: AssemblyArrays) -> Array:
-    """How far a coordinate of each part may be off, shape (N,) [length unit]."""
+    """Largest error of a coordinate of each part, shape (N,) [length unit]."""
     size = np.abs(arrays.vertices).max(axis=1).astype(np.float64)
     single = arrays.vertices.dtype == np.float32
     largest = np.maximum.reduceat(size, arrays.vertex_start[:-1])
@@ -162,7 +189,7 @@ def _accuracy(arrays: AssemblyArrays) -> Array:
 def _geometry(
     arrays: AssemblyArrays, vertices: Array, faces: Index, is_box: Mask
 ) -> tuple[Geometry, Mask]:
-    """The geometry of plain meshes, and which of them are sound, shape (N,)."""
+    """The geometry of plain meshes, and whether each passes the checks of `build_geometry`."""
     first, count = arrays.vertex_start[:-1], len(arrays.held)
     owner = np.repeat(np.arange(count), np.diff(arrays.vertex_start))
     volume, center, second, middle = _moments(arrays, vertices, faces, is_box)

@@ -1,8 +1,8 @@
-"""Assembly: which parts, which of them are held, what pulls on them; validated once.
+"""Assembly: the parts, which of them are held, and the forces on them; validated when created.
 
-Lengths are in `Assembly.units`; gravity is m/s^2, density kg/m^3, mass kg, force N, torque
-N x length unit, all in the world frame. What follows from the shapes (vertices, masses,
-centres, inertia) is `Assembly.geometry`, computed once, in arrays.
+Lengths are in `Assembly.units`; gravity is in m/s^2, density in kg/m^3, mass in kg, force in N,
+torque in N x length unit. All vectors are in the world frame. `Assembly.geometry` computes
+vertices, masses, centres and inertia of all parts once, as arrays.
 """
 
 from __future__ import annotations
@@ -46,40 +46,44 @@ ENTRIES: dict[str, type] = {
     "bonds": Bond,
     "notes": str,
 }
-"""What the sequences of an assembly hold."""
+"""Type of the entries of each sequence of an assembly."""
 SPACIOUS = 4.0
-"""Width of the floor over the width of the parts that it lies under."""
+"""Width of the floor [widths of the parts together]."""
 THICK = 0.25
-"""Thickness of the floor over the same."""
+"""Thickness of the floor [widths of the parts together]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Assembly:
-    """Rigid parts, which of them are held, and what pulls on them.
+    """Rigid parts, with held parts, gravity, loads, joints, bonds and given contacts.
 
     Parameters
     ----------
     parts : sequence of Part
     units : {"m", "cm", "mm", "in"}
-        The unit of every length.
+        Unit of every length.
     gravity : array_like, shape (3,)
-        [m/s^2], world frame.
+        Acceleration of gravity, world frame [m/s^2].
     friction : float
-        Coefficient [-] of contacts that have none of their own.
-    friction_pairs, loads, contacts, joints, bonds : sequences
+        Friction coefficient of contacts without a coefficient of their own [-].
+    friction_pairs : sequence of FrictionPair
+    loads : sequence of Load
+    contacts : sequence of GivenContact
+    joints : sequence of Joint
     planar : bool
-        Motions in the x-z plane only; gravity must lie in it.
+        True: motions in the x-z plane only; gravity must lie in it.
     detect : bool
         False: only the given contacts count.
     source : str
-        The file it was read from; named in messages.
+        Name of the file that the assembly was read from, for messages.
     notes : sequence of str
-        What the reader had to say about the file; shown as warnings.
+        Remarks of the reader about the file; shown as warnings.
+    bonds : sequence of Bond
 
     Raises
     ------
     InputError
-        If there is no part, two parts share a name, a name is unknown, gravity is zero.
+        If there is no part, two parts share a name, a name is unknown, or gravity is zero.
 
     Examples
     --------
@@ -118,15 +122,17 @@ class Assembly:
             raise error.located(file=self.source or None) from None
 
     def _validate_parts(self) -> None:
+        """Verify that there are parts, with distinct names, and that the units are known."""
         metres_per_unit(self.units)
         if not self.parts:
-            raise InputError("no parts", hint="give at least one part")
+            raise InputError("the assembly has no parts", hint="give at least one part")
         if len(self.index) < len(self.parts):
             count = Counter(self.names)
             twice = next(name for name in self.names if count[name] > 1)
             raise InputError(f"two parts are named {twice!r}", hint="give each its own name")
 
     def _validate_gravity(self) -> None:
+        """Verify that gravity is finite, not zero, and in the plane of a planar assembly."""
         gravity = frozen(self.gravity, (3,), "gravity")
         if not np.isfinite(gravity).all() or not gravity.any():
             raise InputError(
@@ -140,7 +146,11 @@ class Assembly:
         object.__setattr__(self, "gravity", gravity)
 
     def _validate_entries(self) -> None:
-        """Friction pairs, contacts, joints and bonds name two parts each; some no pair twice."""
+        """Verify that friction pairs, contacts, joints and bonds name two known parts each.
+
+        Joints must also fit a planar assembly, and neither friction pairs nor bonds may repeat a
+        pair.
+        """
         entries: list[tuple[str, Entry]] = [
             *(("friction pair", entry) for entry in self.friction_pairs),
             *(("contact", entry) for entry in self.contacts),
@@ -161,15 +171,16 @@ class Assembly:
             times = Counter(pairs)
             both = next(pair for pair in pairs if times[pair] > 1)
             raise InputError(
-                f"two friction pairs name {some_names(sorted(both))}", hint="leave one out"
+                f"two friction pairs name {some_names(sorted(both))}", hint="remove one of them"
             )
 
     def _validate_load(self, load: Load) -> None:
+        """Verify that a load acts on a free part, and in the plane of a planar assembly."""
         if self[load.part].grounded:
             raise InputError(
-                "a load acts on a held part, where it moves nothing",
+                "a load acts on a held part, where it has no effect",
                 part=load.part,
-                hint="leave the load out, or do not hold the part",
+                hint="remove the load, or do not hold the part",
             )
         if self.planar and (load.force[1] or load.torque[0] or load.torque[2]):
             raise InputError(
@@ -196,7 +207,7 @@ class Assembly:
         return f"<Assembly: {len(self)} parts, {held} held, in {self.units}{source}>"
 
     def _repr_html_(self) -> str:
-        """What a notebook shows."""
+        """HTML summary of the assembly for a notebook."""
         return html_of(
             {
                 "kilter": 1,
@@ -212,7 +223,7 @@ class Assembly:
         )
 
     def joints_data(self) -> list[dict[str, Any]]:
-        """The joints, those that were fastened among them, as JSON data of an answer."""
+        """The joints as JSON data of an answer; fastened joints have the key "why"."""
         return [
             {"parts": list(joint.parts), "kind": joint.kind}
             | ({"why": joint.why} if joint.why else {})
@@ -220,12 +231,12 @@ class Assembly:
         ]
 
     def bonds_data(self) -> list[dict[str, Any]]:
-        """The bonds as JSON data of an answer: of whom, and how strong."""
+        """The bonds as JSON data of an answer: the two parts, and the strength."""
         return [bond.to_dict() for bond in self.bonds]
 
     @cached_property
     def index(self) -> dict[str, int]:
-        """Position of each part by name."""
+        """Position of each part by its name."""
         return {part.name: k for k, part in enumerate(self.parts)}
 
     @cached_property
@@ -234,12 +245,12 @@ class Assembly:
         return tuple(part.name for part in self.parts)
 
     def index_of(self, part: str | int) -> int:
-        """Position of the part of that name, or at that position.
+        """Position of a part, from its name or its position (which may be negative).
 
         Raises
         ------
         InputError
-            If there is none; it names the nearest.
+            If there is no such part; the error names the most similar name.
         """
         if isinstance(part, int | np.integer):
             if not -len(self.parts) <= part < len(self.parts):
@@ -256,7 +267,7 @@ class Assembly:
 
     @cached_property
     def geometry(self) -> Geometry:
-        """What follows from the shapes: vertices, masses, centres, inertia, in arrays."""
+        """Vertices, masses, centres and inertia of all parts, as arrays."""
         try:
             return build_geometry(self.parts, self.units)
         except InputError as error:
@@ -271,12 +282,12 @@ class Assembly:
 
     @classmethod
     def of(cls, value: Any, **options: Any) -> Assembly:
-        """The assembly that an object of another library is; the same as `kilter.load`.
+        """Convert an object of another library to an assembly; the same as `kilter.load`.
 
         Raises
         ------
         InputError
-            If it is nothing that `kilter.load` takes.
+            If `kilter.load` does not support the type of the object.
 
         Examples
         --------
@@ -289,7 +300,7 @@ class Assembly:
         return assembly
 
     def to_trimesh(self) -> Any:
-        """A `trimesh.Scene` with a node a part, under its name, in the units of the assembly.
+        """A `trimesh.Scene` with a node for each part, in the units of the assembly.
 
         Raises
         ------
@@ -299,12 +310,12 @@ class Assembly:
         return hook("scene_of")(self)
 
     def to_mjcf(self) -> str:
-        """The text of an MJCF scene, to be watched in MuJoCo; see `kilter.files.mjcf`.
+        """The text of an MJCF scene for MuJoCo; see `kilter.files.mjcf`.
 
         Raises
         ------
         InputError
-            If it has loads, or joints that slide.
+            If the assembly has loads or sliding joints.
         """
         text: str = hook("to_mjcf")(self)
         return text
@@ -312,16 +323,16 @@ class Assembly:
     # changed copies ------------------------------------------------------------------
 
     def with_down(self, down: ArrayLike) -> Assembly:
-        """Gravity turned to the direction `down`, its size kept."""
+        """The assembly with gravity in the direction `down`, of the same magnitude."""
         size = float(np.linalg.norm(self.gravity))
         return self._replace(gravity=unit(down, "down") * size)
 
     def with_friction(self, friction: float) -> Assembly:
-        """The friction coefficient of contacts that have none of their own."""
+        """The assembly with another coefficient for contacts without one of their own."""
         return self._replace(friction=friction)
 
     def with_grounded(self, patterns: str | Iterable[str]) -> Assembly:
-        """The parts that match (``*`` and ``?`` are globs) held, besides those held before."""
+        """The assembly with the parts that match also held; ``*`` and ``?`` are globs."""
         chosen = self.matching(patterns)
         return self._replace(
             parts=[
@@ -331,24 +342,25 @@ class Assembly:
         )
 
     def with_bonds(self, bonds: Iterable[Bond]) -> Assembly:
-        """Bonds besides those there are."""
+        """The assembly with additional bonds."""
         return self._replace(bonds=[*self.bonds, *bonds])
 
     def with_joints(self, joints: Iterable[Joint], *, notes: Iterable[str] = ()) -> Assembly:
-        """Joints besides those there are; `kilter.contact.fastened` makes those of bolts.
+        """The assembly with additional joints, and with `notes` after the notes of the reader.
 
-        `notes` are added to those of the reader.
+        `kilter.contact.fastened` makes the joints of bolts and other fasteners.
         """
         return self._replace(joints=[*self.joints, *joints], notes=[*self.notes, *notes])
 
     def without(self, patterns: str | Iterable[str]) -> Assembly:
-        """The assembly without the parts that match, and all that names them."""
+        """The assembly without the parts that match, and without all entries that name them."""
         gone = self.matching(patterns)
         keep = [part for part in self.parts if part.name not in gone]
         if not keep:
             raise InputError("all parts are left out", hint="leave fewer parts out")
 
         def kept(entries: Sequence[Any]) -> list[Any]:
+            """The entries that name none of the removed parts."""
             return [entry for entry in entries if not gone.intersection(entry.parts)]
 
         return self._replace(
@@ -361,10 +373,14 @@ class Assembly:
         )
 
     def with_floor(self, height: float | None = None) -> Assembly:
-        """A held table under the lowest point (against gravity), or at a height there.
+        """The assembly with a held table under its lowest point, or at a given height.
 
-        The lowest point is that of the exact surfaces. `height` is measured along the direction
-        opposite to gravity [length unit].
+        The lowest point, with respect to gravity, is that of the exact surfaces.
+
+        Parameters
+        ----------
+        height : float, optional
+            Height of the table's top, measured from the origin against gravity [length unit].
         """
         geometry = self.geometry
         up = -self.down
@@ -389,7 +405,7 @@ class Assembly:
         return self._replace(parts=[*self.parts, table])
 
     def matching(self, patterns: str | Iterable[str]) -> set[str]:
-        """Names that match any of the patterns.
+        """The names of the parts that match any of the patterns (names or globs).
 
         Raises
         ------
@@ -401,19 +417,19 @@ class Assembly:
             if pattern in self.index:
                 chosen.add(pattern)
                 continue
-            found = [name for name in self.names if fnmatch.fnmatchcase(name, pattern)]
-            if not found:
+            matches = [name for name in self.names if fnmatch.fnmatchcase(name, pattern)]
+            if not matches:
                 self.index_of(pattern)
-            chosen.update(found)
+            chosen.update(matches)
         return chosen
 
     def require_grounded(self) -> None:
-        """Refuse an assembly in which nothing is held.
+        """Verify that a part is held, or joined to the ground.
 
         Raises
         ------
         InputError
-            Naming the parts and the lowest one.
+            If nothing is held; the error names the parts and the lowest part.
         """
         held = any(part.grounded for part in self.parts)
         if held or any(GROUND in joint.parts for joint in self.joints):
@@ -429,18 +445,19 @@ class Assembly:
         )
 
     def _replace(self, **changes: Any) -> Assembly:
+        """A copy with other values of some fields."""
         return dataclasses.replace(self, **changes)
 
 
 def _entries(name: str, given: Any, kind: type) -> tuple[Any, ...]:
-    """A sequence of one kind of value, as a tuple."""
+    """A sequence of values of type `kind` as a tuple; raises `InputError` for other types."""
     try:
         entries = None if isinstance(given, str | bytes | kind) else tuple(given)
     except TypeError:
         entries = None
     if entries is None:
         raise InputError(
-            f"{name} is one {type(given).__name__}",
+            f"{name} is a single {type(given).__name__}",
             hint=f"give a list of {kind.__name__}",
         )
     for k, entry in enumerate(entries):
@@ -453,29 +470,36 @@ def _entries(name: str, given: Any, kind: type) -> tuple[Any, ...]:
 
 
 def require_assembly(value: object, verb: str) -> None:
-    """Refuse what is no assembly, and say how to make one of it.
+    """Verify that a value is an assembly.
+
+    Parameters
+    ----------
+    value : object
+    verb : str
+        Name of the function that needs the assembly, for the message.
 
     Raises
     ------
     InputError
+        If it is not; the error states how to make an assembly from the value.
 
     Examples
     --------
     >>> require_assembly("arch.stl", "check")
     Traceback (most recent call last):
     ...
-    kilter.errors.InputError: check wants an assembly, got a path; read it: kilter.load('arch.stl')
+    kilter.errors.InputError: check needs an assembly, got a path; read it: kilter.load('arch.stl')
     """
     if isinstance(value, Assembly):
         return
     if isinstance(value, str | os.PathLike):
         raise InputError(
-            f"{verb} wants an assembly, got a path",
+            f"{verb} needs an assembly, got a path",
             hint=f"read it: kilter.load({os.fspath(value)!r:.60})",
         )
     hint = "make one: kilter.Assembly([kilter.Part(...), ...]), or kilter.load(path or object)"
     if hasattr(value, "vertices") and hasattr(value, "faces"):
-        hint = "make one of it: kilter.load(mesh)"
+        hint = "convert it: kilter.load(mesh)"
     elif isinstance(value, Part):
         hint = "put it into one: kilter.Assembly([part, ...])"
-    raise InputError(f"{verb} wants an assembly, got {type(value).__name__}", hint=hint)
+    raise InputError(f"{verb} needs an assembly, got {type(value).__name__}", hint=hint)

@@ -1,8 +1,8 @@
-"""Many assemblies of meshes as arrays: what planners and makers of data sets have at hand.
+"""AssemblyArrays: many assemblies of meshes as arrays, for planners and generators of data sets.
 
-Most are boxes and other small closed meshes, whose geometry follows in arrays. A part that has to
-be looked at (open, wound inwards, with vertices in one place or so many faces that it might stand
-for something round) leaves its assembly to be read by itself.
+The geometry of boxes and other small closed meshes is computed for all at once. An assembly is
+read by itself if one of its parts needs repair: it is open, its faces point inwards, vertices
+coincide, or it has so many faces that it may represent a curved surface.
 """
 
 from __future__ import annotations
@@ -26,31 +26,33 @@ __all__ = ["AssemblyArrays"]
 
 @dataclass(frozen=True, eq=False)
 class AssemblyArrays:
-    """M assemblies of N closed meshes in all, world frame.
+    """M assemblies with N parts in total, all closed meshes, world frame.
 
     Parameters
     ----------
     vertices : array_like, shape (V, 3)
-        Corners of all parts [length unit]; float32 counts as rounded to that.
+        Vertices of all parts [length unit]; a float32 array has the accuracy of float32.
     faces : array_like of int, shape (F, 3)
-        Triangles by row of `vertices`, turning left seen from outside.
+        Triangles as rows of `vertices`, counterclockwise seen from outside.
     vertex_start, face_start : array_like of int, shape (N + 1,)
-        First vertex and first face of each part, and the number of all.
+        First vertex and first face of each part, followed by the total number.
     part_start : array_like of int, shape (M + 1,)
-        First part of each assembly, and the number of all.
+        First part of each assembly, followed by the total number.
     held : array_like of bool, shape (N,)
+        Whether each part is held.
     gravity : array_like, shape (3,) or (M, 3)
-        [m/s^2]
+        Acceleration of gravity, for all or for each assembly [m/s^2].
     density : array_like, shape (N,), optional
-        [kg/m^3]; 1000 where not given.
+        Densities [kg/m^3]; default 1000.
     friction : float
-        Of every contact [-].
+        Friction coefficient of every contact [-].
     units : {"m", "cm", "mm", "in"}
+        Length unit.
 
     Raises
     ------
     InputError
-        If shapes or starts do not fit each other.
+        If the shapes of the arrays, or the starts, are inconsistent.
 
     Examples
     --------
@@ -89,13 +91,16 @@ class AssemblyArrays:
         _require_starts(self.face_start, "face_start", count, len(self.faces))
         gravity = _array(self.gravity, np.float64, (-1,) if np.ndim(self.gravity) == 1 else (-1, 3))
         if gravity.shape not in ((3,), (len(self), 3)):
-            raise InputError("gravity is no vector", hint="give one, or one an assembly, in m/s^2")
+            raise InputError(
+                "gravity is not a vector", hint="give one vector, or one per assembly, in m/s^2"
+            )
         self._set("gravity", np.broadcast_to(gravity, (len(self), 3)).copy())
         if self.density is not None:
             self._set("density", _array(self.density, np.float64, (count,), "density"))
         read_only(self)
 
     def _set(self, name: str, value: Any) -> None:
+        """Set a field of the frozen value."""
         object.__setattr__(self, name, value)
 
     def __len__(self) -> int:
@@ -110,7 +115,7 @@ class AssemblyArrays:
         Raises
         ------
         InputError
-            If a mesh of it is none.
+            If one of its meshes is invalid.
         """
         k = range(len(self))[k]
         first, last = self.part_start[k : k + 2].tolist()
@@ -122,6 +127,7 @@ class AssemblyArrays:
         )
 
     def _part(self, n: int, name: str) -> Part:
+        """Part n of all, under a name."""
         low, high = self.vertex_start[n : n + 2].tolist()
         faces = self.faces[self.face_start[n] : self.face_start[n + 1]] - low
         density = None if self.density is None else float(self.density[n])
@@ -132,15 +138,15 @@ class AssemblyArrays:
         return Part(name, mesh, grounded=bool(self.held[n]), density=density)
 
     def among(self, which: Index) -> AssemblyArrays:
-        """Some of the assemblies, in the order of `which`."""
+        """The assemblies at the positions `which`, in that order."""
         _, parts = ragged(self.part_start, which)
         _, vertices = ragged(self.vertex_start, parts)
-        own, faces = ragged(self.face_start, parts)
+        owner, faces = ragged(self.face_start, parts)
         vertex_start = starts(np.diff(self.vertex_start)[parts])
         moved = vertex_start[:-1] - self.vertex_start[parts]
         return AssemblyArrays(
             self.vertices[vertices],
-            self.faces[faces] + moved[own][:, None],
+            self.faces[faces] + moved[owner][:, None],
             vertex_start,
             starts(np.diff(self.face_start)[parts]),
             starts(np.diff(self.part_start)[which]),
@@ -153,14 +159,14 @@ class AssemblyArrays:
 
 
 def _array(values: Any, kind: type, shape: tuple[int, ...], what: str = "gravity") -> Any:
-    """A copy of values, of that kind and shape (-1: any length)."""
+    """A copy of values as an array of a type and shape (-1: any length); raises `InputError`."""
     try:
         array = np.array(values)
         if array.dtype.kind not in "biuf" or (kind is np.int64 and array.dtype.kind not in "iu"):
             raise ValueError
         array = array.astype(kind)
     except ValueError:
-        hint = "give whole numbers" if kind is np.int64 else "give numbers"
+        hint = "give integers" if kind is np.int64 else "give numbers"
         raise InputError(f"{what} is {values!r:.60}", hint=hint) from None
     fits = len(array.shape) == len(shape)
     if not fits or any(n not in (-1, m) for n, m in zip(shape, array.shape, strict=True)):
@@ -170,10 +176,16 @@ def _array(values: Any, kind: type, shape: tuple[int, ...], what: str = "gravity
 
 
 def _require_starts(start: Index, what: str, runs: int | None, rows: int) -> None:
-    """Refuse what is no first row of each of `runs` runs of one row or more."""
-    whole = len(start) > 1 and start[0] == 0 and start[-1] == rows and (np.diff(start) > 0).all()
-    if not whole or (runs is not None and len(start) != runs + 1):
+    """Verify that `start` divides `rows` rows into runs of at least one row; `runs`: how many.
+
+    Raises
+    ------
+    InputError
+        If it does not; `what` is the name of the array for the message.
+    """
+    valid = len(start) > 1 and start[0] == 0 and start[-1] == rows and (np.diff(start) > 0).all()
+    if not valid or (runs is not None and len(start) != runs + 1):
         raise InputError(
-            f"{what} does not cut {rows} rows" + ("" if runs is None else f" in {runs}"),
+            f"{what} does not divide {rows} rows" + ("" if runs is None else f" into {runs}"),
             hint="give the first row of each run, rising from 0, and the number of all rows",
         )

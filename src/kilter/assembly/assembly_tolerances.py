@@ -1,11 +1,10 @@
-"""Tolerances of assemblies: sizes that are read, and what counts as flat, level or the same.
+"""Tolerances of assemblies: the range of sizes, and bounds for flat, upright or equal.
 
     RESOLVED < UPRIGHT < SAME_SURFACE = PLANAR_AXIS = FLAT_PART = INSIDE_OUT < COPLANAR
              < BESIDE_SEAM = ACROSS = ON_GRID < CREASE < SMOOTH
 
-all relative, or angles in rad.
-
-None of them decides what touches: that is `kilter.contact.contact_tolerances`.
+All are relative, or angles in rad. None of them decides whether parts touch; these tolerances are
+in `kilter.contact.contact_tolerances`.
 """
 
 from __future__ import annotations
@@ -27,32 +26,40 @@ __all__ = [
 ]
 
 LARGEST = 1e30
-"""Sizes of parts above this, or below its inverse, are refused: moments of inertia, fifth
-powers of a size, must stay within float64 [length unit]."""
+"""Largest size of a part; the smallest is its inverse [length unit]. Moments of inertia, fifth
+powers of a size, must stay within float64."""
 RESOLVED = 1e-14
-"""A part smaller than this times the largest of its coordinates is refused: numbers, which have
-sixteen digits, do not tell its corners apart [-]."""
+"""Least size of a part [fractions of its largest coordinate]: float64, with sixteen digits, does
+not resolve the corners of a smaller part."""
 FLAT_PART = 1e-9
-"""A part of less volume than this times the cube of its reach is flat, and refused [-]."""
+"""A part with less volume than this is flat, and rejected [cubes of its reach]."""
 INSIDE_OUT = 1e-9
-"""A second moment of matter below zero by more than this fraction of the largest is no rounding."""
+"""Largest negative eigenvalue of a second moment that counts as rounding [fractions of the largest
+eigenvalue]; below it the part is rejected."""
 PLANAR_AXIS = 1e-9
-"""Sine of the angle up to which the axis of a joint lies along or across y [-]."""
+"""Largest sine of the angle between the axis of a joint and the y axis, or the x-z plane, that
+counts as parallel [-]."""
 SAME_SURFACE = 1e-9
-"""Curved surfaces of one part that differ by less than this fraction of its size are one."""
+"""Largest difference of two curved surfaces of a part that count as the same [sizes]. A larger
+value merges more surfaces."""
 COPLANAR = 1e-8
-"""1 - cosine up to which neighbouring triangles lie in one plane [-]."""
+"""Largest 1 - cosine of the angle between neighbouring triangles in the same plane [-]."""
 SMOOTH = 0.6
-"""Neighbouring triangles of a mesh that meet at less than this may stand for a curve [rad]."""
+"""Largest angle between neighbouring triangles of a mesh that may represent a curved surface
+[rad]."""
 UPRIGHT = 1e-12
-"""Sine of the angle up to which an axis is upright: a torus is lowest all around [-]."""
+"""Largest sine of the angle between a torus axis and the vertical at which the torus is lowest all
+around [-]."""
 BESIDE_SEAM = 1e-6
-"""A face reaches this fraction of its radius over its seams, an edge over its chord [-]."""
+"""Margin of a face beyond its seams [radii]; largest distance of a point of an edge from its two
+faces [chord lengths]."""
 ACROSS = 1e-6
-"""Cosine of the angle up to which the direction of a given feature is across the normal [-]."""
+"""Largest deviation of a given feature from the normal and from its axis of revolution [-]."""
 ON_GRID = 1e-6
-"""How far a brick may be off its cells or turned, in cells and rad [-]."""
+"""Largest offset of a brick from its cells [cells], and largest rotation [rad]."""
 CREASE = 1e-3
-"""Faces that meet at less than this have no edge: the seam of a fillet [rad]."""
+"""Least angle between two faces with an edge [rad]; at a smaller angle they meet smoothly, as at
+the seam of a fillet."""
 SMALL_HOLES = 0.1
-"""Holes whose closure has at most this fraction of the surface leave the volume believable [-]."""
+"""Largest area of the caps of holes at which the closed volume is plausible [fractions of the
+surface]."""

@@ -1,4 +1,4 @@
-"""Bonds: connections of two parts that take pull up to a limit, such as glue, studs, magnets."""
+"""Bonds: connections of two parts that resist pull up to a limit, such as glue, studs, magnets."""
 
 from __future__ import annotations
 
@@ -31,52 +31,51 @@ KINDS: dict[BondKind, str | None] = {
     "suction": "mu",
     "press-fit": None,
 }
-"""Kinds of bond, and what bears shear in each where that is not said."""
-NO_CONE = "what they hold depends on the size of gravity, so directions that are held are no cone"
-"""Why a set of directions is not asked of bonds."""
-NOT_SET = "it does not say when each one sets"
-"""Why an order of assembly is not asked of bonds."""
-NOT_RANGED = "what they hold does not grow with the masses"
-"""Why a worst case over intervals is not asked of bonds."""
+"""Default shear strength of each kind of bond: by friction ("mu"), or unlimited (None)."""
+NO_CONE = "their strength does not scale with gravity, so the stable directions do not form a cone"
+"""Reason why a set of stable directions is not computed for bonds, for messages."""
+NOT_SET = "the sequence does not state when each bond sets"
+"""Reason why an order of assembly is not computed for bonds, for messages."""
+NOT_RANGED = "their strength does not scale with the masses"
+"""Reason why a worst case over intervals of masses is not computed for bonds, for messages."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bond:
-    """A connection of two parts that takes pull up to a limit, and breaks beyond it.
+    """A connection of two parts that resists pull up to a limit, and breaks beyond it.
 
-    At a point with normal n, from the first part to the second, contact forces may pull:
+    At a point with normal n, from the first part to the second, the contact force is bounded by
 
     =============  =================================================
-    along n        f_n >= -T, any push
-    across n       any force, up to `shear`, or up to mu (f_n + T)
+    along n        f_n >= -T, no upper bound
+    across n       no bound, `shear`, or mu (f_n + T)
     =============  =================================================
 
     Parameters
     ----------
     parts : pair of str
-        Names of the two.
+        Names of the two parts.
     pull : float, optional
-        T at each point [N].
+        Largest pull T at each point [N].
     pull_per_area : float, optional
-        Strength of the surface, in place of `pull` [N / length unit^2]: of each patch, times its
-        area, acting at the middle of the area.
+        Strength of the surface, instead of `pull` [N / length unit^2]. The strength times the area
+        of a patch acts at the centroid of the patch.
     shear : float or "mu", optional
-        What is borne across each point: up to this force [N], or by friction on what presses the
-        surfaces together, the pull included. Any force, where it is not given.
+        Largest sideways force at each point [N], or "mu": friction due to the normal force plus
+        the pull. Default no limit.
     points : array_like, shape (n, 3), optional
-        Where it acts, world frame [length unit]; all contact points of the two parts where they
-        are not given.
+        Points of the bond, world frame [length unit]; default all contact points of the two
+        parts.
     normal : array_like, shape (3,), optional
-        Of the surface, from the first part to the second, of any length; needed with `points`.
+        Surface normal from the first part to the second, of any length; needed with `points`.
     kind : {"glue", "mortar", "magnet", "suction", "press-fit"}, optional
-        A name; mortar, magnets and suction cups bear shear by friction unless `shear` says
-        otherwise.
+        Name of the kind; mortar, magnets and suction cups have shear by friction unless `shear`
+        is given.
 
     Raises
     ------
     InputError
-        If the strength is missing or negative, a number is not finite, or points come without
-        a normal.
+        If the strength is missing or negative, a number is not finite, or points have no normal.
 
     Examples
     --------
@@ -107,6 +106,7 @@ class Bond:
         self._require_points(what)
 
     def _require_strength(self, what: str) -> None:
+        """Verify pull and shear; `what` names the bond in messages."""
         given = [self.pull, self.pull_per_area]
         if given.count(None) != 1:
             has = "has no strength" if given.count(None) == 2 else "has pull and pull_per_area"
@@ -123,21 +123,23 @@ class Bond:
             object.__setattr__(self, "shear", size)
 
     def _require_kind(self, what: str) -> None:
+        """Verify the kind; `what` names the bond in messages."""
         if self.kind is None:
             return
         if self.kind not in KINDS:
             near = nearest_name(str(self.kind), KINDS)
             hint = f"did you mean {near!r}?" if near else f"give one of {', '.join(KINDS)}"
-            raise InputError(f"{what} is {self.kind!r}", hint=hint)
+            raise InputError(f"{what} has the kind {self.kind!r}", hint=hint)
 
     def _require_points(self, what: str) -> None:
+        """Verify points and normal; `what` names the bond in messages."""
         if self.points is None:
             if self.normal is not None:
-                raise InputError(f"{what} has a normal but no points", hint="give both, or none")
+                raise InputError(f"{what} has a normal but no points", hint="give both or neither")
             return
         points = frozen(self.points, (-1, 3)) if len(self.points) else np.empty((0, 3))
         if not len(points) or not np.isfinite(points).all():
-            raise InputError(f"{what} has no usable points", hint="give one point or more")
+            raise InputError(f"{what} has no valid points", hint="give at least one point")
         if self.normal is None:
             raise InputError(
                 f"{what} has points but no normal",
@@ -145,33 +147,33 @@ class Bond:
             )
         if self.pull_per_area is not None:
             raise InputError(
-                f"{what} has points, which have no area", hint="give pull, of each point"
+                f"{what} has points, which have no area", hint="give pull, the force at each point"
             )
         object.__setattr__(self, "points", points)
         object.__setattr__(self, "normal", unit(self.normal, f"normal of the {what}"))
 
     @property
     def bears(self) -> float | str | None:
-        """What bears shear: "mu", a force a point [N], or None for any force."""
+        """Shear strength: "mu" for friction, a force per point [N], or None for no limit."""
         return KINDS[self.kind] if self.shear is None and self.kind is not None else self.shear
 
     def to_dict(self) -> dict[str, Any]:
-        """What is said of it, as JSON data of an answer: pull of each point [N], or of an area."""
-        said = {name: getattr(self, name) for name in ("pull", "pull_per_area", "kind")}
-        given = {name: value for name, value in said.items() if value is not None}
+        """JSON data of an answer: the parts, the given strength and kind, the shear strength."""
+        values = {name: getattr(self, name) for name in ("pull", "pull_per_area", "kind")}
+        given = {name: value for name, value in values.items() if value is not None}
         return {"parts": list(self.parts), **given, "shear": self.bears}
 
     def with_strength(self, share: float) -> Bond:
-        """The bond with a share of its pull and of its limit of shear."""
+        """The bond with its pull and its limit of shear multiplied by a factor."""
 
-        def part(value: Any) -> Any:
+        def scaled(value: Any) -> Any:
             return value * share if isinstance(value, float) else value
 
         return dataclasses.replace(
             self,
-            pull=part(self.pull),
-            pull_per_area=part(self.pull_per_area),
-            shear=part(self.shear),
+            pull=scaled(self.pull),
+            pull_per_area=scaled(self.pull_per_area),
+            shear=scaled(self.shear),
         )
 
     def __repr__(self) -> str:
@@ -186,11 +188,12 @@ class Bond:
 
 
 def require_apart(bonds: tuple[Bond, ...]) -> None:
-    """Refuse two bonds of one pair that both hold all its contact points.
+    """Verify that no pair has two bonds that both act at all its contact points.
 
     Raises
     ------
     InputError
+        If a pair has two such bonds.
     """
     seen: set[frozenset[str]] = set()
     for bond in bonds:
@@ -198,15 +201,15 @@ def require_apart(bonds: tuple[Bond, ...]) -> None:
         if bond.points is None and pair in seen:
             names = " and ".join(repr(name) for name in bond.parts)
             raise InputError(
-                f"two bonds hold all contacts of {names}",
-                hint="leave one out, or give the points of each",
+                f"two bonds act at all contacts of {names}",
+                hint="remove one of them, or give the points of each",
             )
         if bond.points is None:
             seen.add(pair)
 
 
-class _Bonded(Protocol):
-    """What may have bonds: an assembly."""
+class _HasBonds(Protocol):
+    """An assembly, as far as bonds are concerned."""
 
     @property
     def bonds(self) -> Any: ...
@@ -214,17 +217,26 @@ class _Bonded(Protocol):
     def source(self) -> str: ...
 
 
-def require_no_bonds(assembly: _Bonded, verb: str, why: str) -> None:
-    """Refuse bonds where a question does not know what to do with them.
+def require_no_bonds(assembly: _HasBonds, verb: str, why: str) -> None:
+    """Verify that an assembly has no bonds, for a function that does not support them.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    verb : str
+        Name of the function, for the message.
+    why : str
+        Reason why it does not support bonds, for the message.
 
     Raises
     ------
     InputError
+        If the assembly has bonds.
     """
     if assembly.bonds:
         names = " and ".join(repr(name) for name in assembly.bonds[0].parts)
         raise InputError(
-            f"{verb} does not take bonds, such as that of {names}: {why}",
+            f"{verb} does not support bonds, such as that of {names}: {why}",
             file=assembly.source or None,
-            hint="leave the bonds out, or ask check or margin as it lies",
+            hint="remove the bonds, or use check or margin in this orientation",
         )

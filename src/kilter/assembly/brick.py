@@ -1,4 +1,4 @@
-"""Brick: what a part is as a toy brick, beside its box."""
+"""Brick: the studs, height and colour of a part that is a toy brick."""
 
 from __future__ import annotations
 
@@ -11,33 +11,33 @@ from kilter.errors import InputError
 __all__ = ["BRICK_PLATES", "COLOR_CODES", "Brick"]
 
 BRICK_PLATES = 3
-"""Plates as high as one brick."""
+"""Height of a brick [plates]."""
 
 MOST = 10_000
-"""Cells along a side, and plates, that a brick may have."""
+"""Largest number of cells along a side, and largest height in plates."""
 COLOR_CODES = 2**32
-"""Codes of LDraw's colours are below."""
+"""Upper bound of the LDraw colour codes, exclusive."""
 
 
 @dataclass(frozen=True, slots=True)
 class Brick:
-    """Cells and colour of a part that is a brick: what it is drawn with, and its place by.
+    """The cells, height and colour of a part that is a toy brick.
 
-    Its box is ``cells`` along x and y; a stud stands on each, in the middle of the cell.
+    Its box has ``cells`` along x and y, and a stud in the middle of each cell.
 
     Attributes
     ----------
     cells : tuple of int
-        Studs along x and along y.
+        Number of studs along x and along y.
     plates : int
-        Height in plates: 3 of a brick.
+        Height [plates]; a brick has 3.
     color : int or None
-        Code of LDraw's colours; None where the file states none.
+        LDraw colour code; None if the file states none.
 
     Raises
     ------
     InputError
-        If a number is not whole, or out of range.
+        If a number is not an integer, or out of range.
 
     Examples
     --------
@@ -55,22 +55,23 @@ class Brick:
 
     def __post_init__(self) -> None:
         cells = tuple(self.cells) if isinstance(self.cells, tuple | list) else ()
-        if len(cells) != 2 or not all(_whole(one, 1, MOST) for one in cells):
+        if len(cells) != 2 or not all(_is_integer(count, 1, MOST) for count in cells):
             hint = f"give two whole numbers from 1 to {MOST}"
             raise InputError(f"cells of a brick are {self.cells!r:.60}", hint=hint)
-        if not _whole(self.plates, 1, MOST):
+        if not _is_integer(self.plates, 1, MOST):
             hint = f"give a whole number from 1 to {MOST}"
             raise InputError(f"height of a brick in plates is {self.plates!r:.60}", hint=hint)
-        if self.color is not None and not _whole(self.color, 0, COLOR_CODES - 1):
-            hint = "give a code of LDraw's colours"
+        if self.color is not None and not _is_integer(self.color, 0, COLOR_CODES - 1):
+            hint = "give an LDraw colour code"
             raise InputError(f"colour of a brick is {self.color!r:.60}", hint=hint)
         object.__setattr__(self, "cells", cells)
 
     @property
     def studs(self) -> int:
-        """How many studs it has on top."""
+        """Number of studs on top."""
         return math.prod(self.cells)
 
 
-def _whole(value: Any, low: int, high: int) -> bool:
+def _is_integer(value: Any, low: int, high: int) -> bool:
+    """Whether a value is an int from `low` to `high`."""
     return type(value) is int and low <= value <= high

@@ -1,7 +1,8 @@
-"""Curves in which two faces meet, known by their chords.
+"""Find points on the edge curves between two faces, starting from their chords.
 
-An edge between the faces f = 0 and g = 0 runs over its chord p q: its point over a share of the
-chord lies across it, where both vanish, and is found by Newton's method from the chord.
+The edge between the faces f = 0 and g = 0 has the chord p q. The point of the edge over a point of
+the chord lies in the plane across the chord there. Newton's method on f = g = 0 finds it, starting
+from the chord.
 """
 
 from __future__ import annotations
@@ -17,21 +18,21 @@ from kilter.assembly.surfaces import Surfaces
 __all__ = ["Chords"]
 
 STEPS = 4
-"""Newton steps from a chord to the edge that it stands for."""
+"""Number of Newton steps from a chord to its edge; more steps reach strongly curved edges."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Chords:
-    """Chords of edges between two faces each.
+    """Chords of n edges between two faces each.
 
     Attributes
     ----------
     p, q : ndarray, shape (n, 3)
-        Their ends, on both faces.
+        Ends of the chords, on both faces.
     surface : ndarray of int, shape (n, 2)
-        Rows of exact surfaces; -1: the plane of a triangle.
+        Exact surface of each face, or -1 for the plane of a triangle.
     origin, normal : ndarray, shape (n, 2, 3)
-        A point and the unit normal of such planes.
+        A point and the unit normal of that plane.
     """
 
     p: Array
@@ -41,7 +42,20 @@ class Chords:
     normal: Array
 
     def rising(self, side: int, points: Array, s: Surfaces) -> tuple[Array, Array]:
-        """Signed distance of points from the faces of a side, and its gradient."""
+        """Signed distance of points from the faces, and its gradient.
+
+        Parameters
+        ----------
+        side : int
+            0 or 1: the first or second face of each edge.
+        points : ndarray, shape (n, 3)
+        s : Surfaces
+
+        Returns
+        -------
+        value : ndarray, shape (n,)
+        gradient : ndarray, shape (n, 3)
+        """
         row = self.surface[:, side]
         normal = self.normal[:, side].copy()
         value = np.einsum("ij,ij->i", points - self.origin[:, side], normal)
@@ -51,7 +65,20 @@ class Chords:
         return value, normal
 
     def on_edge(self, share: Array, s: Surfaces) -> tuple[Array, Mask]:
-        """Points of the edges over shares of their chords, and where they were found."""
+        """Points of the edges over points of their chords.
+
+        Parameters
+        ----------
+        share : ndarray, shape (n,)
+            Position along each chord, from 0 at p to 1 at q.
+        s : Surfaces
+
+        Returns
+        -------
+        points : ndarray, shape (n, 3)
+        converged : ndarray of bool, shape (n,)
+            False if the faces meet smoothly, or Newton's method has not converged.
+        """
         along = unit_rows(self.q - self.p)
         points = self.p + share[:, None] * (self.q - self.p)
         for _ in range(STEPS):

@@ -1,4 +1,4 @@
-"""What touches of a part at a given contact: a face, an edge or a vertex, and how it curves."""
+"""Feature: the face, edge or vertex of a part at a given contact, with its curvature."""
 
 from __future__ import annotations
 
@@ -21,31 +21,31 @@ KINDS: tuple[FeatureKind, ...] = get_args(FeatureKind)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Feature:
-    """What touches of one part at the points of a `GivenContact`; it decides at second order.
+    """The face, edge or vertex of a part at a `GivenContact`, for the second-order test.
 
     Parameters
     ----------
     kind : {"face", "edge", "vertex"}
-        A rim is an edge.
+        Kind of the feature; a circular rim is an edge.
     along : array_like, shape (3,), optional
-        Tangent of the edge; of a face, one of its principal directions, where its two
-        curvatures differ. World frame, of any length, across the normal of the contact.
+        Tangent of an edge; or a principal direction of a face, if its two curvatures differ.
+        World frame, of any length, across the normal of the contact.
     curvature : float or pair of float
-        [1/length unit], positive where the part is convex. Of a face along `along` and across
-        it (one number: the same in every direction, as a sphere of radius 1 / curvature); of an
-        edge in the plane of its tangent and the normal: a rim of radius r whose plane leans
-        from the normal by beta has cos(beta) / r.
+        Curvature, positive if the part is convex [1/length unit]. For a face: along `along` and
+        across it, or a single number for all directions, as for a sphere of radius 1 / curvature.
+        For an edge: in the plane of its tangent and the normal. A rim of radius r whose plane
+        makes the angle beta with the normal has cos(beta) / r.
     point, axis : array_like, shape (3,), optional
-        A line that the face is a surface of revolution about, or the rim a circle: a point on
-        it [length unit] and its direction, of any length, world frame. It tells how the
-        surface goes on, so that a part may be seen to turn freely: a cone or a torus is not
-        known by its curvatures, as a plane, a sphere and a cylinder are.
+        Axis of revolution of the face or rim: a point on it [length unit] and its direction, of
+        any length, world frame. The axis determines the surface away from the point, so that a
+        free rotation can be found. The curvatures alone determine a plane, a sphere and a
+        cylinder, but not a cone or a torus.
 
     Raises
     ------
     InputError
-        If the kind is unknown, a direction is missing, a number is not finite, or one of `point`
-        and `axis` is given without the other.
+        If the kind is unknown, a direction is missing, a number is not finite, or only one of
+        `point` and `axis` is given.
 
     Examples
     --------
@@ -65,7 +65,7 @@ class Feature:
         if self.kind not in KINDS:
             near = nearest_name(str(self.kind), KINDS)
             hint = f"did you mean {near!r}?" if near else f"give one of {', '.join(KINDS)}"
-            raise InputError(f"a feature is {self.kind!r:.40}", hint=hint)
+            raise InputError(f"a feature has the kind {self.kind!r:.40}", hint=hint)
         given: Any = self.curvature
         twice = given if np.ndim(given) else (given, given if self.kind == "face" else 0.0)
         curvature = finite(twice, (2,), f"curvature of a {self.kind}")
@@ -74,24 +74,24 @@ class Feature:
             object.__setattr__(self, "along", unit(self.along, f"direction of a {self.kind}"))
         directed = self.kind == "edge" or (self.kind == "face" and curvature[0] != curvature[1])
         if directed and self.along is None:
-            raise InputError(f"a feature, {self.kind}, has no direction", hint='give "along"')
+            raise InputError(f"the feature {self.kind!r} has no direction", hint='give "along"')
         if self.kind == "edge" and curvature[1]:
-            raise InputError("an edge has two curvatures", hint="give one, along it")
+            raise InputError("an edge has two curvatures", hint="give only that along the edge")
         if self.kind == "vertex" and (curvature.any() or self.along is not None):
-            raise InputError("a vertex has a curvature or a direction", hint="leave it out")
+            raise InputError("a vertex has a curvature or a direction", hint="remove it")
         self._set_axis()
 
     def _set_axis(self) -> None:
-        """The line that it is of revolution about."""
+        """Verify and set the axis of revolution."""
         if (self.point is None) != (self.axis is None):
             raise InputError(
-                f"a feature, {self.kind}, is of revolution about half a line",
+                f"the feature {self.kind!r} has only one of point and axis",
                 hint='give both "point" and "axis", or neither',
             )
         if self.axis is None:
             return
         if self.kind == "vertex":
-            raise InputError("a vertex is of revolution about a line", hint="leave it out")
+            raise InputError("a vertex has an axis of revolution", hint="remove it")
         object.__setattr__(self, "point", finite(self.point, (3,), f"point of a {self.kind}"))
         object.__setattr__(self, "axis", unit(self.axis, f"axis of a {self.kind}"))
 
@@ -104,7 +104,7 @@ class Feature:
         return f"Feature({self.kind!r}{along}{bent}{line})"
 
     def tensor(self, normal: Array) -> Array:
-        """The curvature as a symmetric tensor across a unit normal, shape (3, 3)."""
+        """Curvature tensor in the plane across a unit normal, symmetric, shape (3, 3)."""
         flat = np.eye(3) - np.outer(normal, normal)
         if self.along is None:
             return np.asarray(self.curvature[0] * flat)
@@ -114,22 +114,31 @@ class Feature:
         return np.asarray(k * np.outer(along, along) + across * np.outer(other, other))
 
     def off_axis(self, points: Array, outward: Array) -> float:
-        """How far a surface or rim about `axis` misses what this is at some points [-].
+        """Deviation of the feature from a surface of revolution about `axis` [-].
 
-        The normal of a surface of revolution meets its axis; around it goes one of its principal
-        directions, with a curvature of 1 / (distance to the axis along the normal).
+        The normal of a surface of revolution meets its axis. A principal direction is tangent to
+        the circle around the axis, with the curvature 1 / (distance to the axis along the normal).
 
         Parameters
         ----------
         points : ndarray, shape (n, 3)
+            Contact points.
         outward : ndarray, shape (3,)
-            Unit normal at all of them, out of the part.
+            Unit normal out of the part, the same at all points.
+
+        Returns
+        -------
+        float
+            Largest deviation of normal, principal direction and relative curvature; infinite if
+            a point is on the axis.
         """
         arms = points - self.point
         arms = arms - np.outer(arms @ self.axis, self.axis)
         distance = np.linalg.norm(arms, axis=1)[:, None]
         most = float(np.abs(self.curvature).max())
-        if self.kind == "face" and (distance * most <= ACROSS).all():  # a pole, or a plane
+        if (
+            self.kind == "face" and (distance * most <= ACROSS).all()
+        ):  # all points are poles, or the face is a plane
             uneven = abs(float(self.curvature[0] - self.curvature[1])) / max(most, TINY)
             return max(float(np.linalg.norm(np.cross(self.axis, outward))), uneven)
         if not distance.all():

@@ -1,4 +1,4 @@
-"""What follows from the shapes of an assembly, in arrays: one row a part."""
+"""Geometry and mass properties of the parts of an assembly, as arrays with one row per part."""
 
 from __future__ import annotations
 
@@ -37,40 +37,43 @@ class Geometry:
     Attributes
     ----------
     vertices : ndarray, shape (V, 3)
-        Corners of all parts [length unit]; those of part i are rows
+        Vertices of all parts [length unit]; those of part i are rows
         ``vertex_start[i]`` to ``vertex_start[i + 1]``.
-    triangles : ndarray, shape (T, 3)
-        Corners by row of `vertices`, turning left seen from outside; those of part i are
+    vertex_start : ndarray of int, shape (N + 1,)
+    triangles : ndarray of int, shape (T, 3)
+        Rows of `vertices`, counterclockwise seen from outside; the triangles of part i are
         rows ``triangle_start[i]`` to ``triangle_start[i + 1]``.
+    triangle_start : ndarray of int, shape (N + 1,)
     grounded : ndarray of bool, shape (N,)
+        Whether each part is held.
     mass : ndarray, shape (N,)
-        [kg].
+        Masses [kg].
     center : ndarray, shape (N, 3)
         Centres of mass [length unit].
     inertia : ndarray, shape (N, 3, 3)
-        About the centre of mass, world axes [kg x length unit^2].
+        Inertia about the centre of mass, world axes [kg x length unit^2].
     volume : ndarray, shape (N,)
-        [length unit^3].
+        Volumes [length unit^3].
     radius : ndarray, shape (N,)
         Largest distance of a vertex from the centre of mass [length unit].
     size : ndarray, shape (N,)
-        Twice the largest distance of a vertex from the centroid of the surface: the
-        length that tolerances of a part are relative to; it does not depend on the pose.
+        Twice the largest distance of a vertex from the centroid of the surface [length unit].
+        The tolerances of a part are relative to this length; it does not depend on the pose.
     accuracy : ndarray, shape (N,)
-        How far a coordinate may be from the truth [length unit].
+        Largest error of a coordinate [length unit].
     single : ndarray of bool, shape (N,)
-        True where the coordinates are coarser than float64.
+        Whether the coordinates are coarser than float64.
     is_box : ndarray of bool, shape (N,)
-        Parts whose vertices are the eight corners of a box, in order.
+        Whether the vertices of a part are the eight corners of a box, in order.
     surfaces : Surfaces
         The exact curved surfaces of all parts, ordered by part.
     triangle_surface : ndarray of int, shape (T,)
-        Row of `surfaces` that each triangle stands for; -1: it is itself the face.
+        Row of `surfaces` that each triangle approximates; -1 if the triangle itself is exact.
     slack : ndarray, shape (N,)
-        How far the true surface of a part may lie from its triangles [length unit].
+        Largest distance of the true surface of a part from its triangles [length unit].
     warnings : tuple of str
     unknown : UnknownSurfaces
-        Where surfaces are not known: at holes of open meshes, all over stand-ins.
+        Regions of unknown surface: at holes of open meshes, and all over stand-ins.
     """
 
     vertices: Array
@@ -111,25 +114,26 @@ class Geometry:
 
     @property
     def part_boxes(self) -> tuple[Array, Array]:
-        """Lower and upper corners of the boxes about the parts, each of shape (N, 3)."""
+        """Lower and upper corners of the bounding boxes of the parts, each of shape (N, 3)."""
         first = self.vertex_start[:-1]
         low: Array = np.minimum.reduceat(self.vertices, first)
         high: Array = np.maximum.reduceat(self.vertices, first)
         return low, high
 
     def corners_of(self, part: int) -> Array:
-        """The triangles of a part, shape (m, 3, 3)."""
+        """The corners of the triangles of a part, shape (m, 3, 3)."""
         span = slice(self.triangle_start[part], self.triangle_start[part + 1])
         return self.vertices[self.triangles[span]]
 
 
 def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
-    """The geometry of parts, lengths in `units`.
+    """Compute the geometry of parts, with lengths in `units`.
 
     Raises
     ------
     InputError
-        If a mesh is flat or empty, or open where that is not enough; it names the part.
+        If a mesh is flat, empty, self-intersecting or out of range, or open although the part
+        is free without mass and centre; the error names the part.
     """
     boxes = np.array([isinstance(part.shape, Box) for part in parts])
     warnings: list[str] = []
@@ -143,7 +147,7 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
     owner = np.repeat(np.arange(len(parts)), counts)
 
     volume, center, second, area_center = part_moments(parts, boxes, local)
-    _close_in_thought(meshes, (volume, center, second))
+    _set_closed_moments(meshes, (volume, center, second))
     flipped = np.flatnonzero(volume < 0)
     for k in flipped:
         span = slice(triangle_start[k], triangle_start[k + 1])
@@ -152,7 +156,7 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
         volume[flipped] *= -1
         second[flipped] *= -1
         turned = some_names([parts[k].name for k in flipped.tolist()])
-        warnings.append(f"faces turned outwards, they pointed inwards: {turned}")
+        warnings.append(f"the faces pointed inwards and were reversed: {turned}")
     reach = _group_max(np.linalg.norm(vertices - area_center[owner], axis=1), vertex_start)
     sheets = np.array([k for k, mesh in meshes.items() if not mesh.small], dtype=np.int64)
     volume[sheets], center[sheets] = reach[sheets] ** 3, area_center[sheets]
@@ -160,18 +164,18 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
     extreme = np.flatnonzero(~((reach > 1 / LARGEST) & (reach < LARGEST)))
     if len(extreme):
         raise InputError(
-            f"its size is {2 * reach[extreme[0]]:.3g}, out of range",
+            f"its size is {2 * reach[extreme[0]]:.3g}, which is out of range",
             part=parts[int(extreme[0])].name,
-            hint="check its units: sizes from 1e-30 to 1e30 are read",
+            hint="check its units: the range is 1e-30 to 1e30",
         )
     flat = np.flatnonzero(~(volume > FLAT_PART * reach**3))
     if len(flat):
         raise InputError(
-            f"volume is {volume[flat[0]]:.3g}, a flat part",
+            f"the part is flat, its volume is {volume[flat[0]]:.3g}",
             part=parts[flat[0]].name,
             hint="give a closed solid",
         )
-    _refuse_inside_out(parts, boxes, second)
+    _require_positive_moments(parts, boxes, second)
     mass, center, second = part_masses(parts, units, (volume, center, second), warnings)
 
     world = np.einsum("nij,nj->ni", rotation[owner], vertices) + position[owner]
@@ -183,10 +187,10 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
     if len(lost):
         size, off = 2 * reach[lost[0]], largest[lost[0]]
         raise InputError(
-            f"its size is {size:.3g}, too small for numbers to tell its corners apart {off:.3g} "
+            f"its size is {size:.3g}, too small to resolve its corners at the distance {off:.3g} "
             "from the origin",
             part=parts[int(lost[0])].name,
-            hint="check its units, or put the assembly about the origin",
+            hint="check its units, or move the assembly to the origin",
         )
     accuracy = np.array(
         [part.shape.accuracy if isinstance(part.shape, Mesh | Solid) else 0.0 for part in parts]
@@ -220,26 +224,40 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
     )
 
 
-def _refuse_inside_out(parts: Sequence[Part], boxes: Mask, second: Array) -> None:
-    """Refuse surfaces that cross themselves so that matter of negative volume outweighs the rest.
+def _require_positive_moments(parts: Sequence[Part], boxes: Mask, second: Array) -> None:
+    """Verify that the second moments have no negative eigenvalue.
 
-    The second moment of matter is a sum of squares: no eigenvalue of it is below zero.
+    The second moment of a body is an integral of squares. A negative eigenvalue means that the
+    surface intersects itself and encloses regions of negative volume.
+
+    Raises
+    ------
+    InputError
+        If a second moment has a negative eigenvalue.
     """
     solid = np.flatnonzero(~boxes)
     spread = np.linalg.eigvalsh(second[solid])
     wrong = solid[spread[:, 0] < -INSIDE_OUT * np.abs(spread).max(axis=1)]
     if len(wrong):
         raise InputError(
-            "its faces cross each other: what they enclose is partly inside out",
+            "its faces intersect each other and enclose a negative volume",
             part=parts[int(wrong[0])].name,
-            hint="heal it where it was made",
+            hint="repair it in the program that made it",
         )
 
 
 def _local_surfaces(
     parts: Sequence[Part], boxes: Mask, meshes: dict[int, MeshSurface]
 ) -> tuple[Array, Index, Index, Index]:
-    """Vertices and triangles of all parts in their own frames; boxes in one go."""
+    """The surfaces of all parts in their own frames.
+
+    Returns
+    -------
+    vertices : ndarray, shape (V, 3)
+    vertex_start : ndarray of int, shape (N + 1,)
+    triangles : ndarray of int, shape (T, 3)
+    triangle_start : ndarray of int, shape (N + 1,)
+    """
     others = {
         k: (meshes[k].vertices, meshes[k].triangles) if k in meshes else surface(parts[k].shape)
         for k in np.flatnonzero(~boxes).tolist()
@@ -253,22 +271,25 @@ def _local_surfaces(
     all_vertices = np.empty((vertex_start[-1], 3))
     all_triangles = np.empty((triangle_start[-1], 3), dtype=np.int64)
     if boxes.any():
-        where = np.flatnonzero(boxes)
-        sizes = box_sizes(parts, where)
-        rows = vertex_start[where][:, None] + np.arange(8)
+        box_parts = np.flatnonzero(boxes)
+        sizes = box_sizes(parts, box_parts)
+        rows = vertex_start[box_parts][:, None] + np.arange(8)
         all_vertices[rows] = BOX_CORNERS * sizes[:, None, :]
-        rows = triangle_start[where][:, None] + np.arange(12)
-        all_triangles[rows] = BOX_TRIANGLES + vertex_start[where][:, None, None]
+        rows = triangle_start[box_parts][:, None] + np.arange(12)
+        all_triangles[rows] = BOX_TRIANGLES + vertex_start[box_parts][:, None, None]
     for k, (vertices, triangles) in others.items():
         all_vertices[vertex_start[k] : vertex_start[k + 1]] = vertices
         all_triangles[triangle_start[k] : triangle_start[k + 1]] = triangles + vertex_start[k]
     return all_vertices, vertex_start, all_triangles, triangle_start
 
 
-def _close_in_thought(meshes: dict[int, MeshSurface], moments: tuple[Array, Array, Array]) -> None:
-    """Volume, centroid and second moment of open meshes: those of what closes them counted in.
+def _set_closed_moments(
+    meshes: dict[int, MeshSurface], moments: tuple[Array, Array, Array]
+) -> None:
+    """Replace, in place, the moments of open meshes by those of their closures.
 
-    Of held sheets, which enclose nothing, only that they are not turned: a volume above zero.
+    A mesh with large holes encloses no plausible volume: its volume becomes 1, so that its faces
+    are not reversed.
     """
     volume, center, second = moments
     for k, mesh in meshes.items():
@@ -285,22 +306,35 @@ def _curved(
     local: tuple[Array, Index, Index, Index],
     poses: tuple[Array, Array],
 ) -> tuple[Surfaces, Index]:
-    """Curved surfaces of all parts; `corners`: vertices, triangles, vertices in the world."""
+    """The curved surfaces of all parts, and the surface of each triangle.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+    boxes : ndarray of bool, shape (N,)
+    corners : (ndarray, ndarray, ndarray)
+        Vertices in the frames of the parts, triangles, vertices in the world frame.
+    local : tuple of ndarray
+        Result of `_local_surfaces`.
+    poses : (ndarray, ndarray)
+        Rotations and positions of the parts.
+    """
     (vertices, triangles, world), (_, first, _, start) = corners, local
-    found = {}
+    by_part = {}
     for k in np.flatnonzero(~boxes).tolist():
         shape = parts[k].shape
         if isinstance(shape, Prism):
             continue
-        mine = vertices[first[k] : first[k + 1]]
-        names = triangles[start[k] : start[k + 1]] - first[k]
+        corner_rows = vertices[first[k] : first[k + 1]]
+        faces = triangles[start[k] : start[k + 1]] - first[k]
         accuracy = shape.accuracy if isinstance(shape, Mesh | Solid) else 0.0
-        curved = surfaces_of(shape, mine, names, accuracy)
+        curved = surfaces_of(shape, corner_rows, faces, accuracy)
         if curved is not None:
-            found[k] = curved
-    return join_surfaces(found, *poses, world, triangles, start)
+            by_part[k] = curved
+    return join_surfaces(by_part, *poses, world, triangles, start)
 
 
 def _group_max(values: Array, start: Index) -> Array:
+    """Largest value of each run of rows, which begins at ``start[k]``."""
     result: Array = np.maximum.reduceat(values, start[:-1])
     return result

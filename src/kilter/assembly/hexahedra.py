@@ -1,8 +1,8 @@
-"""Boxes among closed meshes of eight corners, whatever the order of their corners.
+"""Find the boxes among closed meshes with eight corners, for any order of the corners.
 
 A corner p of a parallelepiped with edges u, v, w has the antipode p + u + v + w. The two corners
-nearest to p end u and v of some order of its edges, since a diagonal of a face is longer than both
-of its sides where these are square to each other; w follows. What is no such corner is no box.
+nearest to p are the ends of u and v for some order of the edges, since the diagonal of a rectangle
+is longer than its sides; w follows. A mesh with a corner elsewhere is not a box.
 """
 
 from __future__ import annotations
@@ -14,29 +14,29 @@ from kilter.arrays import Array, Index, Mask, cross
 __all__ = ["box_moments", "box_orders"]
 
 PLACES: Index = np.array([1, 2, 4])
-"""What an edge adds to the place of a corner."""
+"""Weight of each edge in the index of a corner."""
 TURNED: Index = np.array([1, 0, 2])
-"""Two edges changed: the order of those whose corners turn the other way."""
+"""Order of the edges of a mirrored box: the first two are exchanged."""
 ROUNDINGS = 8.0
-"""Corners are where the edges say to so many times the accuracy of the coordinates."""
+"""Largest offset of a corner of a box [multiples of the accuracy of the coordinates]."""
 
 
 def box_orders(corners: Array, faces: Index, accuracy: Array) -> tuple[Index, Mask]:
-    """The order of the corners of boxes, and which meshes are boxes.
+    """Decide which meshes are boxes, and find the order of their corners.
 
     Parameters
     ----------
     corners : ndarray, shape (n, 8, 3)
     faces : ndarray of int, shape (n, 12, 3)
-        Closed surfaces, by place of the corner.
+        Closed surfaces; the entries are indices of corners.
     accuracy : ndarray, shape (n,)
-        Of the coordinates [length unit].
+        Largest errors of the coordinates [length unit].
 
     Returns
     -------
     order : ndarray of int, shape (n, 8)
-        ``corners[k, order[k]]`` are those of a box as `kilter.shape.primitives.BOX_CORNERS` has
-        them.
+        ``corners[k, order[k]]`` are in the order of `kilter.shape.primitives.BOX_CORNERS` if
+        mesh k is a box.
     is_box : ndarray of bool, shape (n,)
 
     Examples
@@ -67,15 +67,20 @@ def box_orders(corners: Array, faces: Index, accuracy: Array) -> tuple[Index, Ma
     is_box &= (place[count[:, None], order] == np.arange(8)).all(axis=1)
     at = place[count[:, None, None], faces]
     spread = (at[..., 0] ^ at[..., 1]) | (at[..., 1] ^ at[..., 2])
-    is_box &= (spread < 7).all(axis=1)  # every face lies in a side of the box
+    is_box &= (spread < 7).all(axis=1)  # every triangle lies in a side of the box
     result: Mask = is_box
     return order, result
 
 
 def box_moments(corners: Array) -> tuple[Array, Array, Array]:
-    """Volume, centre and second moment about it of boxes, shape (n, 8, 3), corners in order.
+    """Volume, centre, and second moment about it, of boxes.
 
-    With edges u, v, w the integral of x x^T is V (u u^T + v v^T + w w^T) / 12.
+    With the edges u, v, w the integral of x x^T is V (u u^T + v v^T + w w^T) / 12.
+
+    Parameters
+    ----------
+    corners : ndarray, shape (n, 8, 3)
+        Corners in the order of `kilter.shape.primitives.BOX_CORNERS`.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What acts between parts, or on them: friction, loads, given contacts, joints."""
+"""Friction pairs, loads, given contacts and joints: interactions of parts, given by the user."""
 
 from __future__ import annotations
 
@@ -18,11 +18,13 @@ __all__ = ["FrictionPair", "GivenContact", "Joint", "JointKind", "Load"]
 JointKind = Literal["fixed", "revolute", "prismatic", "cylindrical", "spherical"]
 KINDS: tuple[JointKind, ...] = get_args(JointKind)
 NEEDS_POINT = ("revolute", "cylindrical", "spherical")
+"""Kinds of joints that need a point."""
 NEEDS_AXIS = ("revolute", "prismatic", "cylindrical")
+"""Kinds of joints that need an axis."""
 
 
 def _names(parts: Any) -> tuple[str, ...]:
-    """Names of parts, as a tuple; how many there must be, the assembly asks."""
+    """Names of parts as a tuple; the assembly verifies their number."""
     names = tuple(parts) if isinstance(parts, tuple | list) else ()
     if not names or not all(isinstance(name, str) for name in names):
         raise InputError(f"parts are {parts!r:.60}", hint="give a pair of names")
@@ -31,19 +33,19 @@ def _names(parts: Any) -> tuple[str, ...]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FrictionPair:
-    """Friction of every contact between two parts.
+    """Friction coefficient of every contact between two parts.
 
     Parameters
     ----------
     parts : tuple of str
-        Names of the two.
+        Names of the two parts.
     mu : float
         Friction coefficient [-].
 
     Raises
     ------
     InputError
-        If `mu` is negative or no number.
+        If `mu` is negative or not a number.
     """
 
     parts: tuple[str, str]
@@ -63,14 +65,14 @@ class Load:
     Parameters
     ----------
     part : str
-        Name of the part it acts on.
+        Name of the part.
     force : array_like, shape (3,)
-        World frame [N].
+        Force, world frame [N].
     torque : array_like, shape (3,)
-        World frame, beside that of the force [N x length unit].
+        Torque in addition to that of the force, world frame [N x length unit].
     point : array_like, shape (3,), optional
-        Where the force acts, world frame [length unit]; the part's centre of mass where it is
-        not given.
+        Point of attack of the force, world frame [length unit]; default the part's centre of
+        mass.
 
     Raises
     ------
@@ -103,27 +105,27 @@ class Load:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GivenContact:
-    """Contact points between two parts, used instead of detection for that pair.
+    """Contact points between two parts; they replace detection for that pair.
 
     Parameters
     ----------
     parts : tuple of str
-        Names of the two.
+        Names of the two parts.
     points : array_like, shape (n, 3)
-        World frame [length unit].
+        Contact points, world frame [length unit].
     normal : array_like, shape (3,)
-        Of the surface, from the first part to the second, world frame, of any length.
+        Surface normal from the first part to the second, world frame, of any length.
     mu : float, optional
-        Friction coefficient [-]; that of the assembly where it is not given.
+        Friction coefficient [-]; default that of the assembly.
     feature : pair of Feature, optional
-        What touches of the first part and of the second; without it nothing is said of
-        second order.
+        Features of the first and of the second part at the contact; without them the
+        second-order test is undecided.
 
     Raises
     ------
     InputError
-        If there is no point, a number is not finite, the normal has no length, or a feature
-        runs along it.
+        If there is no point, a number is not finite, the normal is zero, or a feature is
+        along the normal.
     """
 
     parts: tuple[str, str]
@@ -137,8 +139,8 @@ class GivenContact:
         points = frozen(self.points, (-1, 3)) if len(self.points) else np.empty((0, 3))
         if not len(points) or not np.isfinite(points).all():
             raise InputError(
-                f"contact of {self.parts[0]!r} and {self.parts[1]!r} has no usable points",
-                hint="give one point or more",
+                f"contact of {self.parts[0]!r} and {self.parts[1]!r} has no valid points",
+                hint="give at least one point",
             )
         object.__setattr__(self, "points", points)
         object.__setattr__(self, "normal", unit(self.normal, "normal of a contact"))
@@ -148,25 +150,25 @@ class GivenContact:
             object.__setattr__(self, "feature", self._features())
 
     def _features(self) -> tuple[Feature, Feature]:
-        """The pair, each across the normal."""
+        """The pair of features; raises `InputError` if one does not fit points and normal."""
         given = tuple(self.feature) if isinstance(self.feature, tuple | list) else ()
         label = f"contact of {self.parts[0]!r} and {self.parts[1]!r}"
-        if len(given) != 2 or not all(isinstance(one, Feature) for one in given):
+        if len(given) != 2 or not all(isinstance(feature, Feature) for feature in given):
             raise InputError(
                 f"feature of the {label} is {self.feature!r:.60}",
                 hint="give a pair of kilter.Feature, of the first part and of the second",
             )
-        for one, outward in zip(given, (self.normal, -self.normal), strict=True):
-            if one.along is not None and abs(float(one.along @ self.normal)) > ACROSS:
+        for feature, outward in zip(given, (self.normal, -self.normal), strict=True):
+            if feature.along is not None and abs(float(feature.along @ self.normal)) > ACROSS:
                 raise InputError(
                     f"a feature of the {label} is not across its normal",
                     hint="give it a direction in the tangent plane",
                 )
-            if one.axis is not None and one.off_axis(self.points, outward) > ACROSS:
+            if feature.axis is not None and feature.off_axis(self.points, outward) > ACROSS:
                 raise InputError(
-                    f"a feature of the {label} is not of revolution about its axis",
-                    hint="its normal must meet the axis, and its curvature around it be "
-                    "1 / (distance to the axis along the normal), negative where hollow",
+                    f"a feature of the {label} is not a surface of revolution about its axis",
+                    hint="the normal must meet the axis, and the curvature around the axis must "
+                    "be 1 / (distance to the axis along the normal), negative if hollow",
                 )
         return given[0], given[1]
 
@@ -181,10 +183,10 @@ class GivenContact:
 class Joint:
     """A two-sided connection of two parts, or of a part and the ground.
 
-    It pushes and pulls: what it holds, it holds either way.
+    It transmits forces in both senses along each constrained direction.
 
     =============  ===============================  =================  =======
-    kind           leaves free                      `point`            `axis`
+    kind           free motions                     `point`            `axis`
     =============  ===============================  =================  =======
     fixed          nothing                          optional           unused
     revolute       turning about the axis           on the axis        needed
@@ -196,17 +198,17 @@ class Joint:
     Parameters
     ----------
     parts : pair of str
-        Names; "ground" stands for the world.
+        Names of the parts; "ground" is the world.
     kind : str
     point, axis : array_like, shape (3,)
-        World frame; the wrench that a proof gives is about `point`.
+        Point and axis, world frame; proofs state the wrench of the joint about `point`.
     why : str
-        Why it was joined, where that was not said pair by pair (`kilter.fastened`).
+        Reason of a joint that `kilter.fastened` has added without naming the pair.
 
     Raises
     ------
     InputError
-        If the kind is unknown, or the point or axis that it needs is missing.
+        If the kind is unknown, or the kind needs a point or axis that is missing.
 
     Examples
     --------
@@ -228,11 +230,11 @@ class Joint:
         if self.kind not in KINDS:
             near = nearest_name(str(self.kind), KINDS)
             hint = f"did you mean {near!r}?" if near else f"give one of {', '.join(KINDS)}"
-            raise InputError(f"joint of {label} is {self.kind!r}", hint=hint)
+            raise InputError(f"joint of {label} has the kind {self.kind!r}", hint=hint)
         label = f"{self.kind} joint of {label}"
         if self.point is None and self.kind in NEEDS_POINT:
-            where = "its centre" if self.kind == "spherical" else "a point on the axis"
-            raise InputError(f"{label} has no point", hint=f'give "point", {where}')
+            place = "its centre" if self.kind == "spherical" else "a point on the axis"
+            raise InputError(f"{label} has no point", hint=f'give "point", {place}')
         if self.axis is None and self.kind in NEEDS_AXIS:
             what = "slides along" if self.kind == "prismatic" else "turns about"
             raise InputError(f"{label} has no axis", hint=f'give "axis", the direction it {what}')
@@ -247,13 +249,13 @@ class Joint:
         return f"Joint({self.parts}, {self.kind!r}{''.join(words)})"
 
     def require_planar(self) -> None:
-        """Refuse a joint that means nothing in the x-z plane.
+        """Verify that the joint is meaningful for motions in the x-z plane.
 
         Raises
         ------
         InputError
-            If a revolute joint does not turn about y, a prismatic one slides out of the
-            plane, or the axis of a cylindrical one is neither along y nor in the plane.
+            If a revolute joint does not turn about y, a prismatic joint slides out of the
+            plane, or the axis of a cylindrical joint is neither along y nor in the plane.
         """
         if self.kind not in NEEDS_AXIS:
             return
@@ -270,5 +272,5 @@ class Joint:
         names = " and ".join(repr(name) for name in self.parts)
         raise InputError(
             f"{self.kind} joint of {names} has axis {self.axis.tolist()} in a planar assembly",
-            hint=f"there it must {need[self.kind]}",
+            hint=f"in a planar assembly it must {need[self.kind]}",
         )

@@ -1,15 +1,16 @@
-"""The lowest points of parts, of their exact surfaces and not of the triangles that stand for them.
+"""Find the lowest points of parts on their exact surfaces, not on the triangles.
 
-Along a direction `up`, a solid is lowest where the outward normal of a face is -up, or on an
-edge, or in a corner. Planes, cylinders and cones are ruled: they are lowest at their ends, which
-are edges and corners. A sphere of centre c is lowest in c - r up, a torus in
+Along a direction `up`, the lowest point of a solid is a point of a face with the outward normal
+-up, a point of an edge, or a corner. Planes, cylinders and cones are ruled surfaces: their lowest
+points are on edges and corners. The lowest point of a sphere with centre c is c - r up, that of a
+torus is
 
-    c - R u - t up,   u = the unit direction of `up` less its part along the axis,
+    c - R u - t up,   u = unit vector of the component of `up` across the axis.
 
-all around where the axis is upright; both only where the face reaches there. An edge between two
-faces f and g, known by a chord of it, is the curve f = g = 0 over the chord, lowest in one point
-there. Corners of triangles lie on the surfaces, and free forms and surfaces recognised in meshes
-are known by those only.
+A torus with an upright axis is lowest all around. Both count only if the face extends to that
+point. The edge between two faces f and g is the curve f = g = 0 over its chord, which has a single
+lowest point. The corners of triangles are on the surfaces. Free forms, and surfaces recognised in
+meshes, are represented by their corners only.
 """
 
 from __future__ import annotations
@@ -27,10 +28,12 @@ from kilter.shape.covering import covered
 __all__ = ["lowest_heights"]
 
 AROUND = 144
-"""Points that are asked of a circle that is lowest all around."""
+"""Number of points of a circle of lowest points that are tested for lying on the face."""
 SECTIONS = 36
-"""Golden sections of a chord, to 3e-8 of it: heights are then exact to rounding."""
+"""Number of golden-section steps along a chord: 3e-8 of its length, so that heights are exact to
+rounding."""
 GOLDEN = (np.sqrt(5.0) - 1) / 2
+"""Ratio of successive intervals of a golden-section search [-]."""
 
 
 def lowest_heights(geometry: Geometry, up: Array) -> Array:
@@ -56,7 +59,7 @@ def lowest_heights(geometry: Geometry, up: Array) -> Array:
 
 
 def _inside_faces(geometry: Geometry, up: Array) -> tuple[Index, Array]:
-    """Parts and heights of the lowest points of spheres and tori, as far as their faces reach."""
+    """The lowest points of exact spheres and tori that are on their faces: parts and heights."""
     s = geometry.surfaces
     parts, heights = [], []
     exact = np.isin(s.kind, (SPHERE, TORUS)) & ~s.hollow & (s.doubt == 0)
@@ -92,30 +95,33 @@ def _lowest_of_surface(geometry: Geometry, row: int, up: Array) -> Array:
 
 
 def _on_edges(geometry: Geometry, up: Array, low: Array) -> tuple[Index, Array]:
-    """Parts and heights of the lowest points of edges beside exact round faces."""
+    """The lowest points of edges at exact curved faces: parts and heights.
+
+    `low`: the lowest vertex of each part, shape (N,); edges above it are skipped.
+    """
     chords, part = _chords(geometry, up, low)
     if not len(part):
         return part, np.empty(0)
     s, left, right = geometry.surfaces, np.zeros(len(part)), np.ones(len(part))
     for _ in range(SECTIONS):
-        one, other = right - GOLDEN * (right - left), left + GOLDEN * (right - left)
+        first, second = right - GOLDEN * (right - left), left + GOLDEN * (right - left)
         lower = (
-            chords.on_edge(one, geometry.surfaces)[0] @ up
-            < chords.on_edge(other, geometry.surfaces)[0] @ up
+            chords.on_edge(first, geometry.surfaces)[0] @ up
+            < chords.on_edge(second, geometry.surfaces)[0] @ up
         )
-        left, right = np.where(lower, left, one), np.where(lower, other, right)
-    points, found = chords.on_edge((left + right) / 2, s)
-    return part[found], (points @ up)[found]
+        left, right = np.where(lower, left, first), np.where(lower, second, right)
+    points, converged = chords.on_edge((left + right) / 2, s)
+    return part[converged], (points @ up)[converged]
 
 
 def _chords(geometry: Geometry, up: Array, low: Array) -> tuple[Chords, Index]:
-    """Edges between different faces, one of them round, near the bottom of their parts."""
+    """Chords, and their parts, of edges with a curved face that may be below the vertices."""
     s, label = geometry.surfaces, geometry.triangle_surface
     owner = geometry.triangle_part
-    mine = np.flatnonzero((np.diff(s.start) > 0)[owner])
-    triangles = geometry.triangles[mine]
+    on_curved = np.flatnonzero((np.diff(s.start) > 0)[owner])  # triangles of parts with surfaces
+    triangles = geometry.triangles[on_curved]
     first, second = shared_edges(triangles)
-    sides = np.column_stack([mine[first // 3], mine[second // 3]])
+    sides = np.column_stack([on_curved[first // 3], on_curved[second // 3]])
     rows = label[sides]
     ends = triangles[first // 3, first % 3], triangles[first // 3, (first + 1) % 3]
     p, q = (geometry.vertices[end] for end in ends)

@@ -1,4 +1,4 @@
-"""What parts weigh, and how their matter lies: from shapes, densities and what is given."""
+"""Compute masses, centres and second moments of parts, from shapes, densities and overrides."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from kilter.units import metres_per_unit
 __all__ = ["DEFAULT_DENSITY", "box_sizes", "part_masses", "part_moments"]
 
 DEFAULT_DENSITY = 1000.0
-"""Density where a part has neither density nor mass [kg/m^3]."""
+"""Density of a part without density and mass [kg/m^3]."""
 
 
 def part_moments(
@@ -25,27 +25,34 @@ def part_moments(
     boxes: Mask,
     local: tuple[Array, Index, Index, Index],
 ) -> tuple[Array, Array, Array, Array]:
-    """Volume, centroid, second moment about it and surface centroid of each part, in its frame.
+    """Volume, centroid, second moment about it, and surface centroid of each part, in its frame.
 
-    Boxes, cylinders and spheres by their closed forms. `local`: vertices, first vertex of each
-    part, triangles, first triangle of each part.
+    Boxes, cylinders and spheres are computed by closed forms.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+    boxes : ndarray of bool, shape (N,)
+        Whether each part is a box.
+    local : tuple of ndarray
+        Vertices, first vertex of each part, triangles, first triangle of each part.
     """
     vertices, _, triangles, triangle_start = local
     count = len(parts)
     volume, center = np.zeros(count), np.zeros((count, 3))
     second, area_center = np.zeros((count, 3, 3)), np.zeros((count, 3))
     if boxes.any():
-        where = np.flatnonzero(boxes)
-        sizes = box_sizes(parts, where)
-        volume[where] = sizes.prod(axis=1)
-        second[where[:, None], range(3), range(3)] = volume[where][:, None] * sizes**2 / 12
-    where = np.flatnonzero(~boxes)
-    if len(where):
-        _, rows = ragged(triangle_start, where)
-        start = starts(np.diff(triangle_start)[where])
+        chosen = np.flatnonzero(boxes)
+        sizes = box_sizes(parts, chosen)
+        volume[chosen] = sizes.prod(axis=1)
+        second[chosen[:, None], range(3), range(3)] = volume[chosen][:, None] * sizes**2 / 12
+    chosen = np.flatnonzero(~boxes)
+    if len(chosen):
+        _, rows = ragged(triangle_start, chosen)
+        start = starts(np.diff(triangle_start)[chosen])
         result = polyhedron_moments(vertices, triangles[rows], start)
-        volume[where], center[where], second[where], area_center[where] = result
-    for k in where.tolist():
+        volume[chosen], center[chosen], second[chosen], area_center[chosen] = result
+    for k in chosen.tolist():
         shape = parts[k].shape
         if isinstance(shape, Cylinder):
             volume[k] = np.pi * shape.radius**2 * shape.height
@@ -69,7 +76,18 @@ def part_masses(
     moments: tuple[Array, Array, Array],
     warnings: list[str],
 ) -> tuple[Array, Array, Array]:
-    """Masses [kg], centres and mass-weighted second moments from geometry and overrides."""
+    """Masses [kg], centres and mass-weighted second moments, from geometry and overrides.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+    units : str
+        Length unit.
+    moments : (ndarray, ndarray, ndarray)
+        Volumes, centroids, second moments about them.
+    warnings : list of str
+        A warning is appended if the default density is used beside given masses.
+    """
     volume, center, second = moments
     cubic_metres = volume * metres_per_unit(units) ** 3
     density = np.array([part.density or DEFAULT_DENSITY for part in parts])
@@ -81,8 +99,8 @@ def part_masses(
     if (default & free).any() and (~default & free).any():
         assumed = some_names([p.name for p, d in zip(parts, default & free, strict=True) if d])
         warnings.append(
-            f"density {DEFAULT_DENSITY:g} kg/m^3 assumed for {assumed} "
-            "beside parts with a mass or density of their own: the verdict depends on the ratios"
+            f"density {DEFAULT_DENSITY:g} kg/m^3 assumed for {assumed}, "
+            "although other parts have a given mass or density: the verdict depends on the ratios"
         )
     second = second * (mass / volume)[:, None, None]
     center = center.copy()
@@ -93,6 +111,6 @@ def part_masses(
 
 
 def box_sizes(parts: Sequence[Part], which: Index) -> Array:
-    """Lengths along x, y, z of parts that are boxes, shape (n, 3)."""
+    """Lengths along x, y, z of the parts `which`, which are boxes, shape (n, 3)."""
     shapes = (parts[k].shape for k in which.tolist())
     return np.array([shape.size for shape in shapes if isinstance(shape, Box)])

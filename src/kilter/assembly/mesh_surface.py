@@ -1,12 +1,12 @@
-"""The surface of a mesh part: closed, or open where that is enough to know.
+"""Prepare the surface of a mesh part: weld and orient it, and close it for volume and moments.
 
-    closed                 what a free part has to be
-    wound both ways        turned alike, with a warning
-    open, part held        read, with a warning: a held part needs surfaces, no volume
-    open, part free        read where its holes are small and its mass and centre are given
+    closed                 accepted
+    inconsistent winding   accepted, the faces are reoriented, with a warning
+    open, part held        accepted with a warning: a held part needs surfaces, but no volume
+    open, part free        accepted with a warning if its holes are small, and mass and centre given
 
-Volume and moments of an open mesh are those of its closure: every group of open edges that hang
-together is joined to one point. What the missing faces look like stays unknown.
+Volume and moments of an open mesh are those of its closure: every connected group of open edges is
+joined to its mean point. The true shape of the missing faces is unknown.
 """
 
 from __future__ import annotations
@@ -24,23 +24,23 @@ from kilter.shape.closed import open_edges, turned_alike, welded, wound_both_way
 from kilter.shape.primitives import Mesh
 from kilter.shape.sound import welded_if_sound
 
-__all__ = ["MeshSurface", "closed_in_thought", "mesh_surface", "mesh_surfaces"]
+__all__ = ["MeshSurface", "close_holes", "mesh_surface", "mesh_surfaces"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MeshSurface:
-    """Corners and triangles of a mesh, and the triangles that close it in thought.
+    """The vertices and triangles of a mesh, and the triangles that close its holes.
 
     Attributes
     ----------
     vertices : ndarray, shape (V, 3)
-    triangles : ndarray, shape (T, 3)
+    triangles : ndarray of int, shape (T, 3)
     caps : ndarray, shape (C, 3, 3)
-        Corners of the triangles that close it; none of a closed mesh.
+        Corners of the triangles that close the holes; empty for a closed mesh.
     holes : tuple of (ndarray, ndarray)
-        Lower and upper corner of the box of each group of open edges.
+        Lower and upper corner of the bounding box of each hole.
     small : bool
-        The caps are small against the surface: what they close is the part's volume.
+        Whether the caps are small against the surface, so that the closed volume is plausible.
     """
 
     vertices: Array
@@ -51,22 +51,22 @@ class MeshSurface:
 
 
 def mesh_surfaces(parts: Sequence[Part], warnings: list[str]) -> dict[int, MeshSurface]:
-    """`MeshSurface` of each part that is a mesh, by the place of the part.
+    """The surface of each part that is a mesh, by the index of the part.
 
-    A mesh that several parts share is looked at once.
+    A valid mesh that several parts share is examined once. Warnings are appended to `warnings`.
 
     Raises
     ------
     InputError
-        If one has no faces, or is open where that is not enough.
+        If a mesh has no faces, or is open and the part is free without mass and centre.
     """
     shapes = {k: part.shape for k, part in enumerate(parts) if isinstance(part.shape, Mesh)}
     distinct = {id(mesh): mesh for mesh in shapes.values() if len(mesh.triangles)}
     corners = [(mesh.vertices, mesh.triangles) for mesh in distinct.values()]
     sound = dict(zip(distinct, welded_if_sound(corners), strict=True))
-    none = np.empty((0, 3, 3))
+    no_caps = np.empty((0, 3, 3))
     return {
-        k: MeshSurface(*ready, none)
+        k: MeshSurface(*ready, no_caps)
         if (ready := sound.get(id(mesh))) is not None
         else mesh_surface(parts[k], mesh, warnings)
         for k, mesh in shapes.items()
@@ -74,12 +74,14 @@ def mesh_surfaces(parts: Sequence[Part], warnings: list[str]) -> dict[int, MeshS
 
 
 def mesh_surface(part: Part, mesh: Mesh, warnings: list[str]) -> MeshSurface:
-    """The mesh of a part, welded, without faces of no area; a word of what was done to it.
+    """The surface of a part's mesh, welded, oriented, and without faces of zero area.
+
+    Every change is appended to `warnings`.
 
     Raises
     ------
     InputError
-        If it has no faces, or is open where that is not enough.
+        If the mesh has no faces, or is open and the part is free without mass and centre.
     """
     name = part.name
     if len(mesh.triangles) == 0 or len(mesh.vertices) == 0:
@@ -93,22 +95,31 @@ def mesh_surface(part: Part, mesh: Mesh, warnings: list[str]) -> MeshSurface:
         turned, count = turned_alike(vertices, triangles)
         left = open_edges(vertices, turned) if count else edges
         if count and len(left) < len(edges):
-            warnings.append(f"part {name!r}: {count} faces turned, they were wound the other way")
+            warnings.append(f"part {name!r}: {count} faces had the wrong winding and were reversed")
             triangles, edges = turned, left
     if len(edges) and wound_both_ways(triangles):
         raise InputError(
-            f"some faces are wound the wrong way: {len(edges)} edges run twice in one sense",
+            f"some faces have the wrong winding: two faces run along {len(edges)} edges in the "
+            "same sense",
             part=name,
-            hint="let all faces turn the same way, seen from outside",
+            hint="give all faces the same sense, seen from outside",
         )
-    found = closed_in_thought(vertices, triangles, edges)
+    closure = close_holes(vertices, triangles, edges)
     if len(edges):
-        warnings.append(_allowed(part, found, edges))
-    return found
+        warnings.append(_open_mesh_warning(part, closure, edges))
+    return closure
 
 
-def closed_in_thought(vertices: Array, triangles: Index, edges: Index) -> MeshSurface:
-    """Every group of open edges, shape (n, 2), joined to its middle, run the other way."""
+def close_holes(vertices: Array, triangles: Index, edges: Index) -> MeshSurface:
+    """Close a surface: every connected group of open edges is joined to its mean point.
+
+    Parameters
+    ----------
+    vertices : ndarray, shape (V, 3)
+    triangles : ndarray of int, shape (T, 3)
+    edges : ndarray of int, shape (n, 2)
+        Open edges; the caps run along them in the opposite sense.
+    """
     if not len(edges):
         return MeshSurface(vertices, triangles, np.empty((0, 3, 3)))
     used, ends = np.unique(edges, return_inverse=True)
@@ -127,21 +138,23 @@ def closed_in_thought(vertices: Array, triangles: Index, edges: Index) -> MeshSu
 
 
 def _area(corners: Array) -> float:
+    """Total area of triangles, shape (m, 3, 3)."""
     p, q, r = corners.transpose(1, 0, 2)
     return float(np.linalg.norm(cross(q - p, r - p), axis=1).sum() / 2)
 
 
-def _allowed(part: Part, found: MeshSurface, edges: Index) -> str:
-    """The warning that an open mesh is read with; an error where it is not enough."""
-    where = found.vertices[edges[0, 0]]
-    what = f"mesh is open: {len(edges)} edges have a face on one side only, the first at "
-    what += f"({where[0]:.6g}, {where[1]:.6g}, {where[2]:.6g})"
+def _open_mesh_warning(part: Part, closure: MeshSurface, edges: Index) -> str:
+    """The warning for an open mesh; raises `InputError` if the part needs a closed mesh."""
+    place = closure.vertices[edges[0, 0]]
+    what = f"the mesh is open: {len(edges)} edges have a face on one side only, the first at "
+    what += f"({place[0]:.6g}, {place[1]:.6g}, {place[2]:.6g})"
     if part.grounded:
-        return f"part {part.name!r}: {what}; it is held, so its surfaces are enough"
-    if not found.small:
-        hint = "close it where it was made"
+        return f"part {part.name!r}: {what}; a held part needs no closed mesh"
+    if not closure.small:
+        hint = "close it in the program that made it"
     elif part.mass is None or part.center_of_mass is None:
-        hint = "close it where it was made, hold it, or give its mass and center_of_mass"
+        hint = "close it in the program that made it, hold the part, or give mass and "
+        hint += "center_of_mass"
     else:
-        return f"part {part.name!r}: {what}; its mass and centre of mass are those given"
+        return f"part {part.name!r}: {what}; the given mass and centre of mass are used"
     raise InputError(what, part=part.name, hint=hint)

@@ -1,4 +1,4 @@
-"""Part: a rigid part of an assembly, a frozen value."""
+"""Part: a rigid part of an assembly, immutable."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from kilter.validate import finite, in_range, number
 __all__ = ["GROUND", "Part"]
 
 GROUND = "ground"
-"""Reserved name: a joint with it holds a part to the world."""
+"""Reserved name of the world; a joint with it holds a part."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,28 +26,29 @@ class Part:
     Parameters
     ----------
     name : str
-        Unique in the assembly; not "ground".
+        Name, unique in the assembly; not "ground".
     shape : Box, Cylinder, Sphere, Prism, Mesh or Solid
-        In the part's own frame [length unit].
+        Shape in the part's own frame [length unit].
     pose : Pose, or array_like of shape (3, 3) or (4, 4)
-        From the part's frame to the world; a matrix is a rotation, or a rigid transform.
+        Transform from the part's frame to the world: a pose, a rotation matrix, or a rigid
+        transform.
     grounded : bool
-        Held: it does not move.
+        Whether the part is held: it cannot move.
     density : float, optional
-        [kg/m^3]; 1000 where neither density nor mass is given.
+        Density [kg/m^3]; default 1000 if the mass is not given either.
     mass : float, optional
-        [kg]; overrides density and volume.
+        Mass [kg]; overrides density and volume.
     center_of_mass : array_like, shape (3,), optional
-        In the part's own frame; overrides the geometry.
+        Centre of mass in the part's own frame [length unit]; overrides the geometry.
     table : bool
-        The table of `Assembly.with_floor`: nothing is taken for fastened to it.
+        Whether the part is the table of `Assembly.with_floor`; no part counts as fastened to it.
     brick : Brick, optional
-        What it is as a toy brick: drawn with studs, in its colour. Its shape is a box then.
+        Toy brick, drawn with studs and in its colour; the shape must be a box.
 
     Raises
     ------
     InputError
-        If the name is empty or reserved, or a number is not finite or not above zero.
+        If the name is empty or reserved, or a number is not finite or not positive.
 
     Examples
     --------
@@ -68,19 +69,22 @@ class Part:
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
-            raise InputError(f"a part's name is {self.name!r}", hint="give a name of some length")
+            raise InputError(
+                f"the name of a part is {self.name!r}", hint="give a name that is not empty"
+            )
         try:
             self._validate()
         except InputError as error:
             raise error.located(part=self.name) from None
 
     def _validate(self) -> None:
+        """Verify and convert all fields except the name."""
         if self.name == GROUND:
             raise InputError(f"the name {GROUND!r} is reserved", hint="give it another name")
         if not isinstance(self.shape, Shape):
-            raise _no_shape(self.shape)
+            raise _shape_error(self.shape)
         if self.brick is not None and not isinstance(self.shape, Box):
-            raise InputError("a brick whose shape is no box", hint="give a box, or no brick")
+            raise InputError("the shape of the brick is not a box", hint="give a box, or no brick")
         object.__setattr__(self, "pose", Pose.of(self.pose))
         object.__setattr__(self, "grounded", _flag(self.grounded, "grounded"))
         object.__setattr__(self, "table", _flag(self.table, "table"))
@@ -101,13 +105,14 @@ class Part:
 
 
 def _flag(value: Any, name: str) -> bool:
+    """A bool; raises `InputError` for other types."""
     if not isinstance(value, bool | np.bool_):
         raise InputError(f"{name} is {value!r:.60}", hint="give True or False")
     return bool(value)
 
 
-def _no_shape(value: Any) -> InputError:
-    """What to do with something that is no shape."""
+def _shape_error(value: Any) -> InputError:
+    """The error for a value that is not a shape, with a remedy."""
     hint = "give a kilter.Box, Cylinder, Sphere, Prism or Mesh"
     if hasattr(value, "vertices") and hasattr(value, "faces"):
         hint = "give kilter.Mesh(mesh.vertices, mesh.faces)"

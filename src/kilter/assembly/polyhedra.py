@@ -1,12 +1,12 @@
-"""Volume, centre and second moment of polyhedra: of closed meshes, and of open ones closed.
+"""Compute volume, centre and second moment of polyhedra, of closed meshes or closures.
 
-Exact sums over the tetrahedra that the origin of the part makes with each triangle
-(p, q, r) of its closed surface, 6V = sum p.(q x r):
+The integrals are exact sums over the tetrahedra between a reference point and each triangle
+(p, q, r) of the closed surface, 6V = sum p.(q x r):
 
     V c = sum 6v (p + q + r) / 24,     int x x^T = sum 6v (s s^T + p p^T + q q^T + r r^T) / 120
 
-with s = p + q + r, each taken about a vertex of the part so that distance from the world's
-origin costs no digits.
+with s = p + q + r. The reference point is a vertex of the part, so that a large distance from the
+world's origin causes no cancellation.
 """
 
 from __future__ import annotations
@@ -22,27 +22,24 @@ __all__ = ["closed_moments", "polyhedron_moments"]
 def polyhedron_moments(
     vertices: Array, triangles: Index, start: Index
 ) -> tuple[Array, Array, Array, Array]:
-    """Volume, centroid, second moment about it and surface centroid of N polyhedra.
+    """Volume, centroid, second moment about it, and surface centroid of N polyhedra.
 
     Parameters
     ----------
     vertices : ndarray, shape (V, 3)
-    triangles : ndarray, shape (T, 3)
-    start : ndarray, shape (N + 1,)
-        First triangle of each polyhedron.
+    triangles : ndarray of int, shape (T, 3)
+    start : ndarray of int, shape (N + 1,)
+        First triangle of each polyhedron, followed by T.
 
     Returns
     -------
     volume : ndarray, shape (N,)
-        Negative where the faces point inwards.
+        Volumes, negative if the faces point inwards [length unit^3].
     centroid : ndarray, shape (N, 3)
     second : ndarray, shape (N, 3, 3)
         Integral of x x^T about the centroid [length unit^5].
     surface_centroid : ndarray, shape (N, 3)
-
-    References
-    ----------
-    Exact integration of polynomials over simplices; see the module's first lines.
+        Centroid of the surface, weighted by area.
     """
     origin = vertices[triangles[start[:-1], 0]]
     shift = np.repeat(origin, np.diff(start), axis=0)
@@ -60,13 +57,13 @@ def polyhedron_moments(
         surface_centroid = _group_sum(area[:, None] * total, start) / (
             3 * _group_sum(area, start)[:, None]
         )
-        # of no volume there is no centroid: what asks for one refuses it
+        # a flat polyhedron has no centroid; callers reject a volume near zero
         second = second - volume[:, None, None] * centroid[:, :, None] * centroid[:, None, :]
     return volume, centroid + origin, second, surface_centroid + origin
 
 
 def closed_moments(mesh: MeshSurface) -> tuple[float, Array, Array]:
-    """Volume, centroid and second moment about it of a mesh with what closes it."""
+    """Volume, centroid, and second moment about it, of a mesh closed by its caps."""
     vertices = np.vstack([mesh.vertices, mesh.caps.reshape(-1, 3)])
     caps = np.arange(3 * len(mesh.caps)).reshape(-1, 3) + len(mesh.vertices)
     triangles = np.vstack([mesh.triangles, caps])
@@ -77,5 +74,6 @@ def closed_moments(mesh: MeshSurface) -> tuple[float, Array, Array]:
 
 
 def _group_sum(values: Array, start: Index) -> Array:
+    """Sum of each run of rows, which begins at ``start[k]``."""
     result: Array = np.add.reduceat(values, start[:-1], axis=0)
     return result

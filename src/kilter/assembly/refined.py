@@ -1,9 +1,9 @@
-"""The triangles of a part cut finer, their new corners on its exact surfaces.
+"""Refine the triangles of a part, with new corners on its exact surfaces.
 
-Within a box each side of a triangle is cut in two, a round. A new corner lies over the middle of
-a side: on the surface of both triangles there, on the edge where those are different faces, and
-on the side itself where nothing is known but the triangles. So the body there converges to the
-exact one, by a factor of 16 in two rounds.
+A round divides each side of a triangle within a box in two. The new corner is moved from the
+middle of the side to the surface of both triangles, or to the edge curve if they are on different
+faces. It stays on the side if the surface is unknown. The distance from the exact body decreases
+by a factor of 16 in two rounds.
 """
 
 from __future__ import annotations
@@ -16,21 +16,28 @@ from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import FREE, Surfaces
 from kilter.shape.closed import shared_edges
 
-__all__ = ["refined"]
+__all__ = ["refine"]
 
 
-def refined(
+def refine(
     geometry: Geometry, part: int, rounds: int, box: tuple[Array, Array]
 ) -> tuple[Array, Index]:
-    """Corners, shape (n, 3), and triangles of a part, cut finer so many times; world frame.
+    """Refine the triangles of a part within a box.
 
     Parameters
     ----------
     geometry : Geometry
     part : int
     rounds : int
-    box : (low, high)
-        Sides that come within it are cut.
+        Number of refinements.
+    box : (ndarray, ndarray), shape (3,)
+        Lower and upper corner, world frame; sides whose bounding box overlaps it are divided.
+
+    Returns
+    -------
+    vertices : ndarray, shape (n, 3)
+        World frame.
+    triangles : ndarray of int, shape (m, 3)
 
     Examples
     --------
@@ -38,7 +45,7 @@ def refined(
     >>> from kilter.shape.primitives import Sphere
     >>> geometry = Assembly([Part("ball", Sphere(2.0))]).geometry
     >>> whole = np.full(3, -2.0), np.full(3, 2.0)
-    >>> vertices, triangles = refined(geometry, 0, 1, whole)
+    >>> vertices, triangles = refine(geometry, 0, 1, whole)
     >>> len(triangles) == 4 * len(geometry.triangles)
     True
     >>> np.allclose(np.linalg.norm(vertices, axis=1), 2.0)
@@ -60,42 +67,68 @@ def refined(
 def _cut(
     s: Surfaces, vertices: Array, triangles: Index, label: Index, box: tuple[Array, Array]
 ) -> tuple[Array, Index, Index]:
-    """The sides of triangles within a box cut in two; the surface of each triangle."""
-    one, other = shared_edges(triangles)
+    """Refine once: vertices, triangles, and the surface of each triangle (`label`)."""
+    first, second = shared_edges(triangles)
     ends = np.stack([triangles, triangles[:, [1, 2, 0]]], axis=2).reshape(-1, 2)
-    p, q = vertices[ends[one]].transpose(1, 0, 2)
+    p, q = vertices[ends[first]].transpose(1, 0, 2)
     near = (np.minimum(p, q) <= box[1]).all(axis=1) & (np.maximum(p, q) >= box[0]).all(axis=1)
-    one, other, p, q = one[near], other[near], p[near], q[near]
-    middle = _middles(s, vertices[triangles], label, (one // 3, other // 3), (p, q))
+    first, second, p, q = first[near], second[near], p[near], q[near]
+    middle = _middles(s, vertices[triangles], label, (first // 3, second // 3), (p, q))
     at = np.full(len(ends), -1)
-    at[one] = at[other] = len(vertices) + np.arange(len(one))
-    made, kept = _halved(triangles, at.reshape(-1, 3))
-    return np.concatenate([vertices, middle]), made, label[kept]
+    at[first] = at[second] = len(vertices) + np.arange(len(first))
+    pieces, source = _divide(triangles, at.reshape(-1, 3))
+    return np.concatenate([vertices, middle]), pieces, label[source]
 
 
 def _middles(
     s: Surfaces, corner: Array, label: Index, sides: tuple[Index, Index], ends: tuple[Array, Array]
 ) -> Array:
-    """Where sides between pairs of triangles are cut, shape (n, 3)."""
+    """The new corners of n sides between pairs of triangles, shape (n, 3).
+
+    Parameters
+    ----------
+    s : Surfaces
+    corner : ndarray, shape (m, 3, 3)
+        Corners of the triangles.
+    label : ndarray of int, shape (m,)
+        Surface of each triangle, or -1.
+    sides : (ndarray, ndarray), shape (n,)
+        The two triangles at each side.
+    ends : (ndarray, ndarray), shape (n, 3)
+        Ends of the sides.
+    """
     normal = unit_rows(cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]))
     both, (p, q) = np.column_stack(sides), ends
     on, middle = label[both], (p + q) / 2
     bent = np.flatnonzero(on[:, 0] != on[:, 1])
     both = both[bent]
     chords = Chords(p[bent], q[bent], on[bent], corner[both, 0], normal[both])
-    points, found = chords.on_edge(np.full(len(bent), 0.5), s)
-    middle[bent[found]] = points[found]
+    points, converged = chords.on_edge(np.full(len(bent), 0.5), s)
+    middle[bent[converged]] = points[converged]
     same = np.flatnonzero((on[:, 0] == on[:, 1]) & (on[:, 0] >= 0))
     rows, at = on[same, 0], middle[same]
     middle[same] = at - s.distance(rows, at)[:, None] * s.outward(rows, at)
     return middle
 
 
-def _halved(triangles: Index, at: Index) -> tuple[Index, Index]:
-    """Triangles cut where `at` names a corner on a side (-1: none), and which each came from."""
+def _divide(triangles: Index, at: Index) -> tuple[Index, Index]:
+    """Divide triangles at new corners on their sides.
+
+    Parameters
+    ----------
+    triangles : ndarray of int, shape (m, 3)
+    at : ndarray of int, shape (m, 3)
+        New corner on each side, from corner k to corner k + 1, or -1.
+
+    Returns
+    -------
+    pieces : ndarray of int, shape (n, 3)
+    source : ndarray of int, shape (n,)
+        The triangle that each piece is from.
+    """
     count = (at >= 0).sum(axis=1)
     rows = np.arange(len(triangles))
-    # turned so that sides from the first one on are cut, in order: then the rest are not
+    # rotate the corners so that the divided sides come first
     first = np.where(count == 1, (at >= 0).argmax(axis=1), 0)
     first = np.where(count == 2, ((at < 0).argmax(axis=1) + 1) % 3, first)
     turn = (first[:, None] + np.arange(3)) % 3
@@ -107,6 +140,6 @@ def _halved(triangles: Index, at: Index) -> tuple[Index, Index]:
         2: [(a, p, c), (p, q, c), (p, b, q)],
         3: [(a, p, r), (p, b, q), (r, q, c), (p, q, r)],
     }
-    made = [np.column_stack(t)[count == n] for n, pieces in cuts.items() for t in pieces]
-    kept = [rows[count == n] for n, pieces in cuts.items() for _ in pieces]
-    return np.concatenate(made), np.concatenate(kept)
+    pieces = [np.column_stack(t)[count == n] for n, cut in cuts.items() for t in cut]
+    source = [rows[count == n] for n, cut in cuts.items() for _ in cut]
+    return np.concatenate(pieces), np.concatenate(source)

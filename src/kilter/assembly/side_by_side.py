@@ -1,7 +1,8 @@
-"""Assemblies side by side: one geometry in arrays for many small questions.
+"""SideBySide: many small assemblies as one, so that they are computed together.
 
-Calls of numpy cost the same for ten parts as for a thousand, so hundreds of small assemblies are
-asked as one whose parts never meet across. Each keeps its own gravity.
+A numpy call costs about the same for ten parts as for a thousand. Therefore hundreds of small
+assemblies are joined into one assembly, and contacts between different assemblies are excluded.
+Each assembly keeps its own gravity.
 """
 
 from __future__ import annotations
@@ -21,16 +22,16 @@ __all__ = ["SideBySide", "join_geometry", "side_by_side"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SideBySide:
-    """M assemblies of one unit of length, all planar or none.
+    """M assemblies with the same length unit, either all planar or none.
 
     Attributes
     ----------
     whole : Assembly
-        All their parts, frictionless. Names repeat, and its gravity says nothing.
+        All parts, without friction. Names may repeat, and its gravity has no meaning.
     start : ndarray of int, shape (M + 1,)
-        The first part of each.
+        The first part of each assembly, followed by the number of parts.
     gravity : ndarray, shape (M, 3)
-        [m/s^2]
+        Acceleration of gravity of each assembly [m/s^2].
     """
 
     whole: Assembly
@@ -47,20 +48,20 @@ class SideBySide:
 
 
 def side_by_side(assemblies: Sequence[Assembly]) -> SideBySide:
-    """Assemblies without contacts, joints and loads of their own, side by side.
+    """Join assemblies that have no given contacts, joints or loads.
 
     Raises
     ------
     InputError
-        If the geometry of a part is not usable.
+        If the geometry of a part is invalid.
     """
-    parts = [part for one in assemblies for part in one.parts]
+    parts = [part for assembly in assemblies for part in assembly.parts]
     units = assemblies[0].units
     return join_geometry(
         parts,
         build_geometry(parts, units),
-        starts([len(one) for one in assemblies]),
-        np.array([one.gravity for one in assemblies]),
+        starts([len(assembly) for assembly in assemblies]),
+        np.array([assembly.gravity for assembly in assemblies]),
         units=units,
         planar=assemblies[0].planar,
     )
@@ -75,8 +76,22 @@ def join_geometry(
     units: str = "m",
     planar: bool = False,
 ) -> SideBySide:
-    """Assemblies side by side of parts whose geometry is known."""
-    whole = object.__new__(Assembly)  # names repeat, which a new one refuses
+    """Join assemblies whose geometry is known already.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+        Parts of all assemblies.
+    geometry : Geometry
+        Geometry of these parts.
+    start : ndarray of int, shape (M + 1,)
+        First part of each assembly, followed by the number of parts.
+    gravity : ndarray, shape (M, 3)
+        Acceleration of gravity of each assembly [m/s^2].
+    units : str
+    planar : bool
+    """
+    whole = object.__new__(Assembly)  # the constructor would reject repeated names
     fields = {
         "parts": tuple(parts),
         "units": units,

@@ -1,16 +1,15 @@
-"""Exact curved surfaces of all parts, world frame, struct of arrays; one row a surface.
+"""Exact curved surfaces of all parts, world frame, as a struct of arrays; one row per surface.
 
-A cylinder is the points at `radius` from the line through `point` along `axis`; a sphere
-those at `radius` from `point`; a torus those at `tube` from the circle of `radius` about
-`point`, across `axis`; a cone those x with angle(x - point, axis) = `half_angle`. With rho
-the distance from the axis and t the height along it, the signed distance from them is
+A cylinder has the points at the distance `radius` from the line through `point` along `axis`. A
+sphere has the points at `radius` from `point`. A torus has the points at `tube` from the circle of
+`radius` about `point`, across `axis`. A cone has the points x with angle(x - point, axis) =
+`half_angle`. With rho the distance from the axis and t the height along it, the signed distance is
 
     cylinder  rho - radius                      sphere  |x - point| - radius
     cone      rho cos(half_angle) - t sin(half_angle)
     torus     |(rho - radius, t)| - tube,
 
-positive on the outside of a solid one. The triangles of a part only say how far each of its
-surfaces reaches.
+positive outside of a solid. The triangles of a part determine only the extent of each surface.
 """
 
 from __future__ import annotations
@@ -42,11 +41,12 @@ __all__ = [
 
 
 KINDS = ("sphere", "cylinder", "cone", "torus", "free")
-"""Kinds of curved surface; a "free" one has no formula here."""
+"""Kinds of curved surfaces; a "free" surface has no formula here."""
 SPHERE, CYLINDER, CONE, TORUS, FREE = range(5)
 
 FEWEST = 16
-"""A mesh of fewer triangles, or fewer smooth edges, is taken as it is."""
+"""Least number of triangles of a mesh that may represent a curved surface. At least half as many
+edges must be smooth."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,22 +55,25 @@ class Surfaces:
 
     Attributes
     ----------
-    part, start : ndarray of int, shape (S,) and (N + 1,)
+    part : ndarray of int, shape (S,)
+        Part of each surface.
+    start : ndarray of int, shape (N + 1,)
         The surfaces of part i are rows ``start[i]`` to ``start[i + 1]``.
     kind : ndarray of int, shape (S,)
-        Position in `KINDS`.
+        Index in `KINDS`.
     point, axis : ndarray, shape (S, 3)
     radius, tube, half_angle : ndarray, shape (S,)
         As in `kilter.shape.solid.Surface` [length unit, length unit, rad].
     hollow : ndarray of bool, shape (S,)
-        The material lies outside: a hole, a socket.
+        Whether the material lies outside, as around a hole or socket.
     sagitta : ndarray, shape (S,)
-        Greatest distance of a triangle from its surface [length unit].
+        Largest distance of a triangle from its surface [length unit].
     doubt : ndarray, shape (S,)
-        How far the surface itself may be from the truth: 0 for exact ones, the sagitta for
-        those recognised in a mesh [length unit].
+        Largest error of the surface itself: 0 if exact, the sagitta if recognised in a mesh
+        [length unit].
     triangle_start, triangle : ndarray of int, shape (S + 1,) and (M,)
-        Rows of the geometry's triangles, surface by surface.
+        The triangles of surface k are ``triangle[triangle_start[k] : triangle_start[k + 1]]``, as
+        rows of the geometry's triangles.
     """
 
     part: Index
@@ -94,13 +97,24 @@ class Surfaces:
         return f"<Surfaces: {len(self)}>"
 
     def triangles_of(self, row: int) -> Index:
-        """Rows of the geometry's triangles that lie on a surface."""
+        """The triangles that lie on a surface, as rows of the geometry's triangles."""
         return self.triangle[self.triangle_start[row] : self.triangle_start[row + 1]]
 
     def polar(self, rows: Index, points: Array) -> tuple[Array, Array, Array]:
-        """Height along the axis (n,), distance from it (n,), unit direction away (n, 3).
+        """Polar coordinates of points about the axes of surfaces; of a sphere, about its centre.
 
-        Of a sphere: 0, distance from the centre, direction from it.
+        Parameters
+        ----------
+        rows : ndarray of int, shape (n,)
+            Surface of each point.
+        points : ndarray, shape (n, 3)
+
+        Returns
+        -------
+        height, distance : ndarray, shape (n,)
+            Height along the axis (0 for a sphere), distance from the axis or centre.
+        away : ndarray, shape (n, 3)
+            Unit direction away from the axis or centre.
         """
         apart = points - self.point[rows]
         axis = np.where((self.kind[rows] == SPHERE)[:, None], 0.0, self.axis[rows])
@@ -110,9 +124,15 @@ class Surfaces:
         return height, distance, ratio(away, distance[:, None])
 
     def distance(self, rows: Index, points: Array) -> Array:
-        """Signed distance of points from surfaces, shape (n,); infinite from a free one.
+        """Signed distance of points from surfaces, shape (n,); infinite for a free surface.
 
-        Positive where the material is not: outside of a solid one, inside of a hollow one.
+        It is positive outside of the material: outside of a solid, inside of a hole.
+
+        Parameters
+        ----------
+        rows : ndarray of int, shape (n,)
+            Surface of each point.
+        points : ndarray, shape (n, 3)
         """
         height, rho, _ = self.polar(rows, points)
         kind, alpha = self.kind[rows], self.half_angle[rows]
@@ -125,7 +145,14 @@ class Surfaces:
         return result
 
     def outward(self, rows: Index, points: Array) -> Array:
-        """Unit normals out of the material at points of surfaces, shape (n, 3)."""
+        """Unit normals out of the material at points of surfaces, shape (n, 3).
+
+        Parameters
+        ----------
+        rows : ndarray of int, shape (n,)
+            Surface of each point.
+        points : ndarray, shape (n, 3)
+        """
         height, rho, away = self.polar(rows, points)
         kind, alpha, axis = self.kind[rows], self.half_angle[rows], self.axis[rows]
         cone = np.cos(alpha)[:, None] * away - np.sin(alpha)[:, None] * axis
@@ -138,10 +165,17 @@ class Surfaces:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartSurfaces:
-    """Curved surfaces of one part in its own frame, and which of its triangles lie on each.
+    """The curved surfaces of a part in its own frame, and the surface of each triangle.
 
-    `triangle_surface`: shape (T,), row of `surfaces` or -1 (flat); the row behind the last
-    one stands for a free form, of this `sagitta`. `exact`: not recognised in a mesh.
+    Attributes
+    ----------
+    surfaces : tuple of Surface
+    triangle_surface : ndarray of int, shape (T,)
+        Row of `surfaces`, -1 for a flat face, ``len(surfaces)`` for a free form.
+    exact : bool
+        Whether the surfaces are given, and not recognised in a mesh.
+    sagitta : float
+        Largest distance of a triangle from the free form [length unit].
     """
 
     surfaces: tuple[Surface, ...]
@@ -153,7 +187,16 @@ class PartSurfaces:
 def surfaces_of(
     shape: Shape, vertices: Array, triangles: Index, accuracy: float
 ) -> PartSurfaces | None:
-    """The curved surfaces of a shape with these triangles; None where it has none."""
+    """The curved surfaces of a shape; None if it has only flat faces.
+
+    Parameters
+    ----------
+    shape : Shape
+    vertices, triangles : ndarray
+        Surface of the shape.
+    accuracy : float
+        Largest error of a coordinate [length unit].
+    """
     if isinstance(shape, Cylinder):
         label = np.full(len(triangles), -1)
         label[-2 * CYLINDER_SIDES :] = 0
@@ -164,14 +207,17 @@ def surfaces_of(
     if isinstance(shape, Solid):
         return _curved_only(shape.surfaces, shape.triangle_surface, shape.sagitta, exact=True)
     if isinstance(shape, Mesh) and _may_be_curved(vertices, triangles):
-        return _recognised(vertices, triangles, accuracy)
+        return _recognise_curved(vertices, triangles, accuracy)
     return None
 
 
 def _curved_only(
     surfaces: Sequence[Surface], label: Index, sagitta: float, *, exact: bool
 ) -> PartSurfaces | None:
-    """Without the planes; triangles of a solid on no surface are free forms."""
+    """Surfaces and labels without the planes; None if only planes are left.
+
+    Triangles of an exact solid on no surface are labelled as free forms.
+    """
     curved = [k for k, s in enumerate(surfaces) if s.kind != "plane"]
     number = np.full(len(surfaces) + 1, -1)
     number[curved] = np.arange(len(curved))
@@ -183,7 +229,7 @@ def _curved_only(
 
 
 def _may_be_curved(vertices: Array, triangles: Index) -> bool:
-    """Whether many neighbouring triangles of a mesh meet smoothly, but not in one plane."""
+    """Whether many neighbouring triangles of a mesh meet smoothly, but not in the same plane."""
     if len(triangles) < FEWEST:
         return False
     points = vertices[triangles]
@@ -194,39 +240,46 @@ def _may_be_curved(vertices: Array, triangles: Index) -> bool:
     return int(bent.sum()) >= FEWEST // 2
 
 
-def _recognised(vertices: Array, triangles: Index, accuracy: float) -> PartSurfaces | None:
-
+def _recognise_curved(vertices: Array, triangles: Index, accuracy: float) -> PartSurfaces | None:
+    """The curved surfaces recognised in a mesh; None without any."""
     surfaces, label, _ = recognise(vertices, triangles, accuracy=accuracy)
     return _curved_only(surfaces, label, 0.0, exact=False)
 
 
 def join_surfaces(
-    found: Mapping[int, PartSurfaces],
+    by_part: Mapping[int, PartSurfaces],
     rotation: Array,
     position: Array,
     vertices: Array,
     triangles: Index,
     triangle_start: Index,
 ) -> tuple[Surfaces, Index]:
-    """The surfaces of all parts in the world frame, and the surface of each triangle, (T,).
+    """Join the surfaces of all parts, in the world frame.
 
     Parameters
     ----------
-    found : mapping from part to `PartSurfaces`
+    by_part : mapping from part to `PartSurfaces`
+        The curved surfaces of parts that have any.
     rotation, position : ndarray, shape (N, 3, 3), (N, 3)
         Poses of the parts.
     vertices, triangles, triangle_start : ndarray
         As in `Geometry`, world frame.
+
+    Returns
+    -------
+    surfaces : Surfaces
+    label : ndarray of int, shape (T,)
+        Surface of each triangle, or -1.
     """
     label = np.full(len(triangles), -1)
     rows: list[tuple[int, Surface | None, bool, float]] = []
-    for part in sorted(found):
-        mine = found[part]
-        names, kept = _merged(mine)
-        local = mine.triangle_surface
+    for part in sorted(by_part):
+        local_surfaces = by_part[part]
+        names, kept = _merge_equal(local_surfaces)
+        local = local_surfaces.triangle_surface
         span = slice(triangle_start[part], triangle_start[part + 1])
         label[span] = np.where(local >= 0, names[local] + len(rows), -1)
-        rows += [(part, surface, mine.exact, mine.sagitta) for surface in kept]
+        rows += [(part, surface, local_surfaces.exact, local_surfaces.sagitta) for surface in kept]
     owner = np.array([row[0] for row in rows], dtype=np.int64)
     given = [surface or Surface("sphere", np.zeros(3)) for _, surface, _, _ in rows]
     kind = np.array(
@@ -259,12 +312,20 @@ def join_surfaces(
     return surfaces, label
 
 
-def _merged(mine: PartSurfaces) -> tuple[Index, list[Surface | None]]:
-    """New number of each surface, equal ones together, and the ones kept; None: free form."""
+def _merge_equal(local_surfaces: PartSurfaces) -> tuple[Index, list[Surface | None]]:
+    """Merge equal surfaces of a part.
+
+    Returns
+    -------
+    names : ndarray of int, shape (number of surfaces + 1,)
+        New number of each surface, and of the free form.
+    kept : list of Surface or None
+        The distinct surfaces; None is the free form, if a triangle has it.
+    """
     kept: list[Surface | None] = []
-    names = np.zeros(len(mine.surfaces) + 1, dtype=np.int64)
-    free = bool((mine.triangle_surface == len(mine.surfaces)).any())
-    for k, surface in enumerate(mine.surfaces):
+    names = np.zeros(len(local_surfaces.surfaces) + 1, dtype=np.int64)
+    free = bool((local_surfaces.triangle_surface == len(local_surfaces.surfaces)).any())
+    for k, surface in enumerate(local_surfaces.surfaces):
         alike = [n for n, other in enumerate(kept) if other and _same(surface, other)]
         names[k] = alike[0] if alike else len(kept)
         if not alike:
@@ -273,32 +334,35 @@ def _merged(mine: PartSurfaces) -> tuple[Index, list[Surface | None]]:
     return names, [*kept, None] if free else kept
 
 
-def _same(one: Surface, other: Surface) -> bool:
-    """Whether two surfaces of a part are one, cut in two."""
-    if one.kind != other.kind or one.hollow != other.hollow:
+def _same(first: Surface, second: Surface) -> bool:
+    """Whether two surfaces of a part are pieces of the same surface."""
+    if first.kind != second.kind or first.hollow != second.hollow:
         return False
     close = SAME_SURFACE * max(
-        one.radius, other.radius, float(np.abs(one.point - other.point).max())
+        first.radius, second.radius, float(np.abs(first.point - second.point).max())
     )
-    sizes = (one.radius - other.radius, one.tube - other.tube)
+    sizes = (first.radius - second.radius, first.tube - second.tube)
     if (
         max(abs(size) for size in sizes) > close
-        or abs(one.half_angle - other.half_angle) > SAME_SURFACE
+        or abs(first.half_angle - second.half_angle) > SAME_SURFACE
     ):
         return False
-    along = one.axis if one.kind == "cylinder" else np.zeros(3)
-    apart = one.point - other.point
+    along = first.axis if first.kind == "cylinder" else np.zeros(3)
+    apart = first.point - second.point
     if float(np.linalg.norm(apart - (apart @ along) * along)) > close:
         return False
-    cosine = float(one.axis @ other.axis)
-    sine = float(np.linalg.norm(np.cross(one.axis, other.axis)))
-    return one.kind == "sphere" or (sine <= SAME_SURFACE and (one.kind != "cone" or cosine > 0))
+    cosine = float(first.axis @ second.axis)
+    sine = float(np.linalg.norm(np.cross(first.axis, second.axis)))
+    return first.kind == "sphere" or (sine <= SAME_SURFACE and (first.kind != "cone" or cosine > 0))
 
 
 def _measure(
     surfaces: Surfaces, vertices: Array, triangles: Index, label: Index, exact: Mask
 ) -> None:
-    """Fill in the sagitta of each surface: at corners, middles of sides and of triangles."""
+    """Compute the sagitta of each surface, and its doubt, in place.
+
+    The distance is measured at corners, at middles of sides, and at centroids of triangles.
+    """
     if not len(surfaces):
         return
     owner = label[surfaces.triangle]
@@ -306,6 +370,6 @@ def _measure(
     sites = [p[:, 0], p[:, 1], p[:, 2], p.mean(axis=1)]
     sites += [(p[:, k] + p[:, k - 1]) / 2 for k in range(3)]
     off = np.max([np.abs(surfaces.distance(owner, site)) for site in sites], axis=0)
-    off[~np.isfinite(off)] = 0.0  # free forms say theirs themselves
+    off[~np.isfinite(off)] = 0.0  # the sagitta of free forms is given
     np.maximum.at(surfaces.sagitta, owner, off)
     surfaces.doubt[~exact] = surfaces.sagitta[~exact]

@@ -1,7 +1,6 @@
-"""Where the surface of a part is not known: at the holes of an open mesh, all over a stand-in.
+"""Regions where the surface of a part is unknown: holes of an open mesh, or a whole stand-in.
 
-What another part meets there nobody can say, so its contacts are open: that is for
-`kilter.contact` to say.
+Contacts in these regions are undecided; `kilter.contact` reports them.
 """
 
 from __future__ import annotations
@@ -21,15 +20,15 @@ __all__ = ["UnknownSurfaces", "unknown_surfaces"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UnknownSurfaces(Rows):
-    """Boxes, world frame, in which surfaces of parts are not known; one row a place.
+    """Boxes, world frame, in which the surface of a part is unknown; one row per box.
 
     Attributes
     ----------
     part : ndarray of int, shape (n,)
     low, high : ndarray, shape (n, 3)
-        Corners of the box [length unit].
+        Lower and upper corner of the box [length unit].
     whole : ndarray of bool, shape (n,)
-        Nothing of the part's surface is known: its shape is a stand-in.
+        Whether the whole surface of the part is unknown, because its shape is a stand-in.
     """
 
     part: Index
@@ -42,28 +41,28 @@ class UnknownSurfaces(Rows):
 
     @classmethod
     def none(cls) -> UnknownSurfaces:
-        """No such place."""
+        """No boxes."""
         empty = np.empty((0, 3))
         return cls(np.empty(0, np.int64), empty, empty, np.empty(0, dtype=bool))
 
     def stand_ins(self, count: int) -> Mask:
-        """Which of `count` parts are stand-ins, shape (count,)."""
-        found = np.zeros(count, dtype=bool)
-        found[self.part[self.whole]] = True
-        return found
+        """Whether each of `count` parts is a stand-in, shape (count,)."""
+        stands_in = np.zeros(count, dtype=bool)
+        stands_in[self.part[self.whole]] = True
+        return stands_in
 
 
 def unknown_surfaces(
     parts: Sequence[Part], meshes: dict[int, MeshSurface], poses: tuple[Array, Array]
 ) -> UnknownSurfaces:
-    """Those of parts: the holes of open meshes and solids, and stand-ins.
+    """The unknown regions of parts: holes of open meshes and solids, and stand-ins.
 
     Parameters
     ----------
     parts : sequence of Part
-    meshes : dict
-        Surfaces of the parts that are meshes, by their position.
-    poses : tuple of ndarray
+    meshes : dict of int to MeshSurface
+        Surface of each part that is a mesh, by the index of the part.
+    poses : (ndarray, ndarray)
         Rotation matrices, shape (N, 3, 3), and positions, shape (N, 3) [length unit].
     """
     places: list[tuple[int, Array, bool]] = []

@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from kilter.arrays import Array, Index, connected
-from kilter.assembly.mesh_surface import closed_in_thought
+from kilter.assembly.mesh_surface import close_holes
 from kilter.assembly.polyhedra import closed_moments, polyhedron_moments
 from kilter.errors import InputError
 from kilter.files.checked_solid import checked_solid
@@ -137,7 +137,7 @@ def _solid(shape: Any, faces: list[StepFace], lost: int) -> tuple[Solid, bool]:
     vertices, triangles, owner = _weld_faces(faces)
     if not len(triangles):
         raise InputError("the solid has no faces", hint="repair it in the program that made it")
-    whole = closed_in_thought(vertices, triangles, open_edges(vertices, triangles))
+    whole = close_holes(vertices, triangles, open_edges(vertices, triangles))
     moments = closed_moments(whole)
     inwards = moments[0] < 0
     if inwards:

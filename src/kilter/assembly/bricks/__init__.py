@@ -1,4 +1,4 @@
-"""What holds toy bricks together? Their library, their cells, and the bonds of their studs."""
+"""Toy bricks: their library, their grid of cells, and the bonds of their studs."""
 
 from kilter.assembly.bricks.brick_assembly import assembly_of_bricks
 from kilter.assembly.bricks.brick_model import BrickModel

@@ -1,6 +1,6 @@
-"""From bricks on their grid to an assembly: boxes, studs as bonds, neighbours that push.
+"""Convert bricks on their grid to an assembly: boxes, studs as bonds, contacts of sides.
 
-Nothing is detected: which stud is in which brick is a question of whole numbers.
+No contact detection is needed: the integer grid determines which stud is in which brick.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ __all__ = ["BASEPLATE", "assembly_of_bricks", "bricks_of"]
 BASEPLATE = "baseplate"
 """Name of the held plate under the lowest layer."""
 MARGIN = 1
-"""Cells by which it stands out."""
+"""Margin of the baseplate around all bricks [cells]."""
 HEAVY = 0.1
-"""Bricks above this are weights [kg]."""
+"""Mass above which a brick is named a weight [kg]."""
 UP = (0.0, 0.0, 1.0)
 
 
@@ -42,24 +42,24 @@ def assembly_of_bricks(
     source: str = "",
     notes: Sequence[str] = (),
 ) -> Assembly:
-    """The assembly of bricks, in mm; a baseplate holds layer 0 where none is held.
+    """The assembly of bricks, in mm; without a held brick, a baseplate is added under layer 0.
 
     Parameters
     ----------
     model : BrickModel
-        At least one brick; no two in one cell.
+        At least one brick.
     rules : StudRules, optional
-        Those of StableLego where not given.
+        Strength of studs and contacts of sides; default those of StableLego.
     cell : float
         Width of a cell [mm].
     source : str
-        The file, for messages.
+        Name of the file, for messages.
     notes : sequence of str
 
     Raises
     ------
     InputError
-        If two bricks are in one cell; it names the lines of both.
+        If two bricks occupy the same cell; the error names the lines of both.
 
     Examples
     --------
@@ -83,24 +83,35 @@ def assembly_of_bricks(
         bonds=list(_bonds(model, studs_of(model), names, scale, rules)),
         detect=False,
         source=source,
-        notes=[*notes, *_estimated(model)],
+        notes=[*notes, *_estimate_note(model)],
     )
 
 
 def bricks_of(assembly: Assembly) -> tuple[BrickModel, StudRules, float]:
-    """The bricks of an assembly in the order of its parts, their rules, a cell's width [mm].
+    """Recover the bricks of an assembly that was read from a file of bricks.
+
+    Returns
+    -------
+    model : BrickModel
+        Bricks in the order of the parts.
+    rules : StudRules
+    cell : float
+        Width of a cell [mm].
 
     Raises
     ------
     InputError
-        If a part is no brick, or something else than studs and sides acts on them.
+        If a part is not a brick, or the assembly has loads, joints or no bonds.
     """
     for part in assembly.parts:
         if part.brick is None or not isinstance(part.shape, Box):
             hint = "give an assembly as it was read from a file of bricks"
-            raise InputError("it is no brick", part=part.name, hint=hint)
+            raise InputError("it is not a brick", part=part.name, hint=hint)
     if assembly.loads or assembly.joints or not assembly.bonds:
-        raise InputError("bricks with loads, with joints or without bonds", hint="leave them out")
+        raise InputError(
+            "the bricks have loads or joints, or no bonds",
+            hint="give an assembly as it was read from a file of bricks",
+        )
     parts, bricks = assembly.parts, [part.brick for part in assembly.parts if part.brick]
     size = np.array([(*brick.cells, brick.plates) for brick in bricks])
     box = np.array([part.shape.size for part in parts if isinstance(part.shape, Box)])
@@ -113,17 +124,20 @@ def bricks_of(assembly: Assembly) -> tuple[BrickModel, StudRules, float]:
         np.array([part.mass or 1.0 for part in parts]),
         np.array([NO_COLOR if brick.color is None else brick.color for brick in bricks]),
         np.array([part.grounded for part in parts]),
-        np.array([int(found[1]) if found else 0 for found in numbers]),
+        np.array([int(match[1]) if match else 0 for match in numbers]),
         np.zeros(len(parts), dtype=np.int64),
     )
-    bond, sides = assembly.bonds[0], {len(one.points) for one in assembly.contacts}
+    bond, sides = assembly.bonds[0], {len(contact.points) for contact in assembly.contacts}
     shear = UNLIMITED if bond.bears is None else bond.bears
     rules = StudRules(bond.pull or 0.0, shear, "face" if 4 in sides else "lower-edge")
     return model, rules, float(box[0, 0] / size[0, 0])
 
 
 def _require_grid(assembly: Assembly, corner: Array, cell: Array) -> None:
-    """Refuse bricks that are turned, or not in the cells of one grid."""
+    """Raise `InputError` if a brick is turned, or not in the cells of a common grid.
+
+    `corner`: lowest corners in cells, shape (n, 3); `cell`: size of a cell of each brick.
+    """
     turned = np.array([np.abs(part.pose.rotation[1:]).max() > ON_GRID for part in assembly.parts])
     apart = np.abs(corner - np.round(corner)).max(axis=1) > ON_GRID
     odd = np.abs(cell / cell[0] - 1).max(axis=1) > ON_GRID
@@ -131,20 +145,20 @@ def _require_grid(assembly: Assembly, corner: Array, cell: Array) -> None:
     if len(wrong):
         hint = "give an assembly as it was read from a file of bricks"
         name = assembly.names[wrong[0]]
-        raise InputError("it is not in the cells of the grid of all", part=name, hint=hint)
+        raise InputError("it is not in the cells of the common grid", part=name, hint=hint)
 
 
 def _baseplate(model: BrickModel) -> BrickModel:
     """A held plate under all bricks, its top at height 0."""
     low = model.corner.min(axis=0) - MARGIN
     size = (model.corner + model.size).max(axis=0) + MARGIN - low
-    none, one = np.zeros(1, dtype=np.int64), np.ones(1)
+    zero, mass = np.zeros(1, dtype=np.int64), np.ones(1)
     corner, size = np.array([[*low[:2], -1]]), np.array([[*size[:2], 1]])
-    return BrickModel(corner, size, one, none + NO_COLOR, one > 0, none, none)
+    return BrickModel(corner, size, mass, zero + NO_COLOR, mass > 0, zero, zero)
 
 
 def _names(model: BrickModel) -> list[str]:
-    """``2x4-7``, ``plate-2x4-7``, ``weight-7``, ``baseplate`` (``baseplate-2``)."""
+    """Part names: ``2x4-7``, ``plate-2x4-7``, ``weight-7``, ``baseplate`` (``baseplate-2``)."""
     across, along = np.sort(model.size[:, :2], axis=1).T
     rows = zip(across, along, model.size[:, 2], model.mass, model.held, model.number, strict=True)
     names = []
@@ -160,6 +174,7 @@ def _names(model: BrickModel) -> list[str]:
 
 
 def _parts(model: BrickModel, names: list[str], scale: Index) -> Iterator[Part]:
+    """The part of each brick; equal bricks share a shape; `scale`: cell and plate [mm]."""
     kinds, kind = distinct_rows(model.size)
     shapes = [Box(size) for size in kinds * scale]
     middle = (model.corner + model.size / 2) * scale
@@ -180,7 +195,7 @@ def _parts(model: BrickModel, names: list[str], scale: Index) -> Iterator[Part]:
 def _bonds(
     model: BrickModel, studs: Studs, names: list[str], scale: Index, rules: StudRules
 ) -> Iterator[Bond]:
-    """A bond of each two bricks that hold each other by studs."""
+    """A bond for each pair of bricks that studs connect."""
     points, pairs = studs.point * scale, np.column_stack([studs.lower, studs.upper])
     changes = np.flatnonzero((np.diff(pairs, axis=0) != 0).any(axis=1)) + 1
     first = [0, *changes.tolist(), len(pairs)] if len(pairs) else [0]
@@ -198,7 +213,7 @@ def _bonds(
 def _contacts(
     sides: Sides, names: list[str], scale: Index, rules: StudRules
 ) -> Iterator[GivenContact]:
-    """Neighbours that push each other, at the lower edge of where they meet or all over it."""
+    """The contacts of neighbours, at the lower edge of the common rectangle or at all corners."""
     if rules.sides == "none":
         return
     low, high = sides.low * scale, sides.high * scale
@@ -211,8 +226,8 @@ def _contacts(
         yield GivenContact((names[a], names[b]), points, normals[axis])
 
 
-def _estimated(model: BrickModel) -> list[str]:
-    """A note on the sizes whose weight no library states."""
+def _estimate_note(model: BrickModel) -> list[str]:
+    """A note on the brick sizes whose mass is estimated."""
     free = np.flatnonzero(~model.held & (model.mass <= HEAVY))
     sizes = np.unique(
         np.column_stack([np.sort(model.size[free, :2], axis=1), model.size[free, 2]]), axis=0
@@ -222,4 +237,4 @@ def _estimated(model: BrickModel) -> list[str]:
         for a, b, plates in sizes.tolist()
         if not is_stated(a, b, plates)
     ]
-    return [f"weights that no library states are estimated: {', '.join(words)}"] if words else []
+    return [f"the masses of these bricks are estimates: {', '.join(words)}"] if words else []

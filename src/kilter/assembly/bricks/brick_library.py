@@ -1,8 +1,8 @@
-"""Bricks, plates and baseplates: sizes, part numbers of LDraw, weights.
+"""Sizes, LDraw part numbers and masses of bricks, plates and baseplates.
 
-Weights that the libraries of StableLego and BrickGPT state are theirs. The other sizes have an
-estimate: a top with its studs, by the cell, and walls, by their length and height, fitted to
-those that are stated,
+The libraries of StableLego and BrickGPT state the masses of some sizes. The masses of other sizes
+are estimated by a fit to the stated masses, with a term for the top with its studs and a term for
+the walls:
 
     m = top * cells + wall * perimeter * height
 
@@ -34,19 +34,19 @@ STABLE_LEGO: dict[int, tuple[int, int, float]] = {
     10: (1, 1, 0.00043),
     12: (2, 2, 0.00115),
 }
-"""Number in the library: studs across, studs along, mass [kg]; 1 is a weight."""
+"""Studs across, studs along and mass [kg] by the number in the library; number 1 is a weight."""
 STATED = {(across, along): mass for k, (across, along, mass) in STABLE_LEGO.items() if k != 1}
-"""Mass of bricks [kg], by size."""
+"""Stated masses of bricks [kg], by size."""
 
 
 def _sizes(plates: int, listed: str) -> dict[str, tuple[int, int, int]]:
-    """Part number: studs across, studs along, height in plates; of ``number:acrossxalong``."""
-    found = {}
+    """Parse a list of words ``number:acrossxalong``: size (studs, studs, plates) by part number."""
+    sizes = {}
     for word in listed.split():
         number, size = word.split(":")
         across, along = map(int, size.split("x"))
-        found[number] = (across, along, plates)
-    return found
+        sizes[number] = (across, along, plates)
+    return sizes
 
 
 LDRAW: dict[str, tuple[int, int, int]] = {
@@ -64,29 +64,30 @@ LDRAW: dict[str, tuple[int, int, int]] = {
     ),
     **_sizes(0, "3865:8x16 3867:16x16 3334:16x24 3857:16x32 3811:32x32 4186:48x48"),
 }
-"""Number of the part: studs across, studs along, height in plates; 0: a baseplate."""
+"""Studs across, studs along and height in plates by LDraw part number; height 0 is a baseplate."""
 
 
 @cache
 def _fit() -> Array:
-    """Mass of a cell of the top, and of a wall as long as a stud and as high as a brick [kg]."""
+    """Fitted mass of a cell of the top, and of a wall one stud long and one brick high [kg]."""
     sizes = np.array(list(STATED))
-    found: Array = np.linalg.lstsq(_terms(sizes, BRICK_PLATES), np.array([*STATED.values()]))[0]
-    return found
+    masses: Array = np.linalg.lstsq(_terms(sizes, BRICK_PLATES), np.array([*STATED.values()]))[0]
+    return masses
 
 
 def _terms(sizes: Index, plates: Index | int) -> Array:
+    """The terms of the fit: number of cells, and perimeter times height, shape (n, 2)."""
     height = np.broadcast_to(plates, len(sizes)) / BRICK_PLATES
     return np.column_stack([sizes.prod(axis=1), 2 * sizes.sum(axis=1) * height])
 
 
 def is_stated(across: int, along: int, plates: int) -> bool:
-    """Its weight is one that a library states."""
+    """Whether a library states the mass of a brick."""
     return plates == BRICK_PLATES and (min(across, along), max(across, along)) in STATED
 
 
 def brick_mass(across: int, along: int, plates: int = BRICK_PLATES) -> float:
-    """Mass of a brick or plate [kg].
+    """Mass of a brick or plate, stated or estimated [kg].
 
     Examples
     --------

@@ -1,7 +1,7 @@
-"""BrickModel: bricks on their grid, one row a brick.
+"""BrickModel: bricks on their grid, one row per brick.
 
-Cells are numbered along x and y, heights in plates, so that all is whole: two bricks in one cell,
-a stud under a cell, a neighbour beside it are questions about whole numbers.
+Positions along x and y are counted in cells, heights in plates. Therefore overlaps, studs below a
+brick, and neighbours follow from integers.
 """
 
 from __future__ import annotations
@@ -16,29 +16,29 @@ from kilter.errors import InputError
 __all__ = ["NO_COLOR", "BrickModel", "Cells", "cells_of"]
 
 NO_COLOR = -1
-"""No colour is stated."""
+"""Value of `BrickModel.color` for a brick without a stated colour."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BrickModel(Rows):
-    """N bricks, struct of arrays.
+    """N bricks as a struct of arrays.
 
     Attributes
     ----------
     corner : ndarray of int, shape (N, 3)
-        The lowest cell: x, y [cells], z [plates].
+        Lowest cell of each brick: x, y [cells], z [plates].
     size : ndarray of int, shape (N, 3)
-        Along x, y [cells] and z [plates].
+        Size along x, y [cells] and z [plates].
     mass : ndarray, shape (N,)
-        [kg]
+        Masses [kg].
     color : ndarray of int, shape (N,)
-        Codes of LDraw's colours; `NO_COLOR` where none is stated.
+        LDraw colour codes; `NO_COLOR` if none is stated.
     held : ndarray of bool, shape (N,)
-        Baseplates.
+        Whether each brick is held; true for baseplates.
     number : ndarray of int, shape (N,)
-        What the file calls it: its key, or its line.
+        Number of the brick in the file: its key, or its line.
     line : ndarray of int, shape (N,)
-        The line of the file that it stands in; 0 where it is of none.
+        Line of the file; 0 for a brick that is in no file.
     """
 
     corner: Index = columns(3)
@@ -56,12 +56,12 @@ class BrickModel(Rows):
         return top
 
     def require_apart(self) -> None:
-        """Refuse two bricks in one cell.
+        """Verify that no two bricks occupy the same cell.
 
         Raises
         ------
         InputError
-            Naming the line of the later one, the line of the other and the cell.
+            If two bricks overlap; the error names the lines of both, and the cell.
         """
         cells = cells_of(self)
         low, high = self.corner[cells.brick, 2], self.top[cells.brick]
@@ -73,21 +73,23 @@ class BrickModel(Rows):
         x, y = cells.xy[clash[k]]
         other, line = pairs[k]
         raise InputError(
-            f"line {line}: cell ({x}, {y}) is taken by the brick of line {other}",
+            f"line {line}: cell ({x}, {y}) is occupied by the brick in line {other}",
             hint="move one of the two bricks",
         )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cells:
-    """The cells that bricks stand on, ordered by column and by height.
+    """The cells under all bricks, sorted by column and by height.
 
     Attributes
     ----------
     brick : ndarray of int, shape (C,)
+        Brick of each cell.
     xy : ndarray of int, shape (C, 2)
+        Position of each cell.
     same_column : ndarray of bool, shape (C - 1,)
-        Cell k + 1 is over cell k.
+        Whether cell k + 1 is above cell k.
     """
 
     brick: Index
@@ -96,7 +98,7 @@ class Cells:
 
 
 def cells_of(model: BrickModel) -> Cells:
-    """The cells of all bricks."""
+    """The cells under all bricks of a model."""
     brick, place = counted(model.size[:, 0] * model.size[:, 1])
     along = model.size[brick, 1]
     xy = model.corner[brick, :2] + np.column_stack([place // along, place % along])

@@ -1,8 +1,8 @@
-"""The rules of the stud model: how much a stud holds, and how neighbours push.
+"""StudRules: the strength of studs, and the contacts between neighbouring bricks.
 
-A stud is held at three or four points of its cell. Each pulls by up to `pull`, pushes without
-limit, and is sheared without limit, by up to a force, or by friction mu (f_n + pull). Two bricks
-side by side push each other, without friction, at their lower edge.
+A stud acts at three or four points of its cell. At each point it resists pull up to `pull`, and
+compression without limit. It resists shear without limit, up to a force, or by friction
+mu (f_n + pull). Two bricks side by side have contacts without friction at their lower edge.
 
 References
 ----------
@@ -26,35 +26,35 @@ UNIT = 7.8
 LAYER = 9.6
 """Height of a brick [mm]."""
 GRAVITY = 9.8
-"""[m/s^2], as there."""
+"""Acceleration of gravity in StableLego [m/s^2]."""
 PULL = 0.98
-"""What a point of a stud holds there [N]: 100 g."""
+"""Largest pull at a point of a stud in StableLego [N]: the weight of 100 g."""
 NARROW: Array = np.array([[0, -0.25], [-0.25, 0], [0, 0.25], [0.25, 0]])
-"""Points of a stud under a brick that is one stud wide, from its middle, in cells."""
+"""Points of a stud under a brick of width 1, relative to the middle of the stud [cells]."""
 WIDE: Array = np.array([[0.125, -0.125], [-0.25, 0], [0.125, 0.125]])
-"""The same under a wider brick: two walls and a tube."""
+"""Points of a stud under a wider brick, at two walls and a tube [cells]."""
 SIDES = ("lower-edge", "face", "none")
-"""Where neighbours push each other."""
+"""Values of `sides`: the contact points between neighbouring bricks."""
 UNLIMITED, FRICTION = "unlimited", "mu"
 
 
 @dataclass(frozen=True, slots=True)
 class StudRules:
-    """How bricks hold each other; the defaults are those of StableLego.
+    """Strength of studs, and contacts of neighbouring bricks; the defaults are from StableLego.
 
     Parameters
     ----------
     pull : float
-        What a point of a stud holds [N].
+        Largest pull at each point of a stud [N].
     shear : "unlimited", "mu" or float
-        Sideways at a point of a stud: any force, mu (f_n + pull), or up to a force [N].
+        Largest sideways force at each point of a stud: no limit, mu (f_n + pull), or a number [N].
     sides : {"lower-edge", "face", "none"}
-        Where neighbours in a layer push each other.
+        Contact points between neighbours in a layer.
 
     Raises
     ------
     InputError
-        If a force is negative, or a word is unknown.
+        If a force is negative, or a value is unknown.
 
     Examples
     --------
@@ -85,12 +85,12 @@ class StudRules:
 
     @property
     def bond_shear(self) -> float | str | None:
-        """The shear as a bond has it: None without a limit."""
+        """The shear strength for a `Bond`: None for no limit."""
         return None if self.shear == UNLIMITED else self.shear
 
 
 def _float(value: float | str) -> object:
-    """A number that was typed, as one."""
+    """A value as a float; the value itself if it is not a number."""
     try:
         return float(value)
     except ValueError:

@@ -1,4 +1,4 @@
-"""Where bricks hold each other: points of studs between layers, edges between neighbours."""
+"""Find the connections of bricks: points of studs between layers, and sides of neighbours."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ __all__ = ["Sides", "Studs", "sides_of", "studs_of"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Studs(Rows):
-    """Points at which studs are held, ordered by pair of bricks.
+    """Points at which studs connect bricks, sorted by pair of bricks.
 
     Attributes
     ----------
     lower, upper : ndarray of int, shape (n,)
-        Bricks.
+        The brick with the stud, and the brick on it.
     point : ndarray, shape (n, 3)
-        x, y [cells], z [plates].
+        Position: x, y [cells], z [plates].
     """
 
     lower: Index
@@ -37,9 +37,9 @@ class Sides(Rows):
     Attributes
     ----------
     first, second : ndarray of int, shape (n,)
-        Bricks; the second lies further along `axis`.
+        The two bricks; the second is further along `axis`.
     axis : ndarray of int, shape (n,)
-        0 or 1: the normal from the first to the second.
+        0 or 1: the axis of the normal from the first to the second brick.
     low, high : ndarray of int, shape (n, 3)
         Corners of the rectangle: x, y [cells], z [plates]; equal along `axis`.
     """
@@ -52,11 +52,11 @@ class Sides(Rows):
 
 
 def studs_of(model: BrickModel) -> Studs:
-    """The points of every stud that is in a brick.
+    """The points of all studs that are inside a brick above.
 
     Examples
     --------
-    A 1x1 on the end of a 1x2 has one stud, of four points.
+    A 1x1 brick on the end of a 1x2 brick has one stud with four points.
 
     >>> two = BrickModel(
     ...     np.array([[0, 0, 0], [1, 0, 3]]), np.array([[2, 1, 3], [1, 1, 3]]), np.ones(2),
@@ -70,37 +70,38 @@ def studs_of(model: BrickModel) -> Studs:
     narrow = model.size[above[k], :2].min(axis=1) == 1
     stud, place = counted(np.where(narrow, len(NARROW), len(WIDE)))
     offset = np.where(narrow[stud, None], NARROW[place], WIDE[np.minimum(place, len(WIDE) - 1)])
-    own = k[stud]
-    xy = cells.xy[own] + 0.5 + offset
-    lower, upper = below[own], above[own]
+    cell = k[stud]
+    xy = cells.xy[cell] + 0.5 + offset
+    lower, upper = below[cell], above[cell]
     points = np.column_stack([xy, model.corner[upper, 2]])
     order = np.lexsort((place, stud, upper, lower))
     return Studs(lower[order], upper[order], points[order])
 
 
 def sides_of(model: BrickModel) -> Sides:
-    """Every two bricks that stand side by side; two boxes meet in one rectangle."""
+    """The common rectangle of every two bricks side by side."""
     cells = cells_of(model)
     owner, height = counted(model.size[cells.brick, 2])
-    own = cells.brick[owner]
-    place = np.column_stack([cells.xy[owner], model.corner[own, 2] + height])
+    brick = cells.brick[owner]
+    place = np.column_stack([cells.xy[owner], model.corner[brick, 2] + height])
     place -= place.min(axis=0)
-    wide = place.max(axis=0) + 2  # so that no step leads from one row of cells into the next
+    wide = place.max(axis=0) + 2  # a step beyond the end of a row reaches no cell of the next row
     steps = (wide[1] * wide[2], wide[2])
     key = place @ np.array([*steps, 1])
     order = np.argsort(key)
     ordered = key[order]
     blocks = []
     for axis in (0, 1):
-        found = np.minimum(np.searchsorted(ordered, key + steps[axis]), len(key) - 1)
-        beside = order[found]
-        k = np.flatnonzero((ordered[found] == key + steps[axis]) & (own[beside] != own))
-        pairs, _ = distinct_rows(np.column_stack([own[k], own[beside[k]]]))
+        nearest = np.minimum(np.searchsorted(ordered, key + steps[axis]), len(key) - 1)
+        beside = order[nearest]
+        k = np.flatnonzero((ordered[nearest] == key + steps[axis]) & (brick[beside] != brick))
+        pairs, _ = distinct_rows(np.column_stack([brick[k], brick[beside[k]]]))
         blocks.append(_rectangles(model, pairs, axis))
     return Sides.join(blocks)
 
 
 def _rectangles(model: BrickModel, pairs: Index, axis: int) -> Sides:
+    """The common rectangles of pairs of bricks, shape (n, 2), that are neighbours along an axis."""
     first, second = pairs.T
     low = np.maximum(model.corner[first], model.corner[second])
     ends = model.corner + model.size

@@ -23,7 +23,7 @@ import numpy as np
 
 from kilter.arrays import Array, Index, Mask, distinct_rows
 from kilter.assembly.geometry import Geometry
-from kilter.assembly.refined import refined
+from kilter.assembly.refined import refine
 from kilter.contact.triangle_distance import at_most, surface_distance
 from kilter.shape.closed import welded
 
@@ -57,7 +57,7 @@ class PartSolids:
         """Weld the triangles of a part and convert them to a solid; None if they bound no body."""
         g = self.geometry
         rounds, box = self.finer or (0, (g.center[part], g.center[part]))
-        corners, rows = refined(g, part, rounds, box)
+        corners, rows = refine(g, part, rounds, box)
         vertices, triangles, _ = welded(
             corners - g.center[part], rows, accuracy=float(g.accuracy[part])
         )
