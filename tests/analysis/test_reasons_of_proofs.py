@@ -80,7 +80,6 @@ def put(*path: Any, value: Any) -> Callable[[Proof], None]:
     return change
 
 
-@pytest.mark.quick(7)
 @pytest.mark.parametrize("name", MADE)
 def test_what_is_not_changed_holds(name: str) -> None:
     assert said(name, lambda proof: None) == ()
