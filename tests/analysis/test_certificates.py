@@ -385,6 +385,15 @@ def test_forces_that_are_no_numbers_are_none():
     assert check_forces(built, forces).holds  # without friction where there might be some
 
 
+def test_friction_is_cut_to_mu_times_the_force_and_the_shear_limit_of_the_bond():
+    built, forces = resting(0.5)
+    bonded = dataclasses.replace(built, shear=np.full(len(forces), 0.1 * forces[0]))
+    aside = np.zeros((len(forces), 3))
+    aside[:, 0] = [0.4, 0.5, 0.6, 2.0] * forces
+    cut = check_forces(bonded, forces, aside).friction
+    assert cut[:, 0] == pytest.approx([0.4, 0.5, 0.6, 0.6] * forces)
+
+
 def test_where_nothing_touches_nothing_is_violated():
     built, _ = resting()
     alone = built.taking(np.arange(0))
