@@ -23,7 +23,7 @@ EPS = 1e-4
 ENTERS = 1e-3
 """Radius over EPS from which a motion enters: second order gives about EPS."""
 CLEAR = 0.15
-"""Openings, of motions of size 1, that are told apart from zero."""
+"""Smallest opening, for motions of size 1, that counts as non-zero."""
 
 
 @dataclass(frozen=True)
