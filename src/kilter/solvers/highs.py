@@ -135,7 +135,9 @@ def solve_linear(
     return _solution(highs, program, solver)
 
 
-def find_optimum(program: LinearProgram, *, method: Method = "simplex") -> Solution:
+def find_optimum(
+    program: LinearProgram, *, method: Method = "simplex", work: Work | None = None
+) -> Solution:
     """A solution that the solver calls optimal, by other ways where the first fails.
 
     With and without presolve, by the other method, then with other scalings. For figures
@@ -144,10 +146,10 @@ def find_optimum(program: LinearProgram, *, method: Method = "simplex") -> Solut
     other: Method = "interior" if method == "simplex" else "simplex"
     ways: list[tuple[Method, bool]] = [(method, True), (method, False), (other, True)]
     for way, presolve in ways:
-        answer = solve_linear(program, method=way, presolve=presolve)
+        answer = solve_linear(program, method=way, presolve=presolve, work=work)
         if answer.optimal:
             return answer
-    return KeptProgram(program).solve()
+    return KeptProgram(program).solve(work=work)
 
 
 def near_its_bound(solution: Solution) -> bool:

@@ -90,7 +90,7 @@ grows e-fold in 2 s'
         them = "it" if len(answer["motion"]) == 1 else "them"
         friction = FRICTION[answer.get("rolling")].format(them=them)
         return f"balanced: the slightest push makes {names} fall, {friction}{grows}"
-    return f"open: {answer['why']}"
+    return f"open: {answer.get('left_open') or answer['why']}"
 
 
 def _names(parts: Sequence[str]) -> str:

@@ -84,20 +84,20 @@ def answer_alone(
         answer = _without_idle(facts, known, None, work) if known.any() else None
         return answer or open_answer(_unknown(program, known), program)
     problem = facts.problem
-    critical = critical or find_critical(problem)
+    critical = critical or find_critical(problem, work=work)
     if critical is not None and len(critical.sides) and not doubted:
-        answer = _stopped(facts)
+        answer = _stopped(facts, work)
         if answer is not None:
             return answer
-    decision, free = _decided(facts, critical, work)
+    decision, free = _decided(facts, critical, work, only_if_stays)
     if doubted:
-        problem, decision = decided_for_all(program, facts.features, problem, decision)
+        problem, decision = decided_for_all(program, facts.features, problem, decision, work)
     if decision.state == "minimum":
         return _staying(facts, problem, decision, free)
     if decision.state == "balanced":
         if only_if_stays:
             return open_answer("it falls", program)
-        return _falling(facts, whole or program, problem, decision)
+        return _falling(facts, whole or program, problem, decision, work)
     if not doubted:
         answer = _sliding(facts, critical, work)
         if answer is not None:
@@ -106,19 +106,24 @@ def answer_alone(
 
 
 def _decided(
-    facts: ClusterFacts, critical: Critical | None, work: Work
+    facts: ClusterFacts, critical: Critical | None, work: Work, only_if_stays: bool
 ) -> tuple[Decision, FreeMotions]:
     """The decision across the free motions, and these.
 
     If motions are left beside the free ones, only symmetries may be divided out.
     """
     program, problem, free = facts.program, facts.problem, facts.free_motions
-    span = free_span(program, problem, free)
-    decision = decide(problem, span, critical=critical, work=work)
-    if decision.free == decision.neutral or len(free.symmetries.kinds) == len(free.kinds):
-        return decision, free
-    free = free.symmetries
-    decision = decide(problem, free_span(program, problem, free), critical=critical, work=work)
+    span, symmetric = free_span(program, problem, free), free.symmetries
+    neutral = 0 if critical is None else critical.basis.shape[1]
+    if span.shape[1] >= neutral or len(symmetric.kinds) == len(free.kinds):
+        decision = decide(problem, span, critical=critical, only_if_stays=only_if_stays, work=work)
+        if decision.free == decision.neutral or len(symmetric.kinds) == len(free.kinds):
+            return decision, free
+    free = symmetric
+    span_of_symmetries = free_span(program, problem, free)
+    decision = decide(
+        problem, span_of_symmetries, critical=critical, only_if_stays=only_if_stays, work=work
+    )
     if decision.state == "open" and span.shape[1] > decision.free:
         undecided = max(decision.undecided - span.shape[1] + decision.free, 0)
         decision = replace(decision, free=span.shape[1], undecided=undecided)
@@ -149,7 +154,7 @@ def _beside_points(facts: ClusterFacts, critical: Critical | None, work: Work) -
     if answer.state in ("balanced", "open"):
         return answer
     rows = np.flatnonzero(program.kind == CONTACT)
-    return _opening_idle(facts, rows, answer) or open_answer(_sharp(program), program)
+    return _opening_idle(facts, rows, answer, work) or open_answer(_sharp(program), program)
 
 
 def _without_idle(
@@ -161,10 +166,12 @@ def _without_idle(
     subset is neither a minimum nor free, or no free motion opens the other contacts.
     """
     answer = answer_alone(facts.taking(kept), critical=critical, work=work, only_if_stays=True)
-    return _opening_idle(facts, np.flatnonzero(kept), answer)
+    return _opening_idle(facts, np.flatnonzero(kept), answer, work)
 
 
-def _opening_idle(facts: ClusterFacts, rows: Index, answer: SecondOrder) -> SecondOrder | None:
+def _opening_idle(
+    facts: ClusterFacts, rows: Index, answer: SecondOrder, work: Work
+) -> SecondOrder | None:
     """Extend the answer for some rows to all, by a free motion that also opens the others.
 
     The motion may also shift both parts of a contact alike. None if there is no such motion, or
@@ -185,7 +192,7 @@ def _opening_idle(facts: ClusterFacts, rows: Index, answer: SecondOrder) -> Seco
     if not isinstance(proof, MinimumProof):
         return None
     free = proof.free * answer.problem.scale[:, None] / answer.problem.length
-    opening = _away(program, idle, free, sharp_points(program, facts.contacts))
+    opening = _away(program, idle, free, sharp_points(program, facts.contacts), work)
     if opening is None:
         return None
     motion = program.full(free @ opening)
@@ -197,13 +204,15 @@ def _opening_idle(facts: ClusterFacts, rows: Index, answer: SecondOrder) -> Seco
     return replace(answer, motion=motion / size, moving=moving, decision=decision)
 
 
-def _away(program: Program, idle: Mask, free: Array, points: SharpPoints) -> Array | None:
+def _away(
+    program: Program, idle: Mask, free: Array, points: SharpPoints, work: Work
+) -> Array | None:
     """Coefficients, shape (f,), of free motions (n, f) whose sum opens all idle contacts.
 
     The sum may also shift all parts alike, and open the idle contacts with held parts. None if no
     such sum was found.
     """
-    parting = find_parting(program, ~idle, points)
+    parting = find_parting(program, ~idle, points, work)
     if parting is not None:
         columns = parting[np.ix_(program.free, program.freedoms)].reshape(-1)
         within, *_ = np.linalg.lstsq(free, columns, rcond=None)
@@ -211,7 +220,7 @@ def _away(program: Program, idle: Mask, free: Array, points: SharpPoints) -> Arr
             return np.asarray(within)
     rows = program.jacobian() @ free
     for chosen in enough_to_open(points, idle):
-        opening = opening_motion(rows[chosen])
+        opening = opening_motion(rows[chosen], work)
         if opening is not None:
             return opening
     count = int(program.free.sum())
@@ -222,14 +231,14 @@ def _away(program: Program, idle: Mask, free: Array, points: SharpPoints) -> Arr
     inside = inside[:, np.abs(free @ inside - alike).max(axis=0) < ACROSS]
     held = np.append(~program.free, True)
     outer = idle & (held[program.part_a] | held[program.part_b])
-    shift = opening_motion(program.taking(outer).jacobian() @ free @ inside)
+    shift = opening_motion(program.taking(outer).jacobian() @ free @ inside, work)
     return None if shift is None else inside @ shift
 
 
 def _sliding(facts: ClusterFacts, critical: Critical | None, work: Work) -> SecondOrder | None:
     """Parts slide on faces, with all else locked; None if that was not proved."""
     program, problem = facts.program, facts.problem
-    critical = critical or find_critical(problem)
+    critical = critical or find_critical(problem, work=work)
     if critical is None or program.planar:
         return None
     faces = faces_of(program, facts.contacts, problem)
@@ -244,10 +253,10 @@ def _sliding(facts: ClusterFacts, critical: Critical | None, work: Work) -> Seco
     return _sliding_by(program, problem, decision, motion)
 
 
-def _stopped(facts: ClusterFacts) -> SecondOrder | None:
+def _stopped(facts: ClusterFacts, work: Work) -> SecondOrder | None:
     """Parts slide level, also away from stops; None if that was not proved."""
     question = stop_question(facts)
-    proof = find_stopped(*question)
+    proof = find_stopped(*question, work=work)
     if proof is None:
         return None
     forms = stop_forms(*question, proof.forces)
@@ -288,7 +297,7 @@ def _first(program: Program, rows: Mask) -> str:
 
 
 def _falling(
-    facts: ClusterFacts, whole: Program, problem: Stationary, decision: Decision
+    facts: ClusterFacts, whole: Program, problem: Stationary, decision: Decision, work: Work
 ) -> SecondOrder:
     """A balanced cluster with an exact place on its path; open if none was found.
 
@@ -311,7 +320,7 @@ def _falling(
         why = why if opens(path) else _sharp(whole)
     else:
         paths = (path, *decision.others)
-        parted = parted_paths(whole, facts.contacts, problem, paths)
+        parted = parted_paths(whole, facts.contacts, problem, paths, work)
         for candidate in itertools.chain(paths, parted):
             if not opens(candidate):
                 continue

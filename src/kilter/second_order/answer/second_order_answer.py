@@ -27,7 +27,12 @@ from kilter.second_order.proofs.paths import Path
 from kilter.second_order.proofs.proof_kinds import Proof
 from kilter.second_order.searches.decide import Decision
 
-__all__ = ["SecondOrder", "answer_of", "open_answer"]
+__all__ = ["LATE", "SPENT", "SecondOrder", "answer_of", "open_answer"]
+
+LATE = "the time limit was met"
+SPENT = "its work is spent; level strict or a higher effort continues"
+NAMED = 3
+"""Parts that a phrase names; more are counted."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,6 +112,23 @@ class SecondOrder:
             return all(one.counted for one in self.clusters)
         return self.decision is not None and (self.state != "open" or self.neutral > 0)
 
+    def left_open(self, names: tuple[str, ...]) -> str:
+        """The questions that are open, as one short phrase with the reason; empty if none is.
+
+        Parameters
+        ----------
+        names : tuple of str
+            Names of all parts.
+        """
+        still = [one for one in self.clusters or (self,) if one.state == "open"]
+        if still:
+            free = np.any([one.program.free for one in still if one.program is not None], axis=0)
+            whys = " and ".join(dict.fromkeys(one.why for one in still))
+            return f"whether a small push makes {_named(names, np.flatnonzero(free))} fall: {whys}"
+        if self.rolling is not None and self.rolling.state == "open":
+            return f"whether friction holds {_named(names, self.moving)} against a small push"
+        return ""
+
     def to_dict(self, names: tuple[str, ...]) -> dict[str, Any]:
         """The answer of `kilter check --json`; the motion by part."""
         by_part = None if self.motion is None else {
@@ -122,7 +144,16 @@ class SecondOrder:
             "motion": by_part,
             "rolling": None if self.rolling is None else self.rolling.state,
             "why": self.why or None,
+            "left_open": self.left_open(names) or None,
         }
+
+
+def _named(names: tuple[str, ...], parts: Index) -> str:
+    """The first parts by name, and the number of the others."""
+    shown = [names[k] for k in parts[:NAMED].tolist()]
+    if len(parts) > NAMED:
+        return f"{', '.join(shown)} or {len(parts) - NAMED} more"
+    return " or ".join(shown)
 
 
 def open_answer(why: str, program: Program) -> SecondOrder:

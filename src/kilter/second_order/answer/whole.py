@@ -20,7 +20,12 @@ from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 from kilter.second_order.answer.one_cluster import answer_alone
-from kilter.second_order.answer.second_order_answer import SecondOrder, open_answer
+from kilter.second_order.answer.second_order_answer import (
+    LATE,
+    SPENT,
+    SecondOrder,
+    open_answer,
+)
 from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.stationary import stationary
 from kilter.second_order.motions.rolling import find_rolling, worst_rolling
@@ -40,7 +45,7 @@ from kilter.second_order.searches.critical import find_critical
 from kilter.second_order.searches.decide import Decision
 from kilter.second_order.searches.held_search import find_held
 from kilter.second_order.searches.level_rest_search import find_level_rest
-from kilter.work import Work
+from kilter.work import PER_EFFORT, Work
 
 __all__ = ["MOST_IN_ALL", "MOST_PARTS", "find_second_order", "with_rolling"]
 
@@ -48,6 +53,19 @@ MOST_PARTS = 20
 """A cluster of up to this many free parts is asked for its second order, ..."""
 MOST_IN_ALL = 120
 """... and clusters of up to this many together."""
+MOST_STRICT = 60
+"""Up to this many free parts in a cluster with level strict or a higher effort."""
+WORK, LEAST_WORK = 1_250_000, 200_000
+"""Most and least units of work for the gaps of an assembly at effort 1.
+
+The most is for up to `FEW_ROWS` contact rows and `FEW_PARTS` free parts; with more the work falls
+as one over their number. So second order stays below a fifth of each check of over a second.
+"""
+FEW_ROWS, FEW_PARTS = 100, 40
+CLUSTER_WORK = 15_000
+"""Units of a cluster before its first program: features, surfaces and free motions."""
+STRICT_WORK = 10.0
+"""Factor of the work with level strict."""
 MOST_LEVEL = 10_000
 """Level faces are looked at for up to this many free parts."""
 MOST_HELD = 250
@@ -75,15 +93,16 @@ def find_second_order(
     forces : ndarray, shape (K,), optional
         Such forces [N].
     work : Work, optional
-        Work of the first order, whose time limit also ends this.
+        Work of the check: second order takes a fixed amount for its effort, and keeps its time
+        limit. Without, there is no limit.
     strict : bool
-        Whether the answer is needed.
+        Whether the check requires level strict, for which more work is done.
     """
     if not program.free.any():
         return None
-    if work is not None and work.late:
-        return open_answer("the time limit was met", program)
-    work = Work() if work is None else work.beside()
+    work = _share(work or Work(), program, strict=strict)
+    if work.late:
+        return open_answer(LATE, program)
     unmodelled = why_unmodelled(assembly, contacts)
     if unmodelled:
         return open_answer(unmodelled, program)
@@ -103,6 +122,13 @@ def find_second_order(
     if all(one.state == "minimum" and not one.neutral for one in found):
         return None
     return _of_parts(_joined(found), groups)
+
+
+def _share(work: Work, program: Program, *, strict: bool) -> Work:
+    """The work that second order may take beside that of the first order."""
+    few = min(FEW_ROWS / max(len(program.kind), 1), FEW_PARTS / int(program.free.sum()), 1.0)
+    units = max(WORK * few, LEAST_WORK)
+    return work.beside(units * (STRICT_WORK if strict else 1.0) * work.allowed / PER_EFFORT)
 
 
 def _of_parts(found: SecondOrder, groups: RigidGroups) -> SecondOrder:
@@ -178,19 +204,23 @@ class _ClusterSearch:
             found = self.by_forces(program, forces)
             if found is not None:
                 return found
-        if count > MOST_PARTS:
-            return open_answer(f"more than {MOST_PARTS} free parts touch one another", program)
+        most = MOST_PARTS if self.work.allowed <= WORK else MOST_STRICT
+        if count > most:
+            return open_answer(f"more than {most} free parts touch one another", program)
         self.asked += count
         if self.asked > MOST_IN_ALL:
             return open_answer(f"more than {MOST_IN_ALL} parts are to be looked at", program)
-        return self._alone(cluster)
+        found = None if self.work.over else self._alone(cluster)
+        if found is None or (found.state == "open" and self.work.over):
+            return open_answer(LATE if self.work.late else SPENT, program)
+        return found
 
     def by_forces(self, program: Program, forces: Array | None) -> SecondOrder | None:
         """Steps 1 and 2 for a whole assembly or a cluster; None where they do not answer."""
         count = int(program.free.sum())
         if count <= MOST_LEVEL and not self.slanted[program.free].any():
             level, sharp = level_rows(program, self.contacts), sharp_points(program, self.contacts)
-            rest = find_level_rest(program, level, forces, sharp)
+            rest = find_level_rest(program, level, forces, sharp, work=self.work)
             if rest is not None:
                 return _on_level(program, rest)
         if count <= MOST_HELD and forces is not None:
@@ -205,13 +235,14 @@ class _ClusterSearch:
         program = cluster.program
         certain = program.taking(program.kind == CONTACT)
         first = stationary(certain, np.zeros((len(certain.part_a), 12, 12)))
-        critical = find_critical(first)
+        critical = find_critical(first, work=self.work)
         if critical is not None and not critical.basis.shape[1]:
             held = Held(critical.forces * first.weight)
             if not judge_held(certain, held):
                 return _without_neutral(program, held)
         if self.off[program.free].any():
             return open_answer(OFF_CENTRE, program)
+        self.work.charge(CLUSTER_WORK)
         return answer_alone(self.facts.of_cluster(cluster), critical=critical, work=self.work)
 
 

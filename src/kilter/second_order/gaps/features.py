@@ -1,11 +1,11 @@
-"""What touches at each contact point: face, edge or vertex of either part, and how it curves.
+"""The face, edge or vertex of both parts at each contact point, with its curvature.
 
-At tangent offset u from the contact point, the surface of a part lies u . K u / 2 below its
-tangent plane, K its curvature, positive where it is convex; u runs over the directions in which
-the feature extends:
+At a tangent offset u from the contact point, the surface of a part lies u . K u / 2 below its
+tangent plane. K is its curvature, positive if the part is convex; u runs over the directions in
+which the feature extends:
 
-    FACE    the tangent plane          EDGE    one direction (also the rim of a disc)
-    VERTEX  none                       OPEN    not known: nothing is said of such a contact
+    FACE    the tangent plane          EDGE    a single direction (also the rim of a disc)
+    VERTEX  no direction               OPEN    unknown: the contact is left open
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from kilter.arrays import Array, Index, Mask, Rows, columns, read_only
 __all__ = ["EDGE", "FACE", "FEATURES", "OPEN", "VERTEX", "Features"]
 
 OPEN, VERTEX, EDGE, FACE = -1, 0, 1, 2
-"""Kinds of feature: how many tangent directions it has."""
+"""Kinds of feature; a known kind is its number of tangent directions."""
 FEATURES = {"open": OPEN, "vertex": VERTEX, "edge": EDGE, "face": FACE}
-"""Their names."""
+"""Kinds of feature by name."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,29 +29,28 @@ class Features(Rows):
     Attributes
     ----------
     kind_a, kind_b : ndarray of int, shape (K,)
-        `FACE`, `EDGE`, `VERTEX` or `OPEN`, of part a and of part b.
+        Kind of the feature of part a and of part b.
     edge_a, edge_b : ndarray, shape (K, 3)
-        Unit direction of an edge, or the tangent of a rim; 0 of the other kinds.
+        Unit direction of an edge, or unit tangent of a rim; 0 for the other kinds.
     curvature_a, curvature_b : ndarray, shape (K, 3, 3)
-        Symmetric, in the tangent plane [1/length unit], positive where the part is convex:
-        of a sphere the projection across the normal over its radius; of an edge k e e^T with
-        k its curvature in the plane of the normal and e.
+        Symmetric tensor in the tangent plane [1/length unit], positive if the part is convex.
+        For a sphere it is the tangential projection over the radius; for an edge k e e^T, with k
+        its curvature in the plane of the normal and e.
     fibre : ndarray, shape (K, 3)
-        Unit direction of a line of contact, at points within it: the material point of b
-        stays along it, and only the way across is minimised over; else 0.
+        Unit direction of a line of contact at points within it, else 0. The point of b stays at
+        its place along the line, and the gap is minimised only across the line.
     doubt_a, doubt_b : ndarray, shape (K,)
-        How far the curvature may be off in any tangent direction [1/length unit]: 0 but for
+        Largest error of the curvature in any tangent direction [1/length unit]; 0 except for
         surfaces that were recognised in meshes.
     conformal : ndarray of bool, shape (K,)
-        The surfaces fit each other: the point of b is taken as a vertex on a.
+        Points at which the surfaces fit each other: the point of b counts as a vertex on a.
     flush : ndarray of bool, shape (K,)
-        Ends of what fits each other that lie on an edge of both parts: which of them touches
-        the other there depends on how they slip (`kilter.second_order.gaps.gap_form.corner_slips`).
+        Corners at which two fitting faces end together, on an edge of both parts. Their slip
+        decides which corner touches the other face (`gap_form.corner_slips`).
     axis_a, axis_b : ndarray, shape (K, 6)
-        Of what is said to be of revolution about a line: a point on it and its unit direction;
-        a direction of 0 where nothing is said.
+        Stated axis of revolution: a point on it, then its unit direction; 0 if none is stated.
     group : ndarray of int, shape (K,)
-        The patch that the point belongs to; -1 of a row without.
+        Patch of the point; -1 for a row without a patch.
     """
 
     kind_a: Index
@@ -74,11 +73,11 @@ class Features(Rows):
 
     @property
     def doubted(self) -> bool:
-        """Whether a curvature is known to its doubt only."""
+        """Whether a curvature is only known within bounds."""
         return bool(self.doubt_a.any() or self.doubt_b.any())
 
     @property
     def open(self) -> Mask:
-        """Rows of which a feature is not known, shape (K,)."""
+        """Rows with an unknown feature, shape (K,)."""
         unknown: Mask = (self.kind_a == OPEN) | (self.kind_b == OPEN)
         return unknown

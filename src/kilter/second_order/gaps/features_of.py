@@ -1,4 +1,4 @@
-"""The features of a program's contacts: those that the assembly gives, those that are found."""
+"""The features at the contacts of a program: given in the assembly, or found from its geometry."""
 
 from __future__ import annotations
 
@@ -21,34 +21,34 @@ __all__ = ["FLAT", "detected_rows", "features_of"]
 
 
 def features_of(program: Program, contacts: ContactSet, *, recognised: bool = False) -> Features:
-    """The feature of each row of a program, in their order.
+    """The features at the rows of a program.
 
     Parameters
     ----------
     program : Program
-        Of these contacts, or of some of them; its rows are as they were made.
+        Rows of these contacts or of some of them.
     contacts : ContactSet
     recognised : bool
-        Surfaces that were recognised in meshes are known too, to their doubt.
+        Whether surfaces that were recognised in meshes count as known, within their doubt.
 
     Returns
     -------
     Features
-        Open: rows that are no contact points, given contacts without a feature, and what is
-        not known exactly (fitted normals, closed clearances, surfaces recognised in meshes but
-        where they are asked for).
+        In the order of the rows. Open are rows that are no contact points, given contacts without
+        a feature, and inexact contacts (fitted normals, closed clearances, and, unless
+        `recognised`, surfaces recognised in meshes).
     """
-    found = _nothing_known(program)
-    _set_given(found, program, contacts)
+    columns = _nothing_known(program)
+    _set_given(columns, program, contacts)
     rows = detected_rows(program, contacts)
     if len(rows):
-        _set_detected(found, program, contacts, rows, recognised)
-        _set_conformal(found, program, contacts, rows)
-    return Features(**found)
+        _set_detected(columns, program, contacts, rows, recognised)
+        _set_conformal(columns, program, contacts, rows)
+    return Features(**columns)
 
 
 def _nothing_known(program: Program) -> dict[str, Any]:
-    """Columns of `Features`, every row open."""
+    """Columns of `Features` with every row open."""
     count = len(program.part_a)
     return {
         "kind_a": np.full(count, OPEN),
@@ -68,38 +68,43 @@ def _nothing_known(program: Program) -> dict[str, Any]:
     }
 
 
-def _set_given(found: dict[str, Any], program: Program, contacts: ContactSet) -> None:
-    """Features of the contacts that the assembly lists: its "given" patches, in their order."""
+def _set_given(columns: dict[str, Any], program: Program, contacts: ContactSet) -> None:
+    """Fill in the features that the assembly states for its given contacts."""
     given = contacts.assembly.contacts
     patches = np.flatnonzero(contacts.patch_kind == "given")
-    if len(patches) != len(given):  # not the contacts of this assembly
+    if len(patches) != len(given):  # the contacts are those of another assembly
         return
     for patch, contact in zip(patches, given, strict=True):
-        rows = np.flatnonzero(found["group"] == patch)
+        rows = np.flatnonzero(columns["group"] == patch)
         if contact.feature is None or not len(rows):
             continue
         for side, feature in zip("ab", contact.feature, strict=True):
-            _set_side(found, side, rows, feature, contact.normal)
+            _set_side(columns, side, rows, feature, contact.normal)
 
 
 def _set_side(
-    found: dict[str, Any], side: str, rows: Index, feature: Feature, normal: Array
+    columns: dict[str, Any], side: str, rows: Index, feature: Feature, normal: Array
 ) -> None:
-    """One part's feature at some rows of one normal; what a direction has along it is left out."""
-    found[f"kind_{side}"][rows] = FEATURES[feature.kind]
-    found[f"curvature_{side}"][rows] = feature.tensor(normal)
+    """Fill in the stated feature of one part at rows with the same normal.
+
+    The component of an edge along the normal is removed.
+    """
+    columns[f"kind_{side}"][rows] = FEATURES[feature.kind]
+    columns[f"curvature_{side}"][rows] = feature.tensor(normal)
     if feature.kind == "edge":
-        found[f"edge_{side}"][rows] = unit(feature.along - (feature.along @ normal) * normal)
+        columns[f"edge_{side}"][rows] = unit(feature.along - (feature.along @ normal) * normal)
     if feature.axis is not None:
-        found[f"axis_{side}"][rows] = np.append(feature.point, feature.axis)
+        columns[f"axis_{side}"][rows] = np.append(feature.point, feature.axis)
 
 
 FLAT = ("plane", "edge-edge", "edge-face", "vertex-face")
+"""Kinds of patch between flat faces, straight edges and corners."""
 ROUND = ("sphere", "cylinder", "cone", "torus")
+"""Kinds of patch on curved surfaces."""
 
 
 def detected_rows(program: Program, contacts: ContactSet) -> Index:
-    """Rows of contacts that were found where the parts are, with exact normals."""
+    """Rows of detected contacts with closed gaps and exact normals, shape (k,)."""
     rows = np.flatnonzero((program.kind == CONTACT) & (program.doubt == 0))
     patch = program.source[rows]
     known = np.isin(contacts.patch_kind[patch], (*FLAT, *ROUND))
@@ -109,9 +114,9 @@ def detected_rows(program: Program, contacts: ContactSet) -> Index:
 
 
 def _set_detected(
-    found: dict[str, Any], program: Program, contacts: ContactSet, rows: Index, recognised: bool
+    columns: dict[str, Any], program: Program, contacts: ContactSet, rows: Index, recognised: bool
 ) -> None:
-    """What touches of either part at points that were found."""
+    """Fill in the features of both parts at detected contact points."""
     geometry = contacts.assembly.geometry
     reach = 2 * (contacts.tolerance.gap_of(geometry.size) + geometry.accuracy)
     parts = contacts.patch_parts[program.source[rows]]
@@ -120,41 +125,41 @@ def _set_detected(
     for side, part, sense in (("a", parts[:, 0], 1.0), ("b", parts[:, 1], -1.0)):
         outward = sense * program.normal[rows]
         point = program.point[rows]
-        one = part_features(geometry, part, point, outward, reach, region, meshes)
-        found[f"kind_{side}"][rows] = one.kind
-        found[f"edge_{side}"][rows] = one.edge
-        found[f"curvature_{side}"][rows] = one.curvature
-        found[f"doubt_{side}"][rows] = one.doubt
+        features = part_features(geometry, part, point, outward, reach, region, meshes)
+        columns[f"kind_{side}"][rows] = features.kind
+        columns[f"edge_{side}"][rows] = features.edge
+        columns[f"curvature_{side}"][rows] = features.curvature
+        columns[f"doubt_{side}"][rows] = features.doubt
 
 
 def _set_conformal(
-    found: dict[str, Any], program: Program, contacts: ContactSet, rows: Index
+    columns: dict[str, Any], program: Program, contacts: ContactSet, rows: Index
 ) -> None:
-    """Points of faces that fit each other, where no feature of either gives a form.
+    """Mark points of faces that fit each other, if the features give no form.
 
-    Corners of a flat patch that lie on an edge of both parts, or within a rim; points of round
-    patches all along which the surfaces touch; and lines that end within both faces, or on both
-    parts at once: their ends are points of the lines within.
+    These are corners of a flat patch on an edge of both parts or within a rim, and points of round
+    patches along which the surfaces touch everywhere. Lines of contact that end within both faces,
+    or on both parts at once, get the feature of their inner points at the ends.
     """
-    left = rows[~formed(program, Features(**found))[rows]]
+    left = rows[~formed(program, Features(**columns))[rows]]
     patch = program.source[left]
     flat = contacts.patch_kind[patch] == "plane"
     count = np.diff(contacts.patch_start)[patch]
-    faces = (found["kind_a"][left] == FACE) & (found["kind_b"][left] == FACE)
+    faces = (columns["kind_a"][left] == FACE) & (columns["kind_b"][left] == FACE)
     fit = np.isin(contacts.patch_kind[patch], ROUND) & (count > 2) & faces
-    fit &= (found["doubt_a"][left] == 0) & (found["doubt_b"][left] == 0)
-    found["conformal"][left[flat | fit]] = True
+    fit &= (columns["doubt_a"][left] == 0) & (columns["doubt_b"][left] == 0)
+    columns["conformal"][left[flat | fit]] = True
     first = contacts.patch_start[patch]
     last = np.minimum(first + count, len(contacts.points)) - 1
     line = unit_rows(contacts.points[last] - contacts.points[first])
     ends = np.isin(contacts.patch_kind[patch], ROUND) & (count == 2)
     for side in "ab":
-        across = np.abs(np.einsum("ij,ij->i", found[f"edge_{side}"][left], line))
-        own = found[f"kind_{side}"][left]
+        across = np.abs(np.einsum("ij,ij->i", columns[f"edge_{side}"][left], line))
+        own = columns[f"kind_{side}"][left]
         ends &= (own == FACE) | ((own == EDGE) & (across < CROSSING))
-    found["fibre"][left[ends]] = line[ends]
-    found["flush"][left[(flat | ends) & ~faces]] = True
+    columns["fibre"][left[ends]] = line[ends]
+    columns["flush"][left[(flat | ends) & ~faces]] = True
     for side in "ab":
-        found[f"kind_{side}"][left[flat | ends]] = FACE
-        found[f"edge_{side}"][left[flat | ends]] = 0.0
-        found[f"curvature_{side}"][left[flat]] = 0.0
+        columns[f"kind_{side}"][left[flat | ends]] = FACE
+        columns[f"edge_{side}"][left[flat | ends]] = 0.0
+        columns[f"curvature_{side}"][left[flat]] = 0.0

@@ -1,4 +1,4 @@
-"""The second derivative of a gap along the motions of both parts: one formula for all contacts.
+"""The second derivative of a gap along the motions of both parts, by a formula for all contacts.
 
 Part i moves by x -> c_i + r_i + exp(theta_i) (x - c_i). With n from a to b, p_i = x - c_i,
 v_i = r_i + theta_i x p_i, v = v_b - v_a, v_t its tangential part, sigma = n x (theta_b - theta_a),
@@ -9,15 +9,16 @@ the features' tangent directions T_i and curvatures A (of a) and B (of b), the g
             + 2 (theta_a x n) . v + psi
     psi   = min 2 sigma . s + s . B s + u . A u   over s in T_b with u = s + v_t in T_a:
 
-s is where the contact point goes on b, u where on a. The minimum is linear in (sigma, v_t): one
-symmetric system of six unknowns a contact, the step and two multipliers of each constraint, with
-N_i the projection of the tangent plane off T_i, P_i = I - N_i:
+s is the path of the contact point on b, and u its path on a. The minimiser is linear in
+(sigma, v_t): it solves a symmetric system of six unknowns for each contact, the step s and the two
+multipliers of each constraint. N_i projects the tangent plane onto the complement of T_i, and
+P_i = I - N_i:
 
     [A + B   N_b    N_a ] [s   ]     [sigma + A v_t]
     [N_b    -P_b     0  ] [mu_b] = - [      0      ]
     [N_a      0    -P_a ] [mu_a]     [  N_a v_t    ]
 
-Each lower row says N s = ... and, in the complement, that the multiplier there is zero.
+Each lower row states its constraint on the range of N, and a multiplier of zero on that of P.
 """
 
 from __future__ import annotations
@@ -34,16 +35,16 @@ __all__ = ["corner_slips", "formed", "gap_forms"]
 
 
 def gap_forms(program: Program, features: Features) -> Array:
-    """Phi'' of each row as a symmetric form, shape (K, 12, 12).
+    """The second derivative phi'' of the gap of each row, as a symmetric form.
 
-    The unknowns are (r_a, theta_a, r_b, theta_b) about the centres of mass [length unit, rad],
-    world frame; the first derivative is `Program.lever` of b less that of a. The columns of a
-    part that is held or the ground are to be left out.
+    The unknowns are (r_a, theta_a, r_b, theta_b) about the centres of mass [length unit, rad], in
+    the world frame. The first derivative is `Program.lever` of b minus that of a. The caller leaves
+    out the columns of held parts and of the ground.
 
     Returns
     -------
     ndarray, shape (K, 12, 12)
-        Not a number where the contact has no such form (`formed`).
+        Not a number for rows without a form (`formed`).
     """
     result = np.full((len(features), 12, 12), np.nan)
     rows = np.flatnonzero(formed(program, features))
@@ -55,10 +56,10 @@ def gap_forms(program: Program, features: Features) -> Array:
 def formed(program: Program, features: Features) -> Mask:
     """Rows whose gap has a second derivative, shape (K,).
 
-    Both features are known, together they span the tangent plane (not an edge along an edge,
-    a vertex on a vertex), and where both extend they part from each other: their curvatures
-    add to more than nothing, over the larger and over the size of the smaller part, but along
-    a fibre and where they are conformal.
+    Both features are known, and together they span the tangent plane (unlike an edge along an edge
+    or a vertex on a vertex). In the directions in which both extend the surfaces separate: the sum
+    of the curvatures is positive, relative to the larger of them and to the size of the smaller
+    part. This is not required along a fibre or of conformal points.
     """
     frame = _frame(program.normal)
     span_a, span_b = _spans(features, frame)
@@ -81,7 +82,7 @@ def formed(program: Program, features: Features) -> Mask:
 
 
 def _forms(program: Program, features: Features, rows: Index) -> Array:
-    """`gap_forms` of rows that have one."""
+    """`gap_forms` for rows that have a form."""
     normal, frame = program.normal[rows], _frame(program.normal[rows])
     arm_a, arm_b = _arms(program, rows)
     slip, turn = _relative(arm_a, arm_b)
@@ -97,16 +98,16 @@ def _forms(program: Program, features: Features, rows: Index) -> Array:
 
 
 def corner_slips(program: Program, features: Features) -> Array:
-    """Turn and slip at corners that are flush, shape (K, 4, 12), in the unknowns of `gap_forms`.
+    """Turn and slip at flush corners, shape (K, 4, 12), in the unknowns of `gap_forms`.
 
-    Where two faces end together, the corner of b touches the face of a as long as it stays on it:
-    that is the form that they have. Where it has slipped off, the corner of a touches the face of
-    b. Parts are apart where either is open, and the second gap curves more by
+    If two faces end together, the corner of b touches the face of a as long as it stays on it: the
+    form of the row is that of this gap. If it has slipped off, the corner of a touches the face of
+    b instead. The parts are apart if either gap is open, and the second gap curves more by
 
         -2 sigma . v_t
 
-    sigma (rows 0 and 1) and v_t (rows 2 and 3) in a frame across the normal; along the line
-    alone where lines of contact end together. Both are 0 at all other rows.
+    with sigma (rows 0 and 1) and v_t (rows 2 and 3) in a frame across the normal. If lines of
+    contact end together, both are taken along the line only. Both are 0 for all other rows.
     """
     result = np.zeros((len(features), 4, 12))
     rows = np.flatnonzero(features.flush)
@@ -124,26 +125,26 @@ def corner_slips(program: Program, features: Features) -> Array:
 
 
 def _arms(program: Program, rows: Index) -> tuple[Array, Array]:
-    """Points of contact about the centres of mass of both parts, shape (k, 3)."""
+    """Contact points relative to the centres of mass of parts a and b, shape (k, 3) each."""
     center = np.vstack([program.center, np.zeros(3)])  # the ground is the last
     point = program.point[rows]
     return point - center[program.part_a[rows]], point - center[program.part_b[rows]]
 
 
 def _relative(arm_a: Array, arm_b: Array) -> tuple[Array, Array]:
-    """How b slips past a, and turns, by the motions of both, shape (k, 3, 12) each."""
+    """Maps from the motions of both parts to slip and turn of b relative to a, (k, 3, 12) each."""
     eye, none = np.tile(np.eye(3), (len(arm_a), 1, 1)), np.zeros((len(arm_a), 3, 3))
     slip = np.concatenate([-eye, skew(arm_a), eye, -skew(arm_b)], axis=2)
     return slip, np.concatenate([none, -eye, none, eye], axis=2)
 
 
 def _frame(normal: Array) -> Array:
-    """Two unit directions across each normal, shape (K, 2, 3)."""
+    """An orthonormal tangent frame for each normal, shape (K, 2, 3)."""
     return np.stack(across(normal), axis=1)
 
 
 def _swing(normal: Array, arm: Array) -> Array:
-    """N . (theta x (theta x p)) as a form in theta, shape (K, 3, 3)."""
+    """The form n . (theta x (theta x p)) in theta, shape (K, 3, 3)."""
     product = normal[:, :, None] * arm[:, None, :]
     along = np.einsum("ki,ki->k", normal, arm)
     form: Array = (product + product.swapaxes(1, 2)) / 2 - along[:, None, None] * np.eye(3)
@@ -151,7 +152,7 @@ def _swing(normal: Array, arm: Array) -> Array:
 
 
 def _spans(features: Features, frame: Array) -> tuple[Array, Array]:
-    """Projections of the tangent plane on the directions T_a and T_b, each (K, 2, 2)."""
+    """Projections of the tangent plane onto T_a and onto T_b, in the frame, (K, 2, 2) each."""
     spans = []
     for kind, edge in ((features.kind_a, features.edge_a), (features.kind_b, features.edge_b)):
         along = np.einsum("kij,kj->ki", frame, edge)
@@ -168,7 +169,7 @@ def _spans(features: Features, frame: Array) -> tuple[Array, Array]:
 def _curvatures(
     features: Features, frame: Array, span_a: Array, span_b: Array
 ) -> tuple[Array, Array]:
-    """The curvatures within T_a and T_b, in the frame, each (K, 2, 2)."""
+    """The curvatures A within T_a and B within T_b, in the frame, (K, 2, 2) each."""
     across_ = frame.swapaxes(1, 2)
     a = span_a @ frame @ features.curvature_a @ across_ @ span_a
     b = span_b @ frame @ features.curvature_b @ across_ @ span_b
@@ -176,7 +177,7 @@ def _curvatures(
 
 
 def _rolling(features: Features, frame: Array) -> Array:
-    """Psi as a form in (sigma, v_t), in the frame, shape (K, 4, 4)."""
+    """The form psi in (sigma, v_t), in the frame, shape (K, 4, 4)."""
     span_a, span_b = _spans(features, frame)
     a, b = _curvatures(features, frame, span_a, span_b)
     scale = np.maximum(np.abs(a).max(axis=(1, 2)), np.abs(b).max(axis=(1, 2)))

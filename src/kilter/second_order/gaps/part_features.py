@@ -1,18 +1,18 @@
-"""The feature of a part at points of its surface: from its exact surfaces and its triangles.
+"""The feature of a part at points of its surface, from its exact surfaces and its triangles.
 
-Of the triangles at a point, the rank of their normals is three less the dimension of the
-feature: one normal is a face, two an edge, more a vertex, where nothing of the part stands over
-the plane of any of them. On an exact surface, with outward normal m and distance rho from its axis:
+The normals of the triangles at a point have the rank 3 minus the dimension of the feature: rank 1
+is a face, rank 2 an edge, rank 3 a vertex, if the part lies below the planes of all of them. On an
+exact surface with outward normal m, at distance rho from its axis, the curvature is
 
     sphere    P / r                      cylinder  h h^T / r        h the direction around the axis
     cone      h h^T cos(half_angle) / rho
     torus     t t^T / tube + h h^T cos(psi) / rho,   cos(psi) = (rho - radius) / tube, t = h x m
     rim       an edge along h, (m . away) / rho, away the direction from the axis
 
-P the projection across m; minus for hollow ones. What was recognised in a mesh is in doubt by
-the height d of its arcs over their triangles, and open, or known to its doubt where that is asked:
-radius and centre may each be off by d, an axis may lean by 2 d over a radius, so that with k the
-greatest curvature any may be off by 4 d k^2 / (1 - 4 d k).
+P is the tangential projection; hollow surfaces have the opposite sign. A surface that was
+recognised in a mesh is in doubt by the height d of its arcs over their triangles. Radius and centre
+may each be off by d, and the axis may lean by 2 d over a radius: with the greatest curvature k, any
+curvature may be off by 4 d k^2 / (1 - 4 d k). Such a surface is open, or known within this doubt.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ from kilter.second_order.second_order_tolerances import AGREE, CROSSING
 __all__ = ["PartFeatures", "part_features"]
 
 OFF = 4.0
-"""Doubts by which the radius of curvature of a surface recognised in a mesh may be off."""
+"""Error of the radius of curvature of a surface recognised in a mesh, over its doubt d [-]."""
 ROUGH = 0.5
-"""What is off by more than this share of itself is not known."""
+"""A curvature with a larger relative error than this is unknown [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartFeatures(Rows):
-    """One part's feature at each of n points: as in `Features`, of one side."""
+    """The features of a single part at n points; the columns are those of `Features`."""
 
     kind: Index
     edge: Array = columns(3)
@@ -56,20 +56,21 @@ def part_features(
     region: Mask,
     recognised: Mask,
 ) -> PartFeatures:
-    """What touches of a part at points, shape (n, 3).
+    """The features of parts at points of their surfaces.
 
     Parameters
     ----------
     geometry : Geometry
     part : ndarray of int, shape (n,)
+        Part of each point.
     point, outward : ndarray, shape (n, 3)
-        Unit normals out of the part.
+        Points, and unit normals out of the part.
     reach : ndarray, shape (number of parts,)
-        How far a point may be from the surface that it is on [length unit].
+        Largest distance of a point from the surface that it is on [length unit].
     region : ndarray of bool, shape (n,)
-        Points of an area of contact: a curved face is a face there up to its boundary.
+        Points of an area of contact: a curved face counts as a face there up to its boundary.
     recognised : ndarray of bool, shape (n,)
-        Points at which surfaces recognised in meshes are known, to their doubt.
+        Points at which surfaces recognised in meshes count as known, within their doubt.
     """
     order = np.argsort(part, kind="stable")
     back = np.argsort(order, kind="stable")
@@ -97,7 +98,7 @@ def part_features(
 def _triangles_at(
     geometry: Geometry, part: Index, point: Array, reach: Array
 ) -> tuple[Index, Index]:
-    """Rows of points, in order, and of triangles of their parts that reach to them."""
+    """Pairs of a point and a triangle of its part within reach of it, sorted by point."""
     corners = geometry.vertices[geometry.triangles]
     box = corners.min(axis=1), corners.max(axis=1)
     pairs = [(k, t) for _, k, t in joins(part, (point, point), geometry.triangle_part, box, reach)]
@@ -116,7 +117,7 @@ def _triangles_at(
 def _of_triangles(
     geometry: Geometry, near: Index, triangle: Index, point: Array, outward: Array, reach: Array
 ) -> PartFeatures:
-    """Features where all the triangles at a point are faces themselves."""
+    """Features at points at which all triangles belong to flat faces; the other points are open."""
     count = len(point)
     p = geometry.vertices[geometry.triangles[triangle]]
     normal = unit_rows(cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]))
@@ -127,7 +128,7 @@ def _of_triangles(
     plain = np.bincount(near, geometry.triangle_surface[triangle] >= 0, minlength=count) == 0
     plain &= rank > 0
     first = starts(np.bincount(near, minlength=count))
-    mine, other = ragged(first, near)  # every triangle with every one of its point
+    mine, other = ragged(first, near)  # all pairs of triangles at the same point
     over = np.einsum("mki,mi->mk", p[other] - point[near[mine]][:, None], normal[mine]).max(axis=1)
     plain[near[mine][over > reach[near[mine]]]] = False
     edge, face = axes[:, :, 0], axes[:, :, 2]
@@ -142,7 +143,7 @@ def _of_triangles(
 def _within_rim(
     geometry: Geometry, near: Index, triangle: Index, point: Array, outward: Array, reach: Array
 ) -> Mask:
-    """Points on a chord of the rim of a flat face: the true circle is farther out."""
+    """Points on a chord of the rim of a flat face: the true circle lies outside of the chord."""
     s, surface = geometry.surfaces, geometry.triangle_surface[triangle]
     p = geometry.vertices[geometry.triangles[triangle]]
     normal = unit_rows(cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]))
@@ -158,7 +159,7 @@ def _within_rim(
 
 
 def _other_faces(geometry: Geometry, near: Index, triangle: Index, surface: Index) -> Mask:
-    """Points on a curved surface that triangles of another face reach to."""
+    """Points on a curved surface that are also within reach of a triangle of another face."""
     other = geometry.triangle_surface[triangle] != surface[near]
     return np.bincount(near, other, minlength=len(surface)) > 0
 
@@ -169,7 +170,7 @@ def _other_faces(geometry: Geometry, near: Index, triangle: Index, surface: Inde
 def _of_surfaces(
     geometry: Geometry, part: Index, point: Array, outward: Array, reach: Array, recognised: Mask
 ) -> tuple[tuple[PartFeatures, Index], Mask]:
-    """Features on exact surfaces, the surface of each point, and where more than one meet."""
+    """Features on exact surfaces, the surface of each point, and points on several surfaces."""
     s, count = geometry.surfaces, len(part)
     row, surface = ragged(s.start, part)
     x, m, far = point[row], outward[row], reach[row]
@@ -203,7 +204,7 @@ def _of_surfaces(
 
 
 def _at_ends(geometry: Geometry, surface: Index, x: Array, reach: Array) -> Mask:
-    """Points at the flat end of a band of a cylinder or cone."""
+    """Points at the flat end of a cylinder or cone that covers a full turn."""
     s = geometry.surfaces
     at_end = np.zeros(len(surface), dtype=bool)
     k = np.flatnonzero(np.isin(s.kind[surface], (CYLINDER, CONE)))
@@ -218,7 +219,7 @@ def _at_ends(geometry: Geometry, surface: Index, x: Array, reach: Array) -> Mask
 
 
 def _curvatures(geometry: Geometry, surface: Index, x: Array, m: Array) -> Array:
-    """Curvature tensors of surfaces at points with outward normals m, shape (n, 3, 3)."""
+    """Curvature tensors of surfaces at points x with outward normals m, shape (n, 3, 3)."""
     s = geometry.surfaces
     _, rho, away = s.polar(surface, x)
     kind, radius, tube = s.kind[surface], s.radius[surface], s.tube[surface]

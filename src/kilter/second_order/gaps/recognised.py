@@ -1,18 +1,19 @@
-"""What holds for every surface that a mesh may stand for.
+"""Gap forms that hold for every surface that a mesh may represent.
 
-A sphere, cylinder, cone or torus that was recognised in a mesh is one of its kind, through the
-points of contact and across their normals; how it curves there is known to a doubt. The form
+A surface that was recognised in a mesh is a sphere, cylinder, cone or torus through its contact
+points and across their normals. Its curvature there is only known within bounds. The form
 
     psi = min 2 sigma.s + s.B s + u.A u
 
-grows with A and B, so that with all curvatures at their upper bounds no gap has a greater second
-derivative, and at their lower bounds none a less, if the surfaces part there too. Forces push, so
+grows with A and B. So no gap has a greater second derivative than with all curvatures at their
+upper bounds, and none has a smaller one than at their lower bounds, if the surfaces separate there
+too. Contact forces push, hence
 
-    minimum     its forces curve the energy upward with the upper bounds: so they do with any
-    balanced    its path opens all gaps and falls with the lower bounds: so it does with any
+    minimum     forces that curve the energy upward at the upper bounds do so for every surface
+    balanced    a path that opens all gaps and falls at the lower bounds does so for every surface
 
-Motions that are free are so of every surface of its kind: they are divided out first. What is
-decided so is in `kilter.second_order.searches.every_surface`; nothing here needs a solver.
+Free motions are free for every surface of the same kind, so they are divided out first.
+`searches.every_surface` decides by these bounds; this module uses no solver.
 """
 
 from __future__ import annotations
@@ -31,21 +32,21 @@ __all__ = ["bounded", "formed_for_all"]
 
 
 def formed_for_all(program: Program, features: Features) -> Mask:
-    """Rows whose gap has a second derivative whatever the surfaces within their doubt."""
-    found = formed(program, features)
+    """Rows whose gap has a second derivative for all surfaces within their doubt, shape (K,)."""
+    rows = formed(program, features)
     if features.doubted:
-        found &= formed(program, _bent(features, program.normal, -1.0))
-    return found
+        rows &= formed(program, _bent(features, program.normal, -1.0))
+    return rows
 
 
 def bounded(program: Program, features: Features, sense: float) -> Stationary:
-    """The place with the upper (1) or lower (-1) bounds of all curvatures."""
+    """The problem at the upper (sense 1) or lower (-1) bounds of all curvatures."""
     bent = _bent(features, program.normal, sense)
     return problem_of(program, bent)
 
 
 def _bent(features: Features, normal: Array, sense: float) -> Features:
-    """With every curvature off by its doubt, in all directions of the tangent plane."""
+    """Features with every curvature changed by its doubt, in all tangent directions."""
     plane = np.eye(3) - normal[:, :, None] * normal[:, None, :]
     return replace(
         features,

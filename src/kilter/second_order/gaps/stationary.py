@@ -1,12 +1,12 @@
-"""The assembly about its place, to second order, in scaled unknowns.
+"""Gaps and load of an assembly about its configuration, to second order, in scaled unknowns.
 
-Part i is at x -> c + r + exp(theta)(x - c). The energy is linear in these coordinates, and a
+Part i moves by x -> c + r + exp(theta)(x - c). The energy is linear in these coordinates, and the
 gap of contact k is
 
     phi_k(z) = J_k z + 1/2 z.H_k z + O(3),      E(z) = -w.z,
 
-so that all curvature is that of the gaps. Unknowns are (r, rho theta) over the length L, forces
-over the weight W, energies over W L: nothing here has a unit.
+so that all curvature is that of the gaps. The unknowns are (r, rho theta) over the length L. Forces
+are over the weight W, and energies over W L: no number here has a unit.
 """
 
 from __future__ import annotations
@@ -26,28 +26,28 @@ __all__ = ["Stationary", "problem_of", "stationary"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stationary:
-    """Gaps and load to second order; n scaled unknowns, K contact rows.
+    """Gaps and load to second order, with n scaled unknowns and K contact rows.
 
     Attributes
     ----------
     rows : ndarray, shape (K, n)
-        J.
+        First derivatives J of the gaps.
     load : ndarray, shape (n,)
-        w.
+        The load w.
     forms : ndarray, shape (K, 12, 12)
-        H_k in the unknowns of its two parts.
+        Second derivatives H_k of the gaps, in the unknowns of both parts.
     columns : ndarray of int, shape (K, 12)
-        Their places among the unknowns; -1 where they are held.
+        Indices of these among the n unknowns; -1 for held parts.
     blur : float
         Numbers below this fraction of the largest are rounding of the data.
     length, weight : float
         L [length unit] and W [N].
     scale : ndarray, shape (n,)
-        A displacement is its unknown times this [length unit, rad].
+        Displacement for a unit of each unknown [length unit, rad].
     on_plane : ndarray of bool, shape (K,), optional
-        Rows in which one part touches by a plane, to all orders.
+        Rows in which at least one part touches with a plane, which is exact to all orders.
     slips : ndarray, shape (K, 4, 12), optional
-        Turn and slip at corners that are flush (`corner_slips`); 0 at the others.
+        Turn and slip at flush corners (`corner_slips`); 0 for other rows.
     """
 
     rows: Array
@@ -65,7 +65,7 @@ class Stationary:
         read_only(self)
 
     def taking(self, rows: Index | Mask) -> Stationary:
-        """With some of the rows."""
+        """The problem with a subset of the contact rows."""
         return Stationary(
             self.rows[rows],
             self.load,
@@ -81,35 +81,35 @@ class Stationary:
 
     @property
     def planes(self) -> Mask:
-        """Rows with a plane, shape (K,)."""
+        """Rows in which a part touches with a plane, shape (K,)."""
         if self.on_plane is None:
             return np.zeros(len(self.rows), dtype=bool)
         return self.on_plane
 
     def _spread(self, vectors: Array) -> Array:
-        """The unknowns of each row's parts, shape (K, 12, d), for vectors (n, d)."""
+        """Vectors (n, d) in the unknowns of the two parts of each row, shape (K, 12, d)."""
         padded = np.vstack([vectors, np.zeros((1, vectors.shape[1]))])
         return padded[self.columns]
 
     def restricted(self, basis: Array) -> Array:
-        """Z^T H_k Z, shape (K, d, d), for a basis Z, shape (n, d)."""
+        """The forms Z^T H_k Z, shape (K, d, d), for a basis Z, shape (n, d)."""
         spread = self._spread(basis)
         return np.asarray(np.swapaxes(spread, 1, 2) @ self.forms @ spread)
 
     def bends(self, motion: Array) -> Array:
-        """z.H_k z of a motion, shape (n,): one number a row, shape (K,)."""
+        """The numbers z.H_k z, shape (K,), for a motion z, shape (n,)."""
         spread = self._spread(motion[:, None])[:, :, 0]
         return np.asarray(np.einsum("ki,kij,kj->k", spread, self.forms, spread))
 
     def sliding(self, motions: Array) -> Array:
-        """How corners that are flush slip along motions (n, d), shape (2 k, d)."""
+        """Slips of flush corners along motions (n, d), shape (2 K, d); empty if there are none."""
         if self.slips is None:
             return np.zeros((0, motions.shape[1]))
         slips = self.slips[:, 2:] @ self._spread(motions)
         return np.asarray(slips.reshape(2 * len(slips), motions.shape[1]))
 
     def slipped(self, forces: Array, basis: Array) -> Array:
-        """By how much the energy curves more where every corner that is flush has slipped off."""
+        """Change of the curvature, shape (d, d), if every flush corner has slipped off its edge."""
         if self.slips is None:
             return np.zeros((basis.shape[1],) * 2)
         turn, slip = np.split(self.slips @ self._spread(basis), 2, axis=1)
@@ -117,45 +117,49 @@ class Stationary:
         return np.asarray(more + more.T)
 
     def one_form(self, motions: Array) -> Mask:
-        """Rows whose gap has one form along all motions, (n, d): no corner slips off, shape (K,).
+        """Rows, shape (K,), at which no flush corner slips off along any of the motions (n, d).
 
-        They turn nothing there, or slip nowhere.
+        The motions do not turn the parts there, or do not slip.
         """
         if self.slips is None:
             return np.ones(len(self.rows), dtype=bool)
         moved = np.abs(self.slips @ self._spread(motions)).max(axis=2, initial=0.0)
-        one: Mask = np.minimum(moved[:, :2].max(axis=1), moved[:, 2:].max(axis=1)) < ACROSS
-        return one
+        stays: Mask = np.minimum(moved[:, :2].max(axis=1), moved[:, 2:].max(axis=1)) < ACROSS
+        return stays
 
     def curvature(self, forces: Array, basis: Array) -> Array:
-        """-Z^T (sum of f_k H_k) Z, symmetric, shape (d, d): that of the energy."""
+        """The curvature of the energy, -Z^T (sum of f_k H_k) Z, symmetric, shape (d, d)."""
         weighted = np.tensordot(forces, self.restricted(basis), axes=1)
         return -(weighted + weighted.T) / 2
 
     def imbalance(self, forces: Array) -> float:
-        """|J^T f + w| over the load [-]; beside large forces the load is not rounding."""
+        """Largest component of J^T f + w over that of the load [-].
+
+        It is not relative to the forces: beside large forces the load would pass for rounding.
+        """
         left = np.abs(self.rows.T @ forces + self.load).max(initial=0.0)
         return float(left / max(np.abs(self.load).max(initial=0.0), TINY))
 
 
 def problem_of(program: Program, features: Features) -> Stationary:
-    """The contacts of a program without friction and their gaps; 0 where a gap has no form."""
+    """The problem for a program without friction; the form of a gap is 0 if it has none."""
     forms = np.nan_to_num(gap_forms(program, features))
     slips = corner_slips(program, features) if features.flush.any() else None
     return stationary(program, forms, slips)
 
 
 def stationary(program: Program, forms: Array, slips: Array | None = None) -> Stationary:
-    """The contact rows of a program without friction, scaled.
+    """The problem in scaled unknowns, from gap forms in physical units.
 
     Parameters
     ----------
     program : Program
-        Its rows are those of `forms`.
+        Contacts without friction, with the rows of `forms`.
     forms : ndarray, shape (K, 12, 12)
-        In (r_a, theta_a, r_b, theta_b) about the centres of mass [1/length unit, -, length unit].
+        Second derivatives in (r_a, theta_a, r_b, theta_b) about the centres of mass
+        [1/length unit, -, length unit].
     slips : ndarray, shape (K, 4, 12), optional
-        In the same, [rad] and [length unit].
+        Turn [rad] and slip [length unit] at flush corners, in the same unknowns.
     """
     free, per = np.flatnonzero(program.free), len(program.freedoms)
     length = float(np.exp(np.log(program.radius[free]).mean()))
@@ -164,8 +168,7 @@ def stationary(program: Program, forms: Array, slips: Array | None = None) -> St
     six[:, :3] = length
     six[:-1, 3:] = (length / program.radius)[:, None]
     place = np.full((len(program.names) + 1, 6), -1)
-    own = np.arange(per * len(free)).reshape(-1, per)
-    place[np.ix_(free, program.freedoms)] = own
+    place[np.ix_(free, program.freedoms)] = np.arange(per * len(free)).reshape(-1, per)
     both = np.stack([program.part_a, program.part_b], axis=1)
     twelve = six[both].reshape(-1, 12)
     scale = six[np.ix_(free, program.freedoms)].reshape(-1)

@@ -1,18 +1,18 @@
-"""The surface that each side of a contact touches, as far as it is known to all orders.
+"""The surface of each part at a contact, as far as it is known to all orders.
 
     PLANE      through a point, across a direction
     POINT      a sphere about it, or a corner
     LINE       a cylinder about it, or a straight edge
     AXIS       a cone, a torus, or any other surface of revolution about a line, with a point of it
 
-What matters is which screws leave it where it is: a velocity v + omega x (x - o) everywhere does
+A screw with the velocity v(x) = v + omega x (x - o) keeps such a surface in place under
 
     PLANE   omega along n, n.v(p) = 0            3 dimensions
     POINT   v(p) = 0                             3
     LINE    omega along d, v(p) along d          2
     AXIS    omega along d, v(p) = 0              1
 
-Each is a linear condition on (v, omega), and each set of screws a group of motions.
+Each condition is linear in (v, omega), and the screws that satisfy it generate a group of motions.
 """
 
 from __future__ import annotations
@@ -42,36 +42,47 @@ __all__ = [
 
 UNKNOWN, PLANE, POINT, LINE, AXIS = range(-1, 4)
 ON = 1e-7
-"""A point lies on a surface, over the size of the part."""
+"""Largest distance of a point on a surface, over the size of the part [-]."""
 FACES = 1e-9
-"""Less than 1 minus the cosine of normals that agree."""
+"""Normals agree if 1 minus their cosine is below this [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Touched:
-    """Of one side of K rows: kind (K,), point (K, 3) and unit direction (K, 3), world frame."""
+    """The surfaces of one side of K rows in the world frame.
+
+    `kind`, shape (K,); `point`, shape (K, 3) [length unit]; `direction`, unit, shape (K, 3).
+    """
 
     kind: Index
     point: Array
     direction: Array
 
-    def conditions(self, row: int, origin: Array, length: float) -> Array:
-        """Rows C, shape (c, 6): C (v, L omega) = 0 where a screw about `origin` leaves it be."""
-        kind, d = int(self.kind[row]), self.direction[row]
-        if kind == UNKNOWN:
-            return np.eye(6)
-        turn = np.hstack([np.zeros((3, 3)), np.eye(3)])
-        at = np.hstack([np.eye(3), -skew(((self.point[row] - origin) / length)[None])[0]])
-        sides = np.array(across(d[None]))[:, 0] if kind != POINT else np.eye(3)
-        if kind == PLANE:
-            return np.vstack([sides @ turn, d @ at])
-        if kind == POINT:
-            return at
-        return np.vstack([sides @ turn, sides @ at if kind == LINE else at])
+    def conditions(self, origin: Array, length: float) -> list[Array]:
+        """For each row the conditions C, shape (c, 6), of screws that keep its surface in place.
 
-    def level(self, row: int | np.integer, down: Array) -> bool:
-        """Whether it is a plane across gravity."""
-        return bool(self.kind[row] == PLANE and abs(self.direction[row] @ down) > 1 - FACES)
+        C (v, L omega) = 0, the velocity v at `origin`.
+        """
+        none = np.zeros((len(self.kind), 2, 3))
+        sides = np.stack(across(self.direction), axis=1)
+        turns = np.concatenate([none, sides], axis=2)
+        at = np.concatenate(
+            [np.tile(np.eye(3), (len(none), 1, 1)), -skew((self.point - origin) / length)], axis=2
+        )
+        along, beside = self.direction[:, None] @ at, sides @ at
+        blocks = {
+            UNKNOWN: np.tile(np.eye(6), (len(none), 1, 1)),
+            PLANE: np.concatenate([turns, along], axis=1),
+            POINT: at,
+            LINE: np.concatenate([turns, beside], axis=1),
+            AXIS: np.concatenate([turns, at], axis=1),
+        }
+        return [blocks[int(kind)][k] for k, kind in enumerate(self.kind)]
+
+    def level(self, down: Array) -> Mask:
+        """Rows whose surface is a plane across gravity, shape (K,)."""
+        level: Mask = (self.kind == PLANE) & (np.abs(self.direction @ down) > 1 - FACES)
+        return level
 
 
 def touched_surfaces(
@@ -79,18 +90,18 @@ def touched_surfaces(
 ) -> tuple[Touched, Touched]:
     """The surfaces of parts a and b at each row.
 
-    Planes of patches of the kind "plane". Of those that are "given" a face without curvature is a
-    plane, one that curves alike all around a sphere, one that curves one way a cylinder; of any
-    other, or a rim, what counts is the axis that it is said to be of revolution about.
+    A patch of kind "plane" is a plane. For a given contact, a face without curvature is a plane, a
+    face with equal curvatures a sphere, and a face with a single nonzero curvature a cylinder; any
+    other face, or a rim, counts by its stated axis of revolution.
 
     Parameters
     ----------
     program : Program
-        Of contacts only.
+        Contacts only.
     features : Features
-        Of its rows.
+        Features of its rows.
     contacts : ContactSet
-        That its rows are of.
+        Contacts to which the rows belong.
     """
     parts, kinds = contacts.patch_parts[program.source], contacts.patch_kind[program.source]
     sides = (
@@ -98,18 +109,18 @@ def touched_surfaces(
         (parts[:, 1], -program.normal, features.kind_b, features.edge_b, features.curvature_b),
     )
     flat, given, geometry = kinds == "plane", kinds == "given", contacts.assembly.geometry
-    first, second = (_touched(program.point, *one, geometry, given) for one in sides)
+    first, second = (_touched(program.point, *side, geometry, given) for side in sides)
     for side, axis in ((first, features.axis_a), (second, features.axis_b)):
-        said = (side.kind == UNKNOWN) & axis[:, 3:].any(axis=1)
-        side.kind[said] = AXIS
-        side.point[said], side.direction[said] = axis[said, :3], axis[said, 3:]
+        stated = (side.kind == UNKNOWN) & axis[:, 3:].any(axis=1)
+        side.kind[stated] = AXIS
+        side.point[stated], side.direction[stated] = axis[stated, :3], axis[stated, 3:]
         side.kind[flat], side.direction[flat] = PLANE, program.normal[flat]
         side.point[flat] = program.point[flat]
     return first, second
 
 
 def planes_of(touched: tuple[Touched, Touched]) -> Mask:
-    """Rows in which a part touches by a plane, shape (K,)."""
+    """Rows in which at least one part touches with a plane, shape (K,)."""
     planes: Mask = (touched[0].kind == PLANE) | (touched[1].kind == PLANE)
     return planes
 
@@ -124,60 +135,70 @@ def _touched(
     geometry: Geometry,
     given: Mask,
 ) -> Touched:
-    found = Touched(np.full(len(at), UNKNOWN), at.copy(), out.copy())
+    """The surfaces of one side, from its points, parts, outward normals and features."""
+    touched = Touched(np.full(len(at), UNKNOWN), at.copy(), out.copy())
     bent = np.abs(curvature).max(axis=(1, 2), initial=0.0)
+    on_surface = np.zeros(len(at), dtype=bool)
     for row in range(len(at)):
         if kind[row] == VERTEX:
-            found.kind[row] = POINT
+            touched.kind[row] = POINT
         elif kind[row] == EDGE and not bent[row]:
-            found.kind[row], found.direction[row] = LINE, edge[row]
+            touched.kind[row], touched.direction[row] = LINE, edge[row]
         elif given[row] and kind[row] == FACE:
-            _as_stated(found, row, curvature[row])
+            _as_stated(touched, row, curvature[row])
         elif part[row] >= 0 and not given[row]:
-            _on_surface(found, row, int(part[row]), geometry)
-    return found
+            on_surface[row] = True
+    for k in np.unique(part[on_surface]):
+        _on_surfaces(touched, np.flatnonzero(on_surface & (part == k)), int(k), geometry)
+    return touched
 
 
-def _as_stated(found: Touched, row: int, curvature: Array) -> None:
-    """The plane, sphere or cylinder of a stated curvature."""
-    frame = np.array(across(found.direction[row][None]))[:, 0]
+def _as_stated(touched: Touched, row: int, curvature: Array) -> None:
+    """Fill in the plane, sphere or cylinder of a stated curvature, shape (3, 3)."""
+    frame = np.array(across(touched.direction[row][None]))[:, 0]
     values, vectors = np.linalg.eigh(frame @ curvature @ frame.T)
     size = np.abs(values).max()
     if size == 0:
-        found.kind[row] = PLANE
+        touched.kind[row] = PLANE
         return
     zero = np.abs(values) < FACES * size
     steepest = float(values[int(np.abs(values).argmax())])
     if zero.any():
-        found.point[row] -= found.direction[row] / steepest
-        found.direction[row] = vectors[:, int(zero.argmax())] @ frame
-        found.kind[row] = LINE
+        touched.point[row] -= touched.direction[row] / steepest
+        touched.direction[row] = vectors[:, int(zero.argmax())] @ frame
+        touched.kind[row] = LINE
     elif values[1] - values[0] < FACES * size:
-        found.point[row] -= found.direction[row] / steepest
-        found.kind[row] = POINT
+        touched.point[row] -= touched.direction[row] / steepest
+        touched.kind[row] = POINT
 
 
-def _on_surface(found: Touched, row: int, part: int, geometry: Geometry) -> None:
-    """What of a part's surface passes through the point of a row, across its direction."""
-    surfaces, at, out = geometry.surfaces, found.point[row], found.direction[row]
+def _on_surfaces(touched: Touched, rows: Index, part: int, geometry: Geometry) -> None:
+    """Fill in the surfaces of a part that pass through the points of some rows.
+
+    A surface counts if its outward normal agrees with the direction of the row; a curved one goes
+    before a plane.
+    """
+    surfaces, at, out = geometry.surfaces, touched.point[rows], touched.direction[rows]
     near = ON * geometry.size[part]
     own = np.arange(surfaces.start[part], surfaces.start[part + 1])
     own = own[surfaces.kind[own] != FREE]
-    points = np.tile(at, (len(own), 1))
-    agrees = np.einsum("ij,j->i", surfaces.outward(own, points), out) > 1 - FACES
-    on = own[(np.abs(surfaces.distance(own, points)) < near) & agrees]
-    if len(on):
-        one = on[0]
-        names = {SPHERE: POINT, CYLINDER: LINE}
-        found.kind[row] = names.get(int(surfaces.kind[one]), AXIS)
-        found.point[row] = surfaces.point[one]
-        found.direction[row] = surfaces.axis[one] if found.kind[row] != POINT else out
-        return
+    curved = np.full(len(rows), -1)
+    for surface in own[::-1]:
+        same = np.full(len(rows), surface)
+        agrees = np.einsum("ij,ij->i", surfaces.outward(same, at), out) > 1 - FACES
+        curved[(np.abs(surfaces.distance(same, at)) < near) & agrees] = surface
+    on = curved >= 0
+    kinds = np.full(max(SPHERE, CYLINDER, int(surfaces.kind.max(initial=0))) + 1, AXIS)
+    kinds[SPHERE], kinds[CYLINDER] = POINT, LINE
+    touched.kind[rows[on]] = kinds[surfaces.kind[curved[on]]]
+    touched.point[rows[on]] = surfaces.point[curved[on]]
+    axial = rows[on][touched.kind[rows[on]] != POINT]
+    touched.direction[axial] = surfaces.axis[curved[np.isin(rows, axial)]]
     span = slice(geometry.triangle_start[part], geometry.triangle_start[part + 1])
-    corners = geometry.vertices[geometry.triangles[span]]
-    flat = geometry.triangle_surface[span] < 0
+    corners = geometry.vertices[geometry.triangles[span]][geometry.triangle_surface[span] < 0]
     normal = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     size = np.linalg.norm(normal, axis=1)
-    faces = flat & (normal @ out > (1 - FACES) * size) & (size > 0)
-    if (np.abs((corners[faces, 0] - at) @ out) < near).any():
-        found.kind[row] = PLANE
+    for k in np.flatnonzero(~on):
+        faces = (normal @ out[k] > (1 - FACES) * size) & (size > 0)
+        if (np.abs((corners[faces, 0] - at[k]) @ out[k]) < near).any():
+            touched.kind[rows[k]] = PLANE

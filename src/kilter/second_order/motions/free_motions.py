@@ -91,11 +91,19 @@ class _FreeSearch:
         self.program, self.features = program, features
         self.a, self.b = touched
         free = np.append(program.free, False)
+        self.down = program.down
         self.crossed = self._level_edges()
         self.free_a, self.free_b = free[program.part_a], free[program.part_b]
+        level_a, level_b = self.a.level(self.down), self.b.level(self.down)
+        self.level = level_a | level_b
+        level_on_steep = np.where(self.free_a, level_a & ~level_b, level_b & ~level_a)
+        self.slides = np.asarray((self.free_a & self.free_b) | level_on_steep)
+        """Rows along which a level motion slides on a free part, or on a surface not level."""
         self.parts = np.flatnonzero(program.free)
         self.origin = program.center[self.parts].mean(axis=0)
         self.length = float(program.radius[self.parts].max())
+        self.keeps_a = self.a.conditions(self.origin, self.length)
+        self.keeps_b = self.b.conditions(self.origin, self.length)
         self.motions: list[Array] = []
         self.kinds: list[str] = []
 
@@ -142,20 +150,19 @@ class _FreeSearch:
         A centre of mass keeps its height where it stays, or where the screw is level.
         """
         rows = []
-        for side, of in ((self.a, self.program.part_a), (self.b, self.program.part_b)):
-            touching = np.flatnonzero(of == part)
-            rows += [side.conditions(int(k), self.origin, self.length) for k in touching]
+        for keeps, of in ((self.keeps_a, self.program.part_a), (self.keeps_b, self.program.part_b)):
+            rows += [keeps[k] for k in np.flatnonzero(of == part)]
         arm = (self.program.center[part] - self.origin) / self.length
         stays = np.hstack([np.eye(3), -skew(arm[None])[0]])
-        for keeps, kind in ((stays, "spin"), (self._upright(), "slide")):
-            for screw in null_space(np.vstack([keeps, *rows]), EXACT).T:
+        for height, kind in ((stays, "spin"), (self._upright(), "slide")):
+            for screw in null_space(np.vstack([height, *rows]), EXACT).T:
                 self._add([part], screw, kind)
 
     def _upright(self) -> Array:
         """Conditions of a level screw: no rise, and no turn but about the vertical."""
         rows = np.zeros((3, 6))
-        rows[0, :3] = self.program.down
-        rows[1:, 3:] = null_space(self.program.down[None], EXACT).T
+        rows[0, :3] = self.down
+        rows[1:, 3:] = null_space(self.down[None], EXACT).T
         return rows
 
     def _pivot(self, part: int) -> None:
@@ -164,7 +171,7 @@ class _FreeSearch:
         rows = np.flatnonzero((program.part_a == part) | (program.part_b == part))
         if len(rows) != 1:
             return
-        k, down = rows[0], program.down
+        k, down = rows[0], self.down
         arm = program.point[k] - program.center[part]
         off = np.linalg.norm(arm - (arm @ down) * down) / program.radius[part]
         smooth = self.features.kind_a[k] == FACE and self.features.kind_b[k] == FACE
@@ -198,52 +205,37 @@ class _FreeSearch:
 
     def _level(self, chosen: Index) -> None:
         """Level screws of a set, in the frame of what is held or of one part."""
-        program, down = self.program, self.program.down
-        inside = np.isin(program.part_a, chosen), np.isin(program.part_b, chosen)
-        across = np.flatnonzero(inside[0] != inside[1]).tolist()
-        crossing = [k for k in across if not (self.a.level(k, down) or self.b.level(k, down))]
+        program = self.program
+        across = np.isin(program.part_a, chosen) != np.isin(program.part_b, chosen)
+        crossing = np.flatnonzero(across & ~self.level)
         self._level_across(chosen, across, crossing, "")
-        without = [k for k in crossing if not self.crossed[k]]
+        without = crossing[~self.crossed[crossing]]
         if len(without) < len(crossing):
             self._level_across(chosen, across, without, "slide")
 
-    def _level_across(
-        self, chosen: Index, across: list[int], crossing: list[int], kind: str
-    ) -> None:
+    def _level_across(self, chosen: Index, across: Mask, crossing: Index, kind: str) -> None:
         """Level screws of a set that leave some of the surfaces across its border be."""
-        frames = [-1, *self.parts] if crossing else [-1]
+        frames = [-1, *self.parts] if len(crossing) else [-1]
         for frame in frames:
             rows = self._frame_rows(crossing, int(frame))
-            own = kind or self._kind_of(across, int(frame))
+            own = kind or ("slide" if frame >= 0 or self.slides[across].any() else "level")
             if rows is not None:
                 for screw in null_space(np.vstack([self._upright(), *rows]), EXACT).T:
                     self._add(chosen, screw, own)
 
-    def _kind_of(self, across: list[int], frame: int) -> str:
-        """Whether a set's level motion leaves what is held where it is, and all it touches is."""
-        for k in across:
-            if self.free_a[k] and self.free_b[k]:
-                return "slide"
-            held, other = (self.b, self.a) if self.free_a[k] else (self.a, self.b)
-            if other.level(k, self.program.down) and not held.level(k, self.program.down):
-                return "slide"
-        return "level" if frame < 0 else "slide"
-
     def _frame_rows(self, crossing: list[int], frame: int) -> list[Array] | None:
         """Conditions of the surfaces of a frame; None where a contact is not of it."""
-        rows = []
-        for k in crossing:
-            own: Touched | None = None
-            for side, part, free in (
-                (self.a, self.program.part_a[k], self.free_a[k]),
-                (self.b, self.program.part_b[k], self.free_b[k]),
-            ):
-                if (frame < 0 and not free) or (frame >= 0 and part == frame):
-                    own = side
-            if own is None:
-                return None
-            rows.append(own.conditions(k, self.origin, self.length))
-        return rows
+        a, b = self.program.part_a[crossing], self.program.part_b[crossing]
+        if frame < 0:
+            of_a, of_b = ~self.free_a[crossing], ~self.free_b[crossing]
+        else:
+            of_a, of_b = a == frame, b == frame
+        if not (of_a | of_b).all():
+            return None
+        return [
+            (self.keeps_b if second else self.keeps_a)[k]
+            for k, second in zip(crossing, of_b, strict=True)
+        ]
 
     def _shifts(self) -> None:
         """Translations under which every gap is affine."""
@@ -280,13 +272,9 @@ class _FreeSearch:
 
     def _turns_at_walls(self, sharp: Mask) -> bool:
         """Whether a part that turns freely touches a face, edge or corner that is not level."""
-        program, down = self.program, self.program.down
+        program = self.program
         turning = np.zeros(len(program.names) + 1, dtype=bool)
         for motion in self.motions:
             turning[:-1] |= np.abs(motion[:, 3:]).max(axis=1) > EXACT
-        steep = np.array(
-            [not (self.a.level(k, down) or self.b.level(k, down)) for k in range(len(sharp))],
-            dtype=bool,
-        )
         touches = turning[program.part_a] | turning[program.part_b]
-        return bool((touches & steep & sharp).any())
+        return bool((touches & ~self.level & sharp).any())

@@ -1,4 +1,4 @@
-"""What bears what: rows by which an upper part stands on a lower one, across gravity."""
+"""Support of parts by one another: contacts by which an upper part stands on a lower part."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ __all__ = ["Bearing", "bearing_of", "by_depth", "in_footing", "level_axes", "sum
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bearing:
-    """Rows in which an upper part stands on a lower one, and how deep the parts stand.
+    """Supporting contact rows, and the depth of each part in the order of support.
 
-    `rows`, `upper`, `lower`: (k,). `depth`, shape (N + 1,): of a part, one more than of the
-    deepest that bears it; 0 of what is held; the last is the ground.
+    `rows`, `upper`, `lower`, shape (k,): each row with its upper and its lower part. `depth`, shape
+    (N + 1,): 0 for held parts, else 1 plus the largest depth of the supporting parts. The last
+    entry of `depth` is the ground.
     """
 
     rows: Index
@@ -26,9 +27,9 @@ class Bearing:
     depth: Index
 
     def footings(self, program: Program) -> tuple[Array, Array]:
-        """(1, u, v) about the centres of the upper and of the lower parts, each (k, 2 or 3).
+        """Level coordinates (1, u, v) about the centres of upper and lower parts, (k, 2 or 3) each.
 
-        Over the radius of the part; of the ground, which bears whatever it has to, as of any part.
+        u and v are over the radius of the part [-]. Those of the ground are not used.
         """
         axes = level_axes(program).T
         point, center, radius = program.point[self.rows], program.center, program.radius[:, None]
@@ -40,13 +41,13 @@ class Bearing:
 
 
 def bearing_of(program: Program, rows: Mask) -> Bearing | None:
-    """What bears what by these rows; None where parts bear one another around."""
-    own = np.flatnonzero(rows)
-    up = program.normal[own] @ program.down < 0  # a bears b
-    a, b = program.part_a[own], program.part_b[own]
+    """The support of parts by these rows, shape (K,); None if they form a ring."""
+    places = np.flatnonzero(rows)
+    up = program.normal[places] @ program.down < 0  # part a supports part b
+    a, b = program.part_a[places], program.part_b[places]
     upper, lower = np.where(up, b, a), np.where(up, a, b)
     free = np.append(program.free, False)
-    own, upper, lower = (x[free[upper]] for x in (own, upper, lower))
+    places, upper, lower = (x[free[upper]] for x in (places, upper, lower))
     count = len(free)
     pairs = np.unique(upper * count + lower % count)
     above, below = pairs // count, pairs % count
@@ -55,34 +56,37 @@ def bearing_of(program: Program, rows: Mask) -> Bearing | None:
         deeper = depth.copy()
         np.maximum.at(deeper, above, depth[below] + 1)
         if (deeper == depth).all():
-            return Bearing(own, upper, lower, depth)
+            return Bearing(places, upper, lower, depth)
         depth = deeper
     return None
 
 
 def by_depth(depth: Index) -> list[Index]:
-    """Places of each depth, the deepest last, from the highest on."""
+    """Indices of equal depth, from the largest depth to the smallest."""
     order = np.argsort(depth, kind="stable")
     _, first = np.unique(depth[order], return_index=True)
     return np.split(order, first[1:])[::-1]
 
 
 def in_footing(program: Program, wrench: Array) -> Array:
-    """Forces up and their (1, u, v), of wrenches about the centres of mass, shape (N, 3 or 2)."""
+    """Upward forces with their moments in (1, u, v), shape (N, 3 or 2) [N].
+
+    From wrenches (N, 6) about the centres of mass; the moments are over the radius of the part.
+    """
     up = -program.down
     moment = np.cross(up, wrench[:, 3:]) / program.radius[:, None]
     return np.column_stack([wrench[:, :3] @ up, moment @ level_axes(program).T])
 
 
 def level_axes(program: Program) -> Array:
-    """Unit directions across gravity in which parts move, as rows."""
+    """Unit directions across gravity in which parts can move, as rows: two, or one in the plane."""
     if program.planar:
         return np.cross(program.down, [0.0, 1.0, 0.0])[None]
     return np.array(across(program.down))
 
 
 def sums_by_part(part: Index, values: Array, count: int) -> Array:
-    """Values (k, ...) summed by part, shape (count, ...)."""
+    """Sums of values (k, ...) by part, shape (count, ...)."""
     flat = values.reshape(len(part), int(np.prod(values.shape[1:])))
     total = np.empty((count, flat.shape[1]))
     for k, column in enumerate(flat.T):

@@ -1,8 +1,8 @@
-"""An assembly as clusters: free parts that contacts join, each with what is held for it.
+"""Clusters of an assembly: sets of free parts that contacts connect.
 
-Parts of different clusters do not touch, and their energies add up: near the place, what one
-cluster may do does not depend on the others. So it is a minimum iff each cluster is at one, and
-a path of one that leads down leads the assembly down.
+Parts of different clusters do not touch, and their energies add up, so clusters move independently
+of each other. Hence the assembly is at a minimum iff each cluster is, and a path that leads one
+cluster down leads the assembly down.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ __all__ = ["Cluster", "State", "clusters", "joined_state"]
 
 State = Literal["minimum", "free", "balanced", "open"]
 ORDER: tuple[State, ...] = ("balanced", "open", "free", "minimum")
-"""Of the states of clusters, the first that one of them has is that of all."""
+"""The state of an assembly is the first of these that any of its clusters has."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cluster:
-    """All parts, of which only those of the cluster are free, with their rows.
+    """The program of one cluster: parts outside of it are not free.
 
-    `rows`, shape (k,): their places in the whole program.
+    `rows`, shape (k,): indices of its rows in the program of the assembly.
     """
 
     program: Program
@@ -35,27 +35,30 @@ class Cluster:
 
 
 def clusters(program: Program) -> list[Cluster]:
-    """By their first parts. Rows between held parts are in none."""
+    """The clusters of a program, in the order of their first parts.
+
+    Rows between held parts belong to no cluster.
+    """
     free = np.append(program.free, False)
     inner = free[program.part_a] & free[program.part_b]
     count = len(program.names)
     label = connected(count, program.part_a[inner], program.part_b[inner])
     label = np.append(np.where(program.free, label, -1), -1)
-    own = np.maximum(label[program.part_a], label[program.part_b])
+    of_row = np.maximum(label[program.part_a], label[program.part_b])
     numbers = np.unique(label[:-1][program.free])
-    if len(numbers) == 1 and (own >= 0).all():
-        return [Cluster(program, np.arange(len(own)))]
-    order = np.argsort(own, kind="stable")[int((own < 0).sum()) :]
-    start = starts(np.bincount(own[own >= 0], minlength=count))
-    found = []
-    for one in numbers.tolist():
-        rows = order[start[one] : start[one + 1]]
-        found.append(Cluster(replace(program, free=label[:-1] == one).taking(rows), rows))
-    return found
+    if len(numbers) == 1 and (of_row >= 0).all():
+        return [Cluster(program, np.arange(len(of_row)))]
+    order = np.argsort(of_row, kind="stable")[int((of_row < 0).sum()) :]
+    start = starts(np.bincount(of_row[of_row >= 0], minlength=count))
+    parted = []
+    for number in numbers.tolist():
+        rows = order[start[number] : start[number + 1]]
+        parted.append(Cluster(replace(program, free=label[:-1] == number).taking(rows), rows))
+    return parted
 
 
 def joined_state(states: Iterable[State]) -> State:
-    """The state of an assembly from those of its clusters.
+    """The state of an assembly from the states of its clusters.
 
     Examples
     --------
@@ -63,4 +66,4 @@ def joined_state(states: Iterable[State]) -> State:
     'balanced'
     """
     given = set(states)
-    return next(one for one in ORDER if one in given)
+    return next(state for state in ORDER if state in given)

@@ -1,14 +1,15 @@
-"""Planes that part bodies near one another, and how far small motions may go on their sides.
+"""Separating planes of neighbouring bodies, and the bounds that they set on small motions.
 
-A plane n.x = o parts two bodies where n.x <= o for every point of the one, n.x >= o of the other.
-Bodies and plane move together: with dr, dtheta of its part about c, and the plane tilted by p along
-its tangents t and shifted by o, a point x of the other stays beyond it to first order iff
+A plane n.x = o separates two bodies if n.x <= o for every point of the first, and n.x >= o for
+every point of the second. Bodies and plane move together: the part of the second body moves by
+(dr, dtheta) about c, and the plane tilts by p along its tangents t and shifts by o. To first order
+a point x of the second body stays beyond the plane iff
 
     n.x + n.(dr + dtheta x (x - c)) + p.t(x) - o >= gap / 2
 
-which is linear in all of them, so that one program chooses motions and planes. Balls are points
-with a radius, cylinders points of their rims. Rows of first order are no proof: what is judged is
-the separation of the bodies where they come to be (`separation`).
+which is linear in all unknowns, so that a single program chooses motions and planes. Balls count as
+points with a radius, cylinders as points of their rims. These rows are no proof: `separation`
+judges the bodies after their step.
 """
 
 from __future__ import annotations
@@ -27,42 +28,44 @@ __all__ = ["PartingPlanes", "Places"]
 
 FAN = 2e-4 * 4.0 ** np.arange(7)
 RIM = np.concatenate([[0.0], FAN, -FAN, np.pi / 4 * np.arange(1, 8)])
-"""Angles of the points of a rim from that nearest to a plane, close about it: a chord lies within
-the rim by an eighth of the square of its angle [rad]."""
+"""Angles of points of a rim from the point nearest to a plane [rad].
+
+They are dense about it, because a chord lies within the rim by an eighth of its angle squared.
+"""
 POINTS = 48
-"""Corners of a body, those nearest to the plane, that are held beyond it."""
+"""Largest number of points of a body, the nearest first, that stay beyond a plane."""
 TRIES = 30
-"""Normals that are tried about the best one at cylinders, from place to place."""
+"""Normals tried about the last normal of a plane at a cylinder."""
 
 Pair = tuple[int, int, int, int]
-"""A part and one of its bodies, and another."""
+"""A part and a body of it, then another part and a body of it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Places:
-    """Where parts are: shifts of the centres of mass, shape (N, 3), and turns, shape (N, 3, 3)."""
+    """Displacements: shifts of the centres of mass, (N, 3), and rotation matrices, (N, 3, 3)."""
 
     shifts: Array
     turns: Array
 
     @classmethod
     def of(cls, motion: Array) -> Places:
-        """After shifts and rotation vectors, shape (N, 6)."""
-        return cls(motion[:, :3].copy(), np.array([turn_of(one) for one in motion[:, 3:]]))
+        """The displacements by shifts and rotation vectors, shape (N, 6) [length unit, rad]."""
+        return cls(motion[:, :3].copy(), np.array([turn_of(vector) for vector in motion[:, 3:]]))
 
     @property
     def motion(self) -> Array:
-        """Shifts and rotation vectors, shape (N, 6)."""
-        return np.hstack([self.shifts, np.array([_rotation_of(one) for one in self.turns])])
+        """Shifts and rotation vectors, shape (N, 6) [length unit, rad]."""
+        return np.hstack([self.shifts, np.array([_rotation_of(turn) for turn in self.turns])])
 
     def after(self, step: Array) -> Places:
-        """After a further step, shape (N, 6): each part shifts, and turns about its centre."""
-        turns = np.array([turn_of(one) for one in step[:, 3:]])
+        """The displacements after a further step of shifts and turns about the centres, (N, 6)."""
+        turns = np.array([turn_of(vector) for vector in step[:, 3:]])
         return Places(self.shifts + step[:, :3], turns @ self.turns)
 
 
 def _rotation_of(turn: Array) -> Array:
-    """The rotation vector of a matrix, shape (3,) [rad], up to half a turn."""
+    """The rotation vector of a rotation matrix, shape (3,) [rad], of at most half a turn."""
     q = matrix_to_quaternion(turn)
     size = float(np.linalg.norm(q[1:]))
     if size == 0.0:
@@ -72,37 +75,37 @@ def _rotation_of(turn: Array) -> Array:
 
 
 class PartingPlanes:
-    """Planes between the bodies of an assembly, sought from place to place."""
+    """Separating planes between the bodies of an assembly, updated as the parts move."""
 
     def __init__(self, assembly: Assembly, program: Program) -> None:
         self._program = program
         self._bodies = [bodies_of(assembly, k) or [] for k in range(len(program.names))]
-        self._balls = [_balls(own) for own in self._bodies]
+        self._balls = [_bounding_balls(bodies) for bodies in self._bodies]
         self.kept: set[tuple[int, int]] = set()
-        """Pairs of parts that other planes keep apart."""
+        """Pairs of parts that get no plane here, because planes of contact keep them apart."""
         self._from: dict[Pair, Array] = {}
-        """Normals that a plane is sought from, shape (k, 3)."""
+        """Normals from which the search for a plane starts, shape (k, 3)."""
 
     def rows(self, places: Places, reach: Array, gap: float) -> tuple[Array, Array]:
-        """Rows A (steps, planes) <= b: bodies apart by a gap, to first order.
+        """Rows A x <= b that keep bodies apart by a gap to first order; x are steps and planes.
 
         Parameters
         ----------
         places : Places
         reach : ndarray, shape (N,)
-            How far points of each part may move [length unit]; what cannot meet is left out.
+            Largest displacement of points of each part [length unit]; pairs beyond are skipped.
         gap : float
-            [length unit]
+            Gap between the bodies [length unit].
 
         Returns
         -------
         matrix : ndarray, shape (m, 6 N + 3 P)
-            Columns of (dr, dtheta) of each part [length unit, rad], then the tilts [rad] and the
-            shift [length unit] of each plane.
+            A: columns for (dr, dtheta) of each part [length unit, rad], then for the two tilts
+            [rad] and the shift [length unit] of each plane.
         bound : ndarray, shape (m,)
-            [length unit]
+            b [length unit].
         """
-        near = self._near(places, reach + gap)
+        near = self._near_pairs(places, reach + gap)
         count = 6 * len(self._bodies)
         blocks, bounds = [np.zeros((0, count + 3 * len(near)))], [np.zeros(0)]
         for k, (pair, a, b) in enumerate(near):
@@ -111,29 +114,29 @@ class PartingPlanes:
             ends = [(pair[0], a, normal, 1.0), (pair[2], b, -normal, -1.0)]
             points = [_farthest(body, toward) for _, body, toward, _ in ends]
             anchor = (points[0][0] + points[1][0]) / 2
-            for (part, body, _, sign), own in zip(ends, points, strict=True):
-                block = np.zeros((len(own), count + 3 * len(near)))
+            for (part, body, _, sign), held in zip(ends, points, strict=True):
+                block = np.zeros((len(held), count + 3 * len(near)))
                 if self._program.free[part]:
-                    arms = own - self._program.center[part] - places.shifts[part]
+                    arms = held - self._program.center[part] - places.shifts[part]
                     block[:, 6 * part : 6 * part + 3] = normal
                     block[:, 6 * part + 3 : 6 * part + 6] = cross(arms, normal + 0 * arms)
                 at = count + 3 * k
-                block[:, at : at + 2] = (own - anchor) @ tangents.T
+                block[:, at : at + 2] = (held - anchor) @ tangents.T
                 block[:, at + 2] = -1.0
                 rounded = body.radius if body.axis is None else 0.0
                 blocks.append(sign * block)
-                bounds.append(-sign * (own - anchor) @ normal - rounded - gap / 2)
+                bounds.append(-sign * (held - anchor) @ normal - rounded - gap / 2)
         return np.vstack(blocks), np.concatenate(bounds)
 
-    def _near(self, places: Places, reach: Array) -> list[tuple[Pair, Body, Body]]:
-        """Bodies, of parts of which one is free, that are near enough to meet: where they are."""
+    def _near_pairs(self, places: Places, reach: Array) -> list[tuple[Pair, Body, Body]]:
+        """Pairs of displaced bodies within reach of each other, of which at least one is free."""
         program, count = self._program, len(self._bodies)
         middles = [
             (middle - program.center[k]) @ places.turns[k].T + program.center[k] + places.shifts[k]
             for k, (middle, _) in enumerate(self._balls)
         ]
         moved: dict[tuple[int, int], Body] = {}
-        found = []
+        pairs = []
         for i in range(count):
             for j in range(i + 1, count):
                 held = not (program.free[i] or program.free[j])
@@ -147,19 +150,19 @@ class PartingPlanes:
                         if key not in moved:
                             moved[key] = self._moved(key, places)
                     a, b = moved[i, m], moved[j, n]
-                    if _between(a, b) <= room:
-                        found.append(((i, m, j, n), a, b))
-        return found
+                    if _box_distance(a, b) <= room:
+                        pairs.append(((i, m, j, n), a, b))
+        return pairs
 
     def _moved(self, key: tuple[int, int], places: Places) -> Body:
         part, body = key
         center, shift, turn = (
-            one[part] for one in (self._program.center, places.shifts, places.turns)
+            values[part] for values in (self._program.center, places.shifts, places.turns)
         )
         return self._bodies[part][body].moved(center, shift, turn)
 
     def _normal(self, pair: Pair, a: Body, b: Body) -> Array:
-        """The normal of the plane that parts two bodies best, from the first to the second."""
+        """The unit normal of the best separating plane of two bodies, from first to second."""
         if _is_ball(a) and b.radius == 0:
             return -parting_point(b, a.corners[0])[1]
         if _is_ball(b) and a.radius == 0:
@@ -178,18 +181,18 @@ def _is_ball(body: Body) -> bool:
     return body.radius > 0 and body.axis is None
 
 
-def _balls(bodies: list[Body]) -> tuple[Array, Array]:
-    """Balls about bodies: middles, shape (n, 3), and radii, shape (n,) [length unit]."""
-    middles = np.array([one.corners.mean(axis=0) for one in bodies]).reshape(-1, 3)
+def _bounding_balls(bodies: list[Body]) -> tuple[Array, Array]:
+    """Balls that contain bodies: centres, shape (n, 3), and radii, shape (n,) [length unit]."""
+    middles = np.array([body.corners.mean(axis=0) for body in bodies]).reshape(-1, 3)
     radii = [
-        np.linalg.norm(one.corners - middle, axis=1).max() + one.radius
-        for one, middle in zip(bodies, middles, strict=True)
+        np.linalg.norm(body.corners - middle, axis=1).max() + body.radius
+        for body, middle in zip(bodies, middles, strict=True)
     ]
     return middles, np.array(radii)
 
 
-def _between(a: Body, b: Body) -> float:
-    """How far apart boxes about two bodies are along an axis; negative where they overlap."""
+def _box_distance(a: Body, b: Body) -> float:
+    """Largest distance of two bodies' boxes along an axis [length unit]; negative in overlap."""
     gap = np.maximum(
         b.corners.min(axis=0) - a.corners.max(axis=0), a.corners.min(axis=0) - b.corners.max(axis=0)
     )
@@ -197,7 +200,10 @@ def _between(a: Body, b: Body) -> float:
 
 
 def _farthest(body: Body, toward: Array) -> Array:
-    """Points of a body, or of what it rounds, the farthest along a normal first, shape (m, 3)."""
+    """Points of a body that are farthest along a direction, sorted, shape (m, 3).
+
+    For a ball its centre, for a cylinder points of its rims.
+    """
     points = body.corners
     if body.axis is not None:
         aside = toward - (toward @ body.axis) * body.axis

@@ -1,8 +1,8 @@
-"""Parts that fixed joints tie to one another move as one: to second order they are one body.
+"""Rigid groups: parts that fixed joints tie, merged into one body.
 
-A group is told by its first part. Its centre of mass C, mass, inertia and loads are those of all
-its parts, and contacts within it are left out. With its motion (r, theta), a part of it with its
-centre at c has moved by r + (exp(theta) - 1) (c - C), and turned by theta.
+The first part of a group represents it. Centre of mass C, mass, inertia and loads of the group are
+those of all its parts, and contacts within it are removed. If the group moves by (r, theta), a part
+of it with its centre at c shifts by r + (exp(theta) - 1) (c - C) and turns by theta.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ class RigidGroups:
     Attributes
     ----------
     first : ndarray of int, shape (N,)
-        The first part of the group of each.
+        First part of the group of each part.
     arms : ndarray, shape (N, 3)
-        From the centre of mass of its group to its own [length unit].
+        Vector from the centre of mass of the group to that of the part [length unit].
     held : ndarray of bool, shape (N,)
-        Whether its group is.
+        Whether the group of each part is held.
     """
 
     first: Index
@@ -45,12 +45,15 @@ class RigidGroups:
 
     @classmethod
     def of(cls, assembly: Assembly) -> RigidGroups:
-        """The groups of an assembly; those of a held part, or tied to the ground, are held."""
+        """The groups of an assembly.
+
+        A group is held if a part of it is held or tied to the ground.
+        """
         count, geometry = len(assembly.parts), assembly.geometry
-        own, index = np.arange(count), assembly.index
-        fixed = [one.parts for one in assembly.joints if one.kind == "fixed"]
+        index = assembly.index
+        fixed = [joint.parts for joint in assembly.joints if joint.kind == "fixed"]
         if not fixed:
-            return cls(own, np.zeros((count, 3)), geometry.grounded)
+            return cls(np.arange(count), np.zeros((count, 3)), geometry.grounded)
         label = rigid_groups(assembly)
         _, at, place = np.unique(label, return_index=True, return_inverse=True)
         first = at[place]
@@ -59,20 +62,20 @@ class RigidGroups:
         held = geometry.grounded.copy()
         for ends in fixed:
             if not set(ends) <= set(index):
-                held[[index[one] for one in ends if one in index]] = True
+                held[[index[name] for name in ends if name in index]] = True
         return cls(first, geometry.center - center, np.isin(first, first[held]))
 
     @property
     def tied(self) -> bool:
-        """Whether any part is of a group with another."""
+        """Whether any group has several parts."""
         return bool((self.first != np.arange(len(self.first))).any())
 
     def merged(self, program: Program, assembly: Assembly) -> Program:
-        """The program of the groups, each as its first part; its rows are those between groups."""
+        """The program with each group merged into its first part, and only rows between groups."""
         if not self.tied:
             return program
         first, arms = self.first, self.arms
-        own = first == np.arange(len(first))
+        is_first = first == np.arange(len(first))
         size = np.sum(arms**2, axis=1)[:, None, None] * np.eye(3)
         spread = program.mass[:, None, None] * (size - arms[:, :, None] * arms[:, None, :])
         applied = program.applied.copy()
@@ -82,35 +85,35 @@ class RigidGroups:
         np.maximum.at(tolerance, first, program.tolerance)
         whole = replace(
             program,
-            free=own & ~self.held,
+            free=is_first & ~self.held,
             center=program.center - arms,
-            mass=np.where(own, _sums(first, program.mass[:, None])[:, 0], program.mass),
+            mass=np.where(is_first, _sums(first, program.mass[:, None])[:, 0], program.mass),
             inertia=_sums(first, program.inertia + spread),
-            radius=np.where(own, radius, program.radius),
+            radius=np.where(is_first, radius, program.radius),
             applied=_sums(first, applied),
             clamp=_sums(first, program.clamp),
-            tolerance=np.where(own, tolerance, program.tolerance),
+            tolerance=np.where(is_first, tolerance, program.tolerance),
             part_a=self.of_rows(program.part_a),
             part_b=self.of_rows(program.part_b),
         )
         return whole.taking(self.between(program, assembly))
 
     def of_rows(self, part: Index) -> Index:
-        """The first parts of the groups of some; -1 stays the ground."""
+        """The first parts of the groups of given parts; -1, the ground, is kept."""
         return np.where(part >= 0, self.first[part], part)
 
     def between(self, program: Program, assembly: Assembly) -> Mask:
-        """Rows of the parts' own program that are not within a group, shape (K,)."""
+        """Rows of the program of the single parts that are not within a group, shape (K,)."""
         free = np.append(~self.held, False)
         joint = program.kind == JOINT
-        fixed = np.array([one.kind == "fixed" for one in assembly.joints] or [False])
+        fixed = np.array([joint.kind == "fixed" for joint in assembly.joints] or [False])
         tie = joint & fixed[np.where(joint, program.source, 0)]
         apart = self.of_rows(program.part_a) != self.of_rows(program.part_b)
         between: Mask = apart & (free[program.part_a] | free[program.part_b]) & ~tie
         return between
 
     def apart(self, program: Program, assembly: Assembly, contacts: ContactSet) -> Program:
-        """A merged program of contacts with the parts themselves in place of their groups."""
+        """A merged program of contacts with the single parts in place of their groups."""
         parts, geometry = contacts.patch_parts[program.source], assembly.geometry
         return replace(
             program,
@@ -123,18 +126,18 @@ class RigidGroups:
 
     def spread(self, motions: Array) -> Array:
         """Velocities of all parts from those of their groups, shape (..., N, 6)."""
-        all_ = motions[..., self.first, :].copy()
-        all_[..., :3] += np.cross(all_[..., 3:], self.arms)
-        return all_
+        velocities = motions[..., self.first, :].copy()
+        velocities[..., :3] += np.cross(velocities[..., 3:], self.arms)
+        return velocities
 
     def placed(self, motion: Array) -> Array:
-        """Where all parts are from where their groups are, shape (N, 6)."""
-        all_ = motion[self.first].copy()
+        """Displacements of all parts from those of their groups, shape (N, 6)."""
+        displacements = motion[self.first].copy()
         for k in np.flatnonzero(np.abs(self.arms).max(axis=1) > 0):
-            all_[k, :3] += (turn_of(all_[k, 3:]) - np.eye(3)) @ self.arms[k]
-        return all_
+            displacements[k, :3] += (turn_of(displacements[k, 3:]) - np.eye(3)) @ self.arms[k]
+        return displacements
 
 
 def _sums(first: Index, values: Array) -> Array:
-    """Sums by group, at the place of its first part; 0 elsewhere."""
+    """Sums of values by group, in the row of its first part; 0 in other rows."""
     return group_sums(first, values, len(values))

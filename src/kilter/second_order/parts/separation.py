@@ -1,16 +1,16 @@
-"""Whether parts in other places are apart: exact, pair by pair, by planes and distances.
+"""Exact separation of displaced parts, pair by pair, by separating planes and distances.
 
-Two convex bodies are apart iff a plane parts them,
+Two convex bodies are apart iff a plane separates them,
 
     s(n) = min over B of n.x - max over A of n.x > 0       for some unit n.
 
-Of polyhedra the greatest s is that of a normal of a face of either, or of the cross product of two
-edges. Of cylinders any n with s(n) > 0 is proof enough; it is sought from the normals of contact. A
-ball is apart from a polyhedron, convex or not, where its centre is outside and farther from each
-triangle than its radius. A solid whose curved faces are of balls and cylinders is taken as those,
-whole, where its flat faces lie within them: that is no less than its surface. What is no ball,
-cylinder or polyhedron otherwise has no answer here.
-A polyhedron that is not convex is taken as its triangles: whatever crosses its surface cuts one.
+For polyhedra the greatest s is attained at a face normal of either body, or at the cross product of
+two edges. For cylinders any n with s(n) > 0 is a proof; the search starts at the contact normals. A
+ball is apart from a polyhedron, convex or not, if its centre is outside and farther from each
+triangle than its radius. A solid with faces on balls and cylinders is replaced by these whole balls
+and cylinders if they contain its flat faces, because they cover its surface. A polyhedron that is
+not convex is replaced by its triangles, because a body that crosses its surface cuts a triangle.
+For other shapes the separation is unknown.
 """
 
 from __future__ import annotations
@@ -39,26 +39,29 @@ __all__ = [
 ]
 
 CONVEX = 1e-9
-"""No corner of a convex polyhedron is farther outside a face than this, over its size."""
+"""A polyhedron is convex if no corner is farther outside a face than this, over its size [-]."""
 
 
 ON_QUARTIC = 8
-"""A torus that does not hold a circle meets it in up to 8 points, a quadric in 4: an edge of more
-of its points is the circle."""
+"""An edge with more points than this on a circle is the circle.
+
+A torus that does not contain a circle meets it in at most 8 points, and a quadric in at most 4.
+"""
 
 FAN, ZOOMS = 33, 8
-"""Directions across an axis that are tried at once, and how often those around the best are."""
+"""Directions across an axis in a fan, and number of fans, each around the best of the last."""
 
 SIMPLEX = 1e-3
-"""How far about the best of those a direction is sought."""
+"""Size of the first simplex about the best direction [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Body:
-    """A convex body: the hull of corners (m, 3), rounded by a disc or a ball.
+    """A convex body: a polyhedron, a ball or a cylinder.
 
-    `radius` 0: the hull itself. `axis` None: all points within the radius of it, a ball; else
-    the hull of discs of that radius across the axis, a cylinder.
+    `corners`, shape (m, 3), span the polyhedron if `radius` is 0. With a radius but no `axis` the
+    body is a ball about its corner; with an axis it is a cylinder between its corners. `normals`
+    and `edges` are the unit face normals and edge directions of a polyhedron.
     """
 
     corners: Array
@@ -68,14 +71,14 @@ class Body:
     edges: Array | None = None
 
     def moved(self, center: Array, shift: Array, turn: Array) -> Body:
-        """After x -> center + shift + turn (x - center)."""
-        rows = (self.corners - center) @ turn.T + center + shift
+        """The body after the motion x -> center + shift + turn (x - center)."""
+        corners = (self.corners - center) @ turn.T + center + shift
         parts = (self.axis, self.normals, self.edges)
-        axis, normals, edges = (None if one is None else one @ turn.T for one in parts)
-        return Body(rows, self.radius, axis, normals, edges)
+        axis, normals, edges = (None if rows is None else rows @ turn.T for rows in parts)
+        return Body(corners, self.radius, axis, normals, edges)
 
     def reach(self, directions: Array) -> Array:
-        """Max of n.x, shape (k,), for unit directions, shape (k, 3)."""
+        """Largest n.x over points x of the body, shape (k,), for unit directions n (k, 3)."""
         most: Array = (self.corners @ directions.T).max(axis=0)
         if self.radius == 0:
             return most
@@ -86,7 +89,7 @@ class Body:
 
 
 def bodies_of(assembly: Assembly, part: int) -> list[Body] | None:
-    """Convex pieces of a part whose surfaces are all of its boundary; None of other kinds."""
+    """Convex bodies whose surfaces cover the boundary of a part; None for other shapes."""
     shape, geometry = assembly.parts[part].shape, assembly.geometry
     pose = assembly.parts[part].pose
     if isinstance(shape, Sphere):
@@ -103,11 +106,11 @@ def bodies_of(assembly: Assembly, part: int) -> list[Body] | None:
     outside = (corners @ normals.T - np.einsum("ij,ij->i", triangles[:, 0], normals)).max(initial=0)
     if outside <= CONVEX * geometry.size[part]:
         return [_hull(triangles, corners)]
-    return [_hull(one[None], one) for one in triangles]
+    return [_hull(triangle[None], triangle) for triangle in triangles]
 
 
 def _round_pieces(geometry: Geometry, part: int) -> list[Body] | None:
-    """Whole balls and cylinders that hold all faces of a part; None where they do not."""
+    """Whole balls and cylinders that contain all faces of a part; None if they do not."""
     s, near = geometry.surfaces, CONVEX * float(geometry.size[part])
     pieces = []
     for row in range(s.start[part], s.start[part + 1]):
@@ -124,16 +127,17 @@ def _round_pieces(geometry: Geometry, part: int) -> list[Body] | None:
         ends = along - low <= near, high - along <= near
         straight = min(int(end.sum()) for end in ends) > ON_QUARTIC
         if not straight or not (ends[0] | ends[1]).all():
-            return None  # an end that is not straight across reaches farther than its corners
+            return None  # an oblique end reaches farther than its corners
         pieces.append(Body(s.point[row] + np.outer([low, high], axis), radius, axis))
     own = slice(geometry.triangle_start[part], geometry.triangle_start[part + 1])
     flat = geometry.vertices[geometry.triangles[own][geometry.triangle_surface[own] < 0]]
-    within = [_within(one, flat.reshape(-1, 3), near).reshape(-1, 3).all(axis=1) for one in pieces]
+    points = flat.reshape(-1, 3)
+    within = [_within(piece, points, near).reshape(-1, 3).all(axis=1) for piece in pieces]
     return pieces if np.any(within, axis=0).all() else None
 
 
 def _within(body: Body, points: Array, near: float) -> Mask:
-    """Whether points are in a ball or a cylinder, shape (n,)."""
+    """Whether points (n, 3) are inside a ball or a cylinder, up to `near`, shape (n,)."""
     off = points - body.corners[0]
     if body.axis is None:
         return np.asarray(np.linalg.norm(off, axis=1) <= body.radius + near)
@@ -148,7 +152,7 @@ def _normals(triangles: Array) -> Array:
 
 
 def _hull(triangles: Array, corners: Array) -> Body:
-    """A convex polyhedron, or one triangle, with the directions that may part it from others."""
+    """A convex polyhedron, or a single triangle, with its candidates for separating directions."""
     edges = np.concatenate([triangles[:, k] - triangles[:, k - 1] for k in range(3)])
     normals = unit_rows(_normals(triangles))
     if len(triangles) == 1:
@@ -161,12 +165,12 @@ def _hull(triangles: Array, corners: Array) -> Body:
 
 
 def separation(a: Body, b: Body, hints: Array) -> float:
-    """The greatest s(n) that is found, from a to b; `hints`, shape (k, 3): where to begin."""
+    """The greatest s(n) found from a to b; the search starts at `hints`, shape (k, 3)."""
     return parting(a, b, hints)[0]
 
 
 def parting(a: Body, b: Body, hints: Array, tries: int = 1000) -> tuple[float, Array]:
-    """The greatest s(n) that is found, and its n, from a to b; at cylinders in so many tries."""
+    """The greatest s(n) found from a to b, with its n; `tries` limits the search for cylinders."""
     if a.radius == 0 and b.radius == 0:
         assert a.normals is not None
         assert b.normals is not None
@@ -175,51 +179,54 @@ def parting(a: Body, b: Body, hints: Array, tries: int = 1000) -> tuple[float, A
         both = cross(np.repeat(a.edges, len(b.edges), axis=0), np.tile(b.edges, (len(a.edges), 1)))
         size = np.linalg.norm(both, axis=1)
         both = both[size > 1e-6] / size[size > 1e-6][:, None]
-        tried = np.vstack([a.normals, -b.normals, both, -both])
-        values = _parted(a, b, tried)
+        directions = np.vstack([a.normals, -b.normals, both, -both])
+        values = _gaps_along(a, b, directions)
         best = int(values.argmax())
-        return float(values[best]), np.asarray(tried[best])
+        return float(values[best]), np.asarray(directions[best])
     if len(a.corners) == len(b.corners) == 1 and a.axis is None and b.axis is None:
         between = b.corners[0] - a.corners[0]
         return float(np.linalg.norm(between)) - a.radius - b.radius, unit_rows(between[None])[0]
     middle = b.corners.mean(axis=0) - a.corners.mean(axis=0)
-    tried = np.vstack([hints, middle, *_of_axes(a, b, hints[:1] if len(hints) else middle[None])])
-    tried = unit_rows(tried)
-    start = tried[int(_parted(a, b, tried).argmax())]
+    near = hints[:1] if len(hints) else middle[None]
+    directions = unit_rows(np.vstack([hints, middle, *_across_axes(a, b, near)]))
+    start = directions[int(_gaps_along(a, b, directions).argmax())]
 
     from scipy.optimize import minimize  # takes its time
 
-    def worth(n: Array) -> float:
-        return -float(_parted(a, b, unit_rows(n[None]))[0])
+    def cost(n: Array) -> float:
+        return -float(_gaps_along(a, b, unit_rows(n[None]))[0])
 
     simplex = start + SIMPLEX * np.vstack([np.zeros(3), np.eye(3)])
     options = {"xatol": 1e-12, "fatol": 1e-14, "initial_simplex": simplex, "maxfev": tries}
-    found = minimize(worth, start, method="Nelder-Mead", options=options)
-    best = found.x if found.fun <= worth(start) else start
-    return -worth(best), unit_rows(best[None])[0]
+    answer = minimize(cost, start, method="Nelder-Mead", options=options)
+    best = answer.x if answer.fun <= cost(start) else start
+    return -cost(best), unit_rows(best[None])[0]
 
 
-def _of_axes(a: Body, b: Body, near: Array) -> list[Array]:
-    """Directions in which cylinders touch by an end, side by side, or by a side at anything."""
-    axes = [one.axis for one in (a, b) if one.axis is not None]
-    found = [sign * axis for axis in axes for sign in (1.0, -1.0)]
+def _across_axes(a: Body, b: Body, near: Array) -> list[Array]:
+    """Candidates for the direction that separates cylinders.
+
+    Along an axis, across both axes, and the best direction across each axis.
+    """
+    axes = [body.axis for body in (a, b) if body.axis is not None]
+    directions = [sign * axis for axis in axes for sign in (1.0, -1.0)]
     if len(axes) == 2:
         both = np.cross(axes[0], axes[1])
-        found += [both, -both]
+        directions += [both, -both]
     for axis in axes:
         u, v = across(axis)
         middle, span = float(np.arctan2(near[0] @ v, near[0] @ u)), np.pi
-        for _ in range(ZOOMS):  # s is a hill along the circle where it is positive
+        for _ in range(ZOOMS):  # where s is positive along the circle, it has a single maximum
             angle = middle + span * np.linspace(-1.0, 1.0, FAN)
             fan = np.outer(np.cos(angle), u) + np.outer(np.sin(angle), v)
-            best = int(_parted(a, b, fan).argmax())
+            best = int(_gaps_along(a, b, fan).argmax())
             middle, span = float(angle[best]), 2 * span / (FAN - 1)
-        found.append(fan[best])
-    return found
+        directions.append(fan[best])
+    return directions
 
 
-def _parted(a: Body, b: Body, directions: Array) -> Array:
-    """s(n) of each direction."""
+def _gaps_along(a: Body, b: Body, directions: Array) -> Array:
+    """The gap s(n) from a to b along each direction n, shape (k,)."""
     return np.asarray(-b.reach(-directions) - a.reach(directions))
 
 
@@ -232,31 +239,30 @@ def least_separation(
     planes: Mask | None = None,
     tied: Index | None = None,
 ) -> float | None:
-    """The least distance, or separation, of two parts of which one has moved.
+    """The least separation of two displaced parts, at most `beyond` [length unit].
 
     Parameters
     ----------
     assembly : Assembly
     program : Program
-        Its contacts say where parts touch.
+        Contacts between the parts before they moved.
     motion : ndarray, shape (N, 6)
         Shift of the centre of mass and rotation vector of each part [length unit, rad].
     beyond : float
-        Pairs that are farther apart than this in any case are left out [length unit].
+        Pairs that are certainly farther apart than this are skipped [length unit].
     planes : ndarray of bool, shape (K,), optional
-        Contacts with a plane: pairs that it parts as it did, which only shifted along it, are
-        left out.
+        Contacts with a plane. A pair that only shifted along such a plane is skipped.
     tied : ndarray of int, shape (N,), optional
-        A number for each part; pairs of the same number are left out.
+        Number of the group of each part; pairs within a group are skipped.
 
     Returns
     -------
     float or None
-        Negative where no plane that parts them was found; None where a pair has no answer here.
+        Negative if no separating plane was found; None if the separation of a pair is unknown.
     """
     count = len(program.names)
     turns = [turn_of(motion[k, 3:]) for k in range(count)]
-    kept: dict[int, list[Body] | None] = {}
+    moved: dict[int, list[Body] | None] = {}
     least = beyond
     for i in range(count):
         for j in range(i + 1, count):
@@ -264,26 +270,26 @@ def least_separation(
                 continue
             if tied is not None and tied[i] == tied[j]:
                 continue
-            found = []
             for k in (i, j):
-                if k not in kept:
+                if k not in moved:
                     bodies = bodies_of(assembly, k)
-                    kept[k] = bodies and [
-                        one.moved(program.center[k], motion[k, :3], turns[k]) for one in bodies
+                    moved[k] = bodies and [
+                        body.moved(program.center[k], motion[k, :3], turns[k]) for body in bodies
                     ]
-                found.append(kept[k])
-            if found[0] is None or found[1] is None:
+            first, second = moved[i], moved[j]
+            if first is None or second is None:
                 return None
-            own = ((program.part_a == i) & (program.part_b == j)) | (
+            touching = ((program.part_a == i) & (program.part_b == j)) | (
                 (program.part_a == j) & (program.part_b == i)
             )
-            normals = program.normal[own] * np.where(program.part_a[own] == i, 1.0, -1.0)[:, None]
-            if planes is not None and planes[own].any():
+            sense = np.where(program.part_a[touching] == i, 1.0, -1.0)
+            normals = program.normal[touching] * sense[:, None]
+            if planes is not None and planes[touching].any():
                 before = bodies_of(assembly, i), bodies_of(assembly, j)
                 size = float(program.radius[[i, j]].min())
-                if _parted_as_before(before, (found[0], found[1]), normals[planes[own]], size):
+                if _parted_as_before(before, (first, second), normals[planes[touching]], size):
                     continue
-            least = min(least, _pair(found[0], found[1], normals, least))
+            least = min(least, _pair_separation(first, second, normals, least))
     return least
 
 
@@ -293,16 +299,16 @@ Pieces = list[Body] | None
 def _parted_as_before(
     before: tuple[Pieces, Pieces], now: tuple[Pieces, Pieces], normals: Array, size: float
 ) -> bool:
-    """Whether a plane across a normal of contact parts two parts as it did where they touched."""
+    """Whether a plane across a contact normal separates two parts no less than before."""
     was, is_ = (
-        np.min([_parted(a, b, normals) for a in one or () for b in other or ()], axis=0)
-        for one, other in (before, now)
+        np.min([_gaps_along(a, b, normals) for a in first or () for b in second or ()], axis=0)
+        for first, second in (before, now)
     )
     return bool(((was > -ACROSS * size) & (is_ >= was - KEEPS * size)).any())
 
 
 def _far(assembly: Assembly, motion: Array, pair: tuple[int, int], beyond: float) -> bool:
-    """Whether the boxes of two parts were farther apart than both move, and more."""
+    """Whether two parts stay farther apart than `beyond`, by their boxes before they moved."""
     geometry = assembly.geometry
     low, high = geometry.part_boxes
     i, j = pair
@@ -313,8 +319,8 @@ def _far(assembly: Assembly, motion: Array, pair: tuple[int, int], beyond: float
     return bool((np.maximum(low[i] - high[j], low[j] - high[i]) > room).any())
 
 
-def _pair(first: list[Body], second: list[Body], hints: Array, least: float) -> float:
-    """The least separation of pieces of two parts, where it is below `least`."""
+def _pair_separation(first: list[Body], second: list[Body], hints: Array, least: float) -> float:
+    """The least separation of the bodies of two parts, at most `least` [length unit]."""
     for a in first:
         for b in second:
             gap = np.maximum(
@@ -323,17 +329,17 @@ def _pair(first: list[Body], second: list[Body], hints: Array, least: float) -> 
             ).max()
             if gap - a.radius - b.radius >= least:
                 continue
-            round_one = a if a.axis is None and a.radius > 0 else b
-            other = b if round_one is a else a
-            if round_one.radius > 0 and round_one.axis is None and other.radius == 0:
-                least = min(least, _ball(round_one, other))
+            ball = a if a.axis is None and a.radius > 0 else b
+            other = b if ball is a else a
+            if ball.radius > 0 and ball.axis is None and other.radius == 0:
+                least = min(least, _ball_separation(ball, other))
             else:
                 least = min(least, separation(a, b, hints))
     return least
 
 
-def _ball(ball: Body, other: Body) -> float:
-    """Separation of a ball from a polyhedron or a triangle."""
+def _ball_separation(ball: Body, other: Body) -> float:
+    """Separation of a ball from a polyhedron or a triangle [length unit]."""
     assert other.normals is not None
     if len(other.corners) == 3:
         return float(surface_distance(ball.corners, other.corners[None])[0]) - ball.radius
@@ -341,12 +347,12 @@ def _ball(ball: Body, other: Body) -> float:
 
 
 def separation_of_point(body: Body, point: Array) -> float:
-    """How far a point is from a convex polyhedron; negative within, then of the nearest face."""
+    """Distance of a point from a convex polyhedron; if inside, minus that to the nearest face."""
     return parting_point(body, point)[0]
 
 
 def parting_point(body: Body, point: Array) -> tuple[float, Array]:
-    """How far a point is from a convex polyhedron, or a triangle, and in which direction."""
+    """Distance of a point from a convex polyhedron or a triangle, and the direction to it."""
     assert body.normals is not None
     assert body.edges is not None
     heights = body.normals @ point - body.reach(body.normals)
@@ -354,15 +360,15 @@ def parting_point(body: Body, point: Array) -> tuple[float, Array]:
         return float(heights.max()), np.asarray(body.normals[int(heights.argmax())])
     apart = point - body.corners
     aside = apart[:, None] - (apart @ body.edges.T)[..., None] * body.edges
-    tried = np.vstack([body.normals, apart, aside.reshape(-1, 3)])
-    tried = unit_rows(tried[(tried != 0).any(axis=1)])
-    values = tried @ point - body.reach(tried)
+    directions = np.vstack([body.normals, apart, aside.reshape(-1, 3)])
+    directions = unit_rows(directions[(directions != 0).any(axis=1)])
+    values = directions @ point - body.reach(directions)
     best = int(values.argmax())
-    return float(values[best]), np.asarray(tried[best])
+    return float(values[best]), np.asarray(directions[best])
 
 
 def turn_of(rotation: Array) -> Array:
-    """The matrix of a rotation vector, shape (3,) [rad]."""
+    """The rotation matrix of a rotation vector, shape (3,) [rad]."""
     angle = float(np.linalg.norm(rotation))
     if angle == 0.0:
         return np.eye(3)

@@ -148,9 +148,9 @@ def level_contacts(program: Program, features: Features, touched: tuple[Touched,
     bent = np.zeros(len(upright))
     for curvature in (features.curvature_a, features.curvature_b):
         bent = np.maximum(bent, np.abs(curvature).max(axis=(1, 2), initial=0.0))
-    on_plane = [any(one.level(k, program.down) for one in touched) for k in range(len(bent))]
+    on_plane = touched[0].level(program.down) | touched[1].level(program.down)
     straight = (bent == 0) & ~features.conformal
-    level: Mask = upright & formed(program, features) & (straight | np.array(on_plane, dtype=bool))
+    level: Mask = upright & formed(program, features) & (straight | on_plane)
     return level
 
 

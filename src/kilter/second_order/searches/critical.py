@@ -17,8 +17,9 @@ from scipy.sparse import csc_array, csr_array, eye_array, hstack, vstack
 from kilter.arrays import Array, Mask
 from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.motions.null_space import null_space
-from kilter.solvers.highs import find_optimum
+from kilter.second_order.searches.counted_program import optimum
 from kilter.solvers.problem import LinearProgram
+from kilter.work import Work
 
 __all__ = ["Critical", "carrying_forces", "find_critical"]
 
@@ -44,9 +45,9 @@ class Critical:
     sides: Array
 
 
-def find_critical(problem: Stationary) -> Critical | None:
+def find_critical(problem: Stationary, *, work: Work | None = None) -> Critical | None:
     """The critical motions; None where there is no equilibrium, or no solver finds one."""
-    forces = carrying_forces(csr_array(problem.rows), problem.load)
+    forces = carrying_forces(csr_array(problem.rows), problem.load, work=work)
     if forces is None:
         return None
     found, carries = forces
@@ -59,7 +60,9 @@ def find_critical(problem: Stationary) -> Critical | None:
     return Critical(found, carries, basis, unit[np.sort(first)])
 
 
-def carrying_forces(rows: csr_array, load: Array) -> tuple[Array, Mask] | None:
+def carrying_forces(
+    rows: csr_array, load: Array, *, work: Work | None
+) -> tuple[Array, Mask] | None:
     """Forces of equilibrium that carry on every row that can, and which do, shape (K,).
 
     Max sum t:  J^T f + s w = 0,  0 <= t <= 1,  f >= t,  s >= 1;  f / s, and where t is 1.
@@ -76,7 +79,7 @@ def carrying_forces(rows: csr_array, load: Array) -> tuple[Array, Mask] | None:
     balance = hstack([rows.T, csc_array(load[:, None]), none])
     above = hstack([eye_array(count), csc_array((count, 1)), -eye_array(count)])
     cost = np.concatenate([np.zeros(count + 1), -np.ones(count)])
-    answer = find_optimum(
+    x = optimum(
         LinearProgram(
             cost,
             csc_array(vstack([balance, above], format="csc")),
@@ -84,9 +87,10 @@ def carrying_forces(rows: csr_array, load: Array) -> tuple[Array, Mask] | None:
             np.concatenate([np.zeros(freedoms), np.full(count, np.inf)]),
             np.concatenate([np.zeros(count), [1.0], np.zeros(count)]),
             np.concatenate([np.full(count + 1, np.inf), np.ones(count)]),
-        )
+        ),
+        work,
     )
-    if not answer.optimal:
+    if x is None:
         return None
-    forces, carries = answer.x[:count] / answer.x[count], answer.x[count + 1 :] > 0.5
+    forces, carries = x[:count] / x[count], x[count + 1 :] > 0.5
     return np.where(carries, forces, 0.0), carries

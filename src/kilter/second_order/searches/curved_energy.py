@@ -104,7 +104,12 @@ def _solve(
     forms: tuple[Array, Array],
     work: Work,
 ) -> tuple[Array, Array] | None:
-    """Point and multiplier of max gain.x: sum of x_k form_k >= 0, total.x <= most."""
+    """Point and multiplier of max gain.x: sum of x_k form_k >= 0, total.x <= most.
+
+    None if the solver fails, or the work is over.
+    """
+    if work.over:
+        return None
     bodies, gain = forms
     order = bodies.shape[1]
     column, row = np.tril_indices(order)

@@ -51,6 +51,8 @@ NARROW = 1e-3
 """Cones of rays nearer to one another than this are not split."""
 MOST_MOTIONS = 24
 """Neutral motions beside the free ones that are looked at."""
+EXACT = 1e-12
+"""Imbalance of forces, over the load, up to which they exclude paths."""
 ROUNDS = 4
 """Times that self-stress is looked for."""
 
@@ -91,6 +93,7 @@ def decide(
     free: Array | None = None,
     *,
     critical: Critical | None = None,
+    only_if_stays: bool = False,
     work: Work | None = None,
 ) -> Decision:
     """Minimum, balanced or open.
@@ -102,14 +105,16 @@ def decide(
         Motions that are proved to keep every gap and the energy, independent of one another.
     critical : Critical, optional
         Of this problem, where it is known already.
+    only_if_stays : bool
+        Whether a single path that leads down is enough, however flat.
     """
     work = work or Work()
-    critical = critical or find_critical(problem)
+    critical = critical or find_critical(problem, work=work)
     if critical is None:
         return Decision("open", 0, 0, 0, 0, why="no forces of equilibrium were found")
     free = np.zeros((len(problem.load), 0)) if free is None else _even(problem, critical, free)
     across = critical.basis @ null_space(free.T @ critical.basis, problem.blur)
-    return _Question(problem, critical, free, across, work).answer()
+    return _Question(problem, critical, free, across, only_if_stays, work).answer()
 
 
 def _even(problem: Stationary, critical: Critical, free: Array) -> Array:
@@ -131,9 +136,17 @@ class _Question:
     """One place, its critical motions across the free ones, and what was found on the way."""
 
     def __init__(
-        self, problem: Stationary, critical: Critical, free: Array, across: Array, work: Work
+        self,
+        problem: Stationary,
+        critical: Critical,
+        free: Array,
+        across: Array,
+        only_if_stays: bool,
+        work: Work,
     ) -> None:
         self.problem, self.critical, self.work = problem, critical, work
+        self.only_if_stays = only_if_stays
+        self.balancing = np.zeros((0, len(problem.rows)))
         self.carrying = problem.taking(critical.carries)
         self.free, self.across = free, across
         self.sides = critical.sides @ (critical.basis.T @ across)
@@ -196,9 +209,11 @@ class _Question:
             proved = self._strengthened(forces, stress)
             if proved is not None:
                 return proved
+        self._note(self.critical.forces[self.critical.carries])
         best = best_curvature(self.carrying, basis, self.sides_of(basis), work=self.work)
         candidates = list(self._from_forces(basis))
         if best is not None:
+            self._note(best.forces)
             proved = self._strengthened(best.forces, stress, best.sides)
             if proved is not None:
                 return proved
@@ -245,15 +260,32 @@ class _Question:
             senses = (motion, -motion) if len(self.sides) else (motion,)
             critical_ones = [self._critical(one) for one in senses]
             for critical in (*self._pivots(about, critical_ones), *critical_ones):
-                path = find_path(self.problem, critical) if critical is not None else None
+                path = None if critical is None else self._path(critical)
                 if path is not None and path.falls:
                     found.append(path)
+                    if self.only_if_stays:
+                        return found
         return self._steepest(found)
+
+    def _path(self, critical: Array) -> Path | None:
+        return find_path(self.problem, critical, balancing=self.balancing, work=self.work)
+
+    def _note(self, forces: Array) -> None:
+        """Keep forces on the carrying rows that balance: they exclude paths."""
+        forces = self._balanced(forces)
+        if self.carrying.imbalance(forces) < EXACT:
+            self.balancing = np.vstack([self.balancing, self._spread(forces)])
 
     def _paths_alone(self) -> list[Path]:
         """Paths of one part alone that fall, the steepest first."""
-        paths = [find_path(self.problem, one) for one in self._alone()]
-        return self._steepest(path for path in paths if path is not None and path.falls)
+        paths = []
+        for motion in self._alone():
+            path = self._path(motion)
+            if path is not None and path.falls:
+                paths.append(path)
+                if self.only_if_stays:
+                    break
+        return self._steepest(paths)
 
     def _steepest(self, found: Iterable[Path]) -> list[Path]:
         return sorted(found, key=lambda path: -min(path.opens, path.power))
@@ -337,15 +369,21 @@ class _Question:
         todo = orthants(dimension, half=not len(sides))[::-1]
         splits: list[tuple[int, int] | None] = []
         leaves: list[Leaf] = []
-        while todo and len(splits) < SPLITS:
+        tried: set[bytes] = set()
+        while todo and len(splits) < SPLITS and not self.work.over:
             rays = todo.pop()
             own = np.vstack([sides_of_cone(rays), sides])
             best = best_curvature(self.carrying, basis, own, work=self.work)
+            if best is not None:
+                self._note(best.forces)
             if best is not None and self._curves(basis, best.forces, own, best.sides):
                 splits.append(None)
                 leaves.append(Leaf(self._spread(self._balanced(best.forces)), best.sides))
                 continue
-            paths = self._paths([*(basis @ rays).T, basis @ rays.sum(axis=1)])
+            motions = [*(basis @ rays).T, basis @ rays.sum(axis=1)]
+            new = [motion for motion in motions if motion.tobytes() not in tried]
+            tried.update(motion.tobytes() for motion in new)  # cones share their rays
+            paths = self._paths(new)
             if paths:
                 return self._decision("balanced", *paths)
             apart, longest = max(

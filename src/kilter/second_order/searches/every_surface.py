@@ -12,6 +12,7 @@ from kilter.second_order.proofs.minimum_proof import MinimumProof, judge_minimum
 from kilter.second_order.proofs.paths import Path
 from kilter.second_order.searches.decide import Decision
 from kilter.second_order.searches.path_search import find_path
+from kilter.work import Work
 
 __all__ = ["decided_for_all"]
 
@@ -21,7 +22,11 @@ TOO_NEAR = (
 
 
 def decided_for_all(
-    program: Program, features: Features, problem: Stationary, decision: Decision
+    program: Program,
+    features: Features,
+    problem: Stationary,
+    decision: Decision,
+    work: Work,
 ) -> tuple[Stationary, Decision]:
     """A decision as far as it holds for all surfaces within their doubt.
 
@@ -49,7 +54,7 @@ def decided_for_all(
     elif isinstance(proof, Path):
         worst = replace(bounded(program, features, -1.0), on_plane=problem.on_plane)
         for one in (proof, *decision.others):
-            path = find_path(worst, one.first)
+            path = find_path(worst, one.first, work=work)
             if path is not None and path.falls:
                 return worst, replace(decision, proof=path, others=())
     else:

@@ -27,6 +27,7 @@ from kilter.second_order.proofs.level_rest import LevelRest, wrong_forces, wrong
 from kilter.second_order.searches.critical import carrying_forces
 from kilter.second_order.searches.opening_contacts import enough_to_open, opening_motion
 from kilter.second_order.second_order_tolerances import DROPS, SPREAD
+from kilter.work import Work
 
 __all__ = ["find_level_rest", "find_parting"]
 
@@ -45,7 +46,12 @@ ROUNDING = 1e-13
 
 
 def find_level_rest(
-    program: Program, level: Mask, forces: Array | None, sharp: SharpPoints | None = None
+    program: Program,
+    level: Mask,
+    forces: Array | None,
+    sharp: SharpPoints | None = None,
+    *,
+    work: Work | None = None,
 ) -> LevelRest | None:
     """A proof for a program of contacts without friction; None where none was found.
 
@@ -60,16 +66,18 @@ def find_level_rest(
     """
     if not level.any():
         return None
-    motion = find_parting(program, level, sharp)
+    motion = find_parting(program, level, sharp, work)
     if motion is None:
         return None
-    for offered in _offered(program, level, forces):
+    for offered in _offered(program, level, forces, work):
         if not wrong_forces(program, level, offered):
             return LevelRest(offered, motion)
     return None
 
 
-def _offered(program: Program, level: Mask, forces: Array | None) -> Iterator[Array]:
+def _offered(
+    program: Program, level: Mask, forces: Array | None, work: Work | None
+) -> Iterator[Array]:
     """Forces of equilibrium [N], the cheapest first, where every part has a footing."""
     bearing = bearing_of(program, level)
     if bearing is None:
@@ -84,19 +92,19 @@ def _offered(program: Program, level: Mask, forces: Array | None) -> Iterator[Ar
     if forces is not None:
         yield forces
     if program.free.sum() <= MOST_ASKED:
-        asked = _asked(program, level)
+        asked = _asked(program, level, work)
         if asked is not None:
             yield asked
 
 
-def _asked(program: Program, level: Mask) -> Array | None:
+def _asked(program: Program, level: Mask, work: Work | None) -> Array | None:
     """Forces on every level row that can carry [N], by a linear program, then balanced."""
     units = np.where(np.arange(6) < 3, 1.0, 1 / program.radius[program.free, None])
     units = units[:, program.freedoms].reshape(-1)
     weight = float(program.weight[program.free].max())
     load = program.load[np.ix_(program.free, program.freedoms)].reshape(-1) * units / weight
     rows = csr_array(program.jacobian()[level] @ diags_array(units))
-    found = carrying_forces(rows, load)
+    found = carrying_forces(rows, load, work=work)
     if found is None:
         return None
     forces, carries = found
@@ -178,7 +186,9 @@ def _pushing(part: Index, footing: Array, need: Array) -> Array:
     return found
 
 
-def find_parting(program: Program, level: Mask, sharp: SharpPoints | None) -> Array | None:
+def find_parting(
+    program: Program, level: Mask, sharp: SharpPoints | None, work: Work | None
+) -> Array | None:
     """A level shift of each part that opens what is not level; None where none was found.
 
     All parts away from one place, or what a linear program finds.
@@ -208,7 +218,7 @@ def find_parting(program: Program, level: Mask, sharp: SharpPoints | None) -> Ar
     shifts[np.arange(len(places)), places, :3] = np.tile(axes, (int(free.sum()), 1))
     rows = program.jacobian() @ shifts[:, free][:, :, program.freedoms].reshape(len(places), -1).T
     for chosen in [~level] if sharp is None else enough_to_open(sharp, ~level):
-        found = opening_motion(rows[chosen])
+        found = opening_motion(rows[chosen], work)
         motion = np.zeros((len(free), 6)) if found is None else np.tensordot(found, shifts, axes=1)
         motion /= max(float(np.linalg.norm(motion[:, :3], axis=1).max()), TINY)
         if found is not None and not wrong_motion(program, level, motion, sharp):

@@ -8,9 +8,9 @@ from scipy.sparse import csc_array
 from kilter.arrays import Array
 from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.proofs.locked import Faces, LockedTurns, judge_locked, shifts
+from kilter.second_order.searches.counted_program import optimum
 from kilter.second_order.searches.critical import Critical
 from kilter.second_order.searches.curved_energy import blocking_stress
-from kilter.solvers.highs import find_optimum
 from kilter.solvers.problem import LinearProgram
 from kilter.work import Work
 
@@ -29,7 +29,7 @@ def find_locked(
     free, across = shifts(problem)
     if not free.shape[1] or not across.shape[1]:
         return None
-    most, all_round = blocking_stress(problem, across, work=work), _pressing(problem)
+    most, all_round = blocking_stress(problem, across, work=work), _pressing(problem, work)
     if most is None or all_round is None:
         return None
     for share in SHARES:
@@ -39,10 +39,10 @@ def find_locked(
     return None
 
 
-def _pressing(problem: Stationary) -> Array | None:
+def _pressing(problem: Stationary, work: Work) -> Array | None:
     """Self-stress that presses all round.  Max t:  J^T s = 0,  sum of s = 1,  s >= t."""
     count, freedoms = problem.rows.shape
-    answer = find_optimum(
+    x = optimum(
         LinearProgram(
             np.append(np.zeros(count), -1.0),
             csc_array(
@@ -58,6 +58,7 @@ def _pressing(problem: Stationary) -> Array | None:
             np.concatenate([np.zeros(freedoms), np.full(count, np.inf), [1.0]]),
             np.zeros(count + 1),
             np.full(count + 1, np.inf),
-        )
+        ),
+        work,
     )
-    return answer.x[:count] if answer.optimal else None
+    return None if x is None else x[:count]

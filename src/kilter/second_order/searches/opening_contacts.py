@@ -10,8 +10,9 @@ from scipy.sparse import csc_array
 
 from kilter.arrays import Array, Mask
 from kilter.second_order.motions.sharp_points import SharpPoints
-from kilter.solvers.highs import find_optimum
+from kilter.second_order.searches.counted_program import optimum
 from kilter.solvers.problem import LinearProgram
+from kilter.work import Work
 
 __all__ = ["enough_to_open", "opening_motion"]
 
@@ -19,13 +20,13 @@ MOST_CHOICES = 64
 """Choices of normals that are tried, one of each pair."""
 
 
-def opening_motion(rows: Array) -> Array | None:
+def opening_motion(rows: Array, work: Work | None) -> Array | None:
     """Of motions x, shape (f,), the one that opens rows (s, f) most; None where none opens all.
 
     Max t:  rows x >= t,  |x| <= 1.
     """
     count, freedoms = rows.shape
-    answer = find_optimum(
+    x = optimum(
         LinearProgram(
             np.append(np.zeros(freedoms), -1.0),
             csc_array(np.hstack([rows, -np.ones((count, 1))])),
@@ -33,9 +34,10 @@ def opening_motion(rows: Array) -> Array | None:
             np.full(count, np.inf),
             -np.ones(freedoms + 1),
             np.ones(freedoms + 1),
-        )
+        ),
+        work,
     )
-    return answer.x[:-1] if answer.optimal and answer.x[-1] > 0 else None
+    return x[:-1] if x is not None and x[-1] > 0 else None
 
 
 def enough_to_open(points: SharpPoints, rows: Mask) -> Iterator[Mask]:

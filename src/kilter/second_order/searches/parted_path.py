@@ -22,6 +22,7 @@ from kilter.second_order.proofs.paths import Path
 from kilter.second_order.searches.level_rest_search import find_parting
 from kilter.second_order.searches.path_search import find_path
 from kilter.second_order.second_order_tolerances import ACROSS
+from kilter.work import Work
 
 __all__ = ["parted_paths"]
 
@@ -32,7 +33,11 @@ MOST = 4
 
 
 def parted_paths(
-    program: Program, contacts: ContactSet, problem: Stationary, paths: tuple[Path, ...]
+    program: Program,
+    contacts: ContactSet,
+    problem: Stationary,
+    paths: tuple[Path, ...],
+    work: Work,
 ) -> Iterator[Path]:
     """Such paths near to some.
 
@@ -50,19 +55,21 @@ def parted_paths(
         by_part = path.first.reshape(-1, len(program.freedoms))
         return int((np.abs(by_part).max(axis=1) > ACROSS).sum())
 
-    shifts = _level_shifts(program, contacts, problem)
+    shifts = _level_shifts(program, contacts, problem, work)
     for one in sorted(paths, key=moved)[:MOST]:
         for away in shifts:
             for share in SHARES:
-                found = find_path(problem, one.first + share * away)
+                found = find_path(problem, one.first + share * away, work=work)
                 if found is not None and found.falls:
                     yield found
 
 
-def _level_shifts(program: Program, contacts: ContactSet, problem: Stationary) -> list[Array]:
+def _level_shifts(
+    program: Program, contacts: ContactSet, problem: Stationary, work: Work
+) -> list[Array]:
     """All parts away from one place, where that parts what is not level, and all alike."""
     points = sharp_points(program, contacts)
-    parting = find_parting(program, level_rows(program, contacts), points)
+    parting = find_parting(program, level_rows(program, contacts), points, work)
     motions = [] if parting is None else [parting]
     for axis in level_axes(program):
         for sense in (1.0, -1.0):

@@ -17,9 +17,10 @@ from kilter.arrays import TINY, Array, Index, Mask
 from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.motions.null_space import null_space
 from kilter.second_order.proofs.paths import Path, judge_path
+from kilter.second_order.searches.counted_program import optimum
 from kilter.second_order.second_order_tolerances import ACROSS, DROPS, REACHES
-from kilter.solvers.highs import find_optimum
 from kilter.solvers.problem import LinearProgram
+from kilter.work import Work
 
 __all__ = ["find_path"]
 
@@ -27,19 +28,44 @@ TURNS = [3, 4, 5, 9, 10, 11]
 """Of the unknowns of a contact, those that are turns."""
 
 
-def find_path(problem: Stationary, motion: Array) -> Path | None:
-    """The path along a critical motion, shape (n,), that opens and falls most."""
+def find_path(
+    problem: Stationary,
+    motion: Array,
+    *,
+    balancing: Array | None = None,
+    work: Work | None = None,
+) -> Path | None:
+    """The path along a critical motion, shape (n,), that opens and falls most.
+
+    Parameters
+    ----------
+    balancing : ndarray, shape (m, K), optional
+        Forces of equilibrium that are known. If some of them curve the energy upward along the
+        motion, no path falls along it, and no program is solved.
+    """
     first = motion / max(float(np.linalg.norm(motion)), TINY)
-    found = None
-    for reach in REACHES:
-        second = _second_derivative(problem, first, reach)
-        found = None if second is None else judge_path(problem, first, second)
-        if found is not None and found.falls:
-            return found
-    return _along_planes(problem, first) or found
+    path = None
+    for reach in () if _held_up(problem, first, balancing) else REACHES:
+        second = _second_derivative(problem, first, reach, work)
+        path = None if second is None else judge_path(problem, first, second)
+        if path is not None and path.falls:
+            return path
+    return _along_planes(problem, first, balancing, work) or path
 
 
-def _along_planes(problem: Stationary, motion: Array) -> Path | None:
+def _held_up(problem: Stationary, motion: Array, balancing: Array | None) -> bool:
+    """Whether known forces of equilibrium f exclude a path that falls along a motion z.
+
+    w.d2 = -f.J d2 <= sum of f_k z.H_k z: the power is at most the curvature of the energy, negated.
+    """
+    if balancing is None or not len(balancing):
+        return False
+    return bool((balancing @ problem.bends(motion)).min() < DROPS)
+
+
+def _along_planes(
+    problem: Stationary, motion: Array, balancing: Array | None, work: Work | None
+) -> Path | None:
     """The path that keeps every contact with a plane along which a motion shifts its parts."""
     turned = np.append(np.abs(motion), 0.0)[problem.columns[:, TURNS]].max(axis=1, initial=0.0)
     keep = problem.planes & (np.abs(problem.rows @ motion) < ACROSS) & (turned < ACROSS)
@@ -54,12 +80,16 @@ def _along_planes(problem: Stationary, motion: Array) -> Path | None:
     if size < 0.5:
         return None
     first = first / size
+    if _held_up(problem, first, balancing):
+        return None
     loose = replace(
         problem.taking(~keep), rows=problem.rows[~keep] @ within, load=problem.load @ within
     )
     found = None
     for reach in REACHES:
-        second = _second_derivative(loose, within.T @ first, reach, problem.bends(first)[~keep])
+        second = _second_derivative(
+            loose, within.T @ first, reach, work, problem.bends(first)[~keep]
+        )
         if second is None:
             return None
         bent = within @ second
@@ -77,7 +107,11 @@ def _turns_of(problem: Stationary, rows: Mask) -> Index:
 
 
 def _second_derivative(
-    problem: Stationary, first: Array, reach: float, bends: Array | None = None
+    problem: Stationary,
+    first: Array,
+    reach: float,
+    work: Work | None,
+    bends: Array | None = None,
 ) -> Array | None:
     """Max m:  J d2 + dp.H dp >= m where dp keeps closed,  w.d2 >= m,  |d2| <= reach."""
     closed = problem.rows @ first <= DROPS
@@ -91,7 +125,7 @@ def _second_derivative(
         ]
     )
     bound = np.append(np.full(freedoms, reach), 1.0)
-    answer = find_optimum(
+    x = optimum(
         LinearProgram(
             np.append(np.zeros(freedoms), -1.0),
             csc_array(matrix),
@@ -99,6 +133,7 @@ def _second_derivative(
             np.full(len(matrix), np.inf),
             -bound,
             bound,
-        )
+        ),
+        work,
     )
-    return answer.x[:-1] if answer.optimal else None
+    return None if x is None else x[:-1]

@@ -10,10 +10,11 @@ from scipy.sparse import csc_array, csr_array
 from kilter.arrays import Array, Mask
 from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.proofs.stopped import StopForms, Stopped, judge_stopped, stop_forms
+from kilter.second_order.searches.counted_program import optimum
 from kilter.second_order.searches.critical import carrying_forces
 from kilter.second_order.searches.opening_contacts import opening_motion
-from kilter.solvers.highs import find_optimum
 from kilter.solvers.problem import LinearProgram
+from kilter.work import Work
 
 __all__ = ["find_stopped"]
 
@@ -23,7 +24,9 @@ MOST_WEIGHTS = 2_000
 """Products of a stop and a level contact that are looked at."""
 
 
-def find_stopped(problem: Stationary, level: Mask, motions: Array, free: Array) -> Stopped | None:
+def find_stopped(
+    problem: Stationary, level: Mask, motions: Array, free: Array, *, work: Work | None = None
+) -> Stopped | None:
     """A proof that what is level is where the energy is least; None where none was found.
 
     The arguments are those of `judge_stopped`.
@@ -31,36 +34,36 @@ def find_stopped(problem: Stationary, level: Mask, motions: Array, free: Array) 
     stops, count = int((~level).sum()), int(level.sum())
     if not count or not stops or stops * count > MOST_WEIGHTS:
         return None
-    found = carrying_forces(csr_array(problem.rows[level]), problem.load)
-    opening = opening_motion(problem.rows[~level] @ motions)
+    found = carrying_forces(csr_array(problem.rows[level]), problem.load, work=work)
+    opening = opening_motion(problem.rows[~level] @ motions, work)
     if found is None or opening is None:
         return None
     forces = np.zeros(len(level))
     forces[level] = found[0]
     forms = stop_forms(problem, level, motions, free, forces)
-    for weights in _offered(forms):
+    for weights in _offered(forms, work):
         proof = Stopped(forces, weights, motions @ opening)
         if not judge_stopped(problem, level, motions, free, proof):
             return proof
     return None
 
 
-def _offered(forms: StopForms) -> Iterator[Array]:
+def _offered(forms: StopForms, work: Work | None) -> Iterator[Array]:
     """Weights, the most even first, then those that leave the most curvature."""
     if not len(forms.stops_level) * len(forms.rises):
         yield np.zeros((len(forms.stops_level), len(forms.rises)))
         return
-    even = _weights(forms, None)
+    even = _weights(forms, None, work)
     if even is None:
         return
     yield even
     for share in SHARES:
-        found = _weights(forms, share * float(even.min()))
+        found = _weights(forms, share * float(even.min()), work)
         if found is not None:
             yield found
 
 
-def _weights(forms: StopForms, least: float | None) -> Array | None:
+def _weights(forms: StopForms, least: float | None, work: Work | None) -> Array | None:
     """W with  sum of W_ij R_i R_j = coupling  and  W >= t.
 
     With the greatest t; or, t given, such that S has the greatest trace.
@@ -72,7 +75,7 @@ def _weights(forms: StopForms, least: float | None) -> Array | None:
     right = forms.coupling.reshape(-1)
     taken = (forms.stops_tilts @ forms.rises.T).reshape(-1)  # of the trace of S
     low, high = (0.0, np.inf) if least is None else (least, least)
-    answer = find_optimum(
+    x = optimum(
         LinearProgram(
             np.append(np.zeros(count), -1.0) if least is None else np.append(taken, 0.0),
             csc_array(np.vstack([np.hstack([products, np.zeros((len(products), 1))]), above])),
@@ -80,6 +83,7 @@ def _weights(forms: StopForms, least: float | None) -> Array | None:
             np.concatenate([right, np.full(count, np.inf)]),
             np.append(np.zeros(count), low),
             np.append(np.full(count, np.inf), high),
-        )
+        ),
+        work,
     )
-    return answer.x[:-1].reshape(stops, rises) if answer.optimal else None
+    return None if x is None else x[:-1].reshape(stops, rises)
