@@ -13,9 +13,12 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))
 
 SEATED = ((6, 6), (15, 14))
 """Courses and bricks per course of the seated walls: about 500 and 2,300 contact points."""
@@ -38,7 +41,7 @@ def program_of(assembly: Any) -> Any:
 
 def leaning(assembly: Any, share: float) -> Any:
     """The wall tilted by a share of the angle at which it overturns as a whole."""
-    from kilter.scenes.transform import tilted
+    from transformations import tilted
 
     high = assembly.geometry.vertices.max(axis=0)
     depth = min(float(np.ptp(assembly.geometry.vertices[:, k])) for k in (0, 1))
@@ -79,9 +82,10 @@ def seatings() -> None:
 
 def proofs() -> None:
     """Print times of searches and proofs for assemblies with friction."""
+    from transformations import tilted
+
     from kilter import check
     from kilter.scenes import arches, friction, stacks
-    from kilter.scenes.transform import tilted
 
     def planar(assembly: Any) -> Any:
         import dataclasses

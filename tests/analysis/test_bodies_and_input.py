@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from judged import judged, random_turn
+from transformations import scaled
 
 from kilter.analysis.check import check
 from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load, Part
@@ -15,7 +16,7 @@ from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.scenes import stacks
 from kilter.scenes.pieces import block, cells, floor, prism, turn
-from kilter.scenes.transform import moved, scaled
+from kilter.scenes.transform import moved
 from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Sphere, surface
 
 RHO = 1000.0

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from independent import dense_rows
 from judged import judged, program_of
+from transformations import tilted
 
 from kilter.analysis.decision.judge import judge
 from kilter.assembly import Assembly
@@ -17,7 +18,6 @@ from kilter.mechanics.forms import least_imbalance, load_factor, scaled_problem
 from kilter.mechanics.mechanics_tolerances import NO_EXCUSE, RULED_OUT, TOLERANCE
 from kilter.scenes import friction, packings, paper, scene, stacks, walls
 from kilter.scenes.pieces import block, floor
-from kilter.scenes.transform import tilted
 from kilter.solvers.highs import solve_linear
 
 SCENES = {

@@ -7,10 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from judged import judged, random_turn
+from transformations import as_single, permuted, renamed, scaled, tilted
 
 from kilter.scenes import paper, scene, stacks, walls
 from kilter.scenes.pieces import turn
-from kilter.scenes.transform import as_single, moved, permuted, renamed, scaled, tilted
+from kilter.scenes.transform import moved
 from sampled import sampled
 
 SCENES = {

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from independent import dense_rows
 from judged import judged, program_of, random_turn, reloaded, verified
+from transformations import permuted, scaled, tilted
 
 import kilter
 from kilter import InputError
@@ -15,7 +16,7 @@ from kilter.assembly import Assembly, Joint, Load
 from kilter.mechanics.proof import digest_of
 from kilter.rigid import unit
 from kilter.scenes.pieces import block, turn
-from kilter.scenes.transform import moved, permuted, scaled, tilted
+from kilter.scenes.transform import moved
 
 G = 9.81
 KINDS = {"fixed": 0, "revolute": 1, "prismatic": 1, "cylindrical": 2, "spherical": 3}

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 from judged import judged
+from transformations import tilted
 
 from kilter.assembly import Assembly, GivenContact
 from kilter.scenes import SCENES, accelerations, paper, scene, stacks, traps, walls
 from kilter.scenes.pieces import block, floor, prism, turn
-from kilter.scenes.transform import moved, tilted
+from kilter.scenes.transform import moved
 
 G = 9.81
 

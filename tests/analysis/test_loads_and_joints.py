@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 from judged import judged, program_of
+from transformations import scaled
 
 from kilter import InputError
 from kilter.analysis.decision.judge import judge
@@ -12,7 +13,7 @@ from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load
 from kilter.mechanics.certificate import check_motion
 from kilter.scenes import stacks, traps
 from kilter.scenes.pieces import block, floor, turn
-from kilter.scenes.transform import moved, scaled
+from kilter.scenes.transform import moved
 
 G = 9.81
 FLOOR = floor([-5, -5], [5, 5])

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from independent import baraff, dense_rows, kinetic, z_by_duality
 from judged import judged, program_of, random_turn
+from transformations import scaled, tilted
 
 from kilter.analysis.verdict.displacement import find_displacement
 from kilter.analysis.verdict.motion import find_motion
@@ -11,7 +12,7 @@ from kilter.assembly import Assembly, Load
 from kilter.mechanics.forms import displacement
 from kilter.scenes import packings, paper, scene, stacks, traps, walls, wedges
 from kilter.scenes.pieces import block, floor
-from kilter.scenes.transform import moved, scaled, tilted
+from kilter.scenes.transform import moved
 from kilter.solvers.highs import solve_linear
 from kilter.units import METRES
 

@@ -7,6 +7,7 @@ import pytest
 from independent import baraff, kinetic
 from judged import program_of, random_turn
 from scipy.sparse import csr_array
+from transformations import scaled, tilted
 
 from kilter import check
 from kilter.analysis.verdict.motion import MANY, find_motion, optimality
@@ -16,7 +17,7 @@ from kilter.mechanics.gauss import least_constraint, mirror_half
 from kilter.scenes import arches, packings, scene, stacks, walls, wedges
 from kilter.scenes.accelerations import wedge_on_wedge
 from kilter.scenes.pieces import block, floor
-from kilter.scenes.transform import moved, scaled, tilted
+from kilter.scenes.transform import moved
 from kilter.solvers import clarabel, projection
 from kilter.solvers.block_cholesky import NotPositive
 from kilter.solvers.linked_rows import LinkedRows

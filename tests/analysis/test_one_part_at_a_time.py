@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from judged import judged, program_of
 from one_part import one_part_at_a_time
+from transformations import tilted
 
 from kilter.assembly import Assembly
 from kilter.scenes import paper, scene, stacks
 from kilter.scenes.pieces import block, floor
-from kilter.scenes.transform import tilted
 
 TREES = {
     "tower": stacks.tower,

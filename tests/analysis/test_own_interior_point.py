@@ -10,6 +10,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from transformations import tilted
 
 from kilter.analysis.decision import judge as judging
 from kilter.analysis.decision.judge import judge
@@ -22,7 +23,6 @@ from kilter.contact import detect
 from kilter.mechanics.balance_in_cones import load_share
 from kilter.mechanics.program import build_program
 from kilter.scenes import arches, stacks, walls
-from kilter.scenes.transform import tilted
 from kilter.solvers.block_cholesky import BlockCholesky, NotPositive
 from kilter.solvers.lorentz import Scaling, depth, divided, product, reach
 

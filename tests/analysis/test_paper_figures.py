@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from judged import judged, z_of
+from transformations import tilted
 
 from kilter.scenes import paper
-from kilter.scenes.transform import tilted
 
 IN_PLANE_AND_IN_SPACE = pytest.mark.parametrize("planar", [True, False])
 

@@ -8,12 +8,13 @@ import json
 import numpy as np
 import pytest
 from judged import judged
+from transformations import permuted, renamed, scaled
 
 import kilter
 from kilter import Assembly, Bond, Box, Part, Pose
 from kilter.mechanics.mechanics_tolerances import AGREES
 from kilter.mechanics.proof import digest_of
-from kilter.scenes.transform import moved, permuted, renamed, scaled
+from kilter.scenes.transform import moved
 
 G, WEIGHT = 9.81, 9810.0
 STRONG = 1e6

@@ -6,6 +6,7 @@ import shlex
 
 import numpy as np
 import pytest
+from transformations import scaled
 from tubes import pin, tube
 
 from kilter import InputError, Tolerance, check, fastened
@@ -20,7 +21,7 @@ from kilter.files import dump, from_dict, to_dict
 from kilter.mechanics.proof import digest_of
 from kilter.rigid import Pose
 from kilter.scenes.pieces import block, floor, turn
-from kilter.scenes.transform import moved, scaled
+from kilter.scenes.transform import moved
 from kilter.shape.primitives import Box, Mesh, Prism, surface
 
 FLOOR = floor([-5, -5], [5, 5])

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from transformations import scaled
 from tubes import pin, tube
 
 from kilter import InputError, check, contacts, dump, fastened, margin, orient, region
@@ -14,7 +15,7 @@ from kilter.assembly import Assembly, Part
 from kilter.cli import main
 from kilter.rigid import Pose
 from kilter.scenes.pieces import block, turn
-from kilter.scenes.transform import moved, scaled
+from kilter.scenes.transform import moved
 from kilter.shape.primitives import Box, Sphere
 
 BASE = block("base", [-5, -5, -1], [5, 5, 0], grounded=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from transformations import scaled
 from tubes import pin, tube
 
 from kilter import check, fastened
@@ -11,7 +12,7 @@ from kilter.assembly import Assembly, Joint
 from kilter.contact import contacts
 from kilter.contact.fits.suggestions import suggest_joints
 from kilter.scenes.pieces import block, turn
-from kilter.scenes.transform import moved, scaled
+from kilter.scenes.transform import moved
 from sampled import sampled
 
 SCENES = 100

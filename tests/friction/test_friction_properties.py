@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from judged import judged
 from random_friction import FAMILIES, random_assembly
+from transformations import scaled
 
 from kilter import check
 from kilter.assembly import FrictionPair
@@ -16,7 +17,7 @@ from kilter.friction.exclusion import prove_no_motion
 from kilter.friction.seating import find_seating
 from kilter.mechanics.program import build_program
 from kilter.scenes.pieces import turn
-from kilter.scenes.transform import moved, scaled
+from kilter.scenes.transform import moved
 
 SEEDS = range(40)
 EFFORT = 0.5

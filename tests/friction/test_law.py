@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 from held_or_not import program, slope, worst_by_hand
+from transformations import scaled
 
 from kilter.assembly import Joint
 from kilter.friction.law import coulomb_law
 from kilter.friction.reduced_law import reduced_law
 from kilter.mechanics.law_check import check_law, point_speeds
 from kilter.scenes import friction, stacks, traps
-from kilter.scenes.transform import scaled
 from kilter.units import metres_per_unit
 
 G = 9.81

@@ -12,9 +12,9 @@ from functools import partial
 import numpy as np
 import pytest
 from judged import judged
+from transformations import tilted
 
 from kilter.scenes import arches, friction, stacks, walls
-from kilter.scenes.transform import tilted
 
 INSIDE, OUTSIDE = 0.98, 1.02
 THINNEST = 0.10743

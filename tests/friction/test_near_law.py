@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from cases import planar, program
+from transformations import tilted
 
 from kilter.assembly import Joint
 from kilter.friction.law import coulomb_law
@@ -10,7 +11,6 @@ from kilter.friction.motion_search import find_coulomb_motion
 from kilter.friction.near_law import breach, may_obey
 from kilter.mechanics.law_check import check_law
 from kilter.scenes import friction, stacks
-from kilter.scenes.transform import tilted
 
 WITNESSED = {
     "H": friction.h_block(),

@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 from enumerated import random_block
 from held_or_not import compas, cylinders, equilibrium, program, real_data, slope, thin_bracket
+from transformations import scaled
 
 from kilter.assembly import Joint
 from kilter.friction.seating import find_seating
 from kilter.mechanics.certificate import part_sizes
 from kilter.mechanics.law_check import check_balance
 from kilter.scenes import arches, friction, stacks, traps, walls, wedges
-from kilter.scenes.transform import moved, scaled
+from kilter.scenes.transform import moved
 
 
 def in_cones_and_balanced(built, seating):

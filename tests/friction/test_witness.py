@@ -13,13 +13,13 @@ from held_or_not import (
     thin_bracket,
     worst_by_hand,
 )
+from transformations import scaled
 
 from kilter.analysis.verdict.motion import find_motion
 from kilter.friction.motion_search import find_coulomb_motion
 from kilter.friction.seating import find_seating
 from kilter.mechanics.law_check import check_law
 from kilter.scenes import accelerations, friction, stacks, traps, walls
-from kilter.scenes.transform import scaled
 from kilter.work import Work, units_of
 
 G = 9.81

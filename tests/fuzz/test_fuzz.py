@@ -24,9 +24,10 @@ from fuzz_oracles import (
     why_undecided,
 )
 from fuzz_scenes import random_scene
+from transformations import scaled
 
 import kilter
-from kilter.scenes.transform import moved, scaled
+from kilter.scenes.transform import moved
 
 HERE = Path(__file__).parent
 ROUND = {"files": 160, "scenes": 16, "options": 24, "proofs": 24}

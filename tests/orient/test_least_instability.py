@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from transformations import scaled as resized
 from turning import UNSTABLE, directions, program_of, slot_and_float
 
 from kilter.analysis.turning.least_instability import least_instability
 from kilter.analysis.turning.nearest import nearest
 from kilter.mechanics.forms import impending_motion, scaled_problem
 from kilter.scenes import stacks
-from kilter.scenes.transform import scaled as resized
 from kilter.solvers.clarabel import solve_quadratic
 from sampled import sampled
 

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from transformations import as_single
+from transformations import scaled as resized
 from turning import ALL, UNSTABLE, angle_from_down, slot_and_float
 
 from kilter import Assembly, InputError, Load, Part, Pose, Prism, Sphere, check
@@ -16,8 +18,7 @@ from kilter.analysis.turning.orientation import orient
 from kilter.rigid import quaternion_to_matrix
 from kilter.scenes import paper, scene, stacks, wedges
 from kilter.scenes.pieces import turn
-from kilter.scenes.transform import as_single, moved
-from kilter.scenes.transform import scaled as resized
+from kilter.scenes.transform import moved
 
 PLANAR = pytest.mark.parametrize("planar", [False, True])
 

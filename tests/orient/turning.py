@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from transformations import scaled
 
 from kilter.assembly import Assembly
 from kilter.contact import detect
 from kilter.mechanics.program import Program, build_program
 from kilter.scenes import SCENES, arches, packings, paper, scene, stacks, walls, wedges
 from kilter.scenes.pieces import block, turn
-from kilter.scenes.transform import moved, scaled
+from kilter.scenes.transform import moved
 
 __all__ = ["ALL", "UNSTABLE", "angle_from_down", "directions", "on_facets", "program_of"]
 

@@ -5,6 +5,7 @@ import itertools
 import numpy as np
 import pytest
 from cones import BUILDERS, directions, region_of, same_rays
+from transformations import as_single
 
 import kilter
 from kilter.analysis.regions.region import common_region
@@ -12,7 +13,7 @@ from kilter.analysis.verification import verify_proof
 from kilter.contact import detect
 from kilter.errors import InputError
 from kilter.scenes import paper, rails, stacks, wedges
-from kilter.scenes.transform import as_single, moved
+from kilter.scenes.transform import moved
 
 PAIRS = [
     ("-x +x -z", "-x -z +z", "fan"),

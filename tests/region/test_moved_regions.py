@@ -5,10 +5,11 @@ import pytest
 from cones import BUILDERS, region_of, same_rays, same_span
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from transformations import as_single, scaled
 
 import kilter
 from kilter.rigid import quaternion_to_matrix
-from kilter.scenes.transform import as_single, moved, scaled
+from kilter.scenes.transform import moved
 
 SPATIAL = [name for name, build in BUILDERS.items() if not build().planar]
 POSES = [([0.3, -0.5, 0.2, 0.7], [3, -2, 5]), ([0.9, 0.1, -0.4, 0.2], [0, 0, 0])]

@@ -5,12 +5,12 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
+from transformations import tilted
 
 from kilter.assembly import Assembly, Part
 from kilter.scenes.arches import arch
 from kilter.scenes.friction import a_block, bracket, h_block, ladder, trough, v_block
 from kilter.scenes.pieces import block, floor
-from kilter.scenes.transform import tilted
 from kilter.scenes.wedges import keystone
 
 __all__ = ["FAMILIES", "posts", "random_assembly"]

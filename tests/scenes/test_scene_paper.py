@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 from scene_oracle import imbalance, least_motion, lp9, neutral, overlapping, stable, touching
+from transformations import tilted
 
 from kilter.errors import InputError
 from kilter.scenes import paper
-from kilter.scenes.transform import tilted
 
 IN_PLANE_AND_IN_SPACE = pytest.mark.parametrize("planar", [True, False])
 

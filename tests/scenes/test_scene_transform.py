@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from scene_oracle import imbalance, lp9, stable
+from transformations import as_single, permuted, renamed, scaled, tilted
 
 from kilter.assembly import Assembly, Feature, FrictionPair, GivenContact, Joint, Load, Part
 from kilter.errors import InputError
@@ -9,7 +10,7 @@ from kilter.scenes import SCENES, paper, stacks, walls
 from kilter.scenes.friction import bracket, ladder
 from kilter.scenes.pieces import cells, compose, turn
 from kilter.scenes.rounds import three_cylinders
-from kilter.scenes.transform import as_single, moved, permuted, renamed, scaled, tilted
+from kilter.scenes.transform import moved
 from kilter.shape.primitives import Box, Mesh
 
 TURN = compose(turn([1, 2, 3], 50), turn([0, 1, 0], 20))

@@ -8,10 +8,11 @@ are held.
 from __future__ import annotations
 
 import numpy as np
+from transformations import scaled
 
 from kilter import Assembly, Box, Cylinder, Part, Pose, Prism, Sphere
 from kilter.arrays import Array
-from kilter.scenes.transform import moved, scaled
+from kilter.scenes.transform import moved
 
 __all__ = ["elsewhere", "random_grid"]
 

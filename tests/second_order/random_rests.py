@@ -9,10 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from transformations import scaled
 
 from kilter import Assembly, Box, Cylinder, Part, Pose, Sphere
 from kilter.arrays import Array
-from kilter.scenes.transform import moved, scaled
+from kilter.scenes.transform import moved
 
 __all__ = ["random_rest"]
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from transformations import permuted, renamed, scaled
 
 import kilter
 from kilter import Assembly, Box, Feature, GivenContact, InputError, Part, Pose
@@ -16,7 +17,7 @@ from kilter.arrays import Array
 from kilter.files import from_dict
 from kilter.mechanics.program import build_program
 from kilter.scenes.pieces import turn
-from kilter.scenes.transform import moved, permuted, renamed, scaled
+from kilter.scenes.transform import moved
 from kilter.second_order.gaps.features import EDGE, FACE, OPEN, VERTEX, Features
 from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.gap_form import formed, gap_forms

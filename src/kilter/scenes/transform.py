@@ -1,26 +1,19 @@
-"""Transformations of assemblies with a known effect on the answer.
-
-Rotating, shifting, scaling, reordering and renaming change no verdict. `tilted` rotates only
-gravity. `as_single` rounds the coordinates to those of a binary STL file.
-"""
+"""Rigid motion of a whole assembly, which changes no verdict."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Callable
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.arrays import Array
-from kilter.assembly import GROUND, Assembly, Feature, GivenContact, Joint, Load, Part
+from kilter.assembly import Assembly, Feature, GivenContact, Joint, Load, Part
 from kilter.errors import InputError
-from kilter.rigid import Pose, quaternion_to_matrix
-from kilter.scenes.pieces import compose, turn
-from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Shape, Sphere, surface
+from kilter.rigid import Pose
+from kilter.scenes.pieces import compose
 
-__all__ = ["as_single", "moved", "permuted", "renamed", "scaled", "tilted"]
+__all__ = ["moved", "moved_features", "require_about_y"]
 
 
 def moved(
@@ -43,6 +36,7 @@ def moved(
 
     Examples
     --------
+    >>> from kilter.scenes.pieces import turn
     >>> from kilter.scenes.stacks import tower
     >>> moved(tower(1), turn([0, 1, 0], 90)).down.round(12) + 0
     array([-1.,  0.,  0.])
@@ -50,7 +44,7 @@ def moved(
     pose = Pose(shift, rotation)
     matrix = pose.matrix
     if assembly.planar:
-        _require_about_y(matrix)
+        require_about_y(matrix)
     gravity = matrix @ assembly.gravity
     if assembly.planar:
         gravity[1] = 0.0
@@ -64,7 +58,7 @@ def moved(
                 c,
                 points=pose.apply(c.points),
                 normal=matrix @ c.normal,
-                feature=_features(c, lambda v: matrix @ v, lambda p: pose.apply([p])[0], 1.0),
+                feature=moved_features(c, lambda v: matrix @ v, lambda p: pose.apply([p])[0], 1.0),
             )
             for c in assembly.contacts
         ],
@@ -80,136 +74,8 @@ def moved(
     )
 
 
-def tilted(assembly: Assembly, axis: ArrayLike, degrees: float) -> Assembly:
-    """Rotate only gravity, right-handed about `axis` [deg]; about +y it leans toward -x.
-
-    Raises
-    ------
-    InputError
-        If the assembly is planar and the axis is not y.
-
-    Examples
-    --------
-    >>> from kilter.scenes.stacks import tower
-    >>> tilted(tower(1), [0, 1, 0], 90).down.round(12) + 0
-    array([-1.,  0.,  0.])
-    """
-    matrix = quaternion_to_matrix(turn(axis, degrees))
-    gravity = matrix @ assembly.gravity
-    if assembly.planar:
-        _require_about_y(matrix)
-        gravity[1] = 0.0
-    return dataclasses.replace(assembly, gravity=gravity)
-
-
-def scaled(assembly: Assembly, factor: float) -> Assembly:
-    """Multiply every length by `factor` and keep the densities, so that no verdict changes.
-
-    Given masses and forces grow by factor^3, as weights do, and torques by factor^4.
-
-    Examples
-    --------
-    >>> from kilter.scenes.stacks import tower
-    >>> scaled(tower(1), 10.0).geometry.mass[-1] / tower(1).geometry.mass[-1]
-    np.float64(1000.0)
-    """
-    factor = float(factor)
-    if not (np.isfinite(factor) and factor > 0):
-        raise InputError(f"factor is {factor:g}", hint="give a number above zero")
-
-    def times(value: Any, power: int = 1) -> Any:
-        return None if value is None else value * factor**power
-
-    parts = [
-        dataclasses.replace(
-            part,
-            shape=_scaled_shape(part.shape, factor),
-            pose=Pose(part.pose.position * factor, part.pose.rotation),
-            mass=times(part.mass, 3),
-            center_of_mass=times(part.center_of_mass),
-        )
-        for part in assembly.parts
-    ]
-    loads = [
-        Load(load.part, times(load.force, 3), times(load.torque, 4), times(load.point))
-        for load in assembly.loads
-    ]
-    return dataclasses.replace(
-        assembly,
-        parts=parts,
-        loads=loads,
-        contacts=[
-            dataclasses.replace(
-                c,
-                points=times(c.points),
-                feature=_features(c, lambda v: v, times, factor),
-            )
-            for c in assembly.contacts
-        ],
-        joints=[dataclasses.replace(j, point=times(j.point)) for j in assembly.joints],
-        bonds=[
-            dataclasses.replace(
-                bond,
-                pull=times(bond.pull, 3),
-                pull_per_area=times(bond.pull_per_area, 1),
-                shear=bond.shear if isinstance(bond.shear, str) else times(bond.shear, 3),
-                points=times(bond.points),
-            )
-            for bond in assembly.bonds
-        ],
-    )
-
-
-def as_single(assembly: Assembly) -> Assembly:
-    """Replace every shape by a mesh in world coordinates rounded to float32, as in a binary STL.
-
-    Densities, masses and centres of mass are kept. Cylinders and spheres become inscribed
-    polyhedra.
-
-    Examples
-    --------
-    >>> from kilter.scenes.stacks import tower
-    >>> as_single(tower(1)).parts[0].shape
-    Mesh(8 vertices, 12 triangles)
-    """
-    return dataclasses.replace(assembly, parts=[_single(part) for part in assembly.parts])
-
-
-def permuted(assembly: Assembly, order: Sequence[int]) -> Assembly:
-    """Reorder the parts: new part k is old part ``order[k]``.
-
-    Raises
-    ------
-    InputError
-        If `order` does not list every part once.
-    """
-    if sorted(int(k) for k in order) != list(range(len(assembly.parts))):
-        raise InputError(f"order is not a permutation of {len(assembly.parts)} parts")
-    return dataclasses.replace(assembly, parts=[assembly.parts[int(k)] for k in order])
-
-
-def renamed(assembly: Assembly, name: Callable[[str], str]) -> Assembly:
-    """Rename the parts by a function, also in loads, contacts, joints, bonds and friction pairs."""
-
-    def pair(parts: tuple[str, str]) -> tuple[str, str]:
-        a, b = (GROUND if part == GROUND else name(part) for part in parts)
-        return a, b
-
-    def entries(values: Sequence[Any]) -> list[Any]:
-        return [dataclasses.replace(entry, parts=pair(entry.parts)) for entry in values]
-
-    return dataclasses.replace(
-        assembly,
-        parts=[dataclasses.replace(part, name=name(part.name)) for part in assembly.parts],
-        loads=[dataclasses.replace(load, part=name(load.part)) for load in assembly.loads],
-        friction_pairs=entries(assembly.friction_pairs),
-        contacts=entries(assembly.contacts),
-        joints=entries(assembly.joints),
-        bonds=entries(assembly.bonds),
-    )
-
-
-def _require_about_y(matrix: Array) -> None:
+def require_about_y(matrix: Array) -> None:
+    """Raise `InputError` if a rotation matrix leaves the x-z plane of a planar assembly."""
     if abs(matrix[1, 1] - 1.0) > 1e-12:
         raise InputError("the turn leaves the x-z plane of a planar assembly", hint="turn about y")
 
@@ -232,7 +98,7 @@ def _moved_joint(joint: Joint, pose: Pose) -> Joint:
     return dataclasses.replace(joint, point=point, axis=axis)
 
 
-def _features(
+def moved_features(
     contact: GivenContact,
     turned: Callable[[Array], Array],
     moved: Callable[[Array], Array],
@@ -255,29 +121,3 @@ def _features(
         for feature in contact.feature
     )
     return a, b
-
-
-def _scaled_shape(shape: Shape, factor: float) -> Shape:
-    """A shape whose lengths are multiplied by `factor`."""
-    if isinstance(shape, Box):
-        return Box(shape.size * factor)
-    if isinstance(shape, Cylinder):
-        return Cylinder(shape.radius * factor, shape.height * factor)
-    if isinstance(shape, Sphere):
-        return Sphere(shape.radius * factor)
-    if isinstance(shape, Prism):
-        return Prism(shape.polygon * factor, shape.depth * factor)
-    return Mesh(shape.vertices * factor, shape.triangles, accuracy=shape.accuracy * factor)
-
-
-def _single(part: Part) -> Part:
-    """A part as a mesh in world coordinates, rounded to float32."""
-    vertices, triangles = surface(part.shape)
-    world = part.pose.apply(vertices).astype(np.float32)
-    center = part.center_of_mass
-    return dataclasses.replace(
-        part,
-        shape=Mesh(world, triangles),
-        pose=Pose(),
-        center_of_mass=None if center is None else part.pose.apply([center])[0],
-    )

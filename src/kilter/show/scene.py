@@ -194,7 +194,7 @@ def _open_pairs(contacts: ContactSet, center: Array) -> dict[str, Any]:
 
 
 def _orientation(answers: Everything, answer: Answered, center: Array) -> dict[str, Any]:
-    """JSON data of answer direction of gravity: words, figures, motion by part, forces by point."""
+    """JSON data of a direction of gravity: words, figures, motion by part, forces by point."""
     check, units = answer.check, answers.assembly.units
     count = len(answers.assembly.parts)
     motion = np.zeros((count, 6))
