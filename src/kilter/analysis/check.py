@@ -132,6 +132,8 @@ def check(
         require,
         measures,
         decision.second_order,
+        decision,
+        work.seconds,
     )
 
 

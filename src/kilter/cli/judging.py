@@ -130,7 +130,7 @@ def _joint_hint(verdict: Verdict) -> str:
     firm = [suggestion.kind for suggestion in suggestions if suggestion.fixed]
     solids = any(isinstance(part.shape, Solid) for part in verdict.assembly.parts)
     if not firm and solids and verdict.verdict == "unstable" and not verdict.assembly.joints:
-        return solids_hint(friction=bool(verdict.contacts.patch_mu.any()))
+        return solids_hint()
     return suggestions_hint(firm)
 
 

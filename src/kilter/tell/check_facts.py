@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 
 from kilter.tell.numbers import counts, force, mass, number, percent, plain
-from kilter.tell.open_words import open_facts
+from kilter.tell.open_words import open_facts, remedy_facts
 from kilter.tell.second_order_words import second_order_words
 from kilter.tell.shared_facts import (
     Answer,
@@ -56,6 +56,7 @@ def check_facts(answer: Answer) -> list[Fact]:
         ("proof", _proof(answer)),
     ]
     found += open_facts(answer)
+    found += remedy_facts(answer)
     friction = answer["friction"]
     if friction is not None:
         found.append(("guarantee", _guarantee(answer["guarantee"], friction)))

@@ -7,19 +7,30 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from kilter.errors import shell_words, some
 from kilter.tell.numbers import number
 from kilter.tell.words import VERDICTS
 
-__all__ = ["open_facts", "pair_words", "settling_options", "undecided_sentence"]
+__all__ = [
+    "OpenOption",
+    "open_facts",
+    "open_options",
+    "pair_words",
+    "remedy_facts",
+    "settling_options",
+    "undecided_sentence",
+]
 
 Pair = Mapping[str, Any]
 FEW = 4
 """Up to this number of overlapping pairs, each pair gets an option of its own."""
 TILT = "tilted"
 """Word in the reason of a pair whose faces are not parallel; no gap tolerance closes it."""
+REMEDY_RESULTS = {"potentially-stable": "forces that hold it exist"}
+"""Result of a remedy in words, if it is not the verdict word itself."""
 ABOVE = 1.01
 """Ratio of a suggested tolerance to the gap that it must close [-]."""
 
@@ -81,6 +92,18 @@ joined."
     return f"Undecided: {'; '.join(['as drawn it falls', hold, *more])}."
 
 
+@dataclass(frozen=True, slots=True)
+class OpenOption:
+    """An option of the command line that states that open pairs hold, as a value and as text."""
+
+    text: str
+    fasten: tuple[tuple[str, str], ...] = ()
+    overlaps: bool = False
+    loose: bool = False
+    gap: float | None = None
+    clearance: float | None = None
+
+
 def settling_options(open_pairs: Sequence[Pair]) -> list[str]:
     """Return the options that join or close the deciding pairs.
 
@@ -93,19 +116,32 @@ def settling_options(open_pairs: Sequence[Pair]) -> list[str]:
     ... )
     ['--gap 0.202']
     """
+    return [option.text for option in open_options(open_pairs)]
+
+
+def open_options(open_pairs: Sequence[Pair]) -> list[OpenOption]:
+    """Options that state that the deciding pairs hold, as values."""
     decides = [pair for pair in open_pairs if pair["decides"]]
-    options: list[str] = []
+    options: list[OpenOption] = []
     for kind in dict.fromkeys(pair["kind"] for pair in decides):
         alike = [pair for pair in decides if pair["kind"] == kind]
         if kind == "clearance":
-            options.append(f"--clearance {_above(alike)}")
+            above = _above(alike)
+            options.append(OpenOption(f"--clearance {above}", clearance=float(above)))
         elif kind == "near":
             loose = any(not pair["gap"] or TILT in pair["why"] for pair in alike)
-            options.append("--loose" if loose else f"--gap {_above(alike)}")
+            if loose:
+                options.append(OpenOption("--loose", loose=True))
+            else:
+                above = _above(alike)
+                options.append(OpenOption(f"--gap {above}", gap=float(above)))
         elif kind == "overlap" and len(alike) > FEW:
-            options.append("--fasten-overlaps")
+            options.append(OpenOption("--fasten-overlaps", overlaps=True))
         else:
-            options += [f"--fasten {shell_words(pair['parts'])}" for pair in alike]
+            options += [
+                OpenOption(f"--fasten {shell_words(pair['parts'])}", fasten=(tuple(pair["parts"]),))
+                for pair in alike
+            ]
     return options
 
 
@@ -114,6 +150,21 @@ def _above(pairs: Sequence[Pair]) -> str:
     widest = ABOVE * max(abs(pair["gap"]) for pair in pairs)
     step = 10.0 ** (math.floor(math.log10(widest)) - 2)
     return f"{math.ceil(widest / step - 1e-9) * step:.3g}"
+
+
+def remedy_facts(answer: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """The options that were tried, each with its result.
+
+    Examples
+    --------
+    >>> remedy_facts({"remedies": [{"option": "--loose", "leads_to": "stable", "level": "proved"}]})
+    [('with', '--loose: stable')]
+    """
+    rows = [
+        f"{remedy['option']}: {REMEDY_RESULTS.get(remedy['leads_to'], remedy['leads_to'])}"
+        for remedy in answer.get("remedies", ())
+    ]
+    return [("" if row else "with", words) for row, words in enumerate(rows)]
 
 
 def open_facts(answer: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -138,5 +189,4 @@ def open_facts(answer: Mapping[str, Any]) -> list[tuple[str, str]]:
             else "each of these pairs is needed"
         )
         found.append(("if joined", f"{VERDICTS[joined['verdict']].lower()}; {least}"))
-        found.append(("to decide it", " ".join(settling_options(pairs))))
     return found

@@ -96,37 +96,23 @@ def suggestions_hint(kinds: Sequence[str]) -> str:
     Examples
     --------
     >>> suggestions_hint(["thread", "thread", "overlap"]).strip()
-    '3 pairs look fastened (2 thread, 1 overlap): --fasten-suggested joins them, \
---suggest-joints lists them.'
+    '3 pairs look fastened (2 thread, 1 overlap); --suggest-joints lists them.'
     """
     if not kinds:
         return ""
     counted = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
     verb, them = ("looks", "it") if len(kinds) == 1 else ("look", "them")
     return (
-        f"\n\n{count(len(kinds), 'pair')} {verb} fastened ({counted}): --fasten-suggested joins "
-        f"{them}, --suggest-joints lists {them}."
+        f"\n\n{count(len(kinds), 'pair')} {verb} fastened ({counted}); --suggest-joints lists "
+        f"{them}."
     )
 
 
-def solids_hint(*, friction: bool) -> str:
-    """Return a paragraph about the data that files of CAD solids do not contain.
-
-    Parameters
-    ----------
-    friction : bool
-        Whether friction is counted already.
-
-    Examples
-    --------
-    >>> solids_hint(friction=True).strip()
-    'A file of solids does not record screwed or glued connections: --fasten A B joins two parts \
-that touch, --fasten "*" "*" joins all such pairs.'
-    """
-    rubs = "" if friction else " It records no friction either: --friction 0.3 sets a coefficient."
+def solids_hint() -> str:
+    """Return a paragraph about the data that files of CAD solids do not contain."""
     return (
         "\n\nA file of solids does not record screwed or glued connections: --fasten A B joins "
-        f'two parts that touch, --fasten "*" "*" joins all such pairs.{rubs}'
+        "two parts that touch."
     )
 
 

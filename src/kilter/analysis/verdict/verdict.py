@@ -16,9 +16,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kilter.analysis.analysis_tolerances import MOVES
-from kilter.analysis.decision.decision import Word
+from kilter.analysis.decision.decision import Decision, Word
 from kilter.analysis.decision.judge import Judgement
 from kilter.analysis.open_pairs.open_question import OpenQuestion, open_pairs_answer
+from kilter.analysis.open_pairs.remedies import Remedy, find_remedies
 from kilter.analysis.verdict.answers import joints_answer, unsupported_answer
 from kilter.analysis.verdict.contact_forces import ContactForces, find_contact_forces
 from kilter.analysis.verdict.displacement import LIMIT as DISPLACEMENT_LIMIT
@@ -56,7 +57,7 @@ from kilter.tell.levels import REQUIRE, holds, level_of
 from kilter.tell.words import NAMED, motion_summary, motion_words
 from kilter.threads import on_one_thread
 from kilter.units import metres_per_unit
-from kilter.work import EFFORT
+from kilter.work import EFFORT, Work, units_of
 
 if TYPE_CHECKING:
     from kilter.friction.answer import FrictionAnswer
@@ -100,6 +101,10 @@ class Verdict(InCells):
         The level that is asked for (`kilter.tell.levels`).
     measures : bool
         Z, kappa and displacements of LP (9) are asked for where friction plays a part.
+    decision : Decision or None
+        The decision from which this verdict was made.
+    seconds_left : float or None
+        Seconds that the time limit left when the verdict was found.
     second_order : SecondOrder or None
         Of what is stable without friction, wherever a motion is neutral: is it a minimum of its
         energy?
@@ -120,6 +125,8 @@ class Verdict(InCells):
     require: str = REQUIRE
     measures: bool = False
     second_order: SecondOrder | None = None
+    decision: Decision | None = None
+    seconds_left: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "seconds", MappingProxyType(dict(self.seconds)))
@@ -268,6 +275,21 @@ class Verdict(InCells):
         """Motions that cost no energy to first order, without friction."""
         return find_neutral(self.modelled)
 
+    @cached_property
+    @on_one_thread
+    def remedies(self) -> tuple[Remedy, ...]:
+        """Options of the command line that were tried and would change the verdict.
+
+        They are found when they are first read, with as much work as the verdict may take, and
+        within what the time limit of the verdict leaves.
+        """
+        if self.decision is None or self.time_limit is not None:
+            return ()
+        work = Work(units_of(self.effort), time_limit=self.seconds_left)
+        return find_remedies(
+            self.assembly, self.contacts, self.decision, require=self.require, work=work
+        )
+
     @property
     def tolerance(self) -> float:
         """The relative tolerance of the verdict: the largest of any part [-]."""
@@ -370,6 +392,7 @@ class Verdict(InCells):
             "tries": None if tries is None else {"passed": tries[0], "of": tries[1]},
             "sentence": self.sentence,
             "summary": self.summary,
+            "remedies": [remedy.to_dict() for remedy in self.remedies],
             "neutral": None
             if neutral is None
             else {"two_sided": neutral.two_sided, "one_sided": neutral.one_sided},

@@ -1,0 +1,183 @@
+"""Remedies: options that would change a verdict, each decided before it is offered.
+
+A remedy is a set of options of the command line. It is applied to the assembly as reading applies
+it (joints, tolerance, friction), and the cascade of `kilter.check` decides the result at the
+required level. The answer prints the option with this result.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from kilter.analysis.decision.cascade import decide
+from kilter.analysis.decision.decision import Decision
+from kilter.analysis.open_pairs.open_question import open_pairs_answer
+from kilter.assembly import Assembly
+from kilter.contact import ContactSet, Tolerance, detect
+from kilter.contact.fits.fastening import fastened
+from kilter.contact.fits.suggestions import suggest_joints
+from kilter.errors import InputError, shell_words
+from kilter.tell.levels import LEVELS
+from kilter.tell.open_words import OpenOption, open_options
+from kilter.work import Work
+
+__all__ = ["Remedy", "find_remedies"]
+
+MOST = 3
+"""Remedies that are tried and offered; each further one costs about one verdict."""
+FRICTION = 0.3
+"""Friction coefficient that is tried for an assembly without friction [-]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Remedy:
+    """Options that were tried, and their result.
+
+    Attributes
+    ----------
+    option : str
+        The options as they are typed.
+    leads_to : str
+        The verdict with these options, at the required level.
+    level : str or None
+        The level with these options.
+    """
+
+    option: str
+    leads_to: str
+    level: str | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """The remedy as JSON data."""
+        return {"option": self.option, "leads_to": self.leads_to, "level": self.level}
+
+
+@dataclass(frozen=True, slots=True)
+class _Change:
+    """Options of the command line as values."""
+
+    fasten: tuple[tuple[str, str], ...] = ()
+    suggested: bool = False
+    overlaps: bool = False
+    gap: float | None = None
+    clearance: float | None = None
+    loose: bool = False
+    friction: float | None = None
+
+    @property
+    def option(self) -> str:
+        """The options as they are typed."""
+        words = [f"--fasten {shell_words(pair)}" for pair in self.fasten]
+        words += ["--fasten-suggested"] if self.suggested else []
+        words += ["--fasten-overlaps"] if self.overlaps else []
+        words += ["--loose"] if self.loose else []
+        words += [] if self.gap is None else [f"--gap {self.gap:.6g}"]
+        words += [] if self.clearance is None else [f"--clearance {self.clearance:.6g}"]
+        words += [] if self.friction is None else [f"--friction {self.friction:g}"]
+        return " ".join(words)
+
+    def apply(self, assembly: Assembly, contacts: ContactSet) -> tuple[Assembly, ContactSet]:
+        """The assembly with these options, and its contacts."""
+        tolerance = self._tolerance(contacts.tolerance)
+        if self.friction is not None:
+            assembly = assembly.with_friction(self.friction)
+        if self.friction is not None or tolerance != contacts.tolerance:
+            contacts = detect.contacts(assembly, tolerance=tolerance)
+        if self.fasten or self.suggested or self.overlaps:
+            assembly = fastened(
+                assembly,
+                self.fasten,
+                suggested=self.suggested,
+                overlaps=self.overlaps,
+                contacts=contacts,
+            )
+        return assembly, contacts.of(assembly)
+
+    def _tolerance(self, tolerance: Tolerance) -> Tolerance:
+        if self.loose:
+            base = Tolerance.loose()
+            tolerance = replace(tolerance, relative_gap=base.relative_gap, angle=base.angle)
+        if self.gap is not None:
+            tolerance = replace(tolerance, gap=self.gap)
+        if self.clearance is not None:
+            tolerance = replace(tolerance, clearance=self.clearance)
+        return tolerance
+
+
+def find_remedies(
+    assembly: Assembly,
+    contacts: ContactSet,
+    decision: Decision,
+    *,
+    require: str,
+    work: Work,
+) -> tuple[Remedy, ...]:
+    """Try the options that may change a verdict; the fewest changes come first.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    contacts : ContactSet
+    decision : Decision
+        The decision about these.
+    require : {"equilibrium", "settles", "proved", "strict"}
+    work : Work
+        Work of all remedies together; its time limit is kept.
+
+    Returns
+    -------
+    tuple of Remedy
+        At most `MOST` remedies that reach a higher level, or that decide an undecided verdict.
+    """
+    if decision.verdict not in ("unstable", "undecided"):
+        return ()
+    remedies: list[Remedy] = []
+    part = work.fraction_left(1.0 / MOST)
+    for change in _changes(assembly, contacts, decision):
+        if len(remedies) == MOST or work.late:
+            break
+        try:
+            other, touching = change.apply(assembly, contacts)
+        except InputError:  # the option is refused, so that it is no remedy
+            continue
+        result = decide(
+            other, touching, require=require, work=work.beside(part.allowed), question=False
+        )
+        if result.level is None and (
+            decision.verdict == result.verdict or result.verdict == "undecided"
+        ):
+            continue
+        remedies.append(Remedy(change.option, result.verdict, result.level))
+        if result.level is not None and LEVELS.index(result.level) >= LEVELS.index("settles"):
+            break  # a further option changes more
+    return tuple(remedies)
+
+
+def _changes(assembly: Assembly, contacts: ContactSet, decision: Decision) -> Iterator[_Change]:
+    """The candidates, the fewest changes first."""
+    if decision.question is not None:
+        pairs = open_pairs_answer(assembly, contacts, decision.question)
+        yield _settling_change(open_options(pairs))
+    suggestions = any(suggestion.fixed for suggestion in suggest_joints(assembly, contacts))
+    smooth = not assembly.friction_pairs and not (contacts.patch_mu > 0).any()
+    if suggestions:
+        yield _Change(suggested=True)
+    if smooth and len(contacts):
+        yield _Change(friction=FRICTION)
+    if smooth and suggestions:
+        yield _Change(suggested=True, friction=FRICTION)
+
+
+def _settling_change(options: Sequence[OpenOption]) -> _Change:
+    """The options that state that the deciding pairs hold, as one change."""
+    return _Change(
+        fasten=tuple(pair for option in options for pair in option.fasten),
+        overlaps=any(option.overlaps for option in options),
+        loose=any(option.loose for option in options),
+        gap=max((option.gap for option in options if option.gap is not None), default=None),
+        clearance=max(
+            (option.clearance for option in options if option.clearance is not None), default=None
+        ),
+    )
