@@ -12,7 +12,7 @@ import kilter
 from kilter import Assembly, Bond, Box, InputError, Joint, Part, Pose
 from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.program import build_program
-from kilter.mechanics.proof import Evidence, _verdict, make_proof
+from kilter.mechanics.proof import Evidence, _verdict_word, make_proof
 from kilter.scenes import example
 
 FORCES = ForceProof(np.zeros(0), np.zeros((0, 3)), 0.0, True)
@@ -36,7 +36,7 @@ MOTION = MotionProof(np.zeros((1, 6)), 1.0, 0.0, 1e9, True)
 def test_the_verdict_is_that_of_the_evidence(
     certificate: Any, evidence: Evidence | None, verdict: str
 ) -> None:
-    assert _verdict(certificate, evidence) == verdict
+    assert _verdict_word(certificate, evidence) == verdict
 
 
 def test_what_is_undecided_has_none() -> None:

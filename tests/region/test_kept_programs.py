@@ -60,7 +60,7 @@ def test_a_wrong_answer_is_solved_again(monkeypatch: pytest.MonkeyPatch) -> None
     """A warm answer that is not optimal, whatever its status said, is not given out."""
     kept = KeptProgram(random_program(2))
     right = kept.solve()
-    run, told = KeptProgram._run, []
+    run, told = KeptProgram._run_simplex, []
 
     def wrong_once(self: KeptProgram, strategy: Warm, steps: int, work: Work | None) -> Solution:
         found = run(self, strategy, steps, work)
@@ -69,7 +69,7 @@ def test_a_wrong_answer_is_solved_again(monkeypatch: pytest.MonkeyPatch) -> None
             return replace(found, x=found.x + 1.0)
         return found
 
-    monkeypatch.setattr(KeptProgram, "_run", wrong_once)
+    monkeypatch.setattr(KeptProgram, "_run_simplex", wrong_once)
     again = kept.solve()
     assert len(told) == 2
     assert again.objective == pytest.approx(right.objective)

@@ -1,1 +1,1 @@
-"""Solvers of linear and quadratic programs, one package a file; they judge nothing."""
+"""Solvers of linear, conic and quadratic programs; they do not verify their answers."""

@@ -1,10 +1,9 @@
 """Many small equilibria, each with its own load factor, solved one after the other.
 
-    max lambda:  A f - lambda b = 0,  0 <= lambda <= 1,  f >= 0 but for two-sided columns
+    max lambda:  A f - lambda b = 0,  0 <= lambda <= 1,  f >= 0 except for two-sided columns
 
-for the blocks of a block-diagonal A. One object of HiGHS takes them in turn, which for a few
-dozen rows costs a third of making one each. It is not believed: forces and motions are judged by
-who asks.
+for the blocks of a block-diagonal A. A single HiGHS object takes them in turn, which for a few
+dozen rows costs a third of creating an object for each. The caller verifies forces and motions.
 """
 
 from __future__ import annotations
@@ -25,13 +24,14 @@ __all__ = ["BlockAnswers", "Blocks", "solve_blocks"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Blocks:
-    """Equilibria A f = b side by side.
+    """Independent equilibria A f = b in shared arrays.
 
     Attributes
     ----------
     matrix : csc_array, shape (m, n)
-        Block-diagonal.
+        Block-diagonal A.
     right : ndarray, shape (m,)
+        b.
     two_sided : ndarray of bool, shape (n,)
         Columns whose force may have either sign.
     row_start, column_start : ndarray of int, shape (M + 1,)
@@ -50,16 +50,16 @@ class Blocks:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BlockAnswers:
-    """What a solver found for each block.
+    """Solver results for each block, unverified.
 
     Attributes
     ----------
     factor : ndarray, shape (M,)
-        Lambda; NaN where the solver failed, or was not asked.
+        Load factor lambda; NaN if the solver failed or the block was not solved.
     forces : ndarray, shape (n,)
-        f, for the whole load where lambda is 1.
+        f for the whole load if lambda is 1, else 0.
     multipliers : ndarray, shape (m,)
-        y with A^T y >= 0 and b.y < 0 where lambda is 0: no f holds b.
+        y with A^T y >= 0 and b.y < 0 if lambda is 0: no f balances b.
     """
 
     factor: Array
@@ -68,25 +68,25 @@ class BlockAnswers:
 
 
 def solve_blocks(blocks: Blocks, which: Index) -> BlockAnswers:
-    """Solve some blocks, each by itself.
+    """Solve a subset of the blocks, each independently.
 
     Parameters
     ----------
     blocks : Blocks
     which : ndarray of int
-        The blocks that are asked.
+        Indices of the blocks to solve.
 
     Examples
     --------
     >>> matrix = csc_array(np.array([[-1.0, 0.0], [0.0, -1.0]]))
-    >>> one = np.arange(3)
-    >>> two = Blocks(matrix, np.array([-2.0, 2.0]), np.zeros(2, dtype=bool), one, one)
-    >>> found = solve_blocks(two, np.arange(2))
-    >>> found.factor.round().tolist() == [1, 0], found.forces.tolist()
+    >>> start = np.arange(3)
+    >>> two = Blocks(matrix, np.array([-2.0, 2.0]), np.zeros(2, dtype=bool), start, start)
+    >>> answers = solve_blocks(two, np.arange(2))
+    >>> answers.factor.round().tolist() == [1, 0], answers.forces.tolist()
     (True, [2.0, 0.0])
     """
     count = len(blocks)
-    found = BlockAnswers(
+    answers = BlockAnswers(
         np.full(count, np.nan), np.zeros(len(blocks.two_sided)), np.zeros(len(blocks.right))
     )
     highs = new_highs(FEASIBLE)
@@ -95,40 +95,40 @@ def solve_blocks(blocks: Blocks, which: Index) -> BlockAnswers:
     for k in which.tolist():
         rows = slice(*blocks.row_start[k : k + 2].tolist())
         columns = slice(*blocks.column_start[k : k + 2].tolist())
-        if rows.start == rows.stop:  # nothing is free
-            found.factor[k] = 1.0
+        if rows.start == rows.stop:  # a block without free parts balances trivially
+            answers.factor[k] = 1.0
             continue
-        _passed(highs, blocks, rows, columns)
+        _pass_block(highs, blocks, rows, columns)
         highs.run()
         if highs.getModelStatus() != highspy.HighsModelStatus.kOptimal:
             continue
         solution = highs.getSolution()
         x = np.array(solution.col_value)
-        found.factor[k] = x[-1]
+        answers.factor[k] = x[-1]
         if x[-1] > 0.5:
-            found.forces[columns] = x[:-1] / x[-1]
+            answers.forces[columns] = x[:-1] / x[-1]
         else:
-            found.multipliers[rows] = solution.row_dual
-    return found
+            answers.multipliers[rows] = solution.row_dual
+    return answers
 
 
-def _passed(highs: Any, blocks: Blocks, rows: slice, columns: slice) -> None:
-    """Hand the load factor of one block over, as plain arrays."""
+def _pass_block(highs: Any, blocks: Blocks, rows: slice, columns: slice) -> None:
+    """Pass the load-factor program of a block to HiGHS, as plain arrays."""
     matrix, right = blocks.matrix, blocks.right[rows]
     m, n = rows.stop - rows.start, columns.stop - columns.start
     start = matrix.indptr[columns.start : columns.stop + 1]
-    own = slice(int(start[0]), int(start[-1]))
-    loaded = np.flatnonzero(right)
-    place = np.concatenate([matrix.indices[own] - rows.start, loaded])
-    value = np.concatenate([matrix.data[own], -right[loaded]])
+    entries = slice(int(start[0]), int(start[-1]))
+    loaded_rows = np.flatnonzero(right)
+    index = np.concatenate([matrix.indices[entries] - rows.start, loaded_rows])
+    value = np.concatenate([matrix.data[entries], -right[loaded_rows]])
     cost, lower, upper = np.zeros(n + 1), np.zeros(n + 1), np.full(n + 1, np.inf)
     cost[-1], upper[-1] = -1.0, 1.0
     lower[:-1][blocks.two_sided[columns]] = -np.inf
     zero, continuous = np.zeros(m), np.zeros(n + 1, dtype=np.int32)
-    colwise, least = int(highspy.MatrixFormat.kColwise), int(highspy.ObjSense.kMinimize)
+    colwise, minimise = int(highspy.MatrixFormat.kColwise), int(highspy.ObjSense.kMinimize)
     highs.setOptionValue("simplex_iteration_limit", FEW + MANY * (m + n + 1))
     highs.passModel(
-        n + 1, m, len(value), colwise, least, 0.0, cost, lower, upper, zero, zero,
-        (start - start[0]).astype(np.int32, copy=False), place.astype(np.int32, copy=False),
+        n + 1, m, len(value), colwise, minimise, 0.0, cost, lower, upper, zero, zero,
+        (start - start[0]).astype(np.int32, copy=False), index.astype(np.int32, copy=False),
         value, continuous,
     )  # fmt: skip

@@ -1,8 +1,8 @@
-"""Conic, semidefinite and quadratic programs, by Clarabel; quadratic ones are then made exact.
+"""Conic, semidefinite and quadratic programs, by Clarabel; quadratic solutions are then polished.
 
-An interior point's answer is only as good as the square root of its gap. In a program without
-cones the rows whose multiplier outweighs their slack are taken as active, and the equations of
-that guess are solved directly; the result is kept where its residual is smaller.
+The answer of an interior point is only as accurate as the square root of its gap. In a program
+without cones, rows whose multiplier exceeds their slack are assumed to be active, and the equations
+of that active set are solved directly. The result is kept if its residual is smaller.
 
 References
 ----------
@@ -40,24 +40,28 @@ from kilter.work import Work
 __all__ = ["solve_conic", "solve_quadratic", "solve_semidefinite"]
 
 STEPS = 100
-"""Steps of the interior point after which it is given up."""
+"""Maximum number of interior-point steps of a conic program."""
 GUESSES = 4
-"""Guesses of the active rows."""
+"""Maximum number of active sets that polishing tries."""
 REGULAR = 1e-9
-"""Added to the diagonal of a guess's equations, over its own, and refined away."""
+"""Regularisation of the equations of an active set, relative to their largest diagonal entry;
+refinement removes its effect.
+"""
 REFINED = 30
-"""Steps of refinement at most."""
+"""Maximum number of refinement steps."""
 ROUNDING = 1e-15
-"""Residual of the equations that ends the refinement."""
+"""Residual of the equations at which refinement ends."""
 OPENS, PULLS = 1e-11, 1e-9
-"""Slack, over the largest unknown, and multiplier below minus which a guess of a row changes."""
+"""Polishing changes an active set at slacks below minus the first, over the largest unknown, and at
+multipliers below minus the second.
+"""
 
 SEMIDEFINITE_STEPS = 60
-"""Steps of the interior point after which it is given up."""
+"""Maximum number of interior-point steps of a semidefinite program."""
 SEMIDEFINITE_REGULAR = 1e-7
-"""Regularisation of the equations of a step, over the largest entry of their diagonal."""
+"""Regularisation of the equations of a step, over their largest diagonal entry."""
 SEMIDEFINITE_GAP = 1e-9
-"""Gap and feasibility asked for."""
+"""Requested gap and feasibility of a semidefinite program."""
 
 _OUTCOMES: dict[str, Outcome] = {
     "Solved": "optimal",
@@ -72,7 +76,7 @@ _OUTCOMES: dict[str, Outcome] = {
 def solve_conic(
     program: ConicProgram, *, tolerance: float = CONIC, work: Work | None = None
 ) -> Solution:
-    """Minimise a convex quadratic over linear rows and second-order cones.
+    """Minimise a convex quadratic function over linear rows and second-order cones.
 
     Parameters
     ----------
@@ -80,7 +84,7 @@ def solve_conic(
     tolerance : float
         Gap and feasibility, absolute and relative [-].
     work : Work, optional
-        It is charged, and its time limit is kept.
+        Counts the iterations, and limits the time.
 
     Examples
     --------
@@ -98,23 +102,28 @@ def solve_conic(
     """
     entries = program.matrix.nnz
     seconds = None if work is None else work.seconds
-    asked = program, tolerance, seconds
+    arguments = program, tolerance, seconds
     try:
-        # setting it up keeps the interpreter to itself
-        found = call_apart(_answer, *asked) if entries >= DEAF else _answer(*asked)
+        # the set-up of a large program holds the interpreter lock: another process stays responsive
+        answer = (
+            call_apart(_call_clarabel, *arguments)
+            if entries >= DEAF
+            else _call_clarabel(*arguments)
+        )
     except SolverError:
         return Solution(program, "failed", np.empty(0), np.empty(0), "clarabel", 0)
     if work is not None:
-        work.conic(found.iterations, entries)
-    x, outcome = found.x, _OUTCOMES.get(found.status, "failed")
+        work.conic(answer.iterations, entries)
+    x, outcome = answer.x, _OUTCOMES.get(answer.status, "failed")
+    # Clarabel also returns a point for infeasible programs; it is meaningless
     if outcome in ("infeasible", "unbounded") or not np.isfinite(x).all():
         x, outcome = np.empty(0), "failed" if outcome == "optimal" else outcome
-    return Solution(program, outcome, x, found.multipliers, "clarabel", found.iterations)
+    return Solution(program, outcome, x, answer.multipliers, "clarabel", answer.iterations)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Answer:
-    """What Clarabel says."""
+    """Result of Clarabel, as plain arrays."""
 
     status: str
     x: Array
@@ -122,14 +131,15 @@ class _Answer:
     iterations: int
 
 
-def _answer(program: ConicProgram, tolerance: float, seconds: float | None) -> _Answer:
+def _call_clarabel(program: ConicProgram, tolerance: float, seconds: float | None) -> _Answer:
+    """Set up Clarabel for a conic program and solve it."""
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
     settings.max_iter = STEPS
-    # on walls twice as fast as what it would choose, on quadratic programs twenty times
+    # twice as fast as the default on walls, twenty times on quadratic programs
     settings.direct_solve_method = "qdldl"
-    settings.max_threads = 1  # no bit of an answer depends on the machine
+    settings.max_threads = 1  # identical answers on every machine
     if seconds is not None:
         settings.time_limit = seconds
     cones: list[object] = []
@@ -146,35 +156,36 @@ def _answer(program: ConicProgram, tolerance: float, seconds: float | None) -> _
         cones,
         settings,
     )
-    answer = _solved(solver, program.matrix.nnz)
+    answer = _solve_interruptible(solver, program.matrix.nnz)
     return _Answer(str(answer.status), np.array(answer.x), np.array(answer.z), answer.iterations)
 
 
-def _solved(solver: Any, entries: int) -> Any:
-    """What the solver answers; beside the main thread where it may take long."""
+def _solve_interruptible(solver: Any, entries: int) -> Any:
+    """Run the solver; in a separate thread if the run may be long, so that Ctrl-C ends it."""
     if entries < LONG:
         return solver.solve()
-    stopped, answers = threading.Event(), []
+    stopped, results = threading.Event(), []
     solver.set_termination_callback(lambda _: stopped.is_set())
-    run_aside(lambda: answers.append(solver.solve()), stopped.set)
-    return answers[0]
+    run_aside(lambda: results.append(solver.solve()), stopped.set)
+    return results[0]
 
 
 def solve_quadratic(
     program: ConicProgram, *, tolerance: float = CONIC_FIRST, polish: bool = True
 ) -> Solution:
-    """Minimise a convex quadratic under linear rows: a program without cones.
+    """Minimise a convex quadratic function under linear rows: a program without cones.
 
-    Asked for more digits than it can give, the interior point stops far from the optimum; so
-    it is asked for fewer, until what is left after polishing is below `QUADRATIC_GOOD`.
+    If the requested tolerance is finer than it can reach, the interior point stops far from the
+    optimum. So the tolerance is relaxed until the residual after polishing is below
+    `QUADRATIC_GOOD`.
 
     Parameters
     ----------
     program : ConicProgram
     tolerance : float
-        Gap and feasibility first asked for [-].
+        First requested gap and feasibility [-].
     polish : bool
-        Without it the interior point is asked once.
+        If false, return the interior-point solution for `tolerance`.
     """
     best = solve_conic(program, tolerance=tolerance)
     if not polish:
@@ -182,62 +193,67 @@ def solve_quadratic(
     for looser in (tolerance, 100 * tolerance, 1e4 * tolerance):
         answer = best if looser == tolerance else solve_conic(program, tolerance=looser)
         if answer.found:
-            best = min([best, answer, *_polished(answer)], key=lambda one: one.residual)
+            best = min([best, answer, *_polish(answer)], key=lambda solution: solution.residual)
         if best.residual <= QUADRATIC_GOOD:
             return replace(best, outcome="optimal")
     return best
 
 
-def _polished(start: Solution) -> list[Solution]:
-    """Solutions of the equations of the guessed active rows, by regularised refinement."""
+def _polish(start: Solution) -> list[Solution]:
+    """Solutions for successive guesses of the active rows, beginning with those of `start`."""
     program = start.problem
     assert isinstance(program, ConicProgram)
     one_sided = np.arange(len(program.bound)) >= program.equal
     slack = program.bound - program.matrix @ start.x
+    # complementarity: of a slack and its multiplier the smaller one tends to 0
     active = (start.multipliers > slack) | ~one_sided
-    found = []
+    solutions = []
     for _ in range(GUESSES):
         rows = np.flatnonzero(active)
-        x, y = _equations(program, rows, start)
+        x, y = _solve_active_set(program, rows, start)
         multipliers = np.zeros(len(active))
         multipliers[rows] = y
         pushing = np.where(one_sided, np.maximum(multipliers, 0), multipliers)
-        found.append(replace(start, x=x, multipliers=pushing))
+        solutions.append(replace(start, x=x, multipliers=pushing))
         slack = program.bound - program.matrix @ x
         opens = OPENS * max(1.0, float(np.abs(x).max(initial=0.0)))
         change = (~active & (slack < -opens)) | (active & (multipliers < -PULLS) & one_sided)
         if not change.any():
             break
         active = active ^ change
-    return found
+    return solutions
 
 
-def _equations(program: ConicProgram, rows: Index, start: Solution) -> tuple[Array, Array]:
-    """X and multipliers of the rows held as equations."""
+def _solve_active_set(program: ConicProgram, rows: Index, start: Solution) -> tuple[Array, Array]:
+    """Solution x and multipliers of the given rows held as equations, by regularised refinement."""
     from scipy.sparse.linalg import splu
 
-    some = csc_array(program.matrix.tocsr()[rows])
-    count, held = some.shape[1], some.shape[0]
-    small = REGULAR * max(1.0, float(np.abs(program.quadratic.diagonal()).max(initial=0.0)))
-    quadratic = program.quadratic + small * eye_array(count)
-    system = block_array([[quadratic, some.T], [-some, small * eye_array(held)]], format="csc")
+    active_rows = csc_array(program.matrix.tocsr()[rows])
+    count, row_count = active_rows.shape[1], active_rows.shape[0]
+    regular = REGULAR * max(1.0, float(np.abs(program.quadratic.diagonal()).max(initial=0.0)))
+    quadratic = program.quadratic + regular * eye_array(count)
+    system = block_array(
+        [[quadratic, active_rows.T], [-active_rows, regular * eye_array(row_count)]], format="csc"
+    )
     exact = block_array(
-        [[program.quadratic, some.T], [-some, diags_array(np.zeros(held))]], format="csc"
+        [[program.quadratic, active_rows.T], [-active_rows, diags_array(np.zeros(row_count))]],
+        format="csc",
     )
     right = np.concatenate([-program.cost, -program.bound[rows]])
     factor = splu(system)
     z = np.concatenate([start.x, start.multipliers[rows]])
     for _ in range(REFINED):
-        rest = right - exact @ z
-        if np.abs(rest).max(initial=0.0) < ROUNDING:
+        residual = right - exact @ z
+        if np.abs(residual).max(initial=0.0) < ROUNDING:
             break
-        z = z + factor.solve(rest)
+        z = z + factor.solve(residual)
     return z[:count], z[count:]
 
 
 def solve_semidefinite(program: SemidefiniteProgram, *, work: Work) -> Multipliers | None:
-    """Multipliers of the rows of a program; None where the solver broke down."""
+    """Multipliers of the rows of a semidefinite program; None if the solver breaks down."""
     size = program.dimension
+    # rows of length 1, and cones of longest row 1, so that the regularisation suits all of them
     weights = [
         np.ones(1),
         1.0 / _lengths(program.equal),
@@ -246,9 +262,9 @@ def solve_semidefinite(program: SemidefiniteProgram, *, work: Work) -> Multiplie
     ]
     first = csr_array(([1.0], ([0], [0])), shape=(1, len(program.gain)))
     signed = [first, program.equal, -program.positive, -program.cones]
-    rows = [csr_array(one.multiply(w[:, None])) for one, w in zip(signed, weights, strict=True)]
-    stacked = vstack([*rows, *(-one for one in program.squares)], format="csc")
-    orders = [_order(one.shape[0]) for one in program.squares]
+    rows = [csr_array(block.multiply(w[:, None])) for block, w in zip(signed, weights, strict=True)]
+    stacked = vstack([*rows, *(-square for square in program.squares)], format="csc")
+    orders = [_order(square.shape[0]) for square in program.squares]
     cones = [clarabel.ZeroConeT(1 + program.equal.shape[0])]
     if program.positive.shape[0]:
         cones.append(clarabel.NonnegativeConeT(program.positive.shape[0]))
@@ -256,13 +272,13 @@ def solve_semidefinite(program: SemidefiniteProgram, *, work: Work) -> Multiplie
     cones += [clarabel.PSDTriangleConeT(order) for order in orders]
     bound = np.zeros(stacked.shape[0])
     bound[0] = 1.0
-    none = csc_matrix((len(program.gain), len(program.gain)))
+    no_quadratic = csc_matrix((len(program.gain), len(program.gain)))
     solver = clarabel.DefaultSolver(
-        none, -program.gain, csc_matrix(stacked), bound, cones, _semidefinite_settings(work)
+        no_quadratic, -program.gain, csc_matrix(stacked), bound, cones, _semidefinite_settings(work)
     )
     try:
-        answer = _solved(solver, stacked.nnz)
-    except BaseException as fault:  # what Rust raises is no Exception
+        answer = _solve_interruptible(solver, stacked.nnz)
+    except BaseException as fault:  # a panic of Rust is a BaseException
         if type(fault).__name__ != "PanicException":
             raise
         return None
@@ -272,17 +288,18 @@ def solve_semidefinite(program: SemidefiniteProgram, *, work: Work) -> Multiplie
         return None
     heights = [len(w) for w in weights]
     _, equal, positive, conic, rest = np.split(z, np.cumsum(heights))
-    triangles = np.split(rest, np.cumsum([one.shape[0] for one in program.squares])[:-1])
+    triangles = np.split(rest, np.cumsum([square.shape[0] for square in program.squares])[:-1])
     return Multipliers(
         equal * weights[1],
         positive * weights[2],
         conic * weights[3],
-        tuple(_matrix(one, order) for one, order in zip(triangles, orders, strict=True)),
+        tuple(_matrix(triangle, order) for triangle, order in zip(triangles, orders, strict=True)),
         np.array(answer.x),
     )
 
 
 def _semidefinite_settings(work: Work) -> clarabel.DefaultSettings:
+    """Settings for degenerate programs: strong regularisation, no presolve, no decomposition."""
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = SEMIDEFINITE_GAP
@@ -304,12 +321,12 @@ def _lengths(rows: csr_array) -> Array:
 
 
 def _order(height: int) -> int:
-    """K of an upper triangle of k (k + 1) / 2 numbers."""
+    """Order k of a matrix whose upper triangle has k (k + 1) / 2 entries."""
     return round((float(np.sqrt(8.0 * height + 1.0)) - 1.0) / 2.0)
 
 
 def _matrix(triangle: Array, order: int) -> Array:
-    """The symmetric matrix of an upper triangle."""
+    """Symmetric matrix from its upper triangle with off-diagonal entries times sqrt(2)."""
     column, row = np.tril_indices(order)
     values = triangle * np.where(row == column, 1.0, np.sqrt(0.5))
     matrix = np.zeros((order, order))

@@ -1,18 +1,18 @@
-"""An interior point for `LinkedCones`, step by step: who asks says when it is enough.
+"""Interior-point method for `LinkedCones`, one step at a time; the caller decides when to stop.
 
-Mehrotra's predictor and corrector in the scaling of Nesterov and Todd. One factorisation of
-A W^2 A^T a step, block by block (`kilter.solvers.block_cholesky`), re-used for both directions
-and for projecting the forces of the step onto exact balance: long before they are optimal, such
-forces may lie within their cones, which is all that a proof of equilibrium needs. As soon as
-dual feasibility is reached, the multipliers are a proof of the opposite where there is one.
+Mehrotra's predictor and corrector in the scaling of Nesterov and Todd. Each step factorises A W^2
+A^T once, block by block (`kilter.solvers.block_cholesky`). Both directions reuse the factors, and
+so does the projection of the forces onto exact balance: long before they are optimal, projected
+forces may lie in their cones, which is all that a proof of equilibrium needs. As soon as the
+multipliers are dual feasible, they are a proof of the opposite, if one exists.
 
-Columns that are free have no complement: a proximal term about the step before, of a weight that
-is large beside that of the cones, stands for it and vanishes with the steps.
+Free columns have no complement. A proximal term about the previous step stands in for it, with a
+weight that is large compared with those of the cones; the term vanishes as the steps converge.
 
 References
 ----------
-S. Mehrotra, On the implementation of a primal-dual interior point method, 1992. E. D. Andersen,
-C. Roos, T. Terlaky, On implementing a primal-dual interior-point method for conic quadratic
+S. Mehrotra, On the implementation of a primal-dual interior point method, 1992. E. D. Andersen, C.
+Roos, T. Terlaky, On implementing a primal-dual interior-point method for conic quadratic
 optimization, 2003.
 """
 
@@ -31,36 +31,54 @@ from kilter.solvers.lorentz import Scaling, depth, divided, product, reach
 __all__ = ["Iterate", "Start", "common_start", "iterates"]
 
 STEPS = 60
-"""Steps at most."""
+"""Maximum number of steps."""
 INSIDE = 1e-10
-"""By how much forces over their share may leave their cones and be worth a proof."""
+"""Largest distance of forces outside their cones, over the load, with which they are worth a proof
+attempt.
+"""
 OPENED = 1e-7
-"""By how much a motion may leave its cones, over its gain, and be worth a proof."""
+"""Largest violation of a motion, over its gain, with which it is worth a proof attempt."""
 SHORT_OF = 0.99
-"""Part of the way to the boundary that a step goes: with more, steps near a limit stick."""
+"""Fraction of the distance to the boundary that a step covers. With a larger value, steps near a
+limit stall.
+"""
 REGULAR = 1e-13, 1e-9
-"""Added to the diagonal of a block over its mean entry: at first, and where that is not enough."""
+"""Regularisation of a diagonal block over its mean entry: the first, and a second if factorisation
+fails.
+"""
 WHOLE = 10.0
-"""Weight of a free column over the largest of the cones'."""
+"""Weight of a free column over the largest weight of the cones."""
 REFINED = 2
-"""Corrections of a projection onto balance."""
+"""Number of corrections of a projection onto balance."""
 COMMON, CENTRED = 4, 0.99
-"""Steps of a start that several programs share, and their part of the way to the boundary: a start
-near a wall costs each of them more than it saves."""
+"""Number of steps of a start that several programs share, and their fraction of the distance to the
+boundary. A start near the boundary costs each program more steps than it saves.
+"""
 DONE = 1e-16
-"""Mean product of x and s below which steps lead nowhere."""
+"""Mean product of x and s below which further steps have no effect."""
 LEAST_CENTRE = 1e-8
-"""Of the mean product that the next step aims at, over this one's."""
+"""Least ratio of the mean product that a step aims for to the current mean product."""
 
 
 @dataclass(slots=True, eq=False)
 class Iterate:
-    """A step: x, s, shape (d, K); y, shape (N, n); t and most - t with their slacks (2,).
+    """A step of the method; it is updated in place.
 
     Attributes
     ----------
+    problem : LinkedCones
+    x, s : ndarray, shape (d, K)
+        Unknowns and dual slacks, in the cones.
+    y : ndarray, shape (N, n)
+        Multipliers of the balance.
+    ends, slacks : ndarray, shape (2,)
+        t and most - t, and their dual slacks.
+    end : float
+        Multiplier of the equation t + (most - t) = most.
+    scaling : Scaling
+        Scaling of the step.
     number : int
-        Of the step, from 1.
+        Number of the step, from 1.
     mean : float
         Mean product of x and s: 0 at the optimum.
     x_rest, y_rest : float
@@ -82,45 +100,48 @@ class Iterate:
 
     @property
     def share(self) -> float:
-        """The t of this step."""
+        """The share t of this step."""
         return float(self.ends[0])
 
     @property
     def bound(self) -> float:
-        """No share above it is balanced, where -A^T y lies in the cones; inf without one."""
+        """Upper bound of the balanced shares if -A^T y lies in the cones; inf without a bound."""
         gain = float((self.problem.along * self.y).sum())
         return -float((self.problem.right * self.y).sum()) / gain if gain > 0.0 else np.inf
 
     def balanced(self) -> Array | None:
-        """The x nearest in the metric of the step that balances at its share, shape (d, K).
+        """The nearest x, in the metric of the step, that balances at its share, shape (d, K).
 
-        None where it leaves its cones.
+        None if it leaves its cones.
         """
         problem, x = self.problem, self.x
-        goal = problem.right + self.share * problem.along
-        size = float(np.abs(goal).max(initial=0.0))
+        target = problem.right + self.share * problem.along
+        size = float(np.abs(target).max(initial=0.0))
         if self.x_rest > size:
             return None
         for _ in range(1 + REFINED):
-            short = problem.factor.solve(goal - problem.balance(x))
-            x = x + self.scaling.twice(problem.openings(short))
+            correction = problem.factor.solve(target - problem.balance(x))
+            x = x + self.scaling.twice(problem.openings(correction))
         outside = -(depth(x) * problem.sizes)[~problem.free]
         return x if outside.max(initial=0.0) <= INSIDE * size else None
 
     def against(self) -> Array | None:
-        """The y with along.y > 0 and -A^T y in the cones, shape (N, n); None where it is not.
+        """The multipliers y, shape (N, n), if along.y > 0 and -A^T y lies in the cones, else None.
 
-        For programs that are homogeneous: there is no x then.
+        For homogeneous programs: y proves that no x balances a positive share.
         """
         gain = float((self.problem.along * self.y).sum())
         opening = -self.problem.openings(self.y)
-        out = np.where(self.problem.free, np.abs(opening[0]), -depth(opening))
-        return self.y if out.max(initial=0.0) <= OPENED * gain else None
+        violation = np.where(self.problem.free, np.abs(opening[0]), -depth(opening))
+        return self.y if violation.max(initial=0.0) <= OPENED * gain else None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Start:
-    """x and s within the cones, shape (d, K), y, (N, n), and the mean product of x and s."""
+    """Starting point: x and s inside the cones, shape (d, K), and y, shape (N, n).
+
+    `mean` is the mean product of x and s.
+    """
 
     x: Array
     s: Array
@@ -129,67 +150,72 @@ class Start:
 
 
 def _middle(problem: LinkedCones) -> Start:
-    """The middle of the cones."""
+    """The central starting point: x = s, the axes of the cones."""
     x = np.zeros(problem.columns.shape[1:])
     x[0, ~problem.free] = 1.0
     return Start(x, x, np.zeros(problem.right.shape), 1.0)
 
 
-def _begun(problem: LinkedCones, start: Start) -> Iterate:
+def _first_iterate(problem: LinkedCones, start: Start) -> Iterate:
+    """The iterate at a starting point, with t in the middle of its range."""
     half = min(problem.most, 1.0) / 2
     ends = np.array([half, problem.most - half])
-    # as far from 0 as the products of x and s; from the middle each is 1
+    # so that t s_t equals the mean product of x and s, which is 1 at the central start
     slacks = np.ones(2) if start.mean == 1.0 else start.mean / ends
     x, s = start.x.copy(), start.s.copy()
     return Iterate(problem, x, s, start.y.copy(), ends, slacks, 0.0, Scaling.of(x, x))
 
 
 def common_start(problem: LinkedCones) -> Start:
-    """Where programs that differ in `along` alone may all begin: a few steps without it.
+    """Starting point for programs that differ only in `along`: a few steps with along = 0.
 
-    The same for each, so that programs that mirror one another have answers that do; each takes
-    a third of its steps less.
+    The start is the same for each program, so programs that are mirror images of one another have
+    mirror-image answers. Each program then takes a third fewer steps.
     """
-    now = _begun(problem.with_more(np.zeros(problem.along.shape), problem.most), _middle(problem))
+    iterate = _first_iterate(
+        problem.with_more(np.zeros(problem.along.shape), problem.most), _middle(problem)
+    )
     try:
         with np.errstate(over="raise", divide="raise", invalid="raise"):
             for _ in range(COMMON):
-                _stepped(now, CENTRED)
+                _advance(iterate, CENTRED)
     except (NotPositive, FloatingPointError):
         return _middle(problem)
     count = int((~problem.free).sum())
-    return Start(now.x, now.s, now.y, float((now.x * now.s).sum()) / count)
+    return Start(iterate.x, iterate.s, iterate.y, float((iterate.x * iterate.s).sum()) / count)
 
 
 def iterates(
     problem: LinkedCones, short_of: float = SHORT_OF, start: Start | None = None
 ) -> Iterator[Iterate]:
-    """The steps from the middle of the cones on, as far as rounding lets them go.
+    """Iterate over the steps from a start, until rounding prevents further progress.
+
+    The same object is yielded at each step, updated.
 
     Parameters
     ----------
     problem : LinkedCones
     short_of : float
-        Part of the way to the boundary that a step goes.
+        Fraction of the distance to the boundary that a step covers.
     start : Start, optional
-        In place of the middle: `common_start` of a program that differs in `along` alone.
+        `common_start` of a program that differs only in `along`; default: the axes of the cones.
     """
-    now = _begun(problem, start or _middle(problem))
+    iterate = _first_iterate(problem, start or _middle(problem))
     for number in range(1, STEPS + 1):
         try:
             with np.errstate(over="raise", divide="raise", invalid="raise"):
-                _stepped(now, short_of)
+                _advance(iterate, short_of)
         except (NotPositive, FloatingPointError):
             return
-        if now.mean < DONE:
+        if iterate.mean < DONE:
             return
-        now.number = number
-        yield now
+        iterate.number = number
+        yield iterate
 
 
 @dataclass(slots=True, eq=False)
-class _Rests:
-    """What is left of the equations of x, of t, of s and of their ends."""
+class _Residuals:
+    """Residuals of the equations of x, of the span of t, of s, and of the slacks of t."""
 
     x: Array
     span: float
@@ -197,42 +223,45 @@ class _Rests:
     ends: Array
 
 
-def _rests(now: Iterate) -> _Rests:
-    problem, t = now.problem, now.ends[0]
-    gain = float((problem.along * now.y).sum())
-    rests = _Rests(
-        problem.right + t * problem.along - problem.balance(now.x),
-        problem.most - float(now.ends.sum()),
-        -problem.openings(now.y) - now.s,
-        np.array([gain - now.end - 1.0, -now.end]) - now.slacks,
+def _residuals(iterate: Iterate) -> _Residuals:
+    """Residuals at an iterate; also stores their largest entries in it."""
+    problem, t = iterate.problem, iterate.ends[0]
+    gain = float((problem.along * iterate.y).sum())
+    residuals = _Residuals(
+        problem.right + t * problem.along - problem.balance(iterate.x),
+        problem.most - float(iterate.ends.sum()),
+        -problem.openings(iterate.y) - iterate.s,
+        np.array([gain - iterate.end - 1.0, -iterate.end]) - iterate.slacks,
     )
-    now.x_rest = float(np.abs(rests.x).max(initial=0.0))
-    now.y_rest = float(np.abs(rests.s).max(initial=0.0))
-    return rests
+    iterate.x_rest = float(np.abs(residuals.x).max(initial=0.0))
+    iterate.y_rest = float(np.abs(residuals.s).max(initial=0.0))
+    return residuals
 
 
-def _mean(x: Array, s: Array, ends: Array, slacks: Array, count: int) -> float:
+def _mean_product(x: Array, s: Array, ends: Array, slacks: Array, count: int) -> float:
+    """Mean of the products of x and s, and of t and its slacks."""
     return float(((x * s).sum() + ends @ slacks) / (count + 2))
 
 
-def _scaled(now: Iterate) -> Scaling:
-    """The scaling of the step; of free columns a weight of their own."""
-    free = now.problem.free
-    x, s = now.x.copy(), now.s.copy()
+def _step_scaling(iterate: Iterate) -> Scaling:
+    """Nesterov-Todd scaling of an iterate; free columns get a large weight instead."""
+    free = iterate.problem.free
+    x, s = iterate.x.copy(), iterate.s.copy()
     x[:, free] = s[:, free] = 0.0
     x[0, free] = s[0, free] = 1.0
     scaling = Scaling.of(x, s)
     if free.any():
-        most = float((scaling.eta * scaling.w[0])[~free].max(initial=1.0))
-        scaling.eta[free] = WHOLE * most
+        largest = float((scaling.eta * scaling.w[0])[~free].max(initial=1.0))
+        scaling.eta[free] = WHOLE * largest
     return scaling
 
 
-def _factorised(problem: LinkedCones, scaling: Scaling) -> None:
+def _factorise(problem: LinkedCones, scaling: Scaling) -> None:
+    """Factorise A W^2 A^T, with more regularisation if the first attempt fails."""
     diagonal, links = problem.normal_matrix(scaling)
     size = diagonal.shape[1]
     mean = np.trace(diagonal, axis1=1, axis2=2) / size
-    # a block that nothing touches
+    # a block without links has a mean of 0
     mean = np.where(mean > 0, mean, 1.0)
     each = np.arange(size)
     for regular in REGULAR:
@@ -246,51 +275,57 @@ def _factorised(problem: LinkedCones, scaling: Scaling) -> None:
             return
 
 
-def _stepped(now: Iterate, short_of: float) -> None:
-    """One step: predictor, corrector, as far as the cones let it."""
-    problem = now.problem
+def _advance(iterate: Iterate, short_of: float) -> None:
+    """Take a step: predictor, corrector, then move as far as the cones allow."""
+    problem = iterate.problem
     cones = ~problem.free
     count = int(cones.sum())
-    # all of them as a view: a mask copies
-    held = slice(None) if count == cones.size else cones
-    rests = _rests(now)
-    now.mean = mean = _mean(now.x, now.s, now.ends, now.slacks, count)
-    now.scaling = scaling = _scaled(now)
-    _factorised(problem, scaling)
-    middle = scaling.times(now.s)
-    middle[0, problem.free] = 1.0
-    solve = _direction(now, rests, middle)
+    # a slice is a view; a mask copies
+    coned = slice(None) if count == cones.size else cones
+    residuals = _residuals(iterate)
+    iterate.mean = mean = _mean_product(iterate.x, iterate.s, iterate.ends, iterate.slacks, count)
+    iterate.scaling = scaling = _step_scaling(iterate)
+    _factorise(problem, scaling)
+    scaled_point = scaling.times(iterate.s)
+    scaled_point[0, problem.free] = 1.0
+    solve = _direction(iterate, residuals, scaled_point)
 
     def lengths(step: _Step) -> tuple[float, float]:
         return (
-            min(reach(now.x[:, held], step.x[:, held]), _reach(now.ends, step.ends)),
-            min(reach(now.s[:, held], step.s[:, held]), _reach(now.slacks, step.slacks)),
+            min(
+                reach(iterate.x[:, coned], step.x[:, coned]), _largest_step(iterate.ends, step.ends)
+            ),
+            min(
+                reach(iterate.s[:, coned], step.s[:, coned]),
+                _largest_step(iterate.slacks, step.slacks),
+            ),
         )
 
-    square, flat = product(middle, middle), now.ends * now.slacks
-    step = solve(-square, -flat)
-    a, b = (min(1.0, far) for far in lengths(step))
-    after = _mean(
-        now.x + a * step.x, now.s + b * step.s,
-        now.ends + a * step.ends, now.slacks + b * step.slacks, count,
+    point_square, end_products = product(scaled_point, scaled_point), iterate.ends * iterate.slacks
+    step = solve(-point_square, -end_products)
+    a, b = (min(1.0, limit) for limit in lengths(step))
+    predicted = _mean_product(
+        iterate.x + a * step.x, iterate.s + b * step.s,
+        iterate.ends + a * step.ends, iterate.slacks + b * step.slacks, count,
     )  # fmt: skip
-    goal = min(max((after / mean) ** 3, LEAST_CENTRE), 1.0) * mean
-    bent = product(scaling.over(step.x), scaling.times(step.s))
-    change = -square - bent
-    change[0] += goal
-    step = solve(change, goal - flat - step.ends * step.slacks)
-    a, b = (min(1.0, short_of * far) for far in lengths(step))
-    now.x = now.x + a * step.x
-    now.ends = now.ends + a * step.ends
-    now.s = now.s + b * step.s
-    now.slacks = now.slacks + b * step.slacks
-    now.y = now.y + b * step.y
-    now.end += b * step.end
+    # Mehrotra's rule: the better the predictor, the smaller the mean product to aim for
+    target = min(max((predicted / mean) ** 3, LEAST_CENTRE), 1.0) * mean
+    second_order = product(scaling.over(step.x), scaling.times(step.s))
+    change = -point_square - second_order
+    change[0] += target
+    step = solve(change, target - end_products - step.ends * step.slacks)
+    a, b = (min(1.0, short_of * limit) for limit in lengths(step))
+    iterate.x = iterate.x + a * step.x
+    iterate.ends = iterate.ends + a * step.ends
+    iterate.s = iterate.s + b * step.s
+    iterate.slacks = iterate.slacks + b * step.slacks
+    iterate.y = iterate.y + b * step.y
+    iterate.end += b * step.end
 
 
 @dataclass(slots=True, eq=False)
 class _Step:
-    """Changes of an iterate's members."""
+    """Changes of the members of an iterate."""
 
     x: Array
     s: Array
@@ -300,35 +335,40 @@ class _Step:
     end: float
 
 
-def _direction(now: Iterate, rests: _Rests, middle: Array) -> Callable[[Array, Array], _Step]:
-    """The step that brings the products of x and s, and those of the ends, to what is asked."""
-    problem, scaling, free = now.problem, now.scaling, now.problem.free
-    weight = now.ends / now.slacks
+def _direction(
+    iterate: Iterate, residuals: _Residuals, scaled_point: Array
+) -> Callable[[Array, Array], _Step]:
+    """Solver for the step that changes the products of x and s, and those of t, to given values.
+
+    The system is solved by eliminating x, s and the slacks; the last unknown is the change of t.
+    """
+    problem, scaling, free = iterate.problem, iterate.scaling, iterate.problem.free
+    weight = iterate.ends / iterate.slacks
     along = problem.along
-    answers: list[Array] = []  # of the blocks to t
+    responses: list[Array] = []  # response of y to a unit change of t
 
     def solved(right: Array) -> Array:
-        if answers:
+        if responses:
             return problem.factor.solve(right)
         both = problem.factor.solve(np.stack([right, along], axis=-1))
-        answers.append(both[..., 1])
+        responses.append(both[..., 1])
         return both[..., 0]
 
     def solve(change: Array, flat: Array) -> _Step:
         change[:, free] = 0.0
-        aimed = scaling.times(divided(middle, change))
-        ends = flat / now.slacks - weight * rests.ends
-        right = rests.x - problem.balance(aimed - scaling.twice(rests.s))
+        aimed = scaling.times(divided(scaled_point, change))
+        ends = flat / iterate.slacks - weight * residuals.ends
+        right = residuals.x - problem.balance(aimed - scaling.twice(residuals.s))
         y = solved(right)
-        answer = answers[0]
+        answer = responses[0]
         stiff = 1 + weight[0] / weight[1] + weight[0] * float((along * answer).sum())
-        rest = (rests.span - ends[1]) / weight[1]
+        rest = (residuals.span - ends[1]) / weight[1]
         dt = (ends[0] + weight[0] * (rest - float((along * y).sum()))) / stiff
         y = y + dt * answer
         end = rest - dt / weight[1]
         gain = float((along * y).sum())
-        slacks = rests.ends + np.array([gain - end, -end])
-        s = rests.s - problem.openings(y)
+        slacks = residuals.ends + np.array([gain - end, -end])
+        s = residuals.s - problem.openings(y)
         x = aimed - scaling.twice(s)
         s[:, free] = 0.0
         dr = ends[1] + weight[1] * end
@@ -337,7 +377,7 @@ def _direction(now: Iterate, rests: _Rests, middle: Array) -> Callable[[Array, A
     return solve
 
 
-def _reach(values: Array, steps: Array) -> float:
+def _largest_step(values: Array, steps: Array) -> float:
     """The largest t up to which all values + t steps stay positive."""
     falls = steps < 0
     return float((-values[falls] / steps[falls]).min(initial=np.inf))

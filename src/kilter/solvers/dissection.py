@@ -1,16 +1,16 @@
-"""Nested dissection: in what order the blocks of a sparse matrix are eliminated.
+"""Nested dissection: an elimination order for the blocks of a sparse matrix.
 
-Blocks have a place in space, and only near ones are linked. Half of them, along the longest side
-of what they fill, is separated from the other half by those of the first half that are linked
-to the second; the halves are eliminated first, each in this way, and what separates them last.
+Blocks have positions in space, and only neighbours are linked. A set of blocks is halved along the
+longest side of its bounding box. Those blocks of the first half that are linked to the second
+separate the halves. The halves are eliminated first, recursively, and the separator last.
 
-Each set that is eliminated at once is a *front*: its own blocks, and its border, later blocks
-that it is linked to, directly or through what was eliminated before.
+Each set of blocks that is eliminated together is a *front*. Its border consists of the later blocks
+that are linked to it, directly or through earlier eliminations.
 
 References
 ----------
-A. George, Nested dissection of a regular finite element mesh, 1973. J. W. H. Liu, The
-multifrontal method for sparse matrix solution: theory and practice, 1992.
+A. George, Nested dissection of a regular finite element mesh, 1973. J. W. H. Liu, The multifrontal
+method for sparse matrix solution: theory and practice, 1992.
 """
 
 from __future__ import annotations
@@ -25,23 +25,25 @@ from kilter.arrays import Array, Index, Mask, ragged
 __all__ = ["Front", "fronts"]
 
 LEAF = 72
-"""Unknowns up to which a set of blocks is not divided."""
+"""Largest number of unknowns of a set that is not divided further. A larger value gives fewer and
+denser fronts.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Front:
-    """Blocks that are eliminated at once.
+    """Blocks that are eliminated together.
 
     Attributes
     ----------
     own : ndarray of int
-        Numbers of the blocks, in the order of elimination.
+        Indices of the blocks, in the order of elimination.
     border : ndarray of int
-        Later blocks that they are linked to, in the order of elimination.
+        Later blocks that are linked to them, in the order of elimination.
     links : ndarray of int
         Links whose earlier end is among `own`.
     children : tuple of int
-        Fronts, earlier ones, whose borders begin in this one.
+        Earlier fronts whose borders begin in this front.
     """
 
     own: Index
@@ -50,65 +52,68 @@ class Front:
     children: tuple[int, ...]
 
 
-def fronts(place: Array, one: Index, other: Index, width: int) -> list[Front]:
+def fronts(place: Array, first: Index, second: Index, width: int) -> list[Front]:
     """The fronts of a matrix of blocks, children before parents.
 
     Parameters
     ----------
     place : ndarray, shape (N, 3)
-        Of each block.
-    one, other : ndarray of int, shape (L,)
-        Ends of the links, each pair once.
+        Position of each block in space.
+    first, second : ndarray of int, shape (L,)
+        Blocks at the ends of the links; each pair occurs once.
     width : int
-        Unknowns of a block.
+        Number of unknowns per block.
 
     Examples
     --------
     >>> row = np.arange(40)  # a chain
-    >>> found = fronts(np.column_stack([row, 0 * row, 0 * row]), row[:-1], row[1:], 6)
-    >>> sum(len(front.own) for front in found), len(found[-1].border)
+    >>> chain = fronts(np.column_stack([row, 0 * row, 0 * row]), row[:-1], row[1:], 6)
+    >>> sum(len(front.own) for front in chain), len(chain[-1].border)
     (40, 0)
     """
     count = len(place)
-    ends = (np.concatenate([one, other]), np.concatenate([other, one]))
+    ends = (np.concatenate([first, second]), np.concatenate([second, first]))
     graph = csr_array((np.ones(len(ends[0])), ends), shape=(count, count))
-    sets = _divided(place, graph, LEAF // width)
+    sets = _dissect(place, graph, LEAF // width)
     owner, rank = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
     order = np.concatenate([own for own, _ in sets])
     rank[order] = np.arange(count)
     owner[order] = np.repeat(np.arange(len(sets)), [len(own) for own, _ in sets])
-    first = np.minimum(owner[one], owner[other])
-    sorted_links = np.argsort(first, kind="stable")
-    bounds = np.searchsorted(first[sorted_links], np.arange(len(sets) + 1))
-    found: list[Front] = []
+    earliest = np.minimum(owner[first], owner[second])
+    sorted_links = np.argsort(earliest, kind="stable")
+    bounds = np.searchsorted(earliest[sorted_links], np.arange(len(sets) + 1))
+    result: list[Front] = []
     for k, (own, children) in enumerate(sets):
         links = sorted_links[bounds[k] : bounds[k + 1]]
-        near = [one[links], other[links], *(found[child].border for child in children)]
-        touched = np.unique(rank[np.concatenate(near)])
+        adjacent = [first[links], second[links], *(result[child].border for child in children)]
+        touched = np.unique(rank[np.concatenate(adjacent)])
         border = order[touched]
-        found.append(Front(own, border[owner[border] != k], links, children))
-    return found
+        result.append(Front(own, border[owner[border] != k], links, children))
+    return result
 
 
-def _divided(place: Array, graph: csr_array, leaf: int) -> list[tuple[Index, tuple[int, ...]]]:
-    """Sets of blocks and the numbers of those that they separate, children first."""
+def _dissect(place: Array, graph: csr_array, leaf: int) -> list[tuple[Index, tuple[int, ...]]]:
+    """Recursive halving of the blocks: separators, and the indices of the sets that each separates.
+
+    Children come before their parents. A set of at most `leaf` blocks is not divided.
+    """
     sets: list[tuple[Index, tuple[int, ...]]] = []
     right_side = np.zeros(len(place), dtype=bool)
 
     def divide(which: Index) -> int:
         if len(which) <= leaf:
-            sets.append((_along(place, which), ()))
+            sets.append((_sorted_along(place, which), ()))
             return len(sets) - 1
-        at = place[which]
-        axis = int(np.argmax(np.ptp(at, axis=0)))
-        order = np.argsort(at[:, axis], kind="stable")
+        points = place[which]
+        axis = int(np.argmax(np.ptp(points, axis=0)))
+        order = np.argsort(points[:, axis], kind="stable")
         left, right = which[order[: len(which) // 2]], which[order[len(which) // 2 :]]
         right_side[right] = True
         touching = _linked(graph, left, right_side)
         right_side[right] = False
         parts = [part for part in (left[~touching], right) if len(part)]
         children = tuple(divide(part) for part in parts)
-        sets.append((_along(place, left[touching]), children))
+        sets.append((_sorted_along(place, left[touching]), children))
         return len(sets) - 1
 
     if len(place):
@@ -116,16 +121,16 @@ def _divided(place: Array, graph: csr_array, leaf: int) -> list[tuple[Index, tup
     return sets
 
 
-def _along(place: Array, which: Index) -> Index:
-    """Blocks in their order along what they fill, so that a border is a few runs of them."""
-    at = place[which]
-    axes = np.argsort(np.ptp(at, axis=0), kind="stable") if len(which) else np.arange(3)
-    ordered: Index = which[np.lexsort(at[:, axes].T)]
+def _sorted_along(place: Array, which: Index) -> Index:
+    """Blocks sorted along their longest extent, so that a border has few runs of them."""
+    points = place[which]
+    axes = np.argsort(np.ptp(points, axis=0), kind="stable") if len(which) else np.arange(3)
+    ordered: Index = which[np.lexsort(points[:, axes].T)]
     return ordered
 
 
 def _linked(graph: csr_array, which: Index, marked: Mask) -> Mask:
-    """Which of some blocks are linked to a marked one."""
+    """Mask of the blocks in `which` that are linked to a marked block."""
     owner, entry = ragged(graph.indptr.astype(np.int64), which)
     hits = np.bincount(owner[marked[graph.indices[entry]]], minlength=len(which))
     linked: Mask = hits > 0

@@ -1,29 +1,29 @@
-"""Linear programs, by HiGHS: solved once, or kept and changed from solve to solve.
+"""Linear programs, by HiGHS: solved once, or kept and modified between solves.
 
-Simplex for small programs, for answers exact to rounding; the interior point HiPO for large
-ones. HiGHS runs another solver without a word where HiPO's extra package is missing, so that
-is asked for first, and named in the answer.
+Small programs use the simplex method, whose answers are exact to rounding. Large programs use the
+interior point HiPO. If HiPO's extra package is missing, HiGHS silently runs another solver, so the
+package is looked up first, and the answer names the solver.
 
-A kept program goes on from its last basis. A new cost leaves it primal feasible, so the primal
-simplex goes on from there, stopped early, since a cold start by the dual simplex overtakes it
-where the new optimum is far. Boxed columns keep it dual feasible too: then the dual simplex
-goes on. What comes back is not believed (`kilter.solvers.solution`): where it is not good
-enough, the program is solved again, cold, then with another scaling, then by the interior point.
-Every run ends: steps are limited by the size of the program, and where all tries fail, that is
-the answer.
+A kept program continues from its last basis. A new cost leaves that basis primal feasible, so the
+primal simplex continues, with a low step limit, because a cold start of the dual simplex is faster
+if the new optimum is far away. With boxed columns the basis also stays dual feasible; then the dual
+simplex continues. Every answer is checked (`kilter.solvers.solution`). If it is not good enough,
+the program is solved again: from a cold start, then with another scaling, then by the interior
+point. The number of steps is limited by the size of the program. If every attempt fails, the
+outcome is "failed".
 
-A basis B that is optimal for one cost stays optimal for every cost whose reduced costs keep
-their signs, and those are linear in the cost (`KeptProgram.sensitivity`):
+A basis B that is optimal for one cost stays optimal for every cost whose reduced costs keep their
+signs, and those are linear in the cost (`KeptProgram.sensitivity`):
 
     y = B^-T c_B,    d = c - A^T y    >= 0 at a lower bound,  <= 0 at an upper
                      y                >= 0 at a lower side,   <= 0 at an upper
 
 References
 ----------
-Q. Huangfu, J. Hall, Parallelizing the dual revised simplex method, Math. Prog. Comp. 10,
-2018. F. Zanetti, J. Gondzio, A factorisation-based regularised interior point method using
-the augmented system, 2025 (HiPO). V. Chvátal, Linear Programming, 1983, chapter 10.
-Mattikalli, Baraff, Khosla and Repetto (1993), section 3.1, equation (11).
+Q. Huangfu, J. Hall, Parallelizing the dual revised simplex method, Math. Prog. Comp. 10, 2018. F.
+Zanetti, J. Gondzio, A factorisation-based regularised interior point method using the augmented
+system, 2025 (HiPO). V. Chvátal, Linear Programming, 1983, chapter 10. Mattikalli, Baraff, Khosla
+and Repetto (1993), section 3.1, equation (11).
 """
 
 from __future__ import annotations
@@ -67,11 +67,11 @@ Warm = Literal["primal", "dual"]
 STRATEGY = {"dual": 1, "primal": 4}
 """Simplex strategies of HiGHS."""
 SCALINGS = (2, 0, 4)
-"""Scalings of HiGHS, in the order in which cold starts try them; the first is the usual."""
+"""Scalings of HiGHS in the order in which cold starts try them; the first is the default."""
 FEW, MANY = 100, 20
-"""Steps that a simplex may take in any case, and further ones for each row and column."""
+"""Limit of simplex steps: the first number, plus the second for each row and column."""
 INTERIOR_STEPS = 300
-"""Steps of an interior point; walls of 100,000 bricks take fewer than 200."""
+"""Maximum number of interior-point steps; walls of 100,000 bricks need fewer than 200."""
 
 _OUTCOMES: dict[highspy.HighsModelStatus, Outcome] = {
     highspy.HighsModelStatus.kOptimal: "optimal",
@@ -82,7 +82,7 @@ _OUTCOMES: dict[highspy.HighsModelStatus, Outcome] = {
 
 
 def hipo_available() -> bool:
-    """Whether HiGHS can run HiPO: its extra package is there."""
+    """True if the package that HiGHS needs to run HiPO is installed."""
     return importlib.util.find_spec("highspy_extras") is not None
 
 
@@ -95,20 +95,21 @@ def solve_linear(
     forces_only: bool = False,
     work: Work | None = None,
 ) -> Solution:
-    """Solve a linear program once, cold.
+    """Solve a linear program once, from a cold start.
 
     Parameters
     ----------
     program : LinearProgram
     method : {"simplex", "interior"}
     tolerance : float
-        Feasibility tolerance, absolute in the program's own numbers.
+        Feasibility tolerance, absolute in the numbers of the program.
     presolve : bool
+        Simplify the program before it is solved.
     forces_only : bool
-        Only a feasible x is asked for: an interior point then stops at a wide gap, which
-        saves a third of its steps.
+        Accept any feasible x: an interior point then stops at a wide gap, which saves a third of
+        its steps.
     work : Work, optional
-        Its time limit is kept.
+        Limits the time.
     """
     highs, solver = new_highs(tolerance), "simplex"
     if method == "interior":
@@ -127,58 +128,60 @@ def solve_linear(
     highs.setOptionValue("simplex_iteration_limit", _steps(program))
     if work is not None and work.seconds is not None:
         highs.setOptionValue("time_limit", work.seconds)
-    _passed(highs, program)
+    _pass_program(highs, program)
     _run(highs, program)
     if highs.getModelStatus() == highspy.HighsModelStatus.kUnboundedOrInfeasible:
-        highs.setOptionValue("presolve", "off")  # which is all that presolve found out
+        # presolve cannot tell which of the two applies; the simplex can
+        highs.setOptionValue("presolve", "off")
         _run(highs, program)
-    return _solution(highs, program, solver)
+    return _read_solution(highs, program, solver)
 
 
 def find_optimum(
     program: LinearProgram, *, method: Method = "simplex", work: Work | None = None
 ) -> Solution:
-    """A solution that the solver calls optimal, by other ways where the first fails.
+    """A solution that the solver reports as optimal, by other methods if the first fails.
 
-    With and without presolve, by the other method, then with other scalings. For figures
-    beside a verdict; verdicts are judged, whatever the solver calls them.
+    The attempts are with and without presolve, by the other method, then with other scalings. The
+    result serves figures beside a verdict; the certificates of verdicts do not rely on the solver's
+    report.
     """
-    other: Method = "interior" if method == "simplex" else "simplex"
-    ways: list[tuple[Method, bool]] = [(method, True), (method, False), (other, True)]
-    for way, presolve in ways:
-        answer = solve_linear(program, method=way, presolve=presolve, work=work)
+    other_method: Method = "interior" if method == "simplex" else "simplex"
+    attempts: list[tuple[Method, bool]] = [(method, True), (method, False), (other_method, True)]
+    for solver, presolve in attempts:
+        answer = solve_linear(program, method=solver, presolve=presolve, work=work)
         if answer.optimal:
             return answer
     return KeptProgram(program).solve(work=work)
 
 
 def near_its_bound(solution: Solution) -> bool:
-    """Whether the safe bound comes near the objective."""
-    near = NEAR_BOUND * (1.0 + abs(solution.objective))
-    return solution.found and solution.objective - solution.bound <= near
+    """True if the safe bound is close to the objective."""
+    distance = NEAR_BOUND * (1.0 + abs(solution.objective))
+    return solution.found and solution.objective - solution.bound <= distance
 
 
 class KeptProgram:
-    """A program that is kept: its cost, bounds, sides and entries may change between solves.
+    """A linear program whose cost, bounds, sides and entries may change between solves.
 
     Parameters
     ----------
     program : LinearProgram
-        Entries that are to change must be stored, even as zero.
+        Entries that will change must be stored, even if they are zero.
     warm : {"primal", "dual"}
-        Simplex from the last basis: dual where all columns are boxed, or only sides change.
+        Simplex method from the last basis: dual if all columns are boxed, or if only sides change.
     tolerance : float
-        Feasibility asked of the solver, absolute in the program's own numbers.
+        Feasibility requested from the solver, absolute in the numbers of the program.
     goal : {"optimum", "bound", "point"}
-        What has to be good enough for a solution not to be looked for again: its residual, its
-        safe bound, or what the solver calls it, for points that are judged by who asks.
+        Criterion that ends the attempts: the residual of the solution, its safe bound, or the
+        solver's report, for points that the caller verifies.
 
     Attributes
     ----------
     program : LinearProgram
-        As it is now; never changed in place.
+        The current program; its arrays are never modified in place.
     solves : int
-        How many programs were solved; repetitions of one are not counted.
+        Number of solved programs; repeated attempts are not counted.
 
     Examples
     --------
@@ -213,41 +216,43 @@ class KeptProgram:
             self.load(program)
 
     def load(self, program: LinearProgram, basis: Any = None) -> None:
-        """Take another program; start from a basis of one of the same shape."""
+        """Replace the program, and start from a basis of a program of the same shape if given."""
         self.program = program
-        _passed(self._highs, program)
+        _pass_program(self._highs, program)
         self._based = basis is not None
         if basis is not None:
             self._highs.setBasis(basis)
 
     def change_cost(self, columns: ArrayLike, values: ArrayLike) -> None:
-        """New costs of some columns."""
+        """Set the costs of some columns."""
         index, cost = np.asarray(columns, dtype=np.int64), np.asarray(values, dtype=np.float64)
-        self.program = replace(self.program, cost=_with(self.program.cost, index, cost))
+        self.program = replace(self.program, cost=_with_values(self.program.cost, index, cost))
         self._highs.changeColsCost(len(index), index.astype(np.int32), cost)
 
     def change_bounds(self, columns: ArrayLike, lower: ArrayLike, upper: ArrayLike) -> None:
-        """New bounds of some columns."""
+        """Set the bounds of some columns."""
         index = np.asarray(columns, dtype=np.int64)
         low, high = (np.asarray(bound, dtype=np.float64) for bound in (lower, upper))
-        now = self.program
+        old = self.program
         self.program = replace(
-            now, lower=_with(now.lower, index, low), upper=_with(now.upper, index, high)
+            old,
+            lower=_with_values(old.lower, index, low),
+            upper=_with_values(old.upper, index, high),
         )
         self._highs.changeColsBounds(len(index), index.astype(np.int32), low, high)
 
     def change_sides(self, rows: Index, lower: Array, upper: Array) -> None:
-        """New sides of some rows."""
-        now = self.program
+        """Set the lower and upper sides of some rows."""
+        old = self.program
         self.program = replace(
-            now,
-            row_lower=_with(now.row_lower, rows, lower),
-            row_upper=_with(now.row_upper, rows, upper),
+            old,
+            row_lower=_with_values(old.row_lower, rows, lower),
+            row_upper=_with_values(old.row_upper, rows, upper),
         )
         self._highs.changeRowsBounds(len(rows), rows.astype(np.int32), lower, upper)
 
     def change_row(self, row: int, columns: ArrayLike, values: ArrayLike) -> None:
-        """New entries of a row, in columns where it has stored entries."""
+        """Set entries of a row, in columns with stored entries."""
         matrix = csc_array(self.program.matrix.copy())
         for column, value in zip(np.asarray(columns), np.asarray(values), strict=True):
             start, stop = matrix.indptr[column : column + 2]
@@ -257,48 +262,47 @@ class KeptProgram:
         self.program = replace(self.program, matrix=matrix)
 
     def solve(self, cost: Array | None = None, *, work: Work | None = None) -> Solution:
-        """The optimum as the program is now: warm first, cold where that is not good enough.
+        """Solve the current program: from the last basis, then from cold starts if necessary.
 
         Parameters
         ----------
         cost : ndarray, shape (n,), optional
-            Another cost of all columns.
+            New cost of all columns.
         work : Work, optional
-            It is charged; steps of the simplex end where nothing of it is left, and its time
-            limit is kept.
+            Counts the simplex steps, and limits their number and the time.
         """
         if cost is not None:
             self.change_cost(np.arange(len(cost)), cost)
         self.solves += 1
         limit = None if work is None else work.seconds
         self._set("time_limit", np.inf if limit is None else self._highs.getRunTime() + limit)
-        tries = []
+        attempts = []
         if self._based:
             steps = _steps(self.program)
             if self._warm == "primal":
                 steps = self._steps // 4 + FEW
-            tries.append(self._run(self._warm, steps, work))
+            attempts.append(self._run_simplex(self._warm, steps, work))
         for scaling in SCALINGS:
-            if tries and (self._enough(tries[-1]) or (work is not None and work.over)):
+            if attempts and (self._accepts(attempts[-1]) or (work is not None and work.over)):
                 break
             self._highs.clearSolver()
             self._set("simplex_scale_strategy", scaling)
-            tries.append(self._run("dual", _steps(self.program), work))
-            self._steps = tries[-1].iterations
+            attempts.append(self._run_simplex("dual", _steps(self.program), work))
+            self._steps = attempts[-1].iterations
         self._set("simplex_scale_strategy", SCALINGS[0])
-        if self._goal != "bound" and all(one.outcome == "failed" for one in tries):
-            tries.append(self._by_interior(work))
-        best = tries[0]
-        if len(tries) > 1:
+        if self._goal != "bound" and all(attempt.outcome == "failed" for attempt in attempts):
+            attempts.append(self._solve_by_interior(work))
+        best = attempts[0]
+        if len(attempts) > 1:
             bound = self._goal == "bound"
-            best = min(tries, key=lambda one: -one.bound if bound else one.residual)
-        self._based = best.basis is not None and self._enough(best)
-        if not best.optimal and len({one.outcome for one in tries}) > 1:
-            best = replace(best, outcome="failed")  # the tries contradict each other
+            best = min(attempts, key=lambda attempt: -attempt.bound if bound else attempt.residual)
+        self._based = best.basis is not None and self._accepts(best)
+        if not best.optimal and len({attempt.outcome for attempt in attempts}) > 1:
+            best = replace(best, outcome="failed")  # the attempts contradict each other
         return best
 
-    def _by_interior(self, work: Work | None) -> Solution:
-        """The other method, where no simplex came to an end."""
+    def _solve_by_interior(self, work: Work | None) -> Solution:
+        """Solve by the interior point, after every simplex attempt failed."""
         if work is not None and work.over:
             return Solution(self.program, "failed", np.empty(0), np.empty(0), "none", 0)
         answer = solve_linear(self.program, method="interior", work=work)
@@ -306,29 +310,33 @@ class KeptProgram:
             work.linear(answer.iterations, self.program.matrix.nnz)
         return answer
 
-    def _enough(self, solution: Solution) -> bool:
+    def _accepts(self, solution: Solution) -> bool:
+        """True if a solution meets the goal, so that no further attempt is needed."""
         if self._goal == "bound":
             return near_its_bound(solution)
         return solution.optimal if self._goal == "point" else solution.holds
 
-    def _run(self, strategy: Warm, steps: int, work: Work | None) -> Solution:
+    def _run_simplex(self, strategy: Warm, steps: int, work: Work | None) -> Solution:
+        """Run a simplex method on the loaded program, from its current basis."""
         entries = self.program.matrix.nnz
         self._set("simplex_strategy", STRATEGY[strategy])
         self._set("simplex_iteration_limit", steps if work is None else work.steps(steps, entries))
         _run(self._highs, self.program)
-        answer = _solution(self._highs, self.program, "simplex")
+        answer = _read_solution(self._highs, self.program, "simplex")
         if work is not None:
             work.linear(answer.iterations, entries)
         return answer
 
     def _set(self, option: str, value: float) -> None:
-        """An option of HiGHS, where it is not what it was."""
+        """Set an option of HiGHS if its value changes."""
         if self._options.get(option) != value:
             self._highs.setOptionValue(option, value)
             self._options[option] = value
 
     def sensitivity(self, costs: Array) -> Array:
-        """How the reduced costs of the last basis depend on a few costs; (11) of the paper.
+        """Dependence of the reduced costs of the last basis on the weights of a few costs.
+
+        This is equation (11) of the paper.
 
         Parameters
         ----------
@@ -337,8 +345,8 @@ class KeptProgram:
         Returns
         -------
         ndarray, shape (m, k)
-            One row a nonbasic variable that is not fixed: the last basis is optimal for the
-            cost t @ costs where no entry of `result @ t` is negative.
+            A row for each nonbasic variable that is not fixed: the last basis is optimal for the
+            cost t @ costs if no entry of `result @ t` is negative.
 
         Examples
         --------
@@ -371,21 +379,22 @@ class KeptProgram:
 
 
 def bounding() -> KeptProgram:
-    """For one program after another of boxed columns, where safe bounds are what counts."""
+    """A `KeptProgram` for successive programs with boxed columns whose safe bounds matter."""
     return KeptProgram(warm="dual", tolerance=BOUNDED_FEASIBLE, goal="bound")
 
 
-def _with(values: Array, index: Index, new: Array) -> Array:
-    changed = values.copy()
-    changed[index] = new
-    return changed
+def _with_values(values: Array, index: Index, new: Array) -> Array:
+    """A copy of `values` with the entries at `index` replaced."""
+    result = values.copy()
+    result[index] = new
+    return result
 
 
 def new_highs(tolerance: float) -> Any:
-    """HiGHS with the options that every program here has; its class is not annotated."""
+    """HiGHS with the options common to all programs; its class has no type annotations."""
     highs = highspy.Highs()
     highs.setOptionValue("output_flag", False)
-    highs.setOptionValue("parallel", "off")  # no bit of an answer depends on the machine
+    highs.setOptionValue("parallel", "off")  # identical answers on every machine
     highs.setOptionValue("threads", 1)
     highs.setOptionValue("primal_feasibility_tolerance", tolerance)
     highs.setOptionValue("dual_feasibility_tolerance", tolerance)
@@ -393,37 +402,37 @@ def new_highs(tolerance: float) -> Any:
     return highs
 
 
-def _passed(highs: Any, program: LinearProgram) -> None:
-    """Hand a program over; what HiGHS rejects it then has no answer for."""
+def _pass_program(highs: Any, program: LinearProgram) -> None:
+    """Pass a program to HiGHS. If HiGHS rejects it, the run has no answer."""
     rows, columns = program.matrix.shape
     start, index, value = program.matrix.indptr, program.matrix.indices, program.matrix.data
-    colwise, least = int(highspy.MatrixFormat.kColwise), int(highspy.ObjSense.kMinimize)
+    colwise, minimise = int(highspy.MatrixFormat.kColwise), int(highspy.ObjSense.kMinimize)
     none_integer = np.zeros(columns, dtype=np.int32)
-    # as arrays: a HighsLp takes them number by number, five times as long
+    # as arrays: filling a HighsLp number by number takes five times as long
     highs.passModel(
-        columns, rows, len(value), colwise, least, 0.0,
+        columns, rows, len(value), colwise, minimise, 0.0,
         program.cost, program.lower, program.upper, program.row_lower, program.row_upper,
         start.astype(np.int32, copy=False), index.astype(np.int32, copy=False), value, none_integer,
     )  # fmt: skip
 
 
 def _run(highs: Any, program: LinearProgram) -> None:
-    """Solve what was handed over; beside the main thread where it may take long."""
+    """Solve the loaded program; a long run is in a separate thread, so that Ctrl-C ends it."""
     if program.matrix.nnz < LONG:
         highs.run()
         return
-    if not highs.HandleUserInterrupt:  # each time that it is set, one more is asked at every step
+    if not highs.HandleUserInterrupt:  # setting it again would add another callback to every step
         highs.HandleUserInterrupt = True
     run_aside(highs.run, highs.cancelSolve)
 
 
 def _steps(program: LinearProgram) -> int:
-    """Steps after which a simplex is given up."""
+    """Step limit of the simplex method."""
     return FEW + MANY * (len(program.row_lower) + len(program.cost))
 
 
-def _solution(highs: Any, program: LinearProgram, solver: str) -> Solution:
-    """What HiGHS has to say after a run."""
+def _read_solution(highs: Any, program: LinearProgram, solver: str) -> Solution:
+    """The result of a HiGHS run as a `Solution`."""
     status = highs.getModelStatus()
     outcome = _OUTCOMES.get(status, "failed")
     solution, info = highs.getSolution(), highs.getInfo()
@@ -431,9 +440,9 @@ def _solution(highs: Any, program: LinearProgram, solver: str) -> Solution:
     if len(x) != len(program.cost) or not np.isfinite(x).all():
         x, outcome = np.empty(0), "failed" if outcome == "optimal" else outcome
     if outcome == "infeasible":
-        # where no run has left a ray, HiGHS would solve the program again for it
-        shown = solver == "simplex" and highs.getDualRayExist()[1]
-        multipliers = np.array(highs.getDualRay()[2]) if shown else np.empty(0)
+        # without a stored ray, HiGHS would solve the program again to compute it
+        has_ray = solver == "simplex" and highs.getDualRayExist()[1]
+        multipliers = np.array(highs.getDualRay()[2]) if has_ray else np.empty(0)
     steps = max(info.simplex_iteration_count, 0) + max(info.ipm_iteration_count, 0)
     basis = highs.getBasis() if solver == "simplex" else None
     return Solution(program, outcome, x, multipliers, solver, int(steps), basis)

@@ -1,12 +1,12 @@
-"""A solver's call beside the main thread, so that Ctrl-C ends it at once.
+"""Solver calls beside the main thread, so that Ctrl-C ends them at once.
 
-Python hands a signal on between two of its own steps, and a call of a solver is one step,
-however long it takes. So a call that may take long runs in a thread of its own while the main
-thread waits where it hears signals; on one, the solver is told to stop and the interruption
-goes on as ever. What is computed is the same.
+Python handles a signal only between two of its own steps, and a solver call is a single step,
+however long it takes. So a long call runs in a separate thread while the main thread waits for it
+and can handle signals. On a signal the solver is stopped and the interruption propagates. The
+computed result is the same.
 
-A call that keeps the interpreter to itself meanwhile lets no other thread hear anything either.
-Where that may last, it runs in a process of its own.
+A call that holds the interpreter lock prevents every other thread from handling signals. If that
+may last, the call runs in a separate process.
 """
 
 from __future__ import annotations
@@ -23,17 +23,19 @@ from kilter.pipes import can_start, end_process, end_with_parent, receive, send,
 __all__ = ["DEAF", "LONG", "call_apart", "run_aside", "serve"]
 
 LONG = 20_000
-"""Entries of a matrix from which on a call may take a second."""
+"""Number of matrix entries above which a solver call may take a second."""
 DEAF = 300_000
-"""Entries from which on setting a solver up may keep the interpreter for half a second."""
+"""Number of matrix entries above which the set-up of a solver may hold the interpreter lock for
+half a second.
+"""
 ENDS = 0.2
-"""What a solver that was told to stop is given to do so [s]."""
+"""Time for an interrupted solver to stop [s]."""
 
 
 def run_aside(run: Callable[[], None], stop: Callable[[], None]) -> None:
-    """Call `run` in a thread and wait for it; on an interruption call `stop`, then pass it on.
+    """Call `run` in a thread and wait for it; on an interruption call `stop` and re-raise.
 
-    In any other thread than the main one, which hears no signals, it is just called.
+    Outside the main thread, which alone receives signals, `run` is called directly.
 
     Examples
     --------
@@ -47,13 +49,13 @@ def run_aside(run: Callable[[], None], stop: Callable[[], None]) -> None:
         return
     failure: list[BaseException] = []
 
-    def kept() -> None:
+    def run_and_keep_failure() -> None:
         try:
             run()
         except BaseException as error:
             failure.append(error)
 
-    thread = threading.Thread(target=kept, daemon=True)
+    thread = threading.Thread(target=run_and_keep_failure, daemon=True)
     thread.start()
     try:
         while thread.is_alive():
@@ -67,16 +69,16 @@ def run_aside(run: Callable[[], None], stop: Callable[[], None]) -> None:
 
 
 def call_apart(function: Callable[..., Any], *given: Any) -> Any:
-    """What a function of a module answers in a process of its own; it ends on an interruption.
+    """Result of a module-level function, called in a separate process that an interruption ends.
 
-    In any other thread than the main one, and where Python cannot be started, it is just called.
+    Outside the main thread, and if Python cannot be started, the function is called directly.
 
     Parameters
     ----------
     function : callable
-        Named in a module, for `pickle`.
+        Defined in a module, for `pickle`.
     given
-        For it; pickled, as is its answer, or what it raises.
+        Arguments; they are pickled, as is the result or exception.
 
     Raises
     ------
@@ -107,10 +109,12 @@ def call_apart(function: Callable[..., Any], *given: Any) -> Any:
 
 
 def serve() -> None:
-    """Answer one call: what it raises, or None, and its answer."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # of all in a terminal: who asks ends this
+    """Serve a single call in the child process: send the exception, or None, and the result."""
+    signal.signal(
+        signal.SIGINT, signal.SIG_IGN
+    )  # Ctrl-C reaches all processes of a terminal; the caller ends this process
     incoming, outgoing = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # what a solver prints is no answer
+    os.dup2(2, 1)  # output printed by a solver must not mix with the answer
     end_with_parent()
     try:
         function, given = receive(incoming)

@@ -1,10 +1,11 @@
-"""Balance of blocks by forces in cones between them: a conic program that knows its graph.
+"""Balance of blocks by forces in cones between them: a conic program with a graph structure.
 
     max t:  A x = right + t along,   0 <= t <= most,   x in second-order cones, or free
 
-Blocks have n rows of A each. A link joins two blocks, or one to nothing; all columns of a link
-are given in the rows of its first block, and one matrix carries them to those of its second. So
-A A^T, with any weights on the columns, is a sum of one small matrix a link.
+A block has n rows of A. A link joins two blocks, or a block to the ground. All columns of a link
+are given in the rows of its first block, and a matrix per link transfers them to the rows of its
+second block. So A A^T, with any weights on the columns, is a sum of small matrices, one for each
+link.
 """
 
 from __future__ import annotations
@@ -24,25 +25,27 @@ __all__ = ["LinkedCones"]
 
 @dataclass(frozen=True, eq=False)
 class LinkedCones:
-    """Columns, links and blocks.
+    """Columns, links and blocks of a balance problem.
 
     Attributes
     ----------
     columns : ndarray, shape (n, d, K)
-        Of A, in the rows of the first block of their link; K cones in d dimensions, sorted by
-        link. A half line among cones has columns of 0 behind its first.
+        Columns of A in the rows of the first block of their link; K cones in d dimensions, sorted
+        by link. A half line among cones has zero columns after its first.
     start : ndarray of int, shape (L,)
         First cone of each link.
     first, second : ndarray of int, shape (L,)
-        Its blocks; the second may be -1. No two blocks have two links.
+        Blocks of each link; the second may be -1. No two links join the same blocks.
     carried : ndarray, shape (L, n, n)
-        From rows of the first block to those of the second.
+        Transfer matrix from rows of the first block to those of the second.
     free : ndarray of bool, shape (K,)
-        Half lines that are whole lines.
+        Half lines that are whole lines instead.
     place : ndarray, shape (N, 3)
-        Of each block, for the order of elimination.
+        Position of each block in space, for the order of elimination.
     right, along : ndarray, shape (N, n)
+        Load at t = 0, and its change per unit of t.
     most : float
+        Upper bound of t.
     """
 
     columns: Array
@@ -57,26 +60,26 @@ class LinkedCones:
     most: float
 
     def with_more(self, along: Array, most: float) -> LinkedCones:
-        """The same with another load to grow; what hangs on the columns alone is shared."""
-        other = replace(self, along=along, most=most)
-        other.__dict__.update({k: v for k, v in self.__dict__.items() if k not in other.__dict__})
-        return other
+        """The same columns with another growing load; cached data of the columns are shared."""
+        result = replace(self, along=along, most=most)
+        result.__dict__.update({k: v for k, v in self.__dict__.items() if k not in result.__dict__})
+        return result
 
     @cached_property
     def _link(self) -> Index:
-        """Link of each cone."""
+        """Link of each cone, shape (K,)."""
         count = np.diff(np.append(self.start, self.columns.shape[2]))
         link: Index = np.repeat(np.arange(len(self.start)), count)
         return link
 
     @cached_property
     def _both(self) -> Index:
-        """Links of two blocks."""
+        """Links between two blocks."""
         return np.flatnonzero(self.second >= 0)
 
     @cached_property
     def _gather(self) -> tuple[csr_array, csr_array]:
-        """Matrices that add up what links bring to their first, and to their second blocks."""
+        """Matrices that sum the contributions of links to their first and second blocks."""
         shape, links = (len(self.place), len(self.start)), np.arange(len(self.start))
         first = csr_array((np.ones(len(links)), (self.first, links)), shape=shape)
         both = self._both
@@ -85,7 +88,7 @@ class LinkedCones:
 
     @cached_property
     def factor(self) -> BlockCholesky:
-        """For matrices of the pattern of A A^T."""
+        """Factorisation for matrices of the pattern of A A^T."""
         both = self._both
         ends = self.first[both], self.second[both]
         return BlockCholesky(self.place, *ends, self.columns.shape[0])
@@ -93,14 +96,14 @@ class LinkedCones:
     @cached_property
     def sizes(self) -> Array:
         """Largest length of the columns of a cone, in the rows of either block, shape (K,)."""
-        own = np.sqrt((self.columns**2).sum(axis=0).max(axis=0))
+        length = np.sqrt((self.columns**2).sum(axis=0).max(axis=0))
         stretch = np.sqrt((self.carried**2).sum(axis=(1, 2)))
-        size: Array = own * np.maximum(stretch, 1.0)[self._link]
+        size: Array = length * np.maximum(stretch, 1.0)[self._link]
         return size
 
     @cached_property
     def _squares(self) -> Array:
-        """Columns C of each cone as C J C^T, the upper triangle, shape (n (n + 1) / 2, K)."""
+        """C J C^T of the columns C of each cone, upper triangle, shape (n (n + 1) / 2, K)."""
         c = self.columns
         i, j = np.triu_indices(len(c))
         squares = c[i, 0] * c[j, 0]
@@ -110,7 +113,7 @@ class LinkedCones:
         return result
 
     def balance(self, x: Array) -> Array:
-        """A x, shape (N, n), of x, shape (d, K)."""
+        """A x, shape (N, n), for x of shape (d, K)."""
         pushed = np.einsum("idk,dk->ik", self.columns, x)
         links = np.add.reduceat(pushed, self.start, axis=1).T
         first, second = self._gather
@@ -118,7 +121,7 @@ class LinkedCones:
         return result
 
     def openings(self, y: Array) -> Array:
-        """A^T y, shape (d, K), of y, shape (N, n)."""
+        """A^T y, shape (d, K), for y of shape (N, n)."""
         links = y[self.first]
         both = self._both
         links[both] += np.einsum("lji,lj->li", self.carried[both], y[self.second[both]])
@@ -126,9 +129,9 @@ class LinkedCones:
         return result
 
     def normal_matrix(self, scaling: Scaling) -> tuple[Array, Array]:
-        """A W^2 A^T: its diagonal blocks, shape (N, n, n), and those of the links of two blocks.
+        """Blocks of A W^2 A^T: diagonal, shape (N, n, n), and those of the links of two blocks.
 
-        W^2 = eta^2 (2 w w^T - J), and C J C^T is known.
+        W^2 = eta^2 (2 w w^T - J), and C J C^T is precomputed.
         """
         size = len(self.columns)
         along = np.einsum("idk,dk->ik", self.columns, scaling.w)

@@ -1,8 +1,8 @@
-"""Rows that each join two blocks of unknowns, or bear on one: their weighted normal matrix.
+"""Weighted normal matrix of rows that each touch at most two blocks of unknowns.
 
     I + R^T D R
 
-has one block for each block of unknowns and one for each pair that a row joins, so that it is
+has a block for each block of unknowns and for each pair of blocks that a row joins, so it is
 factorised block by block (`kilter.solvers.block_cholesky`).
 """
 
@@ -19,21 +19,21 @@ from kilter.solvers.block_cholesky import BlockCholesky, NotPositive
 __all__ = ["LinkedRows"]
 
 REFINED = 1e-10
-"""Rest of a solution, over the right-hand side, above which it is refined."""
+"""Residual of a solution, over the right-hand side, above which the solution is refined."""
 REGULAR = 1e-13
-"""Added to the diagonal, of itself, where rounding has taken its definiteness."""
+"""Relative increase of the diagonal if rounding has made the matrix indefinite."""
 
 
 class LinkedRows:
-    """Rows R, shape (K, N n), of N blocks of n unknowns, at most two of which each row touches.
+    """Rows R, shape (K, N n), of N blocks of n unknowns; each row touches at most two blocks.
 
     Parameters
     ----------
     rows : csr_array, shape (K, N n)
     block : int
-        n, unknowns of a block.
+        Number n of unknowns per block.
     place : ndarray, shape (N, 3)
-        Of each block, for the order of elimination.
+        Position of each block in space, for the order of elimination.
 
     Examples
     --------
@@ -49,32 +49,32 @@ class LinkedRows:
         self._block = block
         count = len(place)
         owner = np.repeat(np.arange(rows.shape[0]), np.diff(rows.indptr))
-        own = rows.indices // block
+        entry_block = rows.indices // block
         first, second = np.full(rows.shape[0], count), np.full(rows.shape[0], -1)
-        np.minimum.at(first, owner, own)
-        np.maximum.at(second, owner, own)
-        # rows without entries bring nothing to the first block
+        np.minimum.at(first, owner, entry_block)
+        np.maximum.at(second, owner, entry_block)
+        # a row without entries is assigned to the first block, and adds nothing
         first, second = np.where(second < 0, 0, first), np.maximum(second, 0)
         key = first * (count + 1) + second
         self._sorted = np.argsort(key, kind="stable")
         _, self._start = np.unique(key[self._sorted], return_index=True)
         number = np.empty(len(key), dtype=np.int64)
         number[self._sorted] = np.arange(len(key))
-        place_of = rows.indices % block + np.where(own == first[owner], 0, block)
+        column_place = rows.indices % block + np.where(entry_block == first[owner], 0, block)
         self._columns = np.zeros((2 * block, len(key)))
-        self._columns[place_of, number[owner]] = rows.data
+        self._columns[column_place, number[owner]] = rows.data
         ends = self._sorted[self._start]
-        one, other = first[ends], second[ends]
-        self._both = np.flatnonzero(one != other)
-        self._factor = BlockCholesky(place, one[self._both], other[self._both], block)
+        link_first, link_second = first[ends], second[ends]
+        self._both = np.flatnonzero(link_first != link_second)
+        self._factor = BlockCholesky(place, link_first[self._both], link_second[self._both], block)
         links, shape = np.arange(len(ends)), (count, len(ends))
-        self._to_first = csr_array((np.ones(len(ends)), (one, links)), shape=shape)
-        self._to_second = csr_array((np.ones(len(ends)), (other, links)), shape=shape)
+        self._to_first = csr_array((np.ones(len(ends)), (link_first, links)), shape=shape)
+        self._to_second = csr_array((np.ones(len(ends)), (link_second, links)), shape=shape)
 
     def factorised(self, weights: Array) -> Callable[[Array], Array]:
-        """What solves (I + R^T diag(weights) R) x = y, refined where rounding asks for it.
+        """Solver of (I + R^T diag(weights) R) x = y, with refinement if rounding requires it.
 
-        The next call takes its factors.
+        The returned function is valid until the next call, which overwrites its factors.
 
         Raises
         ------
@@ -88,20 +88,22 @@ class LinkedRows:
             self._factor.factorise(diagonal + REGULAR * diagonal * np.eye(self._block), links)
         rows, turned, block = self.rows, self.turned, self._block
 
-        def once(right: Array) -> Array:
+        def solve_once(right: Array) -> Array:
             return self._factor.solve(right.reshape(-1, block)).ravel()
 
         def solve(right: Array) -> Array:
-            x = once(right)
-            # the residual in products, not in the matrix: large weights cancel there
-            rest = right - x - turned @ (weights * (rows @ x))
-            far = np.abs(rest).max(initial=0.0) > REFINED * np.abs(right).max(initial=0.0)
-            return x + once(rest) if far else x
+            x = solve_once(right)
+            # the residual by products with R: in the assembled matrix large weights cancel
+            residual = right - x - turned @ (weights * (rows @ x))
+            inaccurate = np.abs(residual).max(initial=0.0) > REFINED * np.abs(right).max(
+                initial=0.0
+            )
+            return x + solve_once(residual) if inaccurate else x
 
         return solve
 
     def _normal_matrix(self, weights: Array) -> tuple[Array, Array]:
-        """Diagonal blocks, shape (N, n, n), and those of the links, of weights sorted by link."""
+        """Diagonal blocks, shape (N, n, n), and blocks of the links, for weights sorted by link."""
         block = self._block
         sides = slice(block), slice(block, 2 * block)
         links = np.empty((len(self._start), 2 * block, 2 * block))
@@ -110,7 +112,9 @@ class LinkedRows:
             for j in range(i, 2 * block):
                 sums = np.add.reduceat(weighted * self._columns[j], self._start)
                 links[:, i, j] = links[:, j, i] = sums
-        own, far = (links[:, side, side].reshape(-1, block * block) for side in sides)
-        diagonal = self._to_first @ own + self._to_second @ far
+        first_blocks, second_blocks = (
+            links[:, side, side].reshape(-1, block * block) for side in sides
+        )
+        diagonal = self._to_first @ first_blocks + self._to_second @ second_blocks
         diagonal += np.eye(block).ravel()
         return diagonal.reshape(-1, block, block), links[self._both][:, sides[0], sides[1]]

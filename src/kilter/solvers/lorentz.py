@@ -1,14 +1,14 @@
-"""Second-order cones x_0 >= |x_1..|, many at once, and the scaling of Nesterov and Todd.
+"""Second-order cones x_0 >= |x_1..| in arrays, and the scaling of Nesterov and Todd.
 
-Points are columns: shape (d, K), of K cones in d dimensions; with d = 1 they are half lines, and
+Points are columns, shape (d, K), of K cones in d dimensions. With d = 1 they are half lines, and
 the same formulas hold. The scaling W of a pair x, s of inner points is the symmetric map with
 
     W s = W^-1 x = lambda,    W = eta V,  V^2 = 2 w w^T - J,  J = diag(1, -1, .., -1)
 
 References
 ----------
-Y. Nesterov, M. Todd, Self-scaled barriers and interior-point methods for convex programming,
-1997. L. Vandenberghe, The CVXOPT linear and quadratic cone program solvers, 2010.
+Y. Nesterov, M. Todd, Self-scaled barriers and interior-point methods for convex programming, 1997.
+L. Vandenberghe, The CVXOPT linear and quadratic cone program solvers, 2010.
 """
 
 from __future__ import annotations
@@ -23,26 +23,30 @@ __all__ = ["Scaling", "depth", "divided", "product", "reach"]
 
 
 def depth(x: Array) -> Array:
-    """How far within its cone each point is, x_0 - |x_1..|, shape (K,)."""
+    """Distance of each point inside its cone, x_0 - |x_1..|, shape (K,); negative outside."""
     within: Array = x[0] - np.sqrt((x[1:] ** 2).sum(axis=0))
     return within
 
 
 def _determinant(x: Array) -> Array:
-    aside = np.sqrt((x[1:] ** 2).sum(axis=0))
-    determinant: Array = np.maximum((x[0] - aside) * (x[0] + aside), TINY)
+    """Jordan determinant x_0^2 - |x_1..|^2 of inner points, at least `TINY`, shape (K,).
+
+    It is computed as a product, which avoids the cancellation of the squares near the boundary.
+    """
+    length = np.sqrt((x[1:] ** 2).sum(axis=0))
+    determinant: Array = np.maximum((x[0] - length) * (x[0] + length), TINY)
     return determinant
 
 
 def product(x: Array, y: Array) -> Array:
-    """The Jordan product: (x.y, x_0 y_1.. + y_0 x_1..)."""
+    """Jordan product of points: (x.y, x_0 y_1.. + y_0 x_1..)."""
     result: Array = x[0] * y + y[0] * x
     result[0] = (x * y).sum(axis=0)
     return result
 
 
 def divided(x: Array, y: Array) -> Array:
-    """The z with product(x, z) = y.
+    """Jordan quotient: the z with product(x, z) = y.
 
     Examples
     --------
@@ -57,7 +61,7 @@ def divided(x: Array, y: Array) -> Array:
 
 
 def reach(x: Array, step: Array) -> float:
-    """The largest t up to which every x + t step stays in its cone, from inner points x.
+    """Largest t up to which every x + t step stays in its cone, for inner points x.
 
     Examples
     --------
@@ -67,22 +71,26 @@ def reach(x: Array, step: Array) -> float:
     a = step[0] ** 2 - (step[1:] ** 2).sum(axis=0)
     b = x[0] * step[0] - (x[1:] * step[1:]).sum(axis=0)
     c = _determinant(x)
-    inside = b * b - a * c
+    discriminant = b * b - a * c
     with np.errstate(divide="ignore", invalid="ignore"):
-        root = c / (np.sqrt(np.maximum(inside, 0.0)) - b)
-        leaves = (inside >= 0) & ((b < 0) | (a < 0)) & (root > 0)
-        first = np.where(step[0] < 0, -x[0] / step[0], np.inf)
-    return float(min(root[leaves].min(initial=np.inf), first.min(initial=np.inf)))
+        # the first positive root of a t^2 + 2 b t + c = 0, in the form without cancellation
+        root = c / (np.sqrt(np.maximum(discriminant, 0.0)) - b)
+        leaves = (discriminant >= 0) & ((b < 0) | (a < 0)) & (root > 0)
+        # beyond the apex the quadratic is positive again: x_0 must also stay positive
+        axis_limit = np.where(step[0] < 0, -x[0] / step[0], np.inf)
+    return float(min(root[leaves].min(initial=np.inf), axis_limit.min(initial=np.inf)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scaling:
-    """The scaling of pairs of inner points.
+    """Nesterov-Todd scaling of pairs of inner points.
 
     Attributes
     ----------
     w : ndarray, shape (d, K)
+        Unit hyperbolic vector of each cone.
     eta : ndarray, shape (K,)
+        Scale of each cone.
 
     Examples
     --------
@@ -99,13 +107,13 @@ class Scaling:
 
     @classmethod
     def of(cls, x: Array, s: Array) -> Scaling:
-        """The scaling of inner points x and s, shape (d, K) each."""
-        size, other = np.sqrt(_determinant(x)), np.sqrt(_determinant(s))
-        a, b = x / size, s / other
+        """Scaling of inner points x and s, shape (d, K) each."""
+        x_size, s_size = np.sqrt(_determinant(x)), np.sqrt(_determinant(s))
+        a, b = x / x_size, s / s_size
         half = np.sqrt((1 + (a * b).sum(axis=0)) / 2)
         w = a - b
         w[0] = a[0] + b[0]
-        return cls(w / (2 * half), np.sqrt(size / other))
+        return cls(w / (2 * half), np.sqrt(x_size / s_size))
 
     def times(self, x: Array) -> Array:
         """W x."""
@@ -126,8 +134,8 @@ class Scaling:
 
 
 def _boosted(w: Array, x: Array) -> Array:
-    """V x."""
-    aside = (w[1:] * x[1:]).sum(axis=0)
-    result: Array = x + (x[0] + aside / (1 + w[0])) * w
-    result[0] = w[0] * x[0] + aside
+    """V x, the hyperbolic rotation by w."""
+    tail = (w[1:] * x[1:]).sum(axis=0)
+    result: Array = x + (x[0] + tail / (1 + w[0])) * w
+    result[0] = w[0] * x[0] + tail
     return result

@@ -1,12 +1,12 @@
-"""Semidefinite programs: small, and degenerate by their nature.
+"""Semidefinite programs that are small and inherently degenerate.
 
     max c.x:   A0 x = 0,  A1 x >= 0,  A2 x in second-order cones,  each matrix S_k(x) >= 0
 
-over x with x[0] = 1. What is asked for are the multipliers, or the point: whoever asks builds a
-bound of his own from them. `kilter.solvers.clarabel` solves it. The relaxations that are solved
-here have no inside, so that the equations of the interior point are singular in the end: a
-regularisation a hundred thousand times larger than usual, no presolving and no decomposition let
-it reach eight digits, where it fails otherwise.
+over x with x[0] = 1. The caller builds its own bound from the multipliers, or from the point.
+`kilter.solvers.clarabel` solves the programs. The relaxations that kilter solves have no interior,
+so the equations of the interior point become singular. A regularisation a hundred thousand times
+larger than the default, without presolve and decomposition, lets the method reach eight digits;
+with the defaults it fails.
 
 References
 ----------
@@ -28,17 +28,17 @@ __all__ = ["Multipliers", "SemidefiniteProgram"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SemidefiniteProgram:
-    """max gain.x over x with x[0] = 1, as above.
+    """max gain.x over x with x[0] = 1, with the constraints above.
 
     Attributes
     ----------
     gain : ndarray, shape (n,)
     equal, positive, cones : csr_array, shape (., n)
-        Rows that are 0, that are not negative, and in turn of second-order cones.
+        Rows of equations, of nonnegative numbers, and of consecutive second-order cones.
     dimension : int
-        Of every second-order cone.
+        Dimension of every second-order cone.
     squares : tuple of csr_array, shape (k (k + 1) / 2, n)
-        Upper triangles of matrices, column by column; off the diagonal times the root of 2.
+        Upper triangles of matrices, column by column; off-diagonal entries times sqrt(2).
     """
 
     gain: Array
@@ -50,14 +50,14 @@ class SemidefiniteProgram:
 
     @property
     def entries(self) -> int:
-        """How many numbers its rows have."""
+        """Number of nonzero entries of all rows."""
         rows = (self.equal, self.positive, self.cones, *self.squares)
-        return sum(int(one.nnz) for one in rows)
+        return sum(int(matrix.nnz) for matrix in rows)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Multipliers:
-    """Multipliers of the rows and the point x, none of them believed; matrices are symmetric."""
+    """Unverified multipliers of the rows, and the point x; squares have symmetric matrices."""
 
     equal: Array
     positive: Array

@@ -1,15 +1,15 @@
-"""One solution for every problem and every solver; it rechecks itself against its problem.
+"""The common result type of all solvers; it checks itself against its problem.
 
-A solver says one of four things: "optimal"; "infeasible", no point is feasible; "unbounded";
-"failed", which says nothing about the problem: an iteration or time limit, rounding, a
-breakdown. None of them is believed:
+A solver reports an outcome: "optimal"; "infeasible", no point is feasible; "unbounded"; or
+"failed", which states nothing about the problem: an iteration or time limit, rounding, a breakdown.
+The outcome is not trusted:
 
     residual      how far x and the multipliers are from proving each other optimal
-    bound         no feasible point costs less, rounding allowed for (linear programs)
+    bound         no feasible point costs less, including rounding errors (linear programs)
     proves_none   the multipliers prove, by Farkas' lemma, that no point is feasible
 
-are computed anew from the problem. "There is none" and "it was not found" are different
-answers: whoever asks has to handle both.
+are recomputed from the problem. "Infeasible" and "failed" are different answers, and callers must
+handle both.
 """
 
 from __future__ import annotations
@@ -32,33 +32,35 @@ Outcome = Literal["optimal", "infeasible", "unbounded", "failed"]
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """What a solver gave back for a problem.
+    """A solver's answer to a problem.
 
     Attributes
     ----------
     problem : LinearProgram or ConicProgram
-        As it was when it was solved.
+        The problem as it was when solved.
     outcome : {"optimal", "infeasible", "unbounded", "failed"}
-        What the solver says.
+        Outcome as reported by the solver.
     x : ndarray, shape (n,)
-        The solver's point; empty if it has none, or one that is not finite.
+        The solver's point; empty without a finite point.
     multipliers : ndarray, shape (m,)
-        Of the rows, with the signs that the problem's class states; where the outcome is
-        "infeasible", the ray that shows it; empty if there are none.
+        Multipliers of the rows, with the signs that the problem's class states. For the outcome
+        "infeasible", a dual ray as evidence. Empty without multipliers.
     solver : str
+        Name of the solver.
     iterations : int
     basis : object, optional
-        Of the simplex, for a program of the same shape to start from.
+        Simplex basis, as a start for a program of the same shape.
 
     Examples
     --------
     >>> from scipy.sparse import csc_array
-    >>> one = np.ones(1)
-    >>> line = LinearProgram(one, csc_array(np.eye(1)), one, np.inf * one, 0 * one, 5 * one)
-    >>> right = Solution(line, "optimal", one, one, "by hand", 0)
+    >>> ones = np.ones(1)
+    >>> line = LinearProgram(
+    ...     ones, csc_array(np.eye(1)), ones, np.inf * ones, 0 * ones, 5 * ones)
+    >>> right = Solution(line, "optimal", ones, ones, "by hand", 0)
     >>> right.holds, round(right.bound, 12)
     (True, 1.0)
-    >>> Solution(line, "optimal", 2 * one, one, "by hand", 0).holds  # whatever it says
+    >>> Solution(line, "optimal", 2 * ones, ones, "by hand", 0).holds  # the report is wrong
     False
     """
 
@@ -72,12 +74,12 @@ class Solution:
 
     @property
     def found(self) -> bool:
-        """Whether there is a point at all; what it is worth is another matter."""
+        """True if there is a point, of any quality."""
         return len(self.x) == len(self.problem.cost)
 
     @property
     def optimal(self) -> bool:
-        """Whether there is a point that the solver calls optimal."""
+        """True if there is a point that the solver reports as optimal."""
         return self.found and self.outcome == "optimal"
 
     @cached_property
@@ -87,37 +89,42 @@ class Solution:
 
     @cached_property
     def residual(self) -> float:
-        """How far x and multipliers are from being optimal, as the problem measures it [-]."""
+        """Residual of optimality of x and the multipliers, as the problem measures it [-]."""
         if not self.found or len(self.multipliers) != self.problem.matrix.shape[0]:
             return np.inf
         return self.problem.residual(self.x, self.multipliers)
 
     @property
     def holds(self) -> bool:
-        """Whether x is optimal by its own multipliers, whatever the solver says."""
+        """True if the multipliers prove that x is optimal, whatever the solver reports."""
         return self.residual <= BELIEVED
 
     @cached_property
     def bound(self) -> float:
-        """No feasible point costs less; -inf where that is all that is known."""
+        """Proved lower bound of the cost of feasible points; -inf without a proof."""
         if isinstance(self.problem, LinearProgram):
             return self.problem.safe_bound(self.multipliers)
         return -np.inf
 
     @property
     def proves_none(self) -> bool:
-        """Whether the multipliers prove that no point up to `LARGEST_POINT` is feasible."""
+        """True if the multipliers prove that no point up to `LARGEST_POINT` is feasible."""
         if len(self.multipliers) != self.problem.matrix.shape[0]:
             return False
         return self.problem.excluded(self.multipliers) >= LARGEST_POINT
 
     def required(self, what: str) -> Solution:
-        """The solution itself, where it is called optimal.
+        """The solution itself if it is reported optimal; for figures that no verdict relies on.
+
+        Parameters
+        ----------
+        what : str
+            Name of the task, for the error message.
 
         Raises
         ------
         SolverError
-            Otherwise: for figures that no verdict rests on.
+            If the solution is not optimal.
         """
         if not self.optimal:
             raise SolverError(f"no solver finished {what}", status=self.outcome)

@@ -1,34 +1,39 @@
-"""Tolerances of the solvers; each relative to the numbers of the problem around it [-].
+"""Tolerances of the solvers; each is relative to the numbers of the problem [-].
 
     NEGLIGIBLE_ENTRY < FEASIBLE < BOUNDED_FEASIBLE < BELIEVED < NEAR_BOUND < WIDE
     CONIC_FIRST < CONIC < QUADRATIC_GOOD < BELIEVED
 
-A solver is asked for more digits than its answer is then believed to have; a bound is looked
-for again where it is farther from the objective than what an answer is believed to.
+The requested accuracy is finer than the accuracy that answers are assumed to have. A bound is
+computed again if its distance from the objective exceeds the accuracy of an answer.
 """
 
 NEGLIGIBLE_ENTRY = 1e-12
-"""Entries of a matrix below this are no entries to HiGHS; it would drop those below 1e-9."""
+"""Matrix entries below this value are dropped by HiGHS, whose default is 1e-9."""
 FEASIBLE = 1e-10
-"""Feasibility asked of HiGHS, absolute in the program's own numbers: the least it takes."""
+"""Feasibility requested from HiGHS, absolute in the program's numbers: the least that it
+accepts.
+"""
 BOUNDED_FEASIBLE = 1e-9
-"""The same where only a safe bound is wanted, which errs on the safe side whatever it is."""
+"""Feasibility requested if only a safe bound is needed, which is valid at any accuracy."""
 BELIEVED = 1e-8
-"""Residual up to which x and multipliers are optimal: violations and gaps beyond rounding."""
+"""Largest residual of x and multipliers that count as optimal. A larger value accepts less exact
+solutions.
+"""
 NEAR_BOUND = 1e-7
-"""A safe bound this near the objective needs no second try."""
+"""A safe bound within this distance of the objective needs no second attempt."""
 WIDE = 0.1
-"""Gap and dual tolerance where only a feasible point is asked for."""
+"""Gap and dual tolerance if only a feasible point is needed."""
 
 CONIC_FIRST = 1e-12
-"""Gap and feasibility first asked of Clarabel for a quadratic program."""
+"""First gap and feasibility requested from Clarabel for a quadratic program."""
 CONIC = 1e-10
-"""Gap and feasibility asked of Clarabel where there are cones."""
+"""Gap and feasibility requested from Clarabel for a program with cones."""
 QUADRATIC_GOOD = 1e-9
-"""Residual of a quadratic program that ends the search."""
+"""Residual of a quadratic program at which the attempts end."""
 
 LARGEST_POINT = 1e6
-"""Sum of sizes of a feasible point up to which its absence has to be proved. Programs are
-scaled so that one weight is 1: forces of a million weights are no equilibrium."""
+"""Sum of absolute values up to which the absence of a feasible point must be proved. Programs are
+scaled so that a weight is 1: forces of a million weights are no equilibrium.
+"""
 EPSILON = 2.0**-52
-"""Rounding of float64."""
+"""Rounding unit of float64."""
