@@ -103,4 +103,4 @@ def test_a_proof_that_is_changed_is_refused(change: str) -> None:
             proof["rules"]["precedence"] = []
 
     why = {"free": "other parts are free in it", "turn": "single parts under one gravity"}
-    assert why.get(change, "do not bar every order") in wrong(from_both_sides(1), changed)
+    assert why.get(change, "do not exclude every order") in wrong(from_both_sides(1), changed)

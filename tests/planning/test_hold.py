@@ -310,7 +310,7 @@ def test_fewest_supports_of_many_are_those_of_enumeration() -> None:
             lambda p: p["rules"]["candidates"][2].update(part="voussoir-0"),
         ),
         ("it says 'not fewer' of what is", lambda p: p["proofs"][0].update(about="not fewer")),
-        ("it does not hold with fewest supports", lambda p: p["rules"].update(least=3)),
+        ("it has no proof that the fewest supports hold it", lambda p: p["rules"].update(least=3)),
     ],
 )
 def test_a_change_is_refused(why: str, change: Callable[[Proof], object]) -> None:

@@ -78,7 +78,7 @@ def test_no_other_count_is_proved(kind: str) -> None:
     least = LEAST[kind]
     many = said(kind, lambda p: p["rules"].update(least=least + 1))
     assert many == [
-        "it does not hold with fewest supports",
+        "it has no proof that the fewest supports hold it",
         f"fewer than {least + 1} supports may be enough",
     ]
     # fewer than are proved: what is said is true, but not all
@@ -90,7 +90,7 @@ def test_it_holds_once() -> None:
         proof["proofs"].insert(0, copy.deepcopy(proof["proofs"][0]))
 
     words = ["stable", "stable", *["unstable"] * 9]
-    assert said("arch", twice, words) == ["it does not hold with fewest supports"]
+    assert said("arch", twice, words) == ["it has no proof that the fewest supports hold it"]
 
 
 def test_what_is_said_is_what_is_proved() -> None:

@@ -69,7 +69,7 @@ def test_each_is_locked_by_the_other() -> None:
     assert "none can move before another" in order.to_dict()["sentence"]
     assert kilter.plan(Assembly(parts), together=True).found
     del proof["proofs"][0]
-    assert "'B' is not locked by the others" in reasons(order, proof)
+    assert "'B' is not locked by the base" in reasons(order, proof)
 
 
 @pytest.mark.parametrize("change", ["zero", "fewer", "other"])

@@ -85,7 +85,7 @@ def test_steps_exchanged_with_their_states_are_refused(name: str) -> None:
         a, b = where[0], where[-1]
         proof["proofs"][a], proof["proofs"][b] = proof["proofs"][b], proof["proofs"][a]
 
-    assert "its state is not what stands before it" in judged(name, change)
+    assert "its state does not have the parts that stand before it" in judged(name, change)
 
 
 @pytest.mark.quick(1)
@@ -94,13 +94,13 @@ def test_steps_exchanged_with_their_states_are_refused(name: str) -> None:
     [
         ("tower", (1, 2), "'cube-3' touches nothing that stands"),
         ("screw", (0, 1), "the nut 'ring' is on before its bolt 'post'"),
-        ("row", (0, 2), "'b0' comes before 'b2'"),
+        ("row", (0, 2), "'b0' is put in before 'b2'"),
     ],
 )
 def test_parts_exchanged_are_refused(name: str, steps: tuple[int, int], why: str) -> None:
     found = judged(name, lambda proof: exchange(proof, *steps))
     assert why in found
-    assert "its state is not what stands before it" in found
+    assert "its state does not have the parts that stand before it" in found
 
 
 def held_step(proof: Proof) -> Proof:
@@ -133,16 +133,16 @@ CHANGES: list[tuple[str, str, Change]] = [
     ("no order", "its fastest part does not move by 1", other_motion),
     (
         "tower",
-        "something is in the way",
+        "a part blocks the path",
         lambda p: entries(p, "step")[2].update(legs=[[[0.0, 0.0, -1.0], None]]),
     ),
     (
         "tower",
-        "something is in the way",
+        "a part blocks the path",
         lambda p: entries(p, "step")[2].update(legs=[[[0.0, 0.0, 1.0], 4.0]]),
     ),
-    ("tower", "something is in the way", lambda p: entries(p, "step")[2].update(legs=[])),
-    ("arch", "1 parts are held, not 0", lambda p: p["rules"].update(hold=0)),
+    ("tower", "a part blocks the path", lambda p: entries(p, "step")[2].update(legs=[])),
+    ("arch", "1 parts are held, more than 0", lambda p: p["rules"].update(hold=0)),
     (
         "arch",
         "is held and must not be",
@@ -150,18 +150,18 @@ CHANGES: list[tuple[str, str, Change]] = [
     ),
     (
         "row",
-        "comes before 'b0'",
+        "is put in before 'b0'",
         lambda p: p["rules"]["precedence"].append([entries(p, "step")[1]["parts"][0], "b0"])
         or p["rules"]["precedence"].append(["b0", entries(p, "step")[1]["parts"][0]]),
     ),
-    ("screw", "which is no bolt of it", lambda p: entries(p, "step")[1].update(over=None)),
-    ("screw", "which is no bolt of it", lambda p: entries(p, "step")[0].update(over="ring")),
+    ("screw", "which is not its standing bolt", lambda p: entries(p, "step")[1].update(over=None)),
+    ("screw", "which is not its standing bolt", lambda p: entries(p, "step")[0].update(over="ring")),
     (
         "screw",
         "along the axis of its thread",
         lambda p: entries(p, "step")[1].update(legs=[[[0.0, 0.6, 0.8], None]]),
     ),
-    ("arch", "fewer than 2 held may be enough", one_more_held),
+    ("arch", "fewer than 2 held parts may be enough", one_more_held),
     (
         "arch",
         "other parts are free in it",
@@ -169,7 +169,7 @@ CHANGES: list[tuple[str, str, Change]] = [
     ),
     ("arch", "the finished assembly has no proof", lambda p: p["proofs"].pop(0)),
     ("arch", "is never put in", lambda p: p["proofs"].remove(entries(p, "step")[-1])),
-    ("arch", "its state is unstable", falls_in_a_step),
+    ("arch", "the verdict of its state is unstable", falls_in_a_step),
     (
         "row",
         "'b1' does not move with its group",
@@ -177,13 +177,13 @@ CHANGES: list[tuple[str, str, Change]] = [
     ),
     (
         "arch",
-        "more of it is changed than its parts",
+        "it changes more of the assembly than its parts",
         lambda p: entries(p, "step")[0]["change"].update(mu=5.0),
     ),
     ("arch", "it is about 'else'", lambda p: entries(p, "step")[0].update(about="else")),
-    ("no order", "does not fall alone", lambda p: entries(p, "falls alone")[0]["change"].update(
+    ("no order", "is not proved to fall", lambda p: entries(p, "falls alone")[0]["change"].update(
         without=[])),
-    ("no order", "does not fall alone", lambda p: p["proofs"].pop()),
+    ("no order", "is not proved to fall", lambda p: p["proofs"].pop()),
 ]  # fmt: skip
 
 

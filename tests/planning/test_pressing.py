@@ -47,7 +47,7 @@ def test_a_hold_takes_what_the_plank_does_not() -> None:
     assert not reasons(order, proof)
     [pressed] = [one for one in proof["proofs"] if one["about"] == "pressed" and one["step"] == 2]
     pressed["change"]["loads"][-1]["force"][2] *= 0.5
-    assert "step 2: it is pressed otherwise" in reasons(order, proof)
+    assert "step 2: the proof has another pressing force" in reasons(order, proof)
 
 
 @pytest.mark.slow
@@ -56,7 +56,7 @@ def test_a_proof_without_its_pressed_states_is_refused() -> None:
     proof = proof_of(order)
     assert not reasons(order, proof)
     proof["proofs"] = [one for one in proof["proofs"] if one["about"] != "pressed"]
-    assert "not every step is proved under the force" in reasons(order, proof)
+    assert "not every step has a proof with the pressing force" in reasons(order, proof)
 
 
 def test_a_sequence_says_where_it_cannot_be_pressed() -> None:

@@ -55,7 +55,7 @@ def test_turns_that_are_not_proved_are_refused(change: str) -> None:
         why = "it is turned from another direction"
     else:
         proof["rules"]["turn"] = False
-        why = "it is turned, though it must not be"
+        why = "it has turns, but its rules do not allow turns"
     assert why in reasons(order, proof)
 
 

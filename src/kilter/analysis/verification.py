@@ -259,7 +259,7 @@ def verify_proof(assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]
         reasons, notes = reasons + more, notes + also
     second = proof.get("second_order")
     if not reasons and second is not None and ("forces" not in proof or friction is not None):
-        reasons = ["its second order is not of what forces hold without friction"]
+        reasons = ["its second order needs a proof by forces without friction"]
     elif not reasons and second is not None:
         program = build_program(assembly, contacts)
         reasons = recheck_second_order(assembly, contacts, program.frictionless, second)
@@ -291,4 +291,4 @@ def _wrong_word(verdict: str, second: Mapping[str, Any] | None, *, rubs: bool) -
     fits = "balanced" if state == "balanced" and falls else "stable"
     if verdict == fits:
         return []
-    return [f"it says {verdict!r} but carries the evidence of {fits!r}"]
+    return [f"it states {verdict!r}, but its evidence proves {fits!r}"]

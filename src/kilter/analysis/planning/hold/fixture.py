@@ -177,7 +177,9 @@ class Fixture:
             If nothing was found and nothing is proved.
         """
         if self.verdict == "undecided":
-            raise InputError("no supports were found, and nothing is proved: there is no proof")
+            raise InputError(
+                "no supports were found and nothing is proved, so there is no proof to write"
+            )
         stated: list[tuple[str, SupportedState]] = []
         if self.found.state is not None:
             stated.append(("held", self.found.state))

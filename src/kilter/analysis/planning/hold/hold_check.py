@@ -51,16 +51,16 @@ def wrong_hold(
     for entry, verdict in zip(bundle["proofs"], verdicts, strict=True):
         there = frozenset(entry["supports"])
         if entry["change"] != _change(assembly, candidates, there):
-            yield f"{entry['about']}: its supports are not the candidates that it names"
+            yield f"{entry['about']}: its supports differ from the candidates that it names"
             continue
         if entry["about"] not in FALLS or (verdict == "unstable") != FALLS[entry["about"]]:
-            yield f"it says {entry['about']!r:.40} of what is {verdict}"
+            yield f"it states {entry['about']!r:.40}, but the verdict of its state is {verdict}"
             continue
         (falling if FALLS[entry["about"]] else held).append((there, entry))
     shares = [_shares(assembly, contacts, candidates, *one) for one in falling]
     least = len(candidates) + 1 if not held else rules["least"]
     if len(held) > 1 or (held and len(held[0][0]) < least):
-        yield "it does not hold with fewest supports"
+        yield "it has no proof that the fewest supports hold it"
     if least_cover(shares, min(least - 1, len(candidates))) is not None:
         yield f"fewer than {least} supports may be enough"
 

@@ -297,7 +297,9 @@ class Order(InCells):
             If nothing was found and nothing is proved.
         """
         if self.verdict in ("none-found", "fails", "undecided"):
-            raise InputError("no order was found, and nothing is proved: there is no proof")
+            raise InputError(
+                "no order was found and nothing is proved, so there is no proof to write"
+            )
         names = self.states.assembly.names
         rules = {
             "hold": self.hold,

@@ -66,20 +66,20 @@ def wrong_order(
     for entry, verdict in zip(bundle["proofs"], verdicts, strict=True):
         kind, change = entry["about"], entry["change"]
         if kind not in FALLS:
-            yield f"it is about {kind!r:.40}"
+            yield f"it has a proof of the unknown kind {kind!r:.40}"
             continue
         entries[kind].append(entry)
         if (verdict == "unstable") != FALLS[kind]:
-            yield f"{kind} {_of(entry)}: its state is {verdict}"
+            yield f"{kind} {_of(entry)}: the verdict of its state is {verdict}"
         if set(change) - CHANGES - MORE.get(kind, set()):
-            yield f"{kind} {_of(entry)}: more of it is changed than its parts"
+            yield f"{kind} {_of(entry)}: it changes more of the assembly than its parts"
     shows = ("step", "falls alone", "finished falls", "locked", "refused")
     if not any(entries[kind] for kind in shows):
         yield "it has neither an order nor a proof that there is none"
     if entries["finished falls"] and [one["change"] for one in entries["finished falls"]] != [
         {"without": [], "held": []}
     ]:
-        yield "the motion is not one of the finished assembly"
+        yield "the motion is not a motion of the finished assembly"
     if entries["step"]:
         if [one["change"] for one in entries["whole"]] != [{"without": [], "held": []}]:
             yield "the finished assembly has no proof"
@@ -96,7 +96,10 @@ def wrong_order(
     if (entries["falls alone"] or entries["refused"]) and (
         bundle["rules"]["groups"] or bundle["rules"]["turn"]
     ):
-        yield "that there is no order speaks of single parts under one gravity"
+        yield (
+            "a proof that no order exists is valid only for single parts and a fixed direction of "
+            "gravity"
+        )
     yield from _wrong_closure(assembly, entries["falls alone"])
     if entries["refused"]:
         rules = Rules.of(assembly, contacts, bundle["rules"])
@@ -136,14 +139,14 @@ def _wrong_steps(
         moved = [assembly.index_of(part) for part in parts]
         said, reasons = some_names(parts), [*rules.broken(step, standing)]
         if standing.intersection(parts) or len(set(parts)) < len(parts) or not parts:
-            reasons.append(f"{said} stands already")
+            reasons.append(f"{said} is standing already")
         if set(step["change"]["without"]) != set(assembly.names) - standing:
-            reasons.append("its state is not what stands before it")
+            reasons.append("its state does not have the parts that stand before it")
         if not _hang_on(standing, parts, touching):
-            reasons.append(f"{said} touches nothing that stands")
+            reasons.append(f"{said} touches no standing part")
         there = np.array([name in standing and name != over for name in assembly.names])
         if any(_stopped(assembly, sweeps, part, bits_of(there), step["legs"]) for part in moved):
-            reasons.append(f"something is in the way of {said}")
+            reasons.append(f"a part blocks the path of {said}")
         yield from (f"step {number}: {reason}" for reason in reasons)
         standing.update(parts)
     missing = set(assembly.names) - standing
@@ -203,16 +206,16 @@ def _enough(
         standing = set(assembly.names) - set(change["without"])
         known = number in range(1, len(steps) + 1)
         if not known or set(steps[number - 1]["change"]["without"]) != set(change["without"]):
-            yield f"not fewer than in step {number}: its state is another"
+            yield f"fewest holds of step {number}: the proof is about another state"
         elif set(change["held"]) != standing - base - parts:
-            yield f"not fewer than in step {number}: other parts are free in it"
+            yield f"fewest holds of step {number}: other parts are free in the proof"
         else:
             may = np.array([name in parts - rules.never_held for name in assembly.names])
             sets.setdefault(number, []).append(bits_of(may))
     for number, found in sets.items():
         held = len(steps[number - 1]["change"]["held"])
         if least_hitting_set(found, held - 1) is not None:
-            yield f"step {number}: fewer than {held} held may be enough"
+            yield f"step {number}: fewer than {held} held parts may be enough"
 
 
 def _wrong_closure(assembly: Assembly, falling: Sequence[About]) -> Iterator[str]:
@@ -223,13 +226,13 @@ def _wrong_closure(assembly: Assembly, falling: Sequence[About]) -> Iterator[str
         change = one["change"]
         there = set(assembly.names) - set(change["without"])
         if there != reached | {one["part"]} or set(change["held"]) != reached - base:
-            yield f"{one['part']!r} does not fall alone on all that is reached"
+            yield f"{one['part']!r} is not proved to fall on all parts that can be reached"
 
 
 def _wrong_exhaustion(
     assembly: Assembly, contacts: ContactSet, rules: Rules, cuts: Sequence[About]
 ) -> Iterator[str]:
-    """Why the motions do not bar every order, whatever the ways."""
+    """Why the motions do not exclude every order, whatever the ways."""
     names, grounded = assembly.names, assembly.geometry.grounded
     base = {part.name for part in assembly if part.grounded}
     motions: dict[int, list[int]] = {}
@@ -237,7 +240,7 @@ def _wrong_exhaustion(
         parts, change = set(cut["parts"]), cut["change"]
         standing = set(names) - set(change["without"])
         if set(change["held"]) != standing - base - parts:
-            yield f"refused {_of(cut)}: other parts are free in it"
+            yield f"refused {_of(cut)}: other parts are free in the proof"
             return
         there = bits_of(np.array([name in standing for name in names]))
         may = bits_of(np.array([name in parts - rules.never_held for name in names]))
@@ -254,7 +257,7 @@ def _wrong_exhaustion(
 
     whole = bits_of(np.ones(len(names), dtype=bool))
     if not leads_nowhere(whole, bits_of(grounded), goes_on):
-        yield "the motions do not bar every order"
+        yield "the motions do not exclude every order"
 
 
 def _wrong_locking(
@@ -271,7 +274,7 @@ def _wrong_locking(
         name, change = one["part"], one["change"]
         there = set(assembly.names) - set(change["without"])
         if name in base or there != core | base or set(change["held"]) != core - {name}:
-            yield f"{name!r} is not locked by the others of the proof and the base"
+            yield f"{name!r} is not locked by the base and the other parts of the proof"
             continue
         present = np.array([other in there for other in assembly.names])
         held = present & (np.array(assembly.names) != name)
@@ -281,15 +284,15 @@ def _wrong_locking(
         if multipliers.shape != rows.shape or not shuts(
             opening(program, part, rows), multipliers[rows]
         ):
-            yield f"{name!r} is not locked: its multipliers do not prove it"
+            yield f"{name!r} is not proved to be locked by its multipliers"
 
 
 def _wrong_pressing(
     assembly: Assembly, force: float, steps: Sequence[About], pressed: Sequence[About]
 ) -> Iterator[str]:
-    """Why not every step is proved under the force that presses its parts in."""
+    """Why not every step has a proof with the pressing force."""
     if sorted(one["step"] for one in pressed) != (list(range(1, len(steps) + 1)) if force else []):
-        yield "not every step is proved under the force that presses its parts in"
+        yield "not every step has a proof with the pressing force"
         return
     mass = dict(zip(assembly.names, assembly.geometry.mass.tolist(), strict=True))
     own = [(load.part, load.force, load.torque, load.point) for load in assembly.loads]
@@ -302,9 +305,9 @@ def _wrong_pressing(
         given = [tuple(load[key] for key in LOAD) for load in change["loads"]]
         standing = set(step["change"]["without"]) - set(parts)
         if set(change["without"]) != standing or change["held"] != step["change"]["held"]:
-            yield f"step {one['step']}: other parts are pressed"
+            yield f"step {one['step']}: the proof presses other parts"
         elif len(given) != len(wanted) or not all(map(_same_load, given, wanted)):
-            yield f"step {one['step']}: it is pressed otherwise"
+            yield f"step {one['step']}: the proof has another pressing force"
 
 
 LOAD = ("part", "force", "torque", "point")
@@ -332,17 +335,17 @@ def _wrong_turns(
     following = [one["change"] for one in steps[1:]] + [{"without": [], "held": []}]
     between = {one["step"]: one["change"] for one in turned}
     if turned and not may:
-        yield "it is turned, though it must not be"
+        yield "it has turns, but its rules do not allow turns"
     for number, after in enumerate(following, 1):
         before, then = downs[number - 1 : number + 1]
         change = between.pop(number, None)
         if np.array_equal(before, then):
             continue
         if change is None or any(change[key] != after[key] for key in CHANGES):
-            yield f"after step {number}: what is turned is not proved to hold before it"
+            yield f"after step {number}: the turned parts are not proved to hold before the turn"
         elif not np.array_equal(unit(np.array(change["down"], dtype=float)), before):
-            yield f"after step {number}: it is turned from another direction"
+            yield f"after step {number}: the turn starts from another direction"
         elif np.linalg.norm(before + then) < OPPOSITE:
-            yield f"after step {number}: it is turned right over, and no arc is shortest"
+            yield f"after step {number}: the turn is by 180 degrees, so its axis is not determined"
     if between:
-        yield "it is turned after a step that is none, or to where it is"
+        yield "it has a turn without a step or without a change of direction"

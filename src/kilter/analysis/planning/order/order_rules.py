@@ -66,13 +66,13 @@ class Rules:
         parts, held = set(step["parts"]), step["change"]["held"]
         there = standing | parts
         if len(held) > self.hold or len(set(held)) < len(held):
-            yield f"{len(held)} parts are held, not {self.hold} at most"
+            yield f"{len(held)} parts are held, more than {self.hold}"
         for name in held:
             if name in self.never_held or name not in standing:
-                yield f"{name!r} is held and must not be"
+                yield f"{name!r} is held, but must not be held"
         for first, second in self.precedence:
             if second in parts and first not in there:
-                yield f"{second!r} comes before {first!r}"
+                yield f"{second!r} is put in before {first!r}"
         for group in self.groups:
             if parts & group and not group <= parts:
                 yield f"{min(group - parts)!r} does not move with its group"
@@ -90,7 +90,7 @@ class Rules:
             return
         nut = min(parts)
         if over not in on or len(parts) > 1:
-            yield f"{nut!r} comes over {over!r}, which is no bolt of it that stands"
+            yield f"{nut!r} comes over {over!r}, which is not its standing bolt"
             return
         axis = np.array(self.threads[over, nut])
         if len(legs) != 1 or np.linalg.norm(np.cross(axis, legs[0][0])) > AXIS:
