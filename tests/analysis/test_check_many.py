@@ -262,7 +262,7 @@ def test_arrays_that_do_not_fit_are_refused(change: dict[str, object], said: str
 def test_what_is_no_assembly_is_refused_and_progress_is_told() -> None:
     with pytest.raises(InputError, match="assembly 1 is of type str"):
         kilter.check_many([scene("tower"), "tower"])
-    with pytest.raises(InputError, match="no level"):
+    with pytest.raises(InputError, match="does not exist"):
         kilter.check_many([], require="always")
     told: list[tuple[int, int]] = []
     kilter.check_many([overhanging(0.5)] * 301, progress=lambda done, of: told.append((done, of)))

@@ -401,7 +401,7 @@ def test_a_failure_is_not_taken_for_none_and_is_said(monkeypatch):
     pushed = f"push of {program.names[1]}"
     assert {"tilt", "load_factor", pushed} <= set(answer.missing)
     assert answer.missing[pushed] == "failed"
-    assert any("the numbers failed" in text for text in answer.warnings)
+    assert any("the solver failed" in text for text in answer.warnings)
 
 
 def test_a_push_that_is_not_resisted_says_why():

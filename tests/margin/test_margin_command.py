@@ -70,7 +70,7 @@ def test_the_text_says_what_starts_to_move(tower, capsys):
         (["--part", "cube-9"], "cube-9"),
         (["--push", "0", "0", "0"], "push"),
         (["--push", "nan", "0", "0"], "push"),
-        (["--about", "0", "0", "1"], "not across gravity"),
+        (["--about", "0", "0", "1"], "not perpendicular to gravity"),
         (["--about", "0", "0", "0"], "axis"),
         (["--mass-range", "1.1", "0.9"], "empty"),
         (["--mass-range", "0", "1"], "mass range"),

@@ -102,5 +102,5 @@ def test_a_proof_that_is_changed_is_refused(change: str) -> None:
         else:
             proof["rules"]["precedence"] = []
 
-    why = {"free": "other parts are free in it", "turn": "single parts under one gravity"}
+    why = {"free": "other parts are free in the proof", "turn": "valid only for single parts"}
     assert why.get(change, "do not exclude every order") in wrong(from_both_sides(1), changed)

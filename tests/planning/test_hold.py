@@ -304,12 +304,12 @@ def test_fewest_supports_of_many_are_those_of_enumeration() -> None:
     ("why", "change"),
     [
         ("fewer than 2 supports may be enough", lambda p: p["proofs"].pop()),
-        ("are not the candidates that it names", lambda p: p["proofs"][0]["supports"].pop()),
+        ("differ from the candidates that it names", lambda p: p["proofs"][0]["supports"].pop()),
         (
-            "are not the candidates that it names",
+            "differ from the candidates that it names",
             lambda p: p["rules"]["candidates"][2].update(part="voussoir-0"),
         ),
-        ("it says 'not fewer' of what is", lambda p: p["proofs"][0].update(about="not fewer")),
+        ("it states 'not fewer', but", lambda p: p["proofs"][0].update(about="not fewer")),
         ("it has no proof that the fewest supports hold it", lambda p: p["rules"].update(least=3)),
     ],
 )

@@ -94,13 +94,13 @@ def test_it_holds_once() -> None:
 
 
 def test_what_is_said_is_what_is_proved() -> None:
-    supports = "{}: its supports are not the candidates that it names"
+    supports = "{}: its supports differ from the candidates that it names"
     falls = said("prop", words=["unstable", "unstable"])
-    assert falls[0] == "it says 'held' of what is unstable"
+    assert falls[0] == "it states 'held', but the verdict of its state is unstable"
     held = said("prop", words=["stable", "stable"])
-    assert held[0] == "it says 'not fewer' of what is stable"
+    assert held[0] == "it states 'not fewer', but the verdict of its state is stable"
     other = said("prop", lambda p: p["proofs"][1].update(about="more"))
-    assert other[0] == "it says 'more' of what is unstable"
+    assert other[0] == "it states 'more', but the verdict of its state is unstable"
     none = said("prop", lambda p: p["proofs"][0].update(supports=[]))
     assert none[0] == supports.format("held")
     # an entry that is refused does not end the rest

@@ -83,7 +83,7 @@ def test_other_multipliers_are_refused(change: str) -> None:
         "fewer": values[:-1],
         "other": [2.0 * values[0], *values[1:]],
     }[change]
-    assert "its multipliers do not prove it" in reasons(order, proof)
+    assert "not proved to be locked by its multipliers" in reasons(order, proof)
 
 
 def test_locked_wherever_it_is() -> None:

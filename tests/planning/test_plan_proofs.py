@@ -92,7 +92,7 @@ def test_steps_exchanged_with_their_states_are_refused(name: str) -> None:
 @pytest.mark.parametrize(
     ("name", "steps", "why"),
     [
-        ("tower", (1, 2), "'cube-3' touches nothing that stands"),
+        ("tower", (1, 2), "'cube-3' touches no standing part"),
         ("screw", (0, 1), "the nut 'ring' is on before its bolt 'post'"),
         ("row", (0, 2), "'b0' is put in before 'b2'"),
     ],
@@ -145,7 +145,7 @@ CHANGES: list[tuple[str, str, Change]] = [
     ("arch", "1 parts are held, more than 0", lambda p: p["rules"].update(hold=0)),
     (
         "arch",
-        "is held and must not be",
+        "is held, but must not be held",
         lambda p: p["rules"].update(never_held=held_step(p)["change"]["held"]),
     ),
     (
@@ -155,7 +155,11 @@ CHANGES: list[tuple[str, str, Change]] = [
         or p["rules"]["precedence"].append(["b0", entries(p, "step")[1]["parts"][0]]),
     ),
     ("screw", "which is not its standing bolt", lambda p: entries(p, "step")[1].update(over=None)),
-    ("screw", "which is not its standing bolt", lambda p: entries(p, "step")[0].update(over="ring")),
+    (
+        "screw",
+        "which is not its standing bolt",
+        lambda p: entries(p, "step")[0].update(over="ring"),
+    ),
     (
         "screw",
         "along the axis of its thread",
@@ -164,7 +168,7 @@ CHANGES: list[tuple[str, str, Change]] = [
     ("arch", "fewer than 2 held parts may be enough", one_more_held),
     (
         "arch",
-        "other parts are free in it",
+        "other parts are free in the proof",
         lambda p: entries(p, "not fewer")[0]["change"]["held"].pop(),
     ),
     ("arch", "the finished assembly has no proof", lambda p: p["proofs"].pop(0)),

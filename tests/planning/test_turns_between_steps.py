@@ -49,10 +49,10 @@ def test_turns_that_are_not_proved_are_refused(change: str) -> None:
     [turned] = [one for one in proof["proofs"] if one["about"] == "turned"]
     if change == "left out":
         proof["proofs"].remove(turned)
-        why = "what is turned is not proved to hold before it"
+        why = "the turned parts are not proved to hold before the turn"
     elif change == "elsewhere":
         turned["change"]["down"] = [0.0, 0.1, -1.0]
-        why = "it is turned from another direction"
+        why = "the turn starts from another direction"
     else:
         proof["rules"]["turn"] = False
         why = "it has turns, but its rules do not allow turns"
@@ -105,7 +105,7 @@ def test_turns_of_two_orders() -> None:
     bound = kilter.plan(leaning(30.0), fewest="turns", hold=0, before=FIRST)
     assert ([step.part for step in bound.steps], bound.turns) == (["A", "B"], 1)
     assert bound.least == "as-tried"
-    words = "Along the ways that were tried no order has fewer turns with nothing held."
+    words = "Along the directions that were tried no order has fewer turns with nothing held."
     assert words in bound.to_dict()["sentence"]
     assert not reasons(bound, proof_of(bound))
 

@@ -255,4 +255,4 @@ def test_of_what_slides_or_only_friction_holds_nothing_is_proved(mu: float, verd
     path = {"first": level, "second": down, "configuration": 0.01 * level + 0.00005 * down}
     forged = {"state": "balanced"} | {key: {"block": one.tolist()} for key, one in path.items()}
     found = kilter.verify(assembly, with_second_order(proof, forged))
-    assert found.reasons == ("its second order is not of what forces hold without friction",)
+    assert found.reasons == ("its second order needs a proof by forces without friction",)

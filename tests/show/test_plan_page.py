@@ -53,7 +53,7 @@ def test_every_step_is_in_words_without_any_program(built: tuple[kilter.Order, s
     for step in order.steps:
         assert step.part in text
         assert not step.held or f"hold '{step.held[0]}'" in text
-    assert data_of(page)["plan"]["steps"][3]["facts"][-1][0] == "what stands"
+    assert data_of(page)["plan"]["steps"][3]["facts"][-1][0] == "standing parts"
 
 
 def test_the_graph_has_every_step_once_and_leads_downwards(
