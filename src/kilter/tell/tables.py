@@ -49,8 +49,8 @@ KINDS = {
     "all": "Every direction of gravity is stable: it is locked.",
 }
 HELD = (
-    "With friction, a direction counts as held if forces that hold it exist ('kilter check --down' "
-    "reports what friction guarantees):"
+    "With friction, held means that forces that hold it exist: 'kilter check --down' reports what "
+    "friction guarantees."
 )
 TRIED = "Changes that were tried, the best first:"
 LEFT_OUT = "Without friction and without the contacts that are not modelled:"
@@ -143,7 +143,7 @@ def _region_sentence(answer: Answer) -> str:
             f"If these pairs are joined, {_lower_case(joined)}"
         )
     if answer["friction"]:
-        return f"{HELD} {inner}"
+        return f"{head} {HELD}"
     return head if answer["complete"] else f"{LEFT_OUT} {inner}"
 
 
