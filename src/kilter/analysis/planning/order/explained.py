@@ -1,13 +1,13 @@
-"""What a plan rests on, step by step: forces that hold what stands, and why parts are held.
+"""Explanation of a plan: contact forces and hand forces of each step, and why holds are needed.
 
-Forces are those of the state of a step, summed over the points of a contact patch at the point
-where they press. A hand carries what is left over at a held part,
+The contact forces are those of the proof of a step, summed for each contact patch and applied at
+its centre of pressure. A hand carries the remaining load of a held part,
 
     hand = -(J^T f + m g)        force [N] and torque about the centre of mass
 
-one possible set of forces, as the proof has them. Why it is needed is the motion of the same
-state without it. Of two parts, one has to come first where it was asked for, where it is the
-bolt of a nut, or where the other would stop it on the way that it takes.
+These forces are one possible equilibrium. The motion of the same state without the hand shows
+why it is needed. A part must come before another part if the precedence requires it, or if the
+other part would block its path.
 """
 
 from __future__ import annotations
@@ -29,23 +29,23 @@ from kilter.threads import on_one_thread
 __all__ = ["Explained", "Hand", "Need", "StepForces", "explain"]
 
 PAIRS = 6000
-"""Pairs of parts up to which it is asked which of them would stop which."""
+"""Largest number of pairs of steps whose paths are tested for collision."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Hand:
-    """What holds a part during a step.
+    """Hand that holds a part during a step.
 
     Attributes
     ----------
     part : str
     force, torque : ndarray, shape (3,), or None
-        On the part [N], about its centre of mass [N x length unit]; None where the state was
-        decided without forces of its own.
+        Force on the part [N] and torque about its centre of mass [N x length unit]; None if
+        the state has no forces of its own.
     falls : tuple of str
-        What would move if it let go; empty where what stands would hold even so.
+        Parts that would move without this hand; empty if the state holds without it.
     motion : ndarray, shape (N, 6), or None
-        How (length unit, rad), the fastest at 1.
+        Motion of these parts [length unit, rad], scaled so that the fastest moves at 1.
     """
 
     part: str
@@ -57,15 +57,16 @@ class Hand:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StepForces:
-    """What holds during a step: contact forces, a row a patch, and hands.
+    """Contact forces and hands during a step, with one row for each contact patch.
 
     Attributes
     ----------
     points : ndarray, shape (K, 3)
-        Where they press [length unit].
+        Centres of pressure [length unit].
     parts : ndarray of int, shape (K, 2)
+        Indices of the two parts of each patch.
     forces : ndarray, shape (K, 3)
-        On the second part [N].
+        Force on the second part [N].
     hands : tuple of Hand
     """
 
@@ -77,7 +78,7 @@ class StepForces:
 
 @dataclass(frozen=True, slots=True)
 class Need:
-    """One part has to come before another: it was `asked`, or the other is in the `way`."""
+    """Part that must come before another: as required ("asked") or for its free path ("way")."""
 
     before: str
     after: str
@@ -86,15 +87,15 @@ class Need:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Explained:
-    """An order, explained.
+    """Explanation of an order of assembly.
 
     Attributes
     ----------
     supports : tuple of StepForces
-        Of each step.
+        Contact forces and hands of each step.
     needs : tuple of Need
     swept : bool
-        Whether it was asked which parts would stop which.
+        Whether the paths were tested for parts that block them.
     """
 
     supports: tuple[StepForces, ...]
@@ -108,7 +109,7 @@ class Explained:
 
 @on_one_thread
 def explain(order: Order) -> Explained:
-    """The forces of each step, what falls without its hands, and which part must come first.
+    """Explain an order: forces of each step, parts that fall without hands, necessary successions.
 
     Examples
     --------
@@ -128,6 +129,7 @@ def explain(order: Order) -> Explained:
 
 
 def _support(order: Order, step: Step) -> StepForces:
+    """Return the contact forces and the hands of a step."""
     state = step.state
     hands = tuple(_hand(order, step, name) for name in step.held)
     if state.forces is None:
@@ -137,7 +139,7 @@ def _support(order: Order, step: Step) -> StepForces:
 
 
 def _pressed(program: Program, proof: ForceProof) -> tuple[Array, Index, Array]:
-    """Points, parts and forces, a row a patch that presses."""
+    """Return centres of pressure, parts and forces of the patches that carry a force."""
     straight = np.flatnonzero(~program.angular)
     forces = proof.forces[straight, None] * program.normal[straight] + proof.friction[straight]
     size = np.linalg.norm(forces, axis=1)
@@ -154,7 +156,7 @@ def _pressed(program: Program, proof: ForceProof) -> tuple[Array, Index, Array]:
 
 
 def _hand(order: Order, step: Step, name: str) -> Hand:
-    """What a hand carries, and what falls without it."""
+    """Return the force of a hand and the parts that fall without it."""
     states, state = order.states, step.state
     k = states.assembly.index[name]
     force = torque = None
@@ -165,7 +167,7 @@ def _hand(order: Order, step: Step, name: str) -> Hand:
         weight[:3] += program.mass[k] * program.gravity
         carried = -(wrench + weight)
         if program.planar:
-            carried[[1, 3, 5]] = 0.0  # what holds the plane is not asked
+            carried[[1, 3, 5]] = 0.0  # the support normal to the plane is not modelled
         force, torque = carried[:3], carried[3:]
     held = state.present & ~state.free
     held[k] = False
@@ -178,18 +180,19 @@ def _hand(order: Order, step: Step, name: str) -> Hand:
 
 
 def _in_the_way(order: Order) -> list[Need]:
-    """Steps of which the second, done first, would stop the first on its way."""
+    """Return the pairs of steps whose later part would block the path of the earlier part."""
     index = order.states.assembly.index
     sweeps = Sweeps(order.states.contacts)
-    found = []
-    for one, later in combinations(order.steps, 2):
-        others = [index[name] for name in later.parts if name != one.over]
-        if any(_stops(sweeps, index[name], q, one.legs) for name in one.parts for q in others):
-            found.append(Need(one.part, later.part, "way"))
-    return found
+    needs = []
+    for step, later in combinations(order.steps, 2):
+        others = [index[name] for name in later.parts if name != step.over]
+        if any(_stops(sweeps, index[name], q, step.legs) for name in step.parts for q in others):
+            needs.append(Need(step.part, later.part, "way"))
+    return needs
 
 
 def _stops(sweeps: Sweeps, part: int, other: int, legs: tuple[Leg, ...]) -> bool:
+    """Whether `other` at its place blocks `part` on the path out."""
     start = np.zeros(3)
     for leg in legs:
         if sweeps.pair_stops(part, other, leg.direction, distance=leg.length, start=start):

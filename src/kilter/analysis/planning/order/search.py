@@ -1,21 +1,20 @@
-"""An order of assembly, found backwards: which part can leave last, and what is held then.
+"""Search of an order of assembly, backwards from the whole assembly by removing parts.
 
-From the whole assembly parts are taken away one by one. A part p may leave S for T = S - p where
+The search removes parts one at a time. A part p may leave the set S for T = S - p if
 
-    nothing that is to be put in after it is present           the precedence that was asked for
-    every part of T hangs together with a grounded one         each part touches what stands
-    it has a way out of S                                      `planning.order.removal`
-    T holds, at most K of its parts held                       `planning.states.states`
+    no part that must be put in after p is in T                precedence
+    contacts connect every part of T with a grounded part      each part touches standing parts
+    p has a free path out of S                                 `planning.order.removal`
+    T holds with at most K of its parts held                   `planning.states.states`
 
-What holds T is asked with p absent: along its way in contacts with p can only add forces, and once
-it is in place, T + p with p held too holds as well. The highest layer leaves first: of it, parts
-near the last one that leave a T which needs no hold, then those that need holds, each in the order
-of their distance, whatever motion shows that T falls. (To dig a hold's part out from below instead
-keeps it held for many steps.) Ways of two legs come last.
+T is judged without p. On the path of p, contacts with p can only add forces. Once p is in place,
+T + p holds too if p is held. The parts of the highest layer leave first, nearest to the last
+removed part first: first the parts whose T needs no hold, then the others. (Removing a held part
+from below instead would keep it held for many steps.) Paths of two legs are tried last.
 
-Sets from which no order leads on are kept, so that none is searched twice. The search is that of
-one K; K is raised where it fails, so that the first order found has the fewest parts held at once
-among those that such ways allow.
+Sets from which no order continues are recorded, so that no set is searched twice. A search has a
+fixed K. After a failure K is raised, so the first order found has the fewest parts held at once
+among the orders along the tried paths.
 """
 
 from __future__ import annotations
@@ -39,36 +38,37 @@ from kilter.work import Work
 __all__ = ["FEW", "PROGRAM", "OrderSearch", "Removed", "neighbours_of"]
 
 PROGRAM, FEW = 150.0, 4
-"""Units of work of a program of a state, for each part that is present and so many more."""
+"""Work of one program of a state: PROGRAM units for each present part, and for FEW parts more."""
 CHECK = 10
-"""Programs that stand for a state that is left open, or that `kilter.check` is asked of."""
+"""Work of a state that needs choices of normals or `kilter.check`, as a number of programs."""
 LAYER = 0.01
-"""Parts whose heights are nearer than this lie in one layer, over the width of the whole."""
+"""Height of a layer, relative to the width of the assembly [-]; larger: more parts per layer."""
 SWEEP = 400.0
-"""Units of work of a pair of parts held against each other on a path."""
+"""Units of work of one collision test of a pair of parts on a path."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Removed:
-    """Parts that leave, one or several that move as one, and what must be held then.
+    """Removal of a part, or of several parts that move together, with the holds that it needs.
 
     Attributes
     ----------
     parts : tuple of int
     legs : tuple of Leg
-        Their way out.
+        Path of the removal.
     state : State
-        Of the parts that stay, the held ones held: it holds.
+        State of the remaining parts with the holds; it holds.
     needs : Holds or None
-        Where parts are held: why fewer are not enough.
+        Proof that fewer holds are not enough; None without held parts.
     fails : tuple of str
-        Of a given order: why these cannot leave.
+        Reasons why the parts of a given order cannot leave; empty otherwise.
     pressed : State or None
-        With these in place and pressed, where that is asked.
+        State with the moved parts in place under the pressing force; None without that force.
     turned : States or None
-        Under what direction of gravity, where that is not the file's.
+        States under another direction of gravity; None under that of the file.
     between : State or None
-        Where all is turned after this step: what stands then, before it is turned.
+        State of the standing parts before the assembly is turned after this step; None if it
+        is not turned.
     """
 
     parts: tuple[int, ...]
@@ -82,40 +82,40 @@ class Removed:
 
     @property
     def set(self) -> int:
-        """The parts as `kilter.analysis.planning.states.part_sets` has them."""
+        """The removed parts as a bit set (`kilter.analysis.planning.states.part_sets`)."""
         return sum(1 << part for part in self.parts)
 
     @property
     def held(self) -> int:
-        """How many parts are held, the grounded ones counted too."""
+        """Number of held parts, the grounded parts included."""
         return int((self.state.present & ~self.state.free).sum())
 
 
 @dataclass(slots=True)
 class OrderSearch:
-    """The search of an order, backwards from the whole assembly.
+    """Search of an order of assembly by removing parts from the whole assembly.
 
     Attributes
     ----------
     states : States
     removal : Removal
     after : list of int
-        Of each part the set of those that come later.
+        Bit set of the parts that must come later, for each part.
     holdable : ndarray of bool, shape (N,)
         Parts that may be held.
     work : Work
     units : list of int
-        Sets of parts that move as one; every part that is not grounded is in one of them.
+        Bit sets of parts that move together; each part that is not grounded is in exactly one set.
     together : bool
-        Whether others that stop one another may move as one too.
+        Whether further parts that block each other may also move together.
     pressing : Pressing or None
-        The force with which parts are pressed in, where that is asked.
+        Force that presses parts in; None without pressing.
     best : list of Removed
         The longest order so far, in the order of removal.
     visited : int
-        Sets of parts from which it went on.
+        Number of part sets that the search expanded.
     exhausted : bool
-        Whether the last search came to its end.
+        Whether the last search tried every possible removal.
     """
 
     states: States
@@ -148,11 +148,11 @@ class OrderSearch:
 
     @property
     def whole(self) -> int:
-        """The set of all parts."""
+        """The bit set of all parts."""
         return (1 << len(self._near)) - 1
 
     def find(self, hold: int) -> list[Removed] | None:
-        """The parts in the order in which they leave, at most `hold` held; None: none found."""
+        """Return the removals in order with at most `hold` parts held, or None without an order."""
         dead: set[int] = set()
         order: list[Removed] = []
         self.exhausted = False
@@ -163,7 +163,9 @@ class OrderSearch:
                 return order
             if self.work.over:
                 return None
-            taken = next((one for one in removals if present & ~one.set not in dead), None)
+            taken = next(
+                (removal for removal in removals if present & ~removal.set not in dead), None
+            )
             if taken is None:
                 dead.add(present)
                 waiting.pop()
@@ -178,14 +180,14 @@ class OrderSearch:
         return None
 
     def note(self, order: list[Removed], hold: int) -> None:
-        """Keep the longest order so far, and tell it."""
-        if sum(len(one.parts) for one in order) > sum(len(one.parts) for one in self.best):
+        """Record `order` and report progress if it is the longest so far."""
+        if sum(len(out.parts) for out in order) > sum(len(out.parts) for out in self.best):
             self.best = order.copy()
             left = (order[-1].state.present & ~mask_of(self.base, len(self._near))).sum()
             self.work.tell(f"order: {left} parts to go, {hold} held")
 
     def removals(self, present: int, last: int, hold: int) -> Iterator[Removed]:
-        """What may leave a set of parts, the best first; `last` left before."""
+        """Yield the possible removals from a part set, the best first; `last` left before."""
         self.visited += 1
         stuck: list[int] = []
         candidates = self._candidates(present, last)
@@ -202,7 +204,7 @@ class OrderSearch:
     def _of_layer(
         self, layer: Iterable[int], present: int, hold: int, stuck: list[int]
     ) -> Iterator[Removed]:
-        """What may leave of one layer; what has no straight way is put to the stuck ones."""
+        """Yield the possible removals of a layer; append units without a straight path to `stuck`."""
         falling = []
         for moved in layer:
             if not self.may_leave(moved, present):
@@ -222,27 +224,28 @@ class OrderSearch:
             yield from self._held(moved, legs, present, hold)
 
     def _members(self, parts: int) -> tuple[int, ...]:
+        """Return the indices of the parts of a bit set."""
         return tuple(members(parts, len(self._near)).tolist())
 
     def _candidates(self, present: int, last: int) -> list[int]:
-        """Units of a set, those of the highest layers first, of a layer those near the last."""
-        found = [one for one in self.units if one & present]
-        if not found:
+        """Return the units of a set by layer, highest first, then by distance to `last`."""
+        candidates = [unit for unit in self.units if unit & present]
+        if not candidates:
             return []
-        layer = np.array([self._seat[one][0] for one in found])
-        middle = np.array([self._seat[one][1] for one in found])
+        layer = np.array([self._seat[unit][0] for unit in candidates])
+        middle = np.array([self._seat[unit][1] for unit in candidates])
         parts = list(self._members(last))
         place = self.states.assembly.geometry.center[parts].mean(axis=0) if last else middle
         away = np.linalg.norm(middle - place, axis=1).round(9)
-        return [found[k] for k in np.lexsort((away, -layer)).tolist()]
+        return [candidates[k] for k in np.lexsort((away, -layer)).tolist()]
 
     def may_leave(self, moved: int, present: int) -> bool:
-        """Whether what is left keeps the precedence and hangs together with the base."""
+        """Whether the remaining parts keep the precedence and stay connected with the base."""
         rest = present & ~moved
         return not self.later_of(moved) & rest and self._hangs_together(rest)
 
     def ways(self, present: int) -> Iterator[tuple[int, tuple[Leg, ...]]]:
-        """What may leave a set of parts by its way, the highest first."""
+        """Yield the units with a free path out of a part set and the path, the highest first."""
         for moved in self._candidates(present, 0):
             if self.may_leave(moved, present):
                 legs = self.way_out(moved, present, 1) or self.way_out(moved, present, 2)
@@ -250,22 +253,22 @@ class OrderSearch:
                     yield moved, legs
 
     def later_of(self, moved: int) -> int:
-        """Parts that are to come after some, others than these."""
+        """Return the set of parts that must come after the parts of `moved`, without `moved`."""
         later = 0
         for part in self._members(moved):
             later |= self.after[part]
         return later & ~moved
 
     def hangs_on(self, moved: int, standing: int) -> bool:
-        """Whether all of some parts touch what stands, or one another of those that do."""
+        """Whether contacts connect every part of `moved` with the standing parts."""
         return self._connected(standing, standing | moved) == standing | moved
 
     def _hangs_together(self, present: int) -> bool:
-        """Whether every part of a set is connected to a grounded one within it."""
+        """Whether contacts within a set connect each of its parts with a grounded part."""
         return self._connected(present & self.base, present) == present
 
     def _connected(self, seen: int, among: int) -> int:
-        """Parts of a set that are connected, within it, to some of them."""
+        """Return `seen` and the parts of `among` that contacts within `among` connect with it."""
         new = seen
         while new:
             part = (new & -new).bit_length() - 1
@@ -276,25 +279,25 @@ class OrderSearch:
         return seen
 
     def _several(self, present: int) -> Iterator[tuple[int, tuple[Leg, ...]]]:
-        """Units that stop one another and leave as one, the fewest parts first."""
-        units = [one for one in self.units if one & present]
+        """Yield units that block each other and leave together, the fewest parts first."""
+        units = [unit for unit in self.units if unit & present]
         tests = self.removal.sweeps.tests
-        found = blocked_together(self.removal, units, present, self.base)
+        moves = blocked_together(self.removal, units, present, self.base)
         self.work.charge(SWEEP * (self.removal.sweeps.tests - tests))
-        for moved, direction in found:
-            one = self._connected(moved & -moved, moved) == moved
-            if one and self.may_leave(moved, present):
+        for moved, direction in moves:
+            connected = self._connected(moved & -moved, moved) == moved
+            if connected and self.may_leave(moved, present):
                 yield moved, (Leg(direction, float("inf")),)
 
     def way_out(self, moved: int, present: int, legs: int) -> tuple[Leg, ...] | None:
-        """A way out of parts past those of a set, of so many legs."""
+        """Return a path of at most `legs` legs out of a part set; None if none was found."""
         before = self.removal.sweeps.tests
-        found = self.removal.way_out(moved, present, legs=legs)
+        path = self.removal.way_out(moved, present, legs=legs)
         self.work.charge(SWEEP * (self.removal.sweeps.tests - before))
-        return found
+        return path
 
     def state(self, present: int) -> State:
-        """The state of a set with nothing held."""
+        """Judge a part set without holds beside the grounded parts."""
         count = len(self._near)
         solved = self._solved()
         state = self.states.judge(mask_of(present, count), np.zeros(count, dtype=bool))
@@ -302,18 +305,19 @@ class OrderSearch:
         return state
 
     def _solved(self) -> int:
+        """Return the number of programs solved so far; open states count `CHECK` programs."""
         counts = self.states.counts
         several = counts["open"] + counts["checks"]
         return counts["programs"] + counts["cones"] + CHECK * several
 
     def _charge(self, solved: int, present: int) -> None:
-        """Count the programs that were solved since."""
+        """Charge the programs solved since the count `solved` as work."""
         self.work.charge(PROGRAM * (self._solved() - solved) * (FEW + present.bit_count()))
 
     def _held(
         self, moved: int, legs: tuple[Leg, ...], present: int, hold: int
     ) -> Iterator[Removed]:
-        """A removal with the fewest holds, where these are no more than `hold`."""
+        """Yield the removal with the fewest holds if these are at most `hold`."""
         if self.pressing is not None:
             yield from self.pressed(self.pressing, moved, legs, present, hold)
             return
@@ -324,7 +328,7 @@ class OrderSearch:
     def pressed(
         self, pressing: Pressing, moved: int, legs: tuple[Leg, ...], present: int, hold: int
     ) -> Iterator[Removed]:
-        """A removal with the fewest holds with which parts may be pressed in again."""
+        """Yield the removal with the fewest holds that also allow pressing the parts in."""
         x, y, z = legs[0].direction
         solved, judge = self._solved(), pressing.judge_of(moved, (-x, -y, -z))
         rest = mask_of(present & ~moved, len(self._near))
@@ -337,7 +341,7 @@ class OrderSearch:
             yield Removed(self._members(moved), legs, both.standing, pressed=both.pressed)
 
     def needs(self, rest: int, hold: int) -> Holds[State]:
-        """The fewest holds of a set, none where these are more than `hold`."""
+        """Return the fewest holds of a set; `held` is None if more than `hold` are necessary."""
         known = self._holds.get(rest)
         if known is None or (known.held is None and known.least <= hold):
             solved = self._solved()
@@ -350,7 +354,7 @@ class OrderSearch:
 
 
 def neighbours_of(states: States) -> list[int]:
-    """Of each part the set of those that it touches or is joined to."""
+    """Return for each part the bit set of the parts that it touches or is joined to."""
     assembly = states.assembly
     near = [0] * len(assembly)
     pairs = [tuple(pair) for pair in states.contacts.patch_parts.tolist()]
