@@ -1,4 +1,4 @@
-"""Verdicts: the answers of `check_many`, in arrays, each one in full when it is asked for."""
+"""Verdicts: the answers of `check_many` in arrays; each full verdict is computed on access."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Certificate = tuple[Program, ForceProof | MotionProof]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Row:
-    """What is kept of one verdict."""
+    """Stored data of a verdict: the word, the errors of its proof, and the proof."""
 
     verdict: str
     residual: float = np.nan
@@ -41,7 +41,7 @@ class Row:
 
     @classmethod
     def of(cls, found: Together, n: int) -> Row:
-        """Of an assembly that was settled beside others."""
+        """Row of the assembly with index `n` in a joint computation."""
         proofs = found.proofs(n)
         if found.stable[n]:
             return cls("stable", residual=float(proofs.residual[n]), together=(found, n))
@@ -50,7 +50,7 @@ class Row:
 
     @classmethod
     def of_verdict(cls, verdict: Verdict) -> Row:
-        """Of one that `check` judged."""
+        """Row of an assembly that `check` judged alone."""
         proof = verdict.certificate
         if proof is None:
             return cls(verdict.verdict)
@@ -60,29 +60,30 @@ class Row:
         return cls(verdict.verdict, power=proof.power, violation=proof.violation, certificate=both)
 
     def without_proof(self) -> Row:
-        """The row without what it was proved by."""
+        """Return the row without its proof."""
         return dataclasses.replace(self, together=None, certificate=None)
 
 
 class Verdicts(Sequence[Verdict]):
-    """Verdicts of M assemblies: in arrays; ``verdicts[k]`` is the k-th in full, by `check`.
+    """Verdicts of M assemblies in arrays; ``verdicts[k]`` is the full verdict of `check`.
 
     Attributes
     ----------
     assemblies : tuple of Assembly, or AssemblyArrays
-        What was asked.
+        Checked assemblies.
     verdict : ndarray of str, shape (M,)
-        As `Verdict.verdict`, or "error".
+        Verdict words as in `Verdict.verdict`, or "error".
     stable : ndarray of bool, shape (M,)
-        It holds at the level that is asked for.
+        Whether each assembly reaches the required level.
     level : tuple of str or None
-        As `Verdict.level`.
+        Levels as in `Verdict.level`.
     residual : ndarray, shape (M,)
-        Worst relative imbalance of the forces that prove it [-]; NaN where a motion does.
+        Largest relative imbalance of the proving forces [-]; NaN without such forces.
     power, violation : ndarray, shape (M,)
-        Of the motion that proves it [W where the fastest part moves at 1 m/s, -]; else NaN.
+        Power of the weight [W] and largest violation [-] of the proving motion, whose fastest part
+        moves at 1 m/s; NaN without such a motion.
     errors : mapping from int to KilterError
-        Why there is no verdict.
+        Errors by index of the assembly, for assemblies without a verdict.
 
     Examples
     --------
@@ -117,7 +118,7 @@ class Verdicts(Sequence[Verdict]):
         Raises
         ------
         KilterError
-            Where there is none, that of `errors`.
+            If the assembly has no verdict: its error in `errors`.
         """
         if isinstance(k, slice):
             return [self[n] for n in range(len(self))[k]]
@@ -128,48 +129,48 @@ class Verdicts(Sequence[Verdict]):
 
     @cached_property
     def verdict(self) -> Labels:
-        """Words, shape (M,)."""
+        """Verdict words, shape (M,)."""
         return np.array([row.verdict for row in self._rows], dtype=object).astype(str)
 
     @property
     def level(self) -> tuple[str | None, ...]:
-        """The level that each reaches."""
+        """Level of each assembly; None if it does not hold."""
         return tuple(level_of(row.verdict) for row in self._rows)
 
     @cached_property
     def stable(self) -> Mask:
-        """Whether each holds at the level that is asked for, shape (M,)."""
+        """Whether each assembly reaches the required level, shape (M,)."""
         return np.array(
             [holds(level, self._options["require"]) for level in self.level], dtype=bool
         )
 
     @property
     def residual(self) -> Array:
-        """Of forces [-], shape (M,)."""
+        """Largest relative imbalance of the proving forces [-], shape (M,)."""
         return np.array([row.residual for row in self._rows])
 
     @property
     def power(self) -> Array:
-        """Of motions [W], shape (M,)."""
+        """Power of the weight in the proving motions [W], shape (M,)."""
         return np.array([row.power for row in self._rows])
 
     @property
     def violation(self) -> Array:
-        """Of motions [-], shape (M,)."""
+        """Largest violation of the contacts by the proving motions [-], shape (M,)."""
         return np.array([row.violation for row in self._rows])
 
     @cached_property
     def errors(self) -> dict[int, KilterError]:
-        """Why there is no verdict, by position."""
+        """Errors of the assemblies without a verdict, by index."""
         return {k: row.error for k, row in enumerate(self._rows) if row.error is not None}
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many there are of each verdict, the most first."""
+        """Number of assemblies for each verdict word, the most frequent first."""
         return dict(Counter(self.verdict.tolist()).most_common())
 
     def certificate(self, k: int) -> Certificate | None:
-        """The program and the proof of verdict k, judged anew; None where none was kept."""
+        """Return the program and the proof of verdict k, or None if no proof is stored."""
         row = self._rows[range(len(self))[k]]
         if row.together is not None:
             found, n = row.together

@@ -1,7 +1,7 @@
-"""Order: the answer of `plan`, its steps forwards, each with what proves it.
+"""Order: the answer of `plan`, with steps in the order of assembly and their proofs.
 
-Between two steps some parts are gripped and some let go; in which succession the hands do so is not
-asked.
+Between two steps the hands grip and release parts. The succession of these grips and releases is
+not planned.
 """
 
 from __future__ import annotations
@@ -34,60 +34,63 @@ __all__ = ["Order"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Order(InCells):
-    """What `plan` found.
+    """Answer of `plan`: an order of assembly, or the proof that no order exists.
 
     Attributes
     ----------
     states : States
-        Of the assembly.
+        States of the assembly.
     steps : tuple of Step
-        In the order of assembly; empty where none was found. Of a given order all of them.
+        Steps in the order of assembly; empty if no order was found. All steps of a given order.
     best : tuple of str
-        Where none was found: the parts that could be put in last, the last first.
+        Parts that can be inserted last, the last part first, if no order was found.
     falling : tuple of State
-        Where no order without holds exists: each part that cannot be reached by one, with the
-        motion of it alone on all that can.
+        Proof that no order without holds exists: a state for each part that no such order
+        reaches. In it the part falls alone on all reached parts.
     locked : tuple of Locked
-        Where no order exists, whatever is held: parts that lock one another.
+        Proof that no order exists for any holds: parts that lock each other.
     refused : tuple of Holds
-        Where no order exists with up to `hold` held, whatever the paths: the states that bar them
-        all, each with the motions for which more must be held.
+        Proof that no order exists with up to `hold` held parts, along any paths: states that need
+        more holds and together bar every order.
     whole : State
-        The finished assembly.
+        State of the finished assembly.
     finished : Decision
-        The decision about the finished assembly, by the cascade of `kilter.check`.
+        Decision on the finished assembly by the cascade of `kilter.check`.
     hold : int
-        Most parts that might be held at once.
+        Largest number of parts allowed to be held at once.
     require : str
-        The level that is asked of every step.
+        Level that every step must reach.
     precedence : tuple of pairs of str
-        That the order keeps to, as asked for.
+        Required pairs (earlier part, later part).
     never_held : tuple of str
-        Parts that were not to be held.
+        Parts that must not be held.
     directions : tuple
-        That were tried.
+        Directions of motion that were tried.
     screws : tuple of Screw
+        Bolts with their nuts.
     moved_as_one : tuple of tuples of str
-        Groups that were asked for.
+        Groups of parts that move together.
     together : bool
-        Whether parts that stop one another might move as one.
+        Whether parts that block each other were allowed to move together.
     press : float
-        Force with which parts are pressed in [N].
+        Force that presses each part in [N].
     turn : bool
-        Whether what stands might be turned.
+        Whether the standing parts were allowed to be turned.
     given : bool
-        Whether the order was given and judged, not searched.
+        Whether the caller gave the order.
     fewest : {"holds", "held-steps", "turns"}
-        What there was to be least of.
+        Quantity to be minimized.
     least : {"always", "as-tried"} or None
-        Whether no order at all has less of it; none along the ways that were tried; or open.
+        Scope of the proof of the minimum: all orders, or orders along the tried paths; None
+        without proof.
     exhausted, interrupted : bool
-        Whether the search came to its end; whether it was stopped from outside.
+        Whether the search tried every removal; whether an interrupt stopped it.
     time_limit : float or None
-        What cut the search short [s].
+        Limit that stopped the search [s]; None if the search did not reach it.
     counts : mapping
+        Counts of states, programs, collision tests and stored motions.
     seconds : mapping
-        Of each stage [s].
+        Duration of each stage [s].
     """
 
     states: States
@@ -119,11 +122,11 @@ class Order(InCells):
 
     @property
     def verdict(self) -> str:
-        """What came of it.
+        """Verdict of the plan as a word.
 
-        "found"; "impossible": no order exists, that is proved, or the finished assembly falls;
-        "none-found"; "undecided": open pairs decide whether the finished assembly holds; of a
-        given order "fails": parts would fall, touch nothing, or come too early, whatever the ways.
+        "found"; "none-found"; "impossible": it is proved that no order exists, or the finished
+        assembly falls; "undecided": open pairs decide whether the finished assembly holds;
+        "fails": in the given order parts fall, touch nothing or come too early, for every path.
         """
         if not self.whole.stable:
             return "undecided" if self.whole.stable is None else "impossible"
@@ -137,12 +140,12 @@ class Order(InCells):
 
     @property
     def found(self) -> bool:
-        """Whether there is an order, or the given one is one."""
+        """Whether an order was found, or the given order is valid."""
         return self.verdict == "found"
 
     @property
     def level(self) -> str | None:
-        """The lowest level of its states, the finished assembly included; None without steps."""
+        """Lowest level of the states, the finished assembly included; None without steps."""
         levels = [step.level for step in self.steps if step.level is not None]
         if not levels:
             return None
@@ -151,26 +154,26 @@ class Order(InCells):
 
     @property
     def holds(self) -> bool:
-        """Whether it was found and every step reaches the level that is asked for."""
+        """Whether an order was found and every step reaches the required level."""
         return self.found and holds(self.level, self.require)
 
     @property
     def holds_max(self) -> int:
-        """Most parts that are held at once."""
+        """Largest number of parts held at once."""
         return max((len(step.held) for step in self.steps), default=0)
 
     @property
     def turns(self) -> int:
-        """How often all that stands is turned."""
+        """Number of times the standing parts are turned."""
         return sum(step.between is not None for step in self.steps)
 
     @property
     def held_steps(self) -> int:
-        """Steps during which a part is held."""
+        """Number of steps during which a part is held."""
         return sum(bool(step.held) for step in self.steps)
 
     def to_dict(self) -> dict[str, Any]:
-        """The answer as JSON data, that of ``kilter plan --json``."""
+        """Return the answer as JSON data, as printed by ``kilter plan --json``."""
         assembly = self.states.assembly
         answer: dict[str, Any] = {
             "found": self.found,
@@ -209,6 +212,7 @@ class Order(InCells):
         return {**answer, "sentence": order_sentence(answer)}
 
     def _step(self, step: Step) -> dict[str, Any]:
+        """Return a step as JSON data."""
         far = FAR * float(np.ptp(self.states.assembly.geometry.vertices, axis=0).max())
         return {
             "parts": list(step.parts),
@@ -227,7 +231,7 @@ class Order(InCells):
         }
 
     def _impossible(self) -> dict[str, Any] | None:
-        """Why there is no order, or none without holds."""
+        """Return the proof that no order exists (or none without holds) as JSON data, or None."""
         if self.whole.stable is False:
             motion = self.whole.motion
             moving = self.whole.moving
@@ -239,7 +243,7 @@ class Order(InCells):
             )
             return {"kind": "falls", "holds": None, "parts": moving, "motions": motions}
         if self.locked:
-            parts = [self.states.assembly.names[one.part] for one in self.locked]
+            parts = [self.states.assembly.names[core.part] for core in self.locked]
             return {"kind": "locking", "holds": None, "parts": parts, "motions": None}
         names = self.states.assembly.names
         if self.refused:
@@ -261,11 +265,11 @@ class Order(InCells):
         }  # fmt: skip
 
     def table(self) -> str:
-        """The steps as CSV text: a line each, what is in one cell joined by ``;``.
+        """Return the steps as CSV text: a line for each step, lists in a cell joined by ``;``.
 
         Columns: step, part, held, grips, releases, the direction of insertion (x, y, z), touches,
-        level, the place of the part's own frame in the world once it is in (px, py, pz [length
-        unit], quaternion qw, qx, qy, qz), and its path: places relative to that, the last zero.
+        level, pose of the part in the world frame once it is seated (px, py, pz [length unit],
+        quaternion qw, qx, qy, qz), and the path: positions relative to the seat, the last zero.
         """
         rows = ["step,part,held,grips,releases,x,y,z,touches,level,px,py,pz,qw,qx,qy,qz,path"]
         for k, step in enumerate(self.to_dict()["steps"], 1):
@@ -284,17 +288,17 @@ class Order(InCells):
         return "\n".join(rows) + "\n"
 
     def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
-        """The proofs of all its steps, or of the impossibility, for `kilter.verify`, as JSON data.
+        """Return the proofs of the steps or of the impossibility as JSON data for `kilter.verify`.
 
         Parameters
         ----------
         options : dict, optional
-            How the file is read.
+            Options with which the file is read.
 
         Raises
         ------
         InputError
-            If nothing was found and nothing is proved.
+            If no order was found and its impossibility is not proved.
         """
         if self.verdict in ("none-found", "fails", "undecided"):
             raise InputError(
@@ -308,7 +312,7 @@ class Order(InCells):
             "precedence": [list(pair) for pair in self.precedence],
             "groups": [list(group) for group in self.moved_as_one],
             "never_held": list(self.never_held),
-            "screws": [[names[one.bolt], names[one.nut], list(one.axis)] for one in self.screws],
+            "screws": [[names[s.bolt], names[s.nut], list(s.axis)] for s in self.screws],
         }
         return order_proof(
             self.states,
@@ -322,7 +326,7 @@ class Order(InCells):
         )
 
     def _repr_html_(self) -> str:
-        """What a notebook shows."""
+        """Return the HTML that a notebook displays."""
         return html_of(self.to_dict())
 
     def __repr__(self) -> str:
@@ -336,7 +340,7 @@ class Order(InCells):
 
 
 def _cell(text: str) -> str:
-    """A cell of a CSV line."""
+    """Return the text of a CSV cell, quoted if necessary."""
     if any(sign in text for sign in ',"\n\r'):
         return '"' + text.replace('"', '""') + '"'
     return text

@@ -1,19 +1,20 @@
-"""A plan judged again from its file: its order, its rules and its ways, apart from the search.
+"""Verification of a plan file independently of the search: succession, rules and paths.
 
-That each state holds or falls is judged with its forces or its motion
-(`kilter.analysis.verification`). Here, that the proofs together are an order:
+`kilter.analysis.verification` verifies by forces or a motion that each state holds or falls. This
+module verifies that the proofs together form an order:
 
-- the states follow one another, one part more each, to the whole assembly, and each is proved by
-  forces under the gravity, friction and loads of the file;
-- every part touches what stands, and nothing is in its way: the sweeps are made anew;
-- no more parts are held than the rules say, none that must not be, all of them standing;
-- precedence is kept to, and groups move whole; a nut comes over its bolt along the axis of a thread
-  that is found anew;
-- where it says that fewer holds are not enough: no smaller set has a part of each of its motions;
+- each state follows from the state before by the parts of a step, up to the whole assembly, under
+  the gravity, friction and loads of the file;
+- every inserted part touches a standing part, and no part blocks its path: the collision tests
+  are repeated;
+- the held parts stand, may be held, and are no more than the rules allow;
+- the order keeps the precedence, and groups move together; a nut moves along the axis of its bolt,
+  and the thread is detected again;
+- if the file claims that fewer holds are not enough: no smaller set has a part of each motion.
 
-or that the sets which need more held than may be bar every order, whatever the ways;
-or that the parts which fall alone are all that no order without holds reaches; or that each of the
-locked parts is locked by the others and the base, by its multipliers.
+For an impossibility the module verifies one of three claims. The states that need more holds than
+allowed bar every order along any paths. The parts that fall alone are exactly those that no order
+without holds reaches. The multipliers prove that the other parts and the base lock each part.
 """
 
 from __future__ import annotations
@@ -42,25 +43,25 @@ __all__ = ["wrong_order"]
 About = Mapping[str, Any]
 CHANGES = {"without", "held"}
 MORE = {"pressed": {"loads"}, "step": {"down"}, "turned": {"down"}}
-"""What a state of a plan may have otherwise than the file."""
+"""Keys that may differ between a state of a plan and the file, for each kind of entry."""
 
 
 def wrong_order(
     assembly: Assembly, contacts: ContactSet, bundle: Mapping[str, Any], verdicts: Sequence[str]
 ) -> Iterator[str]:
-    """Why the proofs of a plan together are no order, or no impossibility.
+    """Yield the reasons why the proofs of a plan form neither an order nor an impossibility.
 
-    What is not of the form of a plan ends in a `KeyError`, `IndexError`, `TypeError`,
-    `ValueError` or `AttributeError`: `kilter.analysis.verification` says what that is.
+    Malformed data raises a `KeyError`, `IndexError`, `TypeError`, `ValueError` or
+    `AttributeError`; `kilter.analysis.verification` turns it into a message.
 
     Parameters
     ----------
     assembly : Assembly
     contacts : ContactSet
     bundle : mapping
-        As `kilter.analysis.planning.order.order_proof` makes it.
+        Proof data of `kilter.analysis.planning.order.order_proof`.
     verdicts : sequence of str
-        Of its proofs.
+        Verdicts of the proofs.
     """
     entries: dict[str, list[About]] = {kind: [] for kind in FALLS}
     for entry, verdict in zip(bundle["proofs"], verdicts, strict=True):
@@ -120,17 +121,18 @@ FALLS = {
     "pressed": False,
     "turned": False,
 }
-"""What a proof of a plan may be about, and whether its state falls."""
+"""Kinds of proof in a plan, and whether the state of such a proof falls."""
 
 
 def _of(entry: About) -> str:
-    """What an entry speaks of."""
+    """Return the names of the parts that an entry is about."""
     return some_names([entry["part"]] if "part" in entry else entry.get("parts", []))
 
 
 def _wrong_steps(
     assembly: Assembly, contacts: ContactSet, rules: Rules, steps: Sequence[About]
 ) -> Iterator[str]:
+    """Yield the reasons why the steps do not lead from the base to the whole assembly."""
     sweeps = Sweeps(contacts)
     standing = {part.name for part in assembly if part.grounded}
     touching = _touching(assembly, contacts)
@@ -155,7 +157,7 @@ def _wrong_steps(
 
 
 def _hang_on(standing: set[str], parts: Sequence[str], touching: dict[str, set[str]]) -> bool:
-    """Whether all of some parts touch what stands, or one another of those that do."""
+    """Whether contacts connect all of `parts` with the standing parts."""
     there, left = set(standing), set(parts)
     while left:
         near = {part for part in left if touching[part] & there}
@@ -167,18 +169,18 @@ def _hang_on(standing: set[str], parts: Sequence[str], touching: dict[str, set[s
 
 
 def _touching(assembly: Assembly, contacts: ContactSet) -> dict[str, set[str]]:
-    """Of each part those that it touches or is joined to."""
-    found: dict[str, set[str]] = {name: set() for name in assembly.names}
+    """Return for each part the parts that it touches or is joined to."""
+    neighbours: dict[str, set[str]] = {name: set() for name in assembly.names}
     pairs = [(assembly.names[a], assembly.names[b]) for a, b in contacts.patch_parts.tolist()]
     for a, b in [*pairs, *(joint.parts for joint in assembly.joints)]:
         for one, other in ((a, b), (b, a)):
-            if one in found:  # the ground is none
-                found[one].add(other)
-    return found
+            if one in neighbours:  # the ground is no part
+                neighbours[one].add(other)
+    return neighbours
 
 
 def _stopped(assembly: Assembly, sweeps: Sweeps, part: int, there: int, legs: Any) -> bool:
-    """Whether any of a set of parts is in the way, piece by piece; a way that ends is none."""
+    """Whether a part of the set `there` blocks the path, or the path has no endless last leg."""
     start = np.zeros(3)
     others = [k for k in range(len(assembly)) if there >> k & 1 and k != part]
     for vector, length in legs:
@@ -198,7 +200,7 @@ def _stopped(assembly: Assembly, sweeps: Sweeps, part: int, there: int, legs: An
 def _enough(
     assembly: Assembly, rules: Rules, steps: Sequence[About], cuts: Sequence[About]
 ) -> Iterator[str]:
-    """Why the motions do not show that fewer holds are not enough."""
+    """Yield the steps whose motions do not prove that fewer holds are not enough."""
     base = {part.name for part in assembly if part.grounded}
     sets: dict[int, list[int]] = {}
     for cut in cuts:
@@ -219,6 +221,7 @@ def _enough(
 
 
 def _wrong_closure(assembly: Assembly, falling: Sequence[About]) -> Iterator[str]:
+    """Yield the parts that are not proved to fall alone on all reached parts."""
     alone = {one["part"] for one in falling}
     base = {part.name for part in assembly if part.grounded}
     reached = set(assembly.names) - alone
@@ -232,7 +235,7 @@ def _wrong_closure(assembly: Assembly, falling: Sequence[About]) -> Iterator[str
 def _wrong_exhaustion(
     assembly: Assembly, contacts: ContactSet, rules: Rules, cuts: Sequence[About]
 ) -> Iterator[str]:
-    """Why the motions do not exclude every order, whatever the ways."""
+    """Yield the reasons why the motions do not exclude every order along any paths."""
     names, grounded = assembly.names, assembly.geometry.grounded
     base = {part.name for part in assembly if part.grounded}
     motions: dict[int, list[int]] = {}
@@ -248,6 +251,7 @@ def _wrong_exhaustion(
     touching = _touching(assembly, contacts)
 
     def goes_on(part: int, rest: int) -> bool:
+        """Whether the bit set `rest` may remain after the removal of `part`."""
         there = {name for k, name in enumerate(names) if rest >> k & 1}
         one = names[part.bit_length() - 1]
         early = any(first == one and second in there for first, second in rules.precedence)
@@ -263,7 +267,7 @@ def _wrong_exhaustion(
 def _wrong_locking(
     assembly: Assembly, contacts: ContactSet, threads: Any, locked: Sequence[About]
 ) -> Iterator[str]:
-    """Why parts are not locked by one another and the base."""
+    """Yield the parts that the multipliers do not prove to be locked by the others and the base."""
     base = {part.name for part in assembly if part.grounded}
     core = {one["part"] for one in locked}
     screws = frozenset(
@@ -290,7 +294,7 @@ def _wrong_locking(
 def _wrong_pressing(
     assembly: Assembly, force: float, steps: Sequence[About], pressed: Sequence[About]
 ) -> Iterator[str]:
-    """Why not every step has a proof with the pressing force."""
+    """Yield the steps without a proof under the force that presses their parts in."""
     if sorted(one["step"] for one in pressed) != (list(range(1, len(steps) + 1)) if force else []):
         yield "not every step has a proof with the pressing force"
         return
@@ -311,11 +315,11 @@ def _wrong_pressing(
 
 
 LOAD = ("part", "force", "torque", "point")
-"""Keys of a load."""
+"""Keys of a load in the file."""
 
 
 def _same_load(one: Sequence[Any], other: Sequence[Any]) -> bool:
-    """Whether two loads are the same, but for rounding."""
+    """Whether two loads are equal up to rounding."""
     if one[0] != other[0] or (one[3] is None) != (other[3] is None):
         return False
     pairs = [(a, b) for a, b in zip(one[1:], other[1:], strict=True) if a is not None]
@@ -323,13 +327,13 @@ def _same_load(one: Sequence[Any], other: Sequence[Any]) -> bool:
 
 
 SAME_LOAD = 1e-9
-"""Relative rounding of a load, as a file has it."""
+"""Relative rounding error of a load in a file [-]."""
 
 
 def _wrong_turns(
     assembly: Assembly, may: bool, steps: Sequence[About], turned: Sequence[About]
 ) -> Iterator[str]:
-    """Why what stands cannot be turned from the direction of each step to that of the next."""
+    """Yield the steps after which the turn to the next direction of gravity is not proved."""
     own = assembly.down
     downs = [unit(np.array(one["change"].get("down", own), dtype=float)) for one in steps] + [own]
     following = [one["change"] for one in steps[1:]] + [{"without": [], "held": []}]

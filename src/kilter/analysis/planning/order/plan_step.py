@@ -1,8 +1,8 @@
-"""Step: parts that are put in, what is held meanwhile, and how surely what stands holds.
+"""Step of a plan: the inserted parts, their path, the held parts and the level of the state.
 
-A step puts one part in, or several that move as one, along its way, reversed: from far away to its
-seat. What stands then, the held parts held, holds with what moves absent; once it is in place and
-held too, it holds as well.
+A step inserts one part, or several parts that move together, from far away to the seat. Its
+state, the standing parts with the holds and without the moved parts, holds. It also holds with
+the moved parts in place if they are held too.
 """
 
 from __future__ import annotations
@@ -22,46 +22,47 @@ from kilter.arrays import Array
 __all__ = ["FAR", "NO_WAY", "UNDECIDED", "VERDICTS", "Step", "lower_level", "steps_of"]
 
 FAR = 2.0
-"""How far away a part begins, over the size of the whole assembly."""
+"""Distance at which a part starts, relative to the size of the whole assembly [-]."""
 VERDICTS = {"proved": "stable", "settles": "settles", "equilibrium": "potentially-stable"}
-"""Of a step by its level."""
+"""Verdict of a step for each level."""
 NO_WAY = "no free path was found along the directions that were tried"
 UNDECIDED = "it is undecided whether the parts that stand before it hold"
-"""Why a step of a given order fails, so far as is known."""
+"""Reasons, not proved for every path, why a step of a given order fails."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Step:
-    """Parts that are put in: one, or several that move as one.
+    """Step that inserts one part, or several parts that move together.
 
     Attributes
     ----------
     parts : tuple of str
     legs : tuple of Leg
-        Their way out; they come in along it, reversed.
+        Path out; the parts come in along its reverse.
     over : str or None
-        The bolt over whose thread a nut comes.
+        Bolt whose thread carries the inserted nut; None for other parts.
     touches, rubs : tuple of str
-        What they touch once they are in place; what they slide along on the last piece.
+        Parts in contact with the seated parts; parts along which they slide on the last leg.
     held, grips, releases : tuple of str
-        Parts held while they move; of these, those that were not held before; parts that were.
+        Parts held during the step; newly gripped parts; parts released before the step.
     state : State
-        What stands while they move.
+        State of the standing parts during the step.
     level : {"proved", "settles", "equilibrium"} or None
-        How surely that holds; None where it does not.
+        Level of the state; None if it does not hold.
     needs : Holds or None
-        Where parts are held: the motions that say that fewer are not enough.
+        Motions that prove that fewer holds are not enough; None without held parts.
     fails : tuple of str
-        Of a given order: why this step cannot be made; then what is said of its way, or of its
-        holds, may be empty.
+        Reasons why a step of a given order is impossible. The path or the holds may then be
+        empty.
     pressed : State or None
-        What stands and these in place, pressed along their way, where that was asked.
+        State with the moved parts in place under the pressing force; None without that force.
     under : States or None
-        The states of that force.
+        States under the pressing force.
     turned : States or None
-        The states under the direction of gravity of this step, where that is not the file's.
+        States under the direction of gravity of this step; None under that of the file.
     between : State or None
-        Where all is turned after it: what stands then, before it is turned.
+        State of the standing parts before the assembly is turned after this step; None if it
+        is not turned.
     """
 
     parts: tuple[str, ...]
@@ -83,28 +84,28 @@ class Step:
 
     @property
     def part(self) -> str:
-        """The part; the first of several."""
+        """The name of the inserted part; the first name of several."""
         return self.parts[0]
 
     @property
     def broken(self) -> bool:
-        """Whether it fails whatever the ways."""
+        """Whether the step fails for every path."""
         return any(reason not in (NO_WAY, UNDECIDED) for reason in self.fails)
 
     @property
     def direction(self) -> Direction | None:
-        """The direction of the last piece of its way in (unit, world frame); None without one."""
+        """Direction of the last leg of the path in (unit, world frame); None without a path."""
         if not self.legs:
             return None
         return _back(self.legs)
 
     def path(self, far: float) -> Array:
-        """Its way in, as places relative to its seat, the seat last, shape (n, 3) [length unit].
+        """Positions on the path in, relative to the seat at its end, shape (n, 3) [length unit].
 
         Parameters
         ----------
         far : float
-            Length of the endless piece.
+            Length of the leg that has no end [length unit].
         """
         lengths = [leg.length if np.isfinite(leg.length) else far for leg in self.legs]
         pieces = [
@@ -122,43 +123,43 @@ class Step:
 def steps_of(
     search: OrderSearch, removed: Sequence[Removed], require: str, effort: float
 ) -> list[Step]:
-    """The removals as steps forwards, each with the level that its state reaches."""
+    """Return the removals as steps in the order of assembly, each with the level of its state."""
     states, names = search.states, search.states.assembly.names
     steps: list[Step] = []
     before: set[str] = set()
-    for one in reversed(removed):
-        held = states.held_names(one.state)
-        moved = tuple(names[k] for k in one.parts)
-        along = one.legs[0].direction if one.legs else (0.0, 0.0, 0.0)
-        touches, rubs = search.removal.touching(one.set, one.state.present, along)
-        under = states if one.turned is None else one.turned
-        level = under.level(one.state, require=require, effort=effort, work=search.work)
+    for removal in reversed(removed):
+        held = states.held_names(removal.state)
+        moved = tuple(names[k] for k in removal.parts)
+        along = removal.legs[0].direction if removal.legs else (0.0, 0.0, 0.0)
+        touches, rubs = search.removal.touching(removal.set, removal.state.present, along)
+        under = states if removal.turned is None else removal.turned
+        level = under.level(removal.state, require=require, effort=effort, work=search.work)
         pressed_by = None
-        if one.pressed is not None and search.pressing is not None:
-            pressed_by = search.pressing.states_of(one.set, _back(one.legs))
+        if removal.pressed is not None and search.pressing is not None:
+            pressed_by = search.pressing.states_of(removal.set, _back(removal.legs))
             pressed = pressed_by.level(
-                one.pressed, require=require, effort=effort, work=search.work
+                removal.pressed, require=require, effort=effort, work=search.work
             )
             level = lower_level(level, pressed)
-        bolt = search.removal.over(one.set, one.state.present)
+        bolt = search.removal.over(removal.set, removal.state.present)
         steps.append(
             Step(
                 parts=moved,
-                legs=one.legs,
+                legs=removal.legs,
                 over=None if bolt is None else names[bolt],
                 touches=_names(names, touches),
-                rubs=_names(names, rubs) if one.legs else (),
+                rubs=_names(names, rubs) if removal.legs else (),
                 held=tuple(held),
                 grips=tuple(name for name in held if name not in before),
                 releases=tuple(sorted(before - set(held), key=names.index)),
-                state=one.state,
+                state=removal.state,
                 level=level,
-                needs=one.needs if one.state.stable else None,
-                fails=one.fails,
-                pressed=one.pressed,
+                needs=removal.needs if removal.state.stable else None,
+                fails=removal.fails,
+                pressed=removal.pressed,
                 under=pressed_by,
-                turned=one.turned,
-                between=one.between,
+                turned=removal.turned,
+                between=removal.between,
             )
         )
         before = {*held, *moved} if held else set()
@@ -166,8 +167,8 @@ def steps_of(
 
 
 def _back(legs: tuple[Leg, ...]) -> Direction:
-    """The direction of the last piece of a way in (unit)."""
-    x, y, z = (0.0 - one for one in legs[0].direction)
+    """Direction of the last leg of the path in (unit): the reverse of the first leg out."""
+    x, y, z = (0.0 - component for component in legs[0].direction)
     return x, y, z
 
 
@@ -179,4 +180,5 @@ def lower_level(first: str | None, second: str | None) -> str | None:
 
 
 def _names(names: Sequence[str], parts: Iterable[int]) -> tuple[str, ...]:
+    """Return the names of parts given by index."""
     return tuple(names[k] for k in parts)

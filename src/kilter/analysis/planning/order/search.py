@@ -204,7 +204,7 @@ class OrderSearch:
     def _of_layer(
         self, layer: Iterable[int], present: int, hold: int, stuck: list[int]
     ) -> Iterator[Removed]:
-        """Yield the possible removals of a layer; append units without a straight path to `stuck`."""
+        """Yield the removals of a layer; append the units without a straight path to `stuck`."""
         falling = []
         for moved in layer:
             if not self.may_leave(moved, present):
