@@ -23,7 +23,7 @@ ROUND = 0.005
 
 
 def overlap_warnings(overlaps: Sequence[Entry], units: str) -> list[str]:
-    """Return one line for each pair of parts that share volume.
+    """Return a line for each pair of parts that share volume.
 
     Examples
     --------
@@ -44,7 +44,7 @@ def overlap_warnings(overlaps: Sequence[Entry], units: str) -> list[str]:
 
 
 def copy_warnings(odd: Sequence[tuple[str, Sequence[str], str]]) -> list[str]:
-    """Return at most one warning about parts that may be misplaced.
+    """Return at most a single warning about parts that may be misplaced.
 
     Parameters
     ----------

@@ -38,7 +38,7 @@ def gravity_phrase(answer: Answer) -> str:
 
 
 def joint_facts(answer: Answer) -> list[Fact]:
-    """Return one row for each kind of joint."""
+    """Return a row for each kind of joint."""
     found: list[Fact] = []
     joints = answer.get("joints", ())
     short = shortened(dict.fromkeys(name for joint in joints for name in joint["parts"]))

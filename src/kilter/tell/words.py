@@ -339,7 +339,7 @@ def motion_words(
 
 
 def motion_summary(phrases: Sequence[str], total: int) -> str:
-    """Return one phrase about the fastest parts.
+    """Return a phrase about the fastest parts.
 
     Parameters
     ----------
