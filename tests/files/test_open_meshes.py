@@ -11,7 +11,7 @@ from kilter.contact.detect import contacts
 from kilter.contact.gaps import UNKNOWN
 from kilter.errors import InputError
 from kilter.rigid import Pose
-from kilter.shape.closed import open_edges, turned_alike
+from kilter.shape.closed import open_edges, orient_faces
 from kilter.shape.primitives import Box, Cylinder, Mesh, surface
 
 
@@ -55,7 +55,7 @@ def test_mixed_winding_is_turned_with_a_warning(shape, seed: int) -> None:
     wrong[0] = True
     wrong[1] = False
     mixed[wrong] = mixed[wrong][:, ::-1]
-    turned, count = turned_alike(vertices, mixed)
+    turned, count = orient_faces(vertices, mixed)
     assert np.array_equal(turned, faces)
     assert count == wrong.sum()
     geometry = Assembly([Part("stone", Mesh(vertices, mixed))]).geometry
@@ -78,7 +78,7 @@ def test_a_hole_inside_stays_a_hole() -> None:
 
 def test_what_is_sound_is_left_alone() -> None:
     vertices, faces = fine()
-    turned, count = turned_alike(vertices, faces)
+    turned, count = orient_faces(vertices, faces)
     assert turned is faces or np.array_equal(turned, faces)
     assert count == 0
 
@@ -92,7 +92,7 @@ def test_a_moebius_strip_is_not_turned() -> None:
     k = np.arange(n - 1)
     faces = [[a, a + 1, a + n] for a in k] + [[a + 1, a + 1 + n, a + n] for a in k]
     faces += [[n - 1, n, 2 * n - 1], [n, 0, 2 * n - 1]]
-    assert turned_alike(vertices, np.array(faces))[1] == 0
+    assert orient_faces(vertices, np.array(faces))[1] == 0
     with pytest.raises(InputError, match="mesh is open"):
         _ = Assembly([Part("strip", Mesh(vertices, faces))]).geometry
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from kilter.shape import sound
-from kilter.shape.closed import open_edges, welded
+from kilter.shape.closed import open_edges, weld
 from kilter.shape.primitives import Box, Cylinder, surface
-from kilter.shape.sound import welded_if_sound
+from kilter.shape.sound import weld_valid_meshes
 
 Corners = tuple[np.ndarray, np.ndarray]
 
@@ -52,12 +52,12 @@ def test_many_at_once_as_one_by_one(batch: int, monkeypatch: pytest.MonkeyPatch)
     kinds = [surface(Box([1, 2, 3])), surface(Cylinder(1.0, 2.0))]
     how = rng.integers(0, 9, size=60)
     meshes = [damaged(kinds[k % 2], int(one), rng) for k, one in enumerate(how)]
-    found = welded_if_sound(meshes)
+    found = weld_valid_meshes(meshes)
     assert [one is not None for one in found] == (how < 3).tolist()
     for (vertices, triangles), one in zip(meshes, found, strict=True):
         if one is None:
             continue
-        alone, faces, notes = welded(vertices, triangles)
+        alone, faces, notes = weld(vertices, triangles)
         assert notes == []
         assert len(open_edges(alone, faces)) == 0
         assert np.array_equal(alone, one[0])
@@ -65,4 +65,4 @@ def test_many_at_once_as_one_by_one(batch: int, monkeypatch: pytest.MonkeyPatch)
 
 
 def test_none_at_all() -> None:
-    assert welded_if_sound([]) == []
+    assert weld_valid_meshes([]) == []

@@ -349,7 +349,7 @@ def test_a_solid_that_was_tampered_with_is_refused(tmp_path: Path) -> None:
         changed(volume=12000.0)
     with pytest.raises(InputError, match="do not close"):
         changed(triangles=solid["triangles"][1:], triangle_surface=solid["triangle_surface"][1:])
-    with pytest.raises(InputError, match="names a corner it has not"):
+    with pytest.raises(InputError, match="names a missing vertex"):
         changed(vertices=solid["vertices"][:-1])
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross, ragged, starts
+from kilter.arrays import Array, Index, Mask, cross, distinct_rows, ragged, starts
 from kilter.assembly.assembly_arrays import AssemblyArrays
 from kilter.assembly.assembly_tolerances import FLAT_PART, INSIDE_OUT, LARGEST, RESOLVED
 from kilter.assembly.geometry import Geometry
@@ -20,8 +20,8 @@ from kilter.assembly.polyhedra import polyhedron_moments
 from kilter.assembly.side_by_side import SideBySide, join_geometry
 from kilter.assembly.surfaces import FEWEST, join_surfaces
 from kilter.assembly.unknown_surfaces import UnknownSurfaces
+from kilter.shape.closed import flat_faces
 from kilter.shape.primitives import Mesh
-from kilter.shape.shape_tolerances import NO_AREA
 from kilter.units import metres_per_unit
 
 __all__ = ["arrays_side_by_side"]
@@ -74,7 +74,8 @@ def _plain(arrays: AssemblyArrays) -> Mask:
     low, high = arrays.vertex_start[part][:, None], arrays.vertex_start[part + 1][:, None]
     inside = ((faces >= low) & (faces < high)).all(axis=1)
     faces = np.where(inside[:, None], faces, low)
-    bad = part[~(inside & _has_area(vertices, faces) & _is_matched(faces, len(vertices)))]
+    flat = flat_faces(vertices.astype(np.float64), faces)
+    bad = part[flat | ~(inside & _is_matched(faces, len(vertices)))]
     used = np.zeros(len(vertices), dtype=bool)
     used[faces.ravel()] = True
     fine = used & np.isfinite(vertices).all(axis=1) & _is_distinct(vertices, arrays.vertex_start)
@@ -102,27 +103,12 @@ def _is_matched(faces: Index, count: int) -> Mask:
     return result
 
 
-def _has_area(vertices: Array, faces: Index) -> Mask:
-    """Whether each face has an area, relative to its longest side, shape (F,)."""
-    p, q, r = (vertices[faces[:, k]].astype(np.float64) for k in range(3))
-    twice = np.linalg.norm(cross(q - p, r - p), axis=1)
-    longest = np.maximum.reduce([((u - v) ** 2).sum(axis=1) for u, v in ((p, q), (q, r), (r, p))])
-    result: Mask = twice > NO_AREA * longest
-    return result
-
-
 def _is_distinct(vertices: Array, start: Index) -> Mask:
-    """Whether each vertex differs from the other vertices of its part, shape (V,).
-
-    Of several equal vertices, the first counts as distinct.
-    """
+    """Whether each vertex differs from all other vertices of its part, shape (V,)."""
     part = np.repeat(np.arange(len(start) - 1), np.diff(start))
-    order = np.lexsort((*(vertices + 0.0).T, part))
-    same = (vertices[order[1:]] == vertices[order[:-1]]).all(axis=1)
-    same &= part[order[1:]] == part[order[:-1]]
-    distinct = np.ones(len(vertices), dtype=bool)
-    distinct[order[1:][same]] = False
-    return distinct
+    _, inverse = distinct_rows(np.column_stack([part, vertices]))
+    result: Mask = np.bincount(inverse)[inverse] == 1
+    return result
 
 
 def _boxes_in_order(arrays: AssemblyArrays) -> tuple[AssemblyArrays, Array, Index, Mask]:

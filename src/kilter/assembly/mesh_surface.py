@@ -20,9 +20,9 @@ from kilter.arrays import Array, Index, connected, cross
 from kilter.assembly.assembly_tolerances import SMALL_HOLES
 from kilter.assembly.part import Part
 from kilter.errors import InputError
-from kilter.shape.closed import open_edges, turned_alike, welded, wound_both_ways
+from kilter.shape.closed import is_evenly_paired, open_edges, orient_faces, weld
 from kilter.shape.primitives import Mesh
-from kilter.shape.sound import welded_if_sound
+from kilter.shape.sound import weld_valid_meshes
 
 __all__ = ["MeshSurface", "close_holes", "mesh_surface", "mesh_surfaces"]
 
@@ -63,11 +63,11 @@ def mesh_surfaces(parts: Sequence[Part], warnings: list[str]) -> dict[int, MeshS
     shapes = {k: part.shape for k, part in enumerate(parts) if isinstance(part.shape, Mesh)}
     distinct = {id(mesh): mesh for mesh in shapes.values() if len(mesh.triangles)}
     corners = [(mesh.vertices, mesh.triangles) for mesh in distinct.values()]
-    sound = dict(zip(distinct, welded_if_sound(corners), strict=True))
+    valid = dict(zip(distinct, weld_valid_meshes(corners), strict=True))
     no_caps = np.empty((0, 3, 3))
     return {
         k: MeshSurface(*ready, no_caps)
-        if (ready := sound.get(id(mesh))) is not None
+        if (ready := valid.get(id(mesh))) is not None
         else mesh_surface(parts[k], mesh, warnings)
         for k, mesh in shapes.items()
     }
@@ -86,18 +86,18 @@ def mesh_surface(part: Part, mesh: Mesh, warnings: list[str]) -> MeshSurface:
     name = part.name
     if len(mesh.triangles) == 0 or len(mesh.vertices) == 0:
         raise InputError("mesh has no faces", part=name, hint="give a closed solid")
-    vertices, triangles, notes = welded(mesh.vertices, mesh.triangles, accuracy=mesh.accuracy)
+    vertices, triangles, notes = weld(mesh.vertices, mesh.triangles, accuracy=mesh.accuracy)
     warnings.extend(f"part {name!r}: {note}" for note in notes)
     if len(triangles) == 0:
         raise InputError("all faces have zero area", part=name, hint="give a closed solid")
     edges = open_edges(vertices, triangles)
     if len(edges):
-        turned, count = turned_alike(vertices, triangles)
-        left = open_edges(vertices, turned) if count else edges
+        oriented, count = orient_faces(vertices, triangles)
+        left = open_edges(vertices, oriented) if count else edges
         if count and len(left) < len(edges):
             warnings.append(f"part {name!r}: {count} faces had the wrong winding and were reversed")
-            triangles, edges = turned, left
-    if len(edges) and wound_both_ways(triangles):
+            triangles, edges = oriented, left
+    if len(edges) and is_evenly_paired(triangles):
         raise InputError(
             f"some faces have the wrong winding: two faces run along {len(edges)} edges in the "
             "same sense",

@@ -24,7 +24,7 @@ from kilter.assembly.assembly_tolerances import COPLANAR, SAME_SURFACE, SMOOTH
 from kilter.shape.closed import shared_edges
 from kilter.shape.primitives import CYLINDER_SIDES, Cylinder, Mesh, Shape, Sphere
 from kilter.shape.recognition import recognise
-from kilter.shape.solid import Solid, Surface
+from kilter.shape.solid import Solid, Surface, same_surface
 
 __all__ = [
     "CONE",
@@ -326,7 +326,7 @@ def _merge_equal(local_surfaces: PartSurfaces) -> tuple[Index, list[Surface | No
     names = np.zeros(len(local_surfaces.surfaces) + 1, dtype=np.int64)
     free = bool((local_surfaces.triangle_surface == len(local_surfaces.surfaces)).any())
     for k, surface in enumerate(local_surfaces.surfaces):
-        alike = [n for n, other in enumerate(kept) if other and _same(surface, other)]
+        alike = [n for n, other in enumerate(kept) if other and _is_same(surface, other)]
         names[k] = alike[0] if alike else len(kept)
         if not alike:
             kept.append(surface)
@@ -334,26 +334,10 @@ def _merge_equal(local_surfaces: PartSurfaces) -> tuple[Index, list[Surface | No
     return names, [*kept, None] if free else kept
 
 
-def _same(first: Surface, second: Surface) -> bool:
+def _is_same(first: Surface, second: Surface) -> bool:
     """Whether two surfaces of a part are pieces of the same surface."""
-    if first.kind != second.kind or first.hollow != second.hollow:
-        return False
-    close = SAME_SURFACE * max(
-        first.radius, second.radius, float(np.abs(first.point - second.point).max())
-    )
-    sizes = (first.radius - second.radius, first.tube - second.tube)
-    if (
-        max(abs(size) for size in sizes) > close
-        or abs(first.half_angle - second.half_angle) > SAME_SURFACE
-    ):
-        return False
-    along = first.axis if first.kind == "cylinder" else np.zeros(3)
-    apart = first.point - second.point
-    if float(np.linalg.norm(apart - (apart @ along) * along)) > close:
-        return False
-    cosine = float(first.axis @ second.axis)
-    sine = float(np.linalg.norm(np.cross(first.axis, second.axis)))
-    return first.kind == "sphere" or (sine <= SAME_SURFACE and (first.kind != "cone" or cosine > 0))
+    sizes = (first.radius, second.radius, float(np.abs(first.point - second.point).max()))
+    return same_surface(first, second, length=SAME_SURFACE * max(sizes), angle=SAME_SURFACE)
 
 
 def _measure(

@@ -12,7 +12,7 @@ import numpy as np
 
 from kilter.arrays import Array, Index, Mask, connected, cross, distinct_rows, unit_rows
 from kilter.files.file_tolerances import SAME_ANGLE
-from kilter.shape.closed import contains
+from kilter.shape.closed import contains, signed_volume
 from kilter.shape.primitives import Mesh
 
 __all__ = ["split_bodies"]
@@ -68,7 +68,7 @@ def _labels(places: Array, faces: Index) -> Index:
         Distinct vertices.
     faces : ndarray of int, shape (m, 3)
     """
-    sign = 1 if _volume(places, faces) >= 0 else -1
+    sign = 1 if signed_volume(places, faces) >= 0 else -1
     face, key, turn, (low, high) = _edges(faces)
     order = np.argsort(key, kind="stable")
     first = np.flatnonzero(np.concatenate([[True], np.diff(key[order]) != 0]))
@@ -201,7 +201,7 @@ def _joined_at_corners(faces: Index, label: Index, chosen: Mask) -> Index:
 def _with_holes(places: Array, faces: Index, label: Index) -> Index:
     """Labels after joining each inward shell (a hole) to the smallest body around it."""
     names, rows = _by_label(label)
-    volume = np.array([_volume(places, faces[k]) for k in rows])
+    volume = np.array([signed_volume(places, faces[k]) for k in rows])
     sign = 1 if volume.sum() >= 0 else -1
     inwards = np.flatnonzero(sign * volume < 0)
     if not len(inwards):
@@ -218,9 +218,3 @@ def _with_holes(places: Array, faces: Index, label: Index) -> Index:
         around = (names[b] for b in near if contains(places, faces[rows[b]], point))
         label[rows[k]] = next(around, names[k])
     return label
-
-
-def _volume(places: Array, faces: Index) -> float:
-    """Signed volume inside a closed surface, negative if it is turned inwards."""
-    p, q, r = (places[faces[:, k]] - places[faces[0, 0]] for k in range(3))
-    return float(np.einsum("ij,ij->", p, cross(q, r)) / 6)

@@ -10,7 +10,7 @@ from kilter.files.formats import EXACT, MESHES, read_bodies
 from kilter.files.limits import named_path
 from kilter.files.placed import FileBodies, join_meshes
 from kilter.shape.primitives import Mesh
-from kilter.shape.solid import Solid, moved_solid, scaled_solid
+from kilter.shape.solid import Solid, move_solid, scale_solid
 from kilter.units import metres_per_unit
 
 __all__ = ["NamedFiles"]
@@ -59,7 +59,7 @@ class NamedFiles:
             solid, pose = bodies.shapes[k], bodies.places[k]
             assert isinstance(solid, Solid)
             factor = metres_per_unit(bodies.units or self.units) / metres_per_unit(self.units)
-            self._shapes[key] = scaled_solid(moved_solid(solid, pose), factor)
+            self._shapes[key] = scale_solid(move_solid(solid, pose), factor)
         return self._shapes[key]
 
     def _file(self, key: str, name: str, endings: Sequence[str]) -> FileBodies:

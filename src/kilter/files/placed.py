@@ -10,7 +10,7 @@ import numpy as np
 from kilter.arrays import Array
 from kilter.rigid import Pose
 from kilter.shape.primitives import Mesh
-from kilter.shape.solid import Solid, Surface, scaled_solid
+from kilter.shape.solid import Solid, Surface, scale_solid
 from kilter.units import metres_per_unit
 
 __all__ = ["FileBodies", "join_meshes", "scale_mesh", "transform_mesh"]
@@ -65,7 +65,7 @@ class FileBodies:
         converted = {
             id(shape): scale_mesh(shape, factor)
             if isinstance(shape, Mesh)
-            else scaled_solid(shape, factor)
+            else scale_solid(shape, factor)
             for shape in self.shapes
         }
         return [

@@ -42,7 +42,7 @@ from kilter.files.occt import failures, inside, shape_map
 from kilter.files.step_faces import StepFace, cut_faces, size_of
 from kilter.files.step_surfaces import face_surface, points_of_face
 from kilter.shape.closed import open_edges
-from kilter.shape.solid import Solid, Surface, facing, height
+from kilter.shape.solid import Solid, Surface, facing, height, same_surface
 
 __all__ = ["ReadSolid", "read_solid", "stand_in"]
 
@@ -381,22 +381,20 @@ def _merge_surfaces(
     surfaces : list of Surface
     lies_on : ndarray of int, shape (m,)
     """
+    if not surfaces:
+        return surfaces, lies_on
     pairs = _neighbours(lies_on, triangles)
-    parent = list(range(len(surfaces)))
-
-    def root(k: int) -> int:
-        """The representative of surface k."""
-        while parent[k] != k:
-            k = parent[k]
-        return k
-
-    for a, b in pairs.tolist():
-        if root(a) != root(b) and _same(surfaces[a], surfaces[b], SAME_FACE * size):
-            parent[max(root(a), root(b))] = min(root(a), root(b))
-    roots = np.array([root(k) for k in range(len(surfaces))], dtype=np.int64)
-    kept, place = np.unique(roots, return_inverse=True)
-    merged = np.where(lies_on >= 0, place[lies_on], -1) if len(surfaces) else lies_on
-    return [surfaces[k] for k in kept.tolist()], merged
+    same = np.array(
+        [
+            same_surface(surfaces[a], surfaces[b], length=SAME_FACE * size, angle=SAME_FACE)
+            for a, b in pairs.tolist()
+        ],
+        dtype=bool,
+    )
+    label = connected(len(surfaces), *pairs[same].T)
+    _, first = np.unique(label, return_index=True)
+    merged = np.where(lies_on >= 0, label[lies_on], -1)
+    return [surfaces[k] for k in first.tolist()], merged
 
 
 def _neighbours(lies_on: Index, triangles: Index) -> Index:
@@ -408,17 +406,3 @@ def _neighbours(lies_on: Index, triangles: Index) -> Index:
     meet = (ends[1:] == ends[:-1]).all(axis=1) & (on[1:] != on[:-1])
     meet &= (on[1:] >= 0) & (on[:-1] >= 0)
     return np.unique(np.sort(np.column_stack([on[1:], on[:-1]])[meet], axis=1), axis=0)
-
-
-def _same(a: Surface, b: Surface, within: float) -> bool:
-    """Whether two surfaces are equal, with lengths equal to `within` [length unit]."""
-    if a.kind != b.kind or a.hollow != b.hollow:
-        return False
-    numbers = max(abs(a.radius - b.radius), abs(a.tube - b.tube))
-    if numbers > within or abs(a.half_angle - b.half_angle) > SAME_FACE:
-        return False
-    step = b.point - a.point
-    if a.kind in ("plane", "cylinder"):
-        step = step @ a.axis * a.axis if a.kind == "plane" else np.cross(step, a.axis)
-    turned = 0.0 if a.kind == "sphere" else float(np.linalg.norm(np.cross(a.axis, b.axis)))
-    return float(np.linalg.norm(step)) <= within and turned <= SAME_FACE

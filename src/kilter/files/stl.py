@@ -11,6 +11,7 @@ import re
 import numpy as np
 from numpy.typing import NDArray
 
+from kilter.arrays import distinct_rows
 from kilter.errors import InputError
 from kilter.files.accuracy import text_accuracy
 from kilter.shape.primitives import Mesh
@@ -78,7 +79,7 @@ def _indexed(corners: NDArray[np.floating], accuracy: float | None) -> Mesh:
             f"triangle {row // 3} has the corner {corners[row].tolist()}",
             hint="give finite coordinates",
         )
-    places, inverse = np.unique(corners + corners.dtype.type(0), axis=0, return_inverse=True)
+    places, inverse = distinct_rows(corners + corners.dtype.type(0))
     return Mesh(places, inverse.reshape(-1, 3), accuracy=accuracy)
 
 

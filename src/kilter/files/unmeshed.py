@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from kilter.arrays import Array, Index
+from kilter.arrays import Array, Index, angle_between
 from kilter.files.file_tolerances import CUT_AREA
 from kilter.files.occt import inside
 
@@ -131,10 +131,9 @@ def _corner_parameters(edge: Any, curve: Any, turn: float) -> Array:
     samples = np.linspace(first, last, LOOKS).tolist()
     places = np.array([space.Value(t).Coord() for t in samples])
     step = np.diff(places, axis=0)
-    length = np.linalg.norm(step, axis=1)
-    step = step[length > 0] / length[length > 0, None]
-    cosine = np.clip((step[1:] * step[:-1]).sum(axis=1), -1.0, 1.0)
-    return np.linspace(first, last, int(np.ceil(np.arccos(cosine).sum() / turn)) + 2)
+    step = step[step.any(axis=1)]
+    angle = float(angle_between(step[1:], step[:-1]).sum())
+    return np.linspace(first, last, int(np.ceil(angle / turn)) + 2)
 
 
 def _stretch(surface: Any, parameters: Array) -> Array:

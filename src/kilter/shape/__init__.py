@@ -1,1 +1,1 @@
-"""Shapes of parts in their own frames: given, exact, and recognised in a mesh."""
+"""Shapes of parts in their own frames: primitives, exact solids, surfaces recognised in meshes."""

@@ -1,8 +1,8 @@
-"""Is a mesh a closed surface: welding of vertices, faces of no area, open edges.
+"""Repair and check closed meshes: weld vertices, drop faces without area, find open edges.
 
-Vertices in one place (exactly, -0.0 = +0.0) are made one. Where edges are open after that,
-vertices closer than 1e-7 of the size (or the accuracy of the coordinates) are made one. An
-edge whose neighbours are split by a vertex on it (a T-junction) is closed all the same.
+Equal vertices (exactly, -0.0 = +0.0) are merged. If edges are open after that, vertices closer than
+1e-7 of the size (or the accuracy of the coordinates) are merged too. An edge whose neighbours are
+split by a vertex on it (a T-junction) counts as closed.
 """
 
 from __future__ import annotations
@@ -17,23 +17,39 @@ from kilter.shape.shape_tolerances import EDGE_END, NO_AREA, WELD
 __all__ = [
     "contains",
     "flat_faces",
+    "is_evenly_paired",
     "open_edges",
+    "orient_faces",
     "shared_edges",
-    "turned_alike",
-    "welded",
-    "wound_both_ways",
+    "signed_volume",
+    "weld",
 ]
 
 
-def welded(
+def weld(
     vertices: Array, triangles: Index, *, accuracy: float = 0.0
 ) -> tuple[Array, Index, list[str]]:
-    """The mesh with each vertex once, without faces of no area or listed twice; and notes.
+    """Merge equal vertices of a mesh, and drop faces without area and repeated faces.
+
+    Parameters
+    ----------
+    vertices : ndarray, shape (n, 3)
+    triangles : ndarray of int, shape (m, 3)
+    accuracy : float
+        Largest error of a coordinate [length unit].
+
+    Returns
+    -------
+    vertices : ndarray, shape (V, 3)
+        Distinct vertices that are used.
+    triangles : ndarray of int, shape (T, 3)
+    notes : list of str
+        Description of the dropped faces.
 
     Examples
     --------
     >>> soup = np.array([[0., 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, -0.0], [0, 1, 0], [1, 0, 0]])
-    >>> vertices, triangles, notes = welded(soup, np.array([[0, 1, 2], [3, 4, 5]]))
+    >>> vertices, triangles, notes = weld(soup, np.array([[0, 1, 2], [3, 4, 5]]))
     >>> len(vertices), triangles.tolist()
     (3, [[0, 2, 1], [0, 1, 2]])
     """
@@ -41,23 +57,26 @@ def welded(
     merged = inverse[triangles]
     if len(_unmatched(merged)):
         size = float(np.ptp(distinct, axis=0).max(initial=0.0))
-        close = _merged_close(distinct, max(WELD * size, 4 * accuracy))
+        close = _representatives(distinct, max(WELD * size, 4 * accuracy))
         if len(_unmatched(close[merged])) < len(_unmatched(merged)):
             merged = close[merged]
     notes = []
-    flat = _no_area(distinct, merged)
+    flat = _removable_faces(distinct, merged)
     if flat.any():
         notes.append(f"{int(flat.sum())} faces of zero area dropped")
         merged = merged[~flat]
     merged, repeats = _without_repeats(merged)
     if repeats:
-        notes.append(f"{repeats} faces listed twice dropped")
+        notes.append(f"{repeats} repeated faces dropped")
     used, compact = np.unique(merged, return_inverse=True)
     return distinct[used], compact.reshape(-1, 3), notes
 
 
 def open_edges(vertices: Array, triangles: Index) -> Index:
-    """Directed edges, shape (k, 2), that no face on the other side meets."""
+    """Directed edges without a face on the other side, shape (k, 2).
+
+    Up to eight rounds split the edges at T-junctions.
+    """
     edges = _unmatched(triangles)
     for _ in range(8):
         if not len(edges):
@@ -71,7 +90,9 @@ def open_edges(vertices: Array, triangles: Index) -> Index:
 
 
 def shared_edges(triangles: Index) -> tuple[Index, Index]:
-    """Pairs of half-edges (3 x triangle + corner) that are one edge of two triangles.
+    """Pairs of half-edges that are the same edge of two triangles, as two arrays.
+
+    Half-edge ``3 t + k`` runs from corner k of triangle t to the next corner.
 
     Examples
     --------
@@ -86,20 +107,29 @@ def shared_edges(triangles: Index) -> tuple[Index, Index]:
     return order[same], order[same + 1]
 
 
-def wound_both_ways(triangles: Index) -> bool:
-    """Whether every edge has a face on either side, but some faces are wound the wrong way."""
+def is_evenly_paired(triangles: Index) -> bool:
+    """Whether every edge has an even number of faces, in whatever senses they run along it.
+
+    Such a mesh with open edges is closed, but some faces have the wrong winding.
+    """
     edges = np.sort(_edges(triangles), axis=1)
     _, inverse = distinct_rows(edges)
     return bool((np.bincount(inverse) % 2 == 0).all())
 
 
-def turned_alike(vertices: Array, triangles: Index) -> tuple[Index, int]:
-    """The triangles with those turned that were wound against their neighbours, and how many.
+def orient_faces(vertices: Array, triangles: Index) -> tuple[Index, int]:
+    """Give all faces a consistent winding.
 
-    Two triangles that meet at an edge of no other are wound alike where they run along it in
-    opposite senses. What hangs together so is turned to have its outside outside, inside of
-    another such surface (a hole) the other way; where one surface cannot be wound alike (a
-    Moebius strip), nothing is turned.
+    Two triangles that share an edge with no other triangle have the same winding if they run along
+    it in opposite senses. Each surface that is connected by such edges is oriented outwards; a
+    surface inside another one (a hole) is oriented inwards. If one surface cannot be oriented (a
+    Moebius strip), nothing is changed.
+
+    Returns
+    -------
+    triangles : ndarray of int, shape (T, 3)
+    count : int
+        Number of reversed triangles.
 
     Examples
     --------
@@ -107,28 +137,29 @@ def turned_alike(vertices: Array, triangles: Index) -> tuple[Index, int]:
     >>> vertices, faces = surface(Box([1, 1, 1]))
     >>> mixed = faces.copy()
     >>> mixed[[2, 5]] = mixed[[2, 5], ::-1]
-    >>> turned_alike(vertices, mixed)[1], np.array_equal(turned_alike(vertices, mixed)[0], faces)
+    >>> oriented, count = orient_faces(vertices, mixed)
+    >>> count, np.array_equal(oriented, faces)
     (2, True)
     """
-    label = _two_sided(triangles)
+    label = _sides(triangles)
     count = len(triangles)
     if label is None:
         return triangles, 0
-    mirror = label[count:] < label[:count]  # it and the first triangle of its surface disagree
+    mirror = label[count:] < label[:count]  # opposite to the first triangle of the surface
     surface = np.minimum(label[:count], label[count:])
-    turned = np.where(mirror[:, None], triangles[:, ::-1], triangles)
+    oriented = np.where(mirror[:, None], triangles[:, ::-1], triangles)
     for k in np.unique(surface[mirror]).tolist():
-        mine = surface == k
-        point = vertices[turned[mine][0, 0]]
-        others = np.unique(surface[~mine]).tolist()
-        depth = sum(contains(vertices, turned[surface == other], point) for other in others)
-        if (_signed_volume(vertices, turned[mine]) < 0) != bool(depth % 2):
-            turned[mine] = turned[mine][:, ::-1]
-    return turned, int((turned != triangles).any(axis=1).sum())
+        rows = surface == k
+        point = vertices[oriented[rows][0, 0]]
+        others = np.unique(surface[~rows]).tolist()
+        depth = sum(contains(vertices, oriented[surface == other], point) for other in others)
+        if (signed_volume(vertices, oriented[rows]) < 0) != bool(depth % 2):
+            oriented[rows] = oriented[rows][:, ::-1]
+    return oriented, int((oriented != triangles).any(axis=1).sum())
 
 
 def contains(vertices: Array, triangles: Index, point: Array) -> bool:
-    """The point is inside the closed shell: its solid angle is not zero."""
+    """Whether a point is inside a closed shell: the solid angle of the shell is not zero."""
     p, q, r = (vertices[triangles[:, k]] - point for k in range(3))
     a, b, c = (np.linalg.norm(x, axis=1) for x in (p, q, r))
     top = np.einsum("ij,ij->i", p, cross(q, r))
@@ -136,22 +167,22 @@ def contains(vertices: Array, triangles: Index, point: Array) -> bool:
     return bool(abs(np.arctan2(top, low).sum()) > np.pi)
 
 
-def _two_sided(triangles: Index) -> Index | None:
-    """Number of the surface of each triangle, and of each triangle turned, shape (2 T,).
+def _sides(triangles: Index) -> Index | None:
+    """Label of the oriented surface of each triangle, and of each reversed triangle, shape (2 T,).
 
-    None where some triangle lies on one surface with its own mirror image.
+    None if a triangle and its reverse are on the same surface, which is then not orientable.
     """
     count = len(triangles)
     following = triangles[:, [1, 2, 0]]
     low, high = np.minimum(triangles, following).ravel(), np.maximum(triangles, following).ravel()
     key = low * (int(high.max()) + 1) + high
     order = np.argsort(key, kind="stable")
-    first = np.flatnonzero(np.concatenate([[True], np.diff(key[order]) != 0]))
-    pairs = first[np.diff(np.append(first, len(order))) == 2]
-    one, other = order[pairs], order[pairs + 1]
+    runs = np.flatnonzero(np.concatenate([[True], np.diff(key[order]) != 0]))
+    pairs = runs[np.diff(np.append(runs, len(order))) == 2]
+    first, second = order[pairs], order[pairs + 1]
     forward = (triangles <= following).ravel()
-    against = (forward[one] == forward[other]).astype(np.int64)  # one of the two is to be turned
-    f, g = one // 3, other // 3
+    against = (forward[first] == forward[second]).astype(np.int64)  # their windings differ
+    f, g = first // 3, second // 3
     label = connected(
         2 * count,
         np.concatenate([f, f + count]),
@@ -160,22 +191,25 @@ def _two_sided(triangles: Index) -> Index | None:
     return None if (label[:count] == label[count:]).any() else label
 
 
-def _signed_volume(vertices: Array, triangles: Index) -> float:
+def signed_volume(vertices: Array, triangles: Index) -> float:
+    """Volume inside a closed surface, negative if its faces point inwards [length unit^3]."""
     p, q, r = (vertices[triangles[:, k]] - vertices[triangles[0, 0]] for k in range(3))
     return float(np.einsum("ij,ij->", p, cross(q, r)) / 6)
 
 
 def _edges(triangles: Index) -> Index:
+    """Directed edges of triangles, shape (3 T, 2)."""
     edges: Index = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     return edges
 
 
 def _unmatched(triangles: Index) -> Index:
+    """Unmatched directed edges of triangles, shape (k, 2)."""
     return _unmatched_edges(_edges(triangles))
 
 
 def _unmatched_edges(edges: Index) -> Index:
-    """Directed edges (p, q) left over after each is paired with one (q, p)."""
+    """Directed edges (p, q) that are left after pairing each with an edge (q, p)."""
     edges = edges[edges[:, 0] != edges[:, 1]]
     if not len(edges):
         return edges
@@ -187,7 +221,7 @@ def _unmatched_edges(edges: Index) -> Index:
     balance = np.add.reduceat(sign[order], first)
     wrong = np.repeat(balance != 0, np.diff(np.append(first, len(key))))
     rows = order[wrong]
-    # of a group that does not balance, keep as many as are left over, in their direction
+    # keep the surplus of each unbalanced group, in its direction
     group = np.repeat(np.arange(len(first)), np.diff(np.append(first, len(key))))[wrong]
     surplus = rows[sign[rows] == np.sign(balance[group])]
     group = group[sign[rows] == np.sign(balance[group])]
@@ -196,8 +230,8 @@ def _unmatched_edges(edges: Index) -> Index:
     return unmatched
 
 
-def _merged_close(vertices: Array, distance: float) -> Index:
-    """For each vertex the index of the one it becomes when those closer are made one."""
+def _representatives(vertices: Array, distance: float) -> Index:
+    """Index of each vertex's representative after merging vertices closer than `distance`."""
     from scipy.spatial import cKDTree
 
     pairs = cKDTree(vertices).query_pairs(distance, output_type="ndarray")
@@ -208,26 +242,27 @@ def _merged_close(vertices: Array, distance: float) -> Index:
     return first[label]
 
 
-def _of_one_place(triangles: Index) -> Mask:
-    """Triangles of which two corners are one."""
+def _has_equal_corners(triangles: Index) -> Mask:
+    """Whether two corners of each triangle are the same vertex, shape (T,)."""
     a, b, c = triangles.T
     same: Mask = (a == b) | (b == c) | (c == a)
     return same
 
 
 def flat_faces(vertices: Array, triangles: Index) -> Mask:
-    """Triangles whose corners lie on one line, within rounding, or in one place."""
+    """Whether each triangle has no area within rounding, shape (T,)."""
     p, q, r = (vertices[corner] for corner in triangles.T)
     twice = np.linalg.norm(cross(q - p, r - p), axis=1)
     longest = np.maximum.reduce([((u - v) ** 2).sum(axis=1) for u, v in ((p, q), (q, r), (r, p))])
-    flat: Mask = _of_one_place(triangles) | (twice <= NO_AREA * longest)
+    flat: Mask = _has_equal_corners(triangles) | (twice <= NO_AREA * longest)
     return flat
 
 
-def _no_area(vertices: Array, triangles: Index) -> Mask:
+def _removable_faces(vertices: Array, triangles: Index) -> Mask:
+    """Whether each triangle has no area and can be dropped without opening edges, shape (T,)."""
     flat = flat_faces(vertices, triangles)
-    same = _of_one_place(triangles)
-    # a sliver that is all that closes an edge stays: dropping it would open the surface
+    same = _has_equal_corners(triangles)
+    # slivers of three distinct corners stay if dropping them would open edges
     if flat.any() and not same[flat].all():
         thin = flat & ~same
         if len(_unmatched(triangles[~flat])) > len(_unmatched(triangles[~same])):
@@ -236,7 +271,14 @@ def _no_area(vertices: Array, triangles: Index) -> Mask:
 
 
 def _without_repeats(triangles: Index) -> tuple[Index, int]:
-    """Faces listed twice with the same turn, once; an exact duplicate doubles the volume."""
+    """Drop repeated faces of the same sense, which would count twice in the volume.
+
+    Returns
+    -------
+    triangles : ndarray of int, shape (T, 3)
+    repeats : int
+        Number of dropped faces.
+    """
     turn = np.argmin(triangles, axis=1)
     rows = np.arange(len(triangles))[:, None]
     canonical = triangles[rows, (turn[:, None] + np.arange(3)) % 3]
@@ -249,7 +291,7 @@ def _without_repeats(triangles: Index) -> tuple[Index, int]:
 
 
 def _split_at_vertices(vertices: Array, edges: Index) -> Index:
-    """Open edges cut at the open vertices that lie on them."""
+    """Open edges split at the ends of other open edges that lie on them, shape (n, 2)."""
     if len(edges) > 4000:
         return edges
     points = np.unique(edges)

@@ -1,7 +1,7 @@
-"""Which points of a surface the triangles of a face cover.
+"""Decide which points of a surface are on a face, from the triangles of the face.
 
-A point x of a surface with normal n belongs to the face where the line x + t n meets one of
-its triangles. Neighbouring triangles meet without gaps that way.
+A point x of a surface with normal n is on the face if the line x + t n meets one of its triangles.
+With this rule, neighbouring triangles leave no gaps.
 """
 
 from __future__ import annotations
@@ -15,20 +15,23 @@ __all__ = ["covered"]
 
 
 BATCH = 500_000
-"""Points times triangles compared in one go."""
+"""Number of pairs of point and triangle that are compared at once; more need more memory."""
 
 
 def covered(triangles: Array, points: Array, normals: Array, reach: float, grow: float) -> Mask:
-    """Points of a surface, shape (n, 3), that its triangles, shape (m, 3, 3), cover.
+    """Whether points of a surface are covered by the triangles of a face, shape (n,).
 
     Parameters
     ----------
+    triangles : ndarray, shape (m, 3, 3)
+        Corners of the triangles.
+    points : ndarray, shape (n, 3)
     normals : ndarray, shape (n, 3)
-        Of the surface at the points.
+        Normals of the surface at the points.
     reach : float
-        Greatest distance of a triangle from the surface [length unit].
+        Largest distance of a triangle from the surface [length unit].
     grow : float
-        Triangles are grown by this [length unit].
+        Margin by which the triangles are enlarged [length unit].
     """
     inside = np.zeros(len(points), dtype=bool)
     if not len(triangles) or not len(points):
@@ -53,7 +56,7 @@ def covered(triangles: Array, points: Array, normals: Array, reach: float, grow:
 
 
 def _near(triangles: Array, points: Array, margin: float) -> Mask:
-    """Triangles whose box comes within a margin of the box of the points."""
+    """Whether the box of each triangle is within a margin of the box of the points, shape (m,)."""
     low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
     meets: Mask = (triangles.min(axis=1) <= high).all(axis=1)
     meets &= (triangles.max(axis=1) >= low).all(axis=1)

@@ -1,12 +1,13 @@
-"""Cylinders, cones and spheres through points: exact algebra first, least squares after.
+"""Fit cylinders, cones and spheres through points: first algebraically, then by least squares.
 
-The normals n of facets inscribed in a surface say how it lies: of a cylinder they are
-perpendicular to the axis, of a cone they make one angle with it and every facet's plane passes
-the apex. What that gives is refined by Gauss-Newton on the distances of the points
+The normals n of facets that are inscribed in a surface determine its axis. For a cylinder they are
+perpendicular to the axis. For a cone they make a constant angle with the axis, and the plane of
+every facet contains the apex. Gauss-Newton steps on the distances of the points
 
     cylinder  |p - a (a.p)| - R,     cone  |p - a (a.p)| cos w - (a.p) sin w,   p = x - point
 
-until no step helps: for points that lie on the surface the result is right to rounding.
+then refine the result until they no longer reduce the distances. For points on a surface the result
+is exact to rounding.
 
 References
 ----------
@@ -36,19 +37,19 @@ __all__ = ["FITS", "fit_cone", "fit_cylinder", "fit_sphere"]
 
 
 STEPS = 30
-"""Gauss-Newton steps at most."""
+"""Largest number of Gauss-Newton steps."""
 
 
 def fit_sphere(points: Array, normals: Array, weights: Array) -> Surface | None:
-    """The sphere through points, None where they fix none.
+    """Fit a sphere through points; None if they determine none.
 
     Parameters
     ----------
     points : ndarray, shape (n, 3)
     normals : ndarray, shape (m, 3)
-        Of facets (not used here).
+        Unit normals of the facets; not used for a sphere.
     weights : ndarray, shape (m,)
-        Of the facets, their areas.
+        Areas of the facets; not used for a sphere.
 
     Examples
     --------
@@ -71,7 +72,16 @@ def fit_sphere(points: Array, normals: Array, weights: Array) -> Surface | None:
 
 
 def fit_cylinder(points: Array, normals: Array, weights: Array) -> Surface | None:
-    """The cylinder through points with facets of such normals, None where they fix none."""
+    """Fit a cylinder through points; None if they determine none.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+    normals : ndarray, shape (m, 3)
+        Unit normals of the facets.
+    weights : ndarray, shape (m,)
+        Areas of the facets.
+    """
     _, vectors = np.linalg.eigh((normals * weights[:, None]).T @ normals)
     axis = vectors[:, 0]
     middle, size = _middle_and_size(points)
@@ -87,21 +97,23 @@ def fit_cylinder(points: Array, normals: Array, weights: Array) -> Surface | Non
         return None
     center, radius = solution[0] * u + solution[1] * v, float(np.sqrt(square))
 
-    def change(state: tuple[Array, Array, float]) -> tuple[Array, Array]:
+    def residual(state: tuple[Array, Array, float]) -> tuple[Array, Array]:
+        """Distances of the points from the cylinder, and their Jacobian."""
         center, axis, radius = state
         u, v = across(axis)
         along, aside, e = _split(p - center, axis)
         eu, ev = e @ u, e @ v
         return aside - radius, np.column_stack([-eu, -ev, -eu * along, -ev * along, -1 + 0 * eu])
 
-    def moved(state: tuple[Array, Array, float], step: Array) -> tuple[Array, Array, float]:
+    def update(state: tuple[Array, Array, float], step: Array) -> tuple[Array, Array, float]:
+        """The cylinder after a step."""
         center, axis, radius = state
         u, v = across(axis)
         turned = axis + step[2] * u + step[3] * v
         shift = step[0] * u + step[1] * v
         return center + shift, turned / float(np.linalg.norm(turned)), radius + step[4]
 
-    center, axis, radius = _gauss_newton((center, axis, radius), change, moved)
+    center, axis, radius = _gauss_newton((center, axis, radius), residual, update)
     if not 0 < radius < LARGEST_RATIO:
         return None
     center = center - (center @ axis) * axis
@@ -109,7 +121,10 @@ def fit_cylinder(points: Array, normals: Array, weights: Array) -> Surface | Non
 
 
 def fit_cone(points: Array, normals: Array, weights: Array) -> Surface | None:
-    """The cone through points with facets of such normals, all on one side of its apex."""
+    """Fit a cone through points, all on the same side of its apex; None if none fits.
+
+    The parameters are those of `fit_cylinder`.
+    """
     middle, size = _middle_and_size(points)
     if len(points) < 6 or size == 0.0 or len(normals) < 3:
         return None
@@ -122,7 +137,8 @@ def fit_cone(points: Array, normals: Array, weights: Array) -> Surface | None:
     if start is None:
         return None
 
-    def change(state: tuple[Array, Array, float]) -> tuple[Array, Array]:
+    def residual(state: tuple[Array, Array, float]) -> tuple[Array, Array]:
+        """Distances of the points from the cone, and their Jacobian."""
         apex, axis, angle = state
         u, v = across(axis)
         along, aside, e = _split(p - apex, axis)
@@ -132,14 +148,15 @@ def fit_cone(points: Array, normals: Array, weights: Array) -> Surface | None:
         columns = [-eu * cos, -ev * cos, sin + 0 * eu, -eu * side, -ev * side, -side]
         return aside * cos - along * sin, np.column_stack(columns)
 
-    def moved(state: tuple[Array, Array, float], step: Array) -> tuple[Array, Array, float]:
+    def update(state: tuple[Array, Array, float], step: Array) -> tuple[Array, Array, float]:
+        """The cone after a step."""
         apex, axis, angle = state
         u, v = across(axis)
         turned = axis + step[3] * u + step[4] * v
         shift = step[0] * u + step[1] * v + step[2] * axis
         return apex + shift, turned / float(np.linalg.norm(turned)), angle + step[5]
 
-    apex, axis, angle = _gauss_newton(start, change, moved)
+    apex, axis, angle = _gauss_newton(start, residual, update)
     if not NARROWEST_CONE < angle < WIDEST_CONE or float(np.abs(apex).max()) > LARGEST_RATIO:
         return None
     if float(((p - apex) @ axis).min()) < -BEHIND_APEX:
@@ -152,16 +169,17 @@ FITS: dict[str, Callable[[Array, Array, Array], Surface | None]] = {
     "cone": fit_cone,
     "sphere": fit_sphere,
 }
-"""In the order in which they are tried: two circles of points also lie on a sphere."""
+"""Fit of each kind, in the order of trial: points on two parallel circles also lie on a sphere."""
 
 
 def _middle_and_size(points: Array) -> tuple[Array, float]:
+    """Mean point, and largest coordinate relative to it."""
     middle = points.mean(axis=0)
     return middle, float(np.abs(points - middle).max())
 
 
 def _split(p: Array, axis: Array) -> tuple[Array, Array, Array]:
-    """Along the axis, distance from it, and the unit vector away from it."""
+    """Height of points along an axis, distance from it, and unit direction away from it."""
     along = p @ axis
     away = p - along[:, None] * axis
     aside = np.linalg.norm(away, axis=1)
@@ -169,10 +187,11 @@ def _split(p: Array, axis: Array) -> tuple[Array, Array, Array]:
 
 
 def _cone_start(p: Array, axis: Array) -> tuple[Array, Array, float] | None:
-    """Apex, axis and half angle from a direction of the axis.
+    """First estimate of apex, axis and half angle of a cone from the direction of its axis.
 
-    Points of a cone obey |across - c|^2 = (along - h)^2 tan^2 w, which is linear in c, the
-    foot of the axis, beside unknowns that are not needed; then |across - c| is linear in along.
+    Points of a cone satisfy |across - c|^2 = (along - h)^2 tan^2 w. This equation is linear in c,
+    the foot of the axis, and in auxiliary unknowns. Then |across - c| is linear in `along`. The
+    result is None for a cylinder or plane.
     """
     u, v = across(axis)
     x, y, z = p @ u, p @ v, p @ axis
@@ -189,21 +208,31 @@ def _cone_start(p: Array, axis: Array) -> tuple[Array, Array, float] | None:
 
 def _gauss_newton(
     state: tuple[Array, Array, float],
-    change: Callable[[tuple[Array, Array, float]], tuple[Array, Array]],
-    moved: Callable[[tuple[Array, Array, float], Array], tuple[Array, Array, float]],
+    residual: Callable[[tuple[Array, Array, float]], tuple[Array, Array]],
+    update: Callable[[tuple[Array, Array, float], Array], tuple[Array, Array, float]],
 ) -> tuple[Array, Array, float]:
-    """The state of least squares near a first one; steps that make it worse are not taken.
+    """Minimise the sum of squares from a first state; a step that increases the sum is rejected.
 
-    By normal equations: what they lose in a step the next one makes good. It ends where a step
-    no longer halves the sum of squares: at rounding, or where the points fit no such surface.
+    Each step solves the normal equations; the next step corrects their rounding. The iteration
+    ends when a step no longer halves the sum of squares: at rounding, or if the points fit no
+    surface of the kind.
+
+    Parameters
+    ----------
+    state : tuple
+        First state: point, axis, radius or angle.
+    residual : callable
+        From a state to residuals, shape (n,), and Jacobian, shape (n, k).
+    update : callable
+        From a state and a step, shape (k,), to the new state.
     """
-    residual, jacobian = change(state)
-    best = float(residual @ residual)
+    off, jacobian = residual(state)
+    best = float(off @ off)
     for _ in range(STEPS):
-        found = np.linalg.lstsq(jacobian.T @ jacobian, -jacobian.T @ residual, rcond=STEP_RANK)[0]
-        trial = moved(state, np.asarray(found, dtype=np.float64))
-        residual, jacobian = change(trial)
-        now = float(residual @ residual)
+        step = np.linalg.lstsq(jacobian.T @ jacobian, -jacobian.T @ off, rcond=STEP_RANK)[0]
+        trial = update(state, np.asarray(step, dtype=np.float64))
+        off, jacobian = residual(trial)
+        now = float(off @ off)
         if not now < best:
             break
         slow = now > 0.5 * best

@@ -1,8 +1,8 @@
 """Shapes of parts: box, cylinder, sphere, prism, mesh; each in the part's own frame.
 
-Every shape is a value: frozen, arrays copied in and read-only. Lengths are in the unit of
-the assembly. `surface(shape)` gives the closed triangulated surface of a shape, its
-triangles turning counter-clockwise seen from outside.
+Shapes are immutable; they copy their arrays and make them read-only. Lengths are in the unit of
+the assembly. `surface(shape)` returns the triangulated surface of a shape; its triangles are
+counterclockwise seen from outside.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ __all__ = ["Box", "Cylinder", "Mesh", "Prism", "Shape", "Sphere", "surface"]
 
 
 CYLINDER_SIDES = 96
-"""Sides of the polygon inscribed in a cylinder's circle, a multiple of 4."""
+"""Number of sides of the polygon inscribed in the circle of a cylinder, a multiple of 4."""
 SPHERE_RINGS = 24
-"""Rings of the polyhedron inscribed in a sphere."""
+"""Number of rings of the polyhedron inscribed in a sphere."""
 
 BOX_QUADS: Index = np.array(
     [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
@@ -36,9 +36,11 @@ BOX_QUADS: Index = np.array(
 BOX_CORNERS: Array = np.array(
     [[x - 0.5, y - 0.5, z - 0.5] for z in (0, 1) for y in (0, 1) for x in (0, 1)], dtype=float
 )
+"""Corners of the unit box, shape (8, 3), in the order of `BOX_QUADS`."""
 
 
 def _positive(value: Any, what: str) -> float:
+    """A positive number; raises `InputError` with the noun `what`."""
     return number(value, what, lowest=0, above=True)
 
 
@@ -49,12 +51,12 @@ class Box:
     Parameters
     ----------
     size : array_like, shape (3,)
-        Its lengths along x, y, z [length unit].
+        Lengths along x, y, z [length unit].
 
     Raises
     ------
     InputError
-        If one of them is not above zero.
+        If a length is not positive.
 
     Examples
     --------
@@ -67,7 +69,9 @@ class Box:
     def __post_init__(self) -> None:
         size = frozen(self.size, (3,))
         if not (np.isfinite(size).all() and (size > 0).all()):
-            raise InputError(f"box is {size.tolist()}", hint="give three lengths above zero")
+            raise InputError(
+                f"the size of the box is {size.tolist()}", hint="give three lengths above zero"
+            )
         in_range(size, "box")
         object.__setattr__(self, "size", size)
 
@@ -82,12 +86,12 @@ class Cylinder:
     Parameters
     ----------
     radius, height : float
-        [length unit]
+        Radius, and length along z [length unit].
 
     Raises
     ------
     InputError
-        If one of them is not above zero.
+        If radius or height is not positive.
     """
 
     radius: float
@@ -105,12 +109,12 @@ class Sphere:
     Parameters
     ----------
     radius : float
-        [length unit]
+        Radius [length unit].
 
     Raises
     ------
     InputError
-        If it is not above zero.
+        If the radius is not positive.
     """
 
     radius: float
@@ -126,9 +130,9 @@ class Prism:
     Parameters
     ----------
     polygon : array_like, shape (n, 2)
-        Corners (x, z) in order, either way round [length unit].
+        Corners (x, z) in order, in either sense [length unit].
     depth : float
-        Along y [length unit].
+        Length along y [length unit].
 
     Raises
     ------
@@ -147,15 +151,19 @@ class Prism:
     def __post_init__(self) -> None:
         polygon = frozen(self.polygon, (-1, 2))
         if len(polygon) < 3:
-            raise InputError("polygon has fewer than 3 corners", hint="list 3 or more")
+            raise InputError("the polygon has fewer than 3 corners", hint="give 3 or more")
         if not np.isfinite(polygon).all():
-            raise InputError("polygon has a number that is not finite", hint="give finite numbers")
+            raise InputError(
+                "the polygon has a number that is not finite", hint="give finite numbers"
+            )
         in_range(polygon, "polygon", tiny=True)
         area = _signed_area(polygon)
         if abs(area) <= POLYGON_AREA * float(np.ptp(polygon, axis=0).max()) ** 2:
-            raise InputError("polygon has no area", hint="list its corners around its edge")
+            raise InputError("the polygon has no area", hint="list its corners in order around it")
         if not _is_convex(polygon) and not _is_simple(polygon):
-            raise InputError("polygon crosses itself", hint="list its corners around its edge")
+            raise InputError(
+                "the polygon crosses itself", hint="list its corners in order around it"
+            )
         object.__setattr__(self, "polygon", polygon)
         object.__setattr__(self, "depth", _positive(self.depth, "depth of the polygon"))
 
@@ -169,19 +177,19 @@ class Mesh:
     Parameters
     ----------
     vertices : array_like, shape (n, 3)
-        Corners [length unit].
+        Vertices [length unit].
     faces : array_like, shape (m, 3), or sequence of sequences of int
-        Corners of each face by index; faces of more than three corners are cut into
+        Vertices of each face by index; a face with more than three corners is divided into
         triangles.
     accuracy : float, optional
-        How far a coordinate may be from the truth [length unit]. The default is the
-        rounding of the numbers' own type (float32 or float64).
+        Largest error of a coordinate [length unit]. The default is the rounding of the type of
+        the numbers (float32 or float64).
 
     Raises
     ------
     InputError
         If a vertex is not finite, an index is out of range, or a face has fewer than
-        three corners. Whether the surface is closed is asked when the assembly is built.
+        three corners. The geometry of the assembly verifies later that the surface is closed.
 
     Examples
     --------
@@ -222,9 +230,9 @@ Shape = Box | Cylinder | Sphere | Prism | Mesh | Solid
 
 
 def surface(shape: Shape) -> tuple[Array, Index]:
-    """Vertices, shape (n, 3), and triangles, shape (m, 3), in the part's own frame.
+    """The surface of a shape: vertices, shape (n, 3), and triangles, shape (m, 3).
 
-    Cylinders and spheres are given as inscribed polyhedra.
+    The frame is that of the part. Cylinders and spheres become inscribed polyhedra.
 
     Examples
     --------
@@ -240,31 +248,38 @@ def surface(shape: Shape) -> tuple[Array, Index]:
         angle = np.arange(CYLINDER_SIDES) * (2 * np.pi / CYLINDER_SIDES)
         circle = shape.radius * np.column_stack([np.cos(angle), np.sin(angle)])
         low = np.column_stack([circle, np.full(len(circle), -shape.height / 2)])
-        return np.vstack([low, low + np.array([0, 0, shape.height])]), _extruded(CYLINDER_SIDES)
+        return np.vstack([low, low + np.array([0, 0, shape.height])]), _prism_triangles(
+            CYLINDER_SIDES
+        )
     if isinstance(shape, Sphere):
         vertices, triangles = _unit_sphere()
         return vertices * shape.radius, triangles
     polygon = shape.polygon
-    if _signed_area(polygon) > 0:  # seen from -y, where x is right and z is up, it turns left
+    if _signed_area(polygon) > 0:  # counterclockwise seen from -y, with x right and z up
         polygon = polygon[::-1]
     n = len(polygon)
     flat = np.column_stack([polygon[:, 0], np.zeros(n), polygon[:, 1]])
     step = np.array([0, shape.depth / 2, 0])
-    cap = None if _is_convex(polygon) else _cut(polygon)
-    return np.vstack([flat - step, flat + step]), _extruded(n, cap)
+    cap = None if _is_convex(polygon) else _triangulate(polygon)
+    return np.vstack([flat - step, flat + step]), _prism_triangles(n, cap)
 
 
 def fan(n: int) -> Index:
-    """Triangles of a convex polygon of n corners, shape (n - 2, 3)."""
+    """Triangles of a convex polygon with n corners, shape (n - 2, 3)."""
     k = np.arange(1, n - 1)
     return np.column_stack([np.zeros_like(k), k, k + 1])
 
 
 BOX_TRIANGLES: Index = BOX_QUADS[:, fan(4)].reshape(-1, 3)
+"""Triangles of a box, shape (12, 3)."""
 
 
-def _extruded(n: int, cap: Index | None = None) -> Index:
-    """A prism's triangles: corners 0..n-1 below, n..2n-1 above, turning left from above."""
+def _prism_triangles(n: int, cap: Index | None = None) -> Index:
+    """Triangles of a prism with corners 0..n-1 below and n..2n-1 above.
+
+    The corners are counterclockwise seen from above. `cap`: triangles of the polygon, shape
+    (m, 3); default a fan.
+    """
     cap = fan(n) if cap is None else cap
     k = np.arange(n)
     j = (k + 1) % n
@@ -274,6 +289,7 @@ def _extruded(n: int, cap: Index | None = None) -> Index:
 
 @lru_cache(maxsize=1)
 def _unit_sphere() -> tuple[Array, Index]:
+    """Vertices and triangles of a polyhedron inscribed in the unit sphere."""
     rings, n = SPHERE_RINGS, 2 * SPHERE_RINGS
     polar = np.arange(1, rings) * (np.pi / rings)
     around = np.arange(n) * (2 * np.pi / n)
@@ -301,28 +317,32 @@ def _unit_sphere() -> tuple[Array, Index]:
 
 
 def _triangles(vertices: Array, faces: Any) -> Index:
-    """Triangles of faces of three corners, or of mixed faces, cut."""
+    """Triangles, shape (m, 3), of faces with any number of corners."""
     if not isinstance(faces, np.ndarray):
         faces = list(faces)
     if isinstance(faces, np.ndarray) and faces.ndim == 2 and faces.shape[1] == 3:
         owner = np.repeat(np.arange(len(faces)), 3)
-        return _checked(faces.reshape(-1), owner, len(vertices)).reshape(-1, 3)
+        return _vertex_indices(faces.reshape(-1), owner, len(vertices)).reshape(-1, 3)
     length = np.array([len(face) for face in faces], dtype=np.int64)
     if len(length) and length.min() < 3:
         k = int(length.argmin())
         raise InputError(f"face {k} has {length[k]} corners", hint="give 3 or more")
     owner = np.repeat(np.arange(len(length)), length)
-    corners = _checked(list(chain.from_iterable(faces)), owner, len(vertices))
+    corners = _vertex_indices(list(chain.from_iterable(faces)), owner, len(vertices))
     first = np.cumsum(length) - length
     pieces = [np.empty((0, 3), dtype=np.int64)]
     for n in np.unique(length):
         which = np.flatnonzero(length == n)
-        pieces += _cut_alike(vertices, corners[first[which][:, None] + np.arange(n)], which)
+        same_length = corners[first[which][:, None] + np.arange(n)]
+        pieces += _triangulate_faces(vertices, same_length, which)
     return np.concatenate(pieces)
 
 
-def _checked(corners: Any, face: Index, count: int) -> Index:
-    """Corners as indices below `count`; an error names the face of the first wrong one."""
+def _vertex_indices(corners: Any, face: Index, count: int) -> Index:
+    """Corners as vertex indices below `count`; raises `InputError` that names the face.
+
+    `face`: the face of each corner.
+    """
     try:
         array = np.asarray(corners)
         indices: Index = array.astype(np.int64)
@@ -331,7 +351,7 @@ def _checked(corners: Any, face: Index, count: int) -> Index:
         exact = False
     if not exact:
         raise InputError(
-            "a face has a corner that is not a whole number", hint="name corners by index"
+            "a face has a corner that is not an integer", hint="give the indices of vertices"
         )
     wrong = np.flatnonzero((indices < 0) | (indices >= count))
     if len(wrong):
@@ -342,36 +362,39 @@ def _checked(corners: Any, face: Index, count: int) -> Index:
     return indices
 
 
-def _cut_alike(vertices: Array, faces: Index, number: Index) -> list[Index]:
-    """Triangles of faces, shape (m, n); the convex ones in one go."""
+def _triangulate_faces(vertices: Array, faces: Index, number: Index) -> list[Index]:
+    """Triangles of faces with n corners each, shape (m, n); convex faces are divided at once.
+
+    `number`: the number of each face, for messages.
+    """
     convex = _convex_in_space(vertices[faces])
     pieces = [faces[convex][:, fan(faces.shape[1])].reshape(-1, 3)]
     for k in np.flatnonzero(~convex):
         try:
-            pieces.append(faces[k][_cut(_flattened(vertices[faces[k]]))])
+            pieces.append(faces[k][_triangulate(_plane_coordinates(vertices[faces[k]]))])
         except InputError as error:
             raise InputError(f"face {number[k]} {error.what}", hint=error.hint) from None
     return pieces
 
 
 def _convex_in_space(polygons: Array) -> Mask:
-    """Which polygons, shape (m, n, 3), are convex about their mean normal."""
+    """Whether each polygon, shape (m, n, 3), is convex seen along its mean normal, shape (m,)."""
     following = np.arange(1, polygons.shape[1] + 1) % polygons.shape[1]
     step = polygons[:, following] - polygons
     turn = cross(step, step[:, following])
     local = polygons - polygons[:, :1]
     normal = cross(local, local[:, following]).sum(axis=1)
     along = np.einsum("mnk,mk->mn", turn, normal)
-    # three or four corners that never turn back are convex; more could wind twice
+    # a polygon with more than four corners may turn by 720 degrees
     convex: Mask = (along > 0).all(axis=1)
     if polygons.shape[1] > 4:
         rows = np.flatnonzero(convex)
-        convex[rows] = [_is_convex(_flattened(polygons[k])) for k in rows]
+        convex[rows] = [_is_convex(_plane_coordinates(polygons[k])) for k in rows]
     return convex
 
 
-def _flattened(points: Array) -> Array:
-    """A polygon in space, shape (n, 3), in coordinates of its mean plane, turning left."""
+def _plane_coordinates(points: Array) -> Array:
+    """Coordinates of a polygon in its mean plane, counterclockwise, shape (n, 2)."""
     normal = 0.5 * np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
     length = np.linalg.norm(normal)
     if length == 0.0:
@@ -382,38 +405,46 @@ def _flattened(points: Array) -> Array:
     return np.column_stack([relative @ u, relative @ v])
 
 
-def _cut(polygon: Array) -> Index:
-    """Triangles, by corner, of a polygon in its plane; turning as the polygon turns."""
+def _triangulate(polygon: Array) -> Index:
+    """Triangles of a polygon in the plane, as indices of corners, in the sense of the polygon.
+
+    Raises
+    ------
+    InputError
+        If the polygon crosses or touches itself.
+    """
     n = len(polygon)
     if n == 3 or _is_convex(polygon):
         return fan(n)
     import shapely
 
-    # corners given back by their coordinates, so two corners in one place are not lost
+    # corners are identified by their coordinates, which shapely does not change
     try:
         pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(shapely.Polygon(polygon)))
     except shapely.errors.GEOSException:
-        raise InputError("crosses or touches itself", hint="cut it into triangles") from None
+        raise InputError("crosses or touches itself", hint="divide it into triangles") from None
     corners = shapely.get_coordinates(pieces).reshape(-1, 4, 2)[:, :3]
-    where = {tuple(p): k for k, p in enumerate(polygon.tolist())}
-    rows = [[where[tuple(p)] for p in piece] for piece in corners.tolist()]
-    cut = np.array(rows, dtype=np.int64).reshape(-1, 3)  # of a polygon of no area none
+    index = {tuple(p): k for k, p in enumerate(polygon.tolist())}
+    rows = [[index[tuple(p)] for p in piece] for piece in corners.tolist()]
+    cut = np.array(rows, dtype=np.int64).reshape(-1, 3)  # empty for a polygon without area
     areas = np.array([_signed_area(polygon[t]) for t in cut])
     whole = _signed_area(polygon)
-    # an outline that rounding lets touch itself is cut all the same, if its area comes out
+    # an outline that touches itself only by rounding is accepted if the area agrees
     if abs(np.abs(areas).sum() - abs(whole)) > CUT_AREA * abs(whole):
-        raise InputError("crosses or touches itself", hint="cut it into triangles")
+        raise InputError("crosses or touches itself", hint="divide it into triangles")
     turned = areas * whole < 0
     cut[turned] = cut[turned][:, ::-1]
     return cut
 
 
 def _signed_area(polygon: Array) -> float:
+    """Area of a polygon in the plane, positive if counterclockwise."""
     x, y = (polygon - polygon[0]).T
     return float(0.5 * (x @ np.roll(y, -1) - np.roll(x, -1) @ y))
 
 
 def _is_convex(polygon: Array) -> bool:
+    """Whether a polygon in the plane turns in one sense only, by 360 degrees."""
     edge = np.roll(polygon, -1, axis=0) - polygon
     following = np.roll(edge, -1, axis=0)
     turn = edge[:, 0] * following[:, 1] - edge[:, 1] * following[:, 0]
@@ -424,6 +455,7 @@ def _is_convex(polygon: Array) -> bool:
 
 
 def _is_simple(polygon: Array) -> bool:
+    """Whether a polygon in the plane does not cross itself."""
     import shapely
 
     return bool(shapely.Polygon(polygon).is_valid)

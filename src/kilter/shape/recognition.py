@@ -1,26 +1,25 @@
-"""The cylinders, cones and spheres that a mesh stands for.
+"""Recognise the cylinders, cones and spheres that a mesh approximates.
 
-Corners of a tessellated face lie on the face itself. Facets that meet at shallow edges make a
-region; it is round where one surface passes all of its corners. Where several faces run into
-each other without an edge (a fillet into its flats) a surface is grown facet by facet from
-three neighbours.
+The corners of a tessellated face lie on the face itself. Facets that meet at shallow edges form a
+region. A region is round if one surface contains all of its corners. If several faces meet without
+an edge (a fillet and its flats), surfaces are grown facet by facet, from three neighbours.
 
-**When is a prism round?** A bar of n even flat sides and a coarse cylinder are the same mesh, so
-a rule must choose. A region is taken for round only if
+**When is a prism round?** A bar with n equal flat sides and a coarse cylinder are the same mesh, so
+a rule must decide. A region counts as round only if
 
-- neighbouring facets meet at no more than 30.5 degrees: a prism of 12 even sides or more counts
-  as round, one of 11 or less (hexagonal, octagonal bars, chamfered boxes) stays flat;
-- it has 5 facets or more of different directions, so that a chamfer in 1 to 4 pieces stays flat;
+- neighbouring facets meet at no more than 30.5 degrees: a prism with 12 equal sides or more is
+  round, with 11 or fewer (hexagonal and octagonal bars, chamfered boxes) flat;
+- it has at least 5 facets of different directions, so that a chamfer of 1 to 4 facets is flat;
 - its corners lie on the surface within the accuracy of the coordinates;
-- no facet is more than twice as wide as most are: the flat of a shaft stays a flat;
-- it turns by 15 degrees or more, or is bounded by sharp edges all around: a short piece of some
-  other curve passes for an arc of a circle;
-- it leaves its best plane by far more than the corners leave the surface;
-- as a cylinder or cone, it is not one of three or more bands of like width that bend into each
-  other: such bands are slices of something that is curved both ways (a torus, an ellipsoid).
+- no facet is more than twice as wide as most facets: the flat of a shaft is flat;
+- it turns by at least 15 degrees, or has sharp edges all around: a short piece of another curve
+  is close to an arc of a circle;
+- its corners deviate from their best plane by far more than from the surface;
+- it is not one of three or more bands of similar width, if it is a cylinder or cone: such bands
+  are slices of a surface that is curved in two directions (a torus, an ellipsoid).
 
-Corners of one band of facets lie on a cylinder or cone and on a sphere as well; the first is
-taken. Whatever is not round is planes, one a facet.
+The corners of a single band of facets lie on a cylinder or cone, and on a sphere as well; the
+first is chosen. All other facets are planes.
 """
 
 from __future__ import annotations
@@ -33,15 +32,15 @@ from kilter.shape.fitting import FITS
 from kilter.shape.round_region import (
     FEWEST_FACETS,
     FacetMesh,
-    accepted,
-    depth,
     deviation,
     facet_graph,
-    fitted,
-    gathered,
-    most_sagitta,
-    sagitta_of,
+    facet_sagitta,
+    fit_surface,
+    gather_rows,
+    is_round,
+    sagitta_limit,
     tolerance_of,
+    triangle_sagitta,
 )
 from kilter.shape.shape_tolerances import GROWING
 from kilter.shape.solid import Surface, facing
@@ -50,35 +49,35 @@ __all__ = ["recognise"]
 
 
 PATIENCE = 60
-"""Seeds without success after which the rest of a region is left flat."""
+"""Number of failed seeds after which the rest of a region stays flat; more take longer."""
 SAMPLE = 1000
-"""Facets of a region that are looked at first."""
+"""Largest number of facets of a region for the first fit."""
 MOST_NEIGHBOURS = 12
-"""Neighbours of a seed that are looked at."""
+"""Largest number of neighbours of a seed that are tried."""
 
 
 def recognise(
     vertices: ArrayLike, triangles: ArrayLike, accuracy: float = 0.0
 ) -> tuple[tuple[Surface, ...], Index, Array]:
-    """The exact surfaces that the triangles of a mesh stand for.
+    """Recognise the exact surfaces that the triangles of a mesh approximate.
 
     Parameters
     ----------
     vertices : array_like, shape (V, 3)
     triangles : array_like, shape (T, 3)
-        Turning left seen from outside.
+        Triangles, counterclockwise seen from outside.
     accuracy : float
-        How far a coordinate may be from the truth [length unit].
+        Largest error of a coordinate [length unit].
 
     Returns
     -------
     surfaces : tuple of Surface
-        Round ones first, by the order of their first triangle; then planes.
-    triangle_surface : ndarray, shape (T,)
-        -1 for triangles of no area that lie in no facet.
+        Round surfaces in the order of their first triangle, then planes.
+    triangle_surface : ndarray of int, shape (T,)
+        Surface of each triangle; -1 for triangles without area that lie in no facet.
     sagitta : ndarray, shape (S,)
-        The greatest distance of a triangle of each surface from it, at the middles of
-        triangles and edges [length unit].
+        Largest distance of the triangles from each surface, measured at middles of triangles and
+        edges [length unit].
 
     Examples
     --------
@@ -92,37 +91,37 @@ def recognise(
     if not len(triangles):
         return (), np.empty(0, dtype=np.int64), np.empty(0)
     mesh = FacetMesh(vertices, triangles, facet_graph(vertices, triangles, accuracy))
-    found = _round_surfaces(mesh)
-    return _result(mesh, found)
+    return _with_planes(mesh, _round_surfaces(mesh))
 
 
-_Found = list[tuple[Surface, Index]]
+_FacetSurfaces = list[tuple[Surface, Index]]
+"""Surfaces with the facets of each."""
 
 
-def _round_surfaces(mesh: FacetMesh) -> _Found:
-    """Round surfaces and the facets of each."""
+def _round_surfaces(mesh: FacetMesh) -> _FacetSurfaces:
+    """The round surfaces of a mesh, and the facets of each."""
     region = mesh.graph.region
     order = np.argsort(region, kind="stable")
     count = np.bincount(region)
     start = starts(count)
-    found: _Found = []
+    surfaces: _FacetSurfaces = []
     for k in np.flatnonzero(count >= FEWEST_FACETS).tolist():
         facets = order[start[k] : start[k + 1]]
-        whole = _whole(mesh, facets)
-        found += [(whole, facets)] if whole is not None else _grown(mesh, facets)
-    return found
+        whole = _common_surface(mesh, facets)
+        surfaces += [(whole, facets)] if whole is not None else _grow_surfaces(mesh, facets)
+    return surfaces
 
 
-def _whole(mesh: FacetMesh, facets: Index) -> Surface | None:
-    """The one surface of all facets of a region."""
-    some = facets[:: max(1, len(facets) // SAMPLE)]
+def _common_surface(mesh: FacetMesh, facets: Index) -> Surface | None:
+    """The surface that contains all facets of a region; None if there is none."""
+    sample = facets[:: max(1, len(facets) // SAMPLE)]
     tolerance = tolerance_of(mesh, mesh.points(facets))
     for kind in FITS:
-        rough = fitted(mesh, some, kind)
-        if rough is None or deviation(mesh, some, rough).max() > GROWING * tolerance:
+        rough = fit_surface(mesh, sample, kind)
+        if rough is None or deviation(mesh, sample, rough).max() > GROWING * tolerance:
             continue
-        surface = fitted(mesh, facets, kind)
-        if surface is not None and accepted(mesh, facets, surface, whole=True):
+        surface = fit_surface(mesh, facets, kind)
+        if surface is not None and is_round(mesh, facets, surface, whole=True):
             return surface
     return None
 
@@ -130,31 +129,31 @@ def _whole(mesh: FacetMesh, facets: Index) -> Surface | None:
 # growing --------------------------------------------------------------------------------
 
 
-def _grown(mesh: FacetMesh, facets: Index) -> _Found:
-    """Surfaces grown from seeds within a region that is not one surface."""
+def _grow_surfaces(mesh: FacetMesh, facets: Index) -> _FacetSurfaces:
+    """The surfaces that grow from seeds in a region of several surfaces."""
     free = np.zeros(len(mesh.graph.area), dtype=bool)
     free[facets] = True
     fresh = free.copy()
-    found: _Found = []
+    surfaces: _FacetSurfaces = []
     misses = 0
     for seed in _seeds(mesh, facets).tolist():
         if misses > PATIENCE:
             break
         if not free[seed] or not fresh[seed]:
             continue
-        surface, grown = _from_seed(mesh, seed, free)
+        surface, grown = _grow_from_seed(mesh, seed, free)
         fresh[grown] = False
         if surface is None:
             misses += 1
             continue
         misses = 0
         free[grown] = False
-        found.append((surface, grown))
-    return found
+        surfaces.append((surface, grown))
+    return surfaces
 
 
 def _seeds(mesh: FacetMesh, facets: Index) -> Index:
-    """Facets by how many neighbours are about as large as they, most first."""
+    """Facets in the order of trial: first those with two neighbours of similar area."""
     graph = mesh.graph
     owner, rows = ragged(graph.first, facets)
     near = graph.neighbours[rows]
@@ -163,55 +162,68 @@ def _seeds(mesh: FacetMesh, facets: Index) -> Index:
     return facets[np.argsort(-np.minimum(alike, 2), kind="stable")]
 
 
-def _from_seed(mesh: FacetMesh, seed: int, free: Mask) -> tuple[Surface | None, Index]:
-    """The first surface that grows from a seed and is accepted, plain kinds first.
+def _grow_from_seed(mesh: FacetMesh, seed: int, free: Mask) -> tuple[Surface | None, Index]:
+    """The first round surface that grows from a seed, simple kinds first, and its facets.
 
-    Where none is, the facets are those of the largest that grew: not to be tried again.
+    Without a round surface, the result is None with the facets of the largest surface that grew;
+    they serve as seeds no more. `free`: the facets that no surface has taken.
     """
-    refused = np.empty(0, dtype=np.int64)
+    rejected = np.empty(0, dtype=np.int64)
     for kind, start in _starts(mesh, seed, free):
         surface, grown = _grow(mesh, start, kind, free)
         if surface is None:
             continue
-        if accepted(mesh, grown, surface, whole=False):
+        if is_round(mesh, grown, surface, whole=False):
             return surface, grown
-        if len(grown) > len(refused):
-            refused = grown
-    return None, refused
+        if len(grown) > len(rejected):
+            rejected = grown
+    return None, rejected
 
 
 def _starts(mesh: FacetMesh, seed: int, free: Mask) -> list[tuple[str, Index]]:
-    """Kinds and first facets: the seed between two neighbours, with a third for a sphere."""
+    """Kinds to try from a seed, each with its first facets.
+
+    The first facets are the seed and two neighbours on opposite sides; a sphere needs a third
+    neighbour.
+    """
     graph = mesh.graph
     near = graph.neighbours[graph.first[seed] : graph.first[seed + 1]]
     near = near[free[near]][:MOST_NEIGHBOURS]
     bend = unit_rows(graph.normal[near] - graph.normal[seed])
-    # neighbours on either side along a band bend opposite ways in one plane with the seed
+    # the normals of the two neighbours along a band differ from the seed's in opposite senses,
+    # and the three normals are coplanar
     out_of_plane = np.abs(cross(bend[:, None], bend[None]) @ graph.normal[seed])
     a, b = np.nonzero(np.triu(bend @ bend.T < 0, 1))
     order = np.argsort(out_of_plane[a, b], kind="stable")[:2]
-    found = []
+    starts = []
     for g, h in zip(a[order].tolist(), b[order].tolist(), strict=True):
         three = np.array([seed, near[g], near[h]])
-        found += [("cylinder", three), ("cone", three)]
+        starts += [("cylinder", three), ("cone", three)]
         others = [k for k in range(len(near)) if k not in (g, h)][:2]
-        found += [("sphere", np.append(three, near[k])) for k in others]
-    return found
+        starts += [("sphere", np.append(three, near[k])) for k in others]
+    return starts
 
 
 def _grow(mesh: FacetMesh, start: Index, kind: str, free: Mask) -> tuple[Surface | None, Index]:
-    """A surface that starts with a few facets takes in neighbours while all lie on it."""
-    graph, none = mesh.graph, np.empty(0, dtype=np.int64)
-    surface, chosen = fitted(mesh, start, kind), start
+    """Grow a surface from its first facets by adding neighbours that lie on it.
+
+    Returns
+    -------
+    surface : Surface or None
+        None if the first facets do not fit, or too few facets lie on the surface.
+    facets : ndarray of int
+    """
+    graph, no_facets = mesh.graph, np.empty(0, dtype=np.int64)
+    surface, chosen = fit_surface(mesh, start, kind), start
     if surface is None or deviation(mesh, start, surface).max() > tolerance_of(
         mesh, mesh.points(start)
     ):
-        return None, none
+        return None, no_facets
     seen = np.zeros(len(free), dtype=bool)
     seen[start] = True
-    front, fitted_to = start, len(start)
+    front, last_fit = start, len(start)
     while len(front):
-        near = np.unique(gathered(front, graph.first, graph.neighbours))
+        near = np.unique(gather_rows(front, graph.first, graph.neighbours))
         near = near[free[near] & ~seen[near]]
         if not len(near) or not len(chosen):
             break
@@ -219,32 +231,39 @@ def _grow(mesh: FacetMesh, start: Index, kind: str, free: Mask) -> tuple[Surface
         front = near[deviation(mesh, near, surface) <= GROWING * within]
         seen[front] = True
         chosen = np.concatenate([chosen, front])
-        if len(chosen) > 1.3 * fitted_to:
-            # what a fit drops stays seen: taken in again, it could be dropped without end
-            surface, chosen, front = _refitted(mesh, chosen, front, kind, surface)
-            fitted_to = max(len(chosen), 1)
-    surface, chosen, _ = _refitted(mesh, chosen, front, kind, surface)
+        if len(chosen) > 1.3 * last_fit:
+            # facets that a fit drops stay marked as seen, else the loop may not end
+            surface, chosen, front = _refit(mesh, chosen, front, kind, surface)
+            last_fit = max(len(chosen), 1)
+    surface, chosen, _ = _refit(mesh, chosen, front, kind, surface)
     if len(chosen) < FEWEST_FACETS:
-        return None, none
-    sagitta = sagitta_of(mesh, chosen, surface)
-    return surface, chosen[sagitta <= most_sagitta(sagitta) + mesh.graph.tolerance]
+        return None, no_facets
+    sagitta = facet_sagitta(mesh, chosen, surface)
+    return surface, chosen[sagitta <= sagitta_limit(sagitta) + mesh.graph.tolerance]
 
 
-def _refitted(
+def _refit(
     mesh: FacetMesh, chosen: Index, front: Index, kind: str, surface: Surface
 ) -> tuple[Surface, Index, Index]:
-    """The surface of the chosen facets, without those that then are off it."""
+    """Fit the surface to the chosen facets again, and drop facets that are off it.
+
+    Returns
+    -------
+    surface : Surface
+    chosen, front : ndarray of int
+        The remaining facets of both arguments.
+    """
     for _ in range(3):
         if len(chosen) < 3:
             break
-        again = fitted(mesh, chosen, kind)
+        again = fit_surface(mesh, chosen, kind)
         surface = surface if again is None else again
         off = deviation(mesh, chosen, surface)
         within = tolerance_of(mesh, mesh.points(chosen))
         kept = off <= within
         if kept.all():
             break
-        # the worst go first: they pull the surface away from the rest
+        # drop only the worst facets, since they distort the fit of the others
         limit = max(within, 0.3 * float(off[np.isfinite(off)].max(initial=0.0)))
         chosen = chosen[off <= limit]
     return surface, chosen, front[np.isin(front, chosen)]
@@ -253,25 +272,32 @@ def _refitted(
 # the answer -----------------------------------------------------------------------------
 
 
-def _result(mesh: FacetMesh, found: _Found) -> tuple[tuple[Surface, ...], Index, Array]:
+def _with_planes(
+    mesh: FacetMesh, round_surfaces: _FacetSurfaces
+) -> tuple[tuple[Surface, ...], Index, Array]:
+    """The result of `recognise`: round surfaces in order, then a plane for each other facet."""
     graph = mesh.graph
-    found = sorted(found, key=lambda one: int(graph.start[one[1].min()]))
+    round_surfaces = sorted(round_surfaces, key=lambda row: int(graph.start[row[1].min()]))
     of_facet = np.full(len(graph.area), -1)
     surfaces, sagitta = [], []
-    for k, (surface, facets) in enumerate(found):
+    for k, (surface, facets) in enumerate(round_surfaces):
         of_facet[facets] = k
         rows, _ = mesh.corners(facets)
         surfaces.append(facing(surface, mesh.vertices, mesh.triangles[rows]))
-        sagitta.append(float(depth(mesh, rows, surface).max()))
+        sagitta.append(float(triangle_sagitta(mesh, rows, surface).max()))
     flat = np.flatnonzero((of_facet < 0) & graph.normal.any(axis=1))
     of_facet[flat] = len(surfaces) + np.arange(len(flat))
     points = mesh.vertices[mesh.triangles[graph.triangles_of[graph.start[flat]], 0]]
     surfaces += _planes(points, graph.normal[flat])
-    return tuple(surfaces), of_facet[graph.facet], np.append(sagitta, _flat_off(mesh, flat, points))
+    off = _plane_offset(mesh, flat, points)
+    return tuple(surfaces), of_facet[graph.facet], np.append(sagitta, off)
 
 
-def _flat_off(mesh: FacetMesh, flat: Index, points: Array) -> Array:
-    """How far the corners of flat facets are off their planes."""
+def _plane_offset(mesh: FacetMesh, flat: Index, points: Array) -> Array:
+    """Largest distance of the corners of flat facets from their planes, shape (n,).
+
+    `points`: a point of each plane, shape (n, 3).
+    """
     rows, owner = mesh.corners(flat)
     off = np.zeros(len(flat))
     for k in range(3):
@@ -282,10 +308,10 @@ def _flat_off(mesh: FacetMesh, flat: Index, points: Array) -> Array:
 
 
 def _planes(points: Array, normals: Array) -> list[Surface]:
-    """Planes by a point and a unit normal each.
+    """Planes from points and unit normals, each of shape (n, 3).
 
-    Made without the checks of `Surface`, which hold by themselves: a mesh of no round face has
-    one plane a triangle, and the checks would take ten times as long as all the rest.
+    The constructor of `Surface` is bypassed. A mesh without round faces may have one plane per
+    triangle, and the checks, which always pass here, would take ten times as long as all the rest.
     """
     points.flags.writeable = normals.flags.writeable = False
     plain = {"kind": "plane", "radius": 0.0, "tube": 0.0, "half_angle": 0.0, "hollow": False}

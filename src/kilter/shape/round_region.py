@@ -1,8 +1,8 @@
-"""Facets of a mesh, and which of them are a piece of a round surface.
+"""Find the facets and regions of a mesh, and test whether facets are a piece of a round surface.
 
-Triangles in one plane make a facet, facets that meet along shallow edges a region. A region,
-or a piece of one, is round where the rules of `kilter.shape.recognition` hold; here each is a
-number and a test (`accepted`).
+Connected triangles in a plane form a facet. Facets that meet along shallow edges form a region. A
+region or a part of it is round if the rules of `kilter.shape.recognition` hold; `is_round` tests
+them.
 """
 
 from __future__ import annotations
@@ -16,8 +16,10 @@ from kilter.arrays import (
     Index,
     Mask,
     across,
+    angle_between,
     connected,
     cross,
+    distinct_rows,
     group_sums,
     ragged,
     ratio,
@@ -42,43 +44,44 @@ from kilter.shape.solid import Surface, height, outward
 __all__ = [
     "FEWEST_FACETS",
     "FacetMesh",
-    "accepted",
-    "depth",
     "deviation",
     "facet_graph",
-    "fitted",
-    "gathered",
-    "most_sagitta",
-    "sagitta_of",
+    "facet_sagitta",
+    "fit_surface",
+    "gather_rows",
+    "is_round",
+    "sagitta_limit",
     "tolerance_of",
+    "triangle_sagitta",
 ]
 
 
 FEWEST_FACETS = 5
-"""Facets of a round region."""
+"""Least number of facets of a round region."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FacetGraph:
-    """Facets of a mesh: connected triangles in one plane.
+    """The facets of a mesh (connected triangles in a plane), their neighbours and regions.
 
     Attributes
     ----------
-    facet : ndarray, shape (T,)
+    facet : ndarray of int, shape (T,)
         Facet of each triangle.
-    triangles_of : ndarray, shape (T,)
-        Triangles ordered by facet; those of facet f are rows ``start[f]`` to ``start[f + 1]``.
-    start : ndarray, shape (F + 1,)
+    triangles_of : ndarray of int, shape (T,)
+        Triangles sorted by facet; those of facet f are rows ``start[f]`` to ``start[f + 1]``.
+    start : ndarray of int, shape (F + 1,)
     normal : ndarray, shape (F, 3)
-        Unit, outward.
+        Outward unit normals.
     area : ndarray, shape (F,)
-    neighbours : ndarray, shape (E,)
+        Areas [length unit^2].
+    neighbours : ndarray of int, shape (E,)
         Facets across shallow edges; those of facet f are rows ``first[f]`` to ``first[f + 1]``.
-    first : ndarray, shape (F + 1,)
-    region : ndarray, shape (F,)
-        Facets that are connected over shallow edges share a number.
+    first : ndarray of int, shape (F + 1,)
+    region : ndarray of int, shape (F,)
+        Region of each facet: facets that shallow edges connect.
     tolerance : float
-        How far a corner may be off a plane or surface that it lies on [length unit].
+        Largest distance of a corner from its plane or surface [length unit].
     """
 
     facet: Index
@@ -93,7 +96,15 @@ class FacetGraph:
 
 
 def facet_graph(vertices: Array, triangles: Index, accuracy: float) -> FacetGraph:
-    """Facets of a mesh and how they meet."""
+    """Compute the facets of a mesh, with their neighbours and regions.
+
+    Parameters
+    ----------
+    vertices : ndarray, shape (V, 3)
+    triangles : ndarray of int, shape (T, 3)
+    accuracy : float
+        Largest error of a coordinate [length unit].
+    """
     size = float(np.ptp(vertices, axis=0).max(initial=0.0))
     largest = float(np.abs(vertices).max(initial=0.0))
     tolerance = max(PLANE_ROUNDINGS * max(accuracy, largest * 2.0**-52), PLANE_FLATNESS * size)
@@ -101,8 +112,8 @@ def facet_graph(vertices: Array, triangles: Index, accuracy: float) -> FacetGrap
     turn = cross(q - p, r - p)
     double = np.linalg.norm(turn, axis=1)
     normal = ratio(turn, double[:, None])
-    pairs, edge = _meeting(_welded(vertices, triangles))
-    flat = _flat(vertices, triangles, normal, double, pairs, edge, tolerance)
+    pairs, edge = _edge_pairs(distinct_rows(vertices)[1][triangles])
+    flat = _coplanar(vertices, triangles, normal, double, pairs, edge, tolerance)
     facet = connected(len(triangles), *pairs[flat].T)
     facet = _without_drift(vertices, triangles, turn, facet, tolerance)
     count = int(facet.max(initial=-1)) + 1
@@ -121,31 +132,27 @@ def facet_graph(vertices: Array, triangles: Index, accuracy: float) -> FacetGrap
     return FacetGraph(facet, order, start, unit, area, both[:, 1], first, region, tolerance)
 
 
-def gathered(rows: Index, start: Index, values: Index) -> Index:
-    """The values of several rows of a ragged array, one after the other.
+def gather_rows(rows: Index, start: Index, values: Index) -> Index:
+    """The concatenated values of rows of a ragged array.
 
     Examples
     --------
-    >>> gathered(np.array([2, 0]), np.array([0, 1, 3, 5]), np.array([7, 8, 9, 4, 6]))
+    >>> gather_rows(np.array([2, 0]), np.array([0, 1, 3, 5]), np.array([7, 8, 9, 4, 6]))
     array([4, 6, 7])
     """
     return values[ragged(start, rows)[1]]
 
 
-def _welded(vertices: Array, triangles: Index) -> Index:
-    """Triangles by distinct corners: those in one place are one."""
-    order = np.lexsort(vertices.T)
-    ordered = vertices[order]
-    fresh = np.ones(len(vertices), dtype=bool)
-    fresh[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
-    place = np.empty(len(vertices), dtype=np.int64)
-    place[order] = np.cumsum(fresh) - 1
-    welded: Index = place[triangles]
-    return welded
+def _edge_pairs(triangles: Index) -> tuple[Index, Index]:
+    """Pairs of triangles that share an edge with no other triangle.
 
-
-def _meeting(triangles: Index) -> tuple[Index, Index]:
-    """Pairs of triangles with an edge that is theirs alone, and the edge's place in each."""
+    Returns
+    -------
+    pairs : ndarray of int, shape (n, 2)
+        The two triangles.
+    edge : ndarray of int, shape (n, 2)
+        The position of the edge in each triangle, from 0 to 2.
+    """
     ends = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     key = ends.min(axis=1) * (int(triangles.max(initial=0)) + 1) + ends.max(axis=1)
     order = np.argsort(key, kind="stable")
@@ -159,7 +166,7 @@ def _meeting(triangles: Index) -> tuple[Index, Index]:
     return rows // 3, rows % 3
 
 
-def _flat(
+def _coplanar(
     vertices: Array,
     triangles: Index,
     normal: Array,
@@ -168,9 +175,22 @@ def _flat(
     edge: Index,
     tolerance: float,
 ) -> Mask:
-    """Pairs in one plane: the far corner of the smaller lies in the plane of the larger.
+    """Whether the triangles of each pair lie in the same plane, shape (n,).
 
-    And their normals agree, where the smaller is wide enough to have one.
+    The far corner of the smaller triangle must lie in the plane of the larger, and their normals
+    must agree if the smaller is wide enough to have a normal.
+
+    Parameters
+    ----------
+    vertices, triangles : ndarray
+    normal : ndarray, shape (T, 3)
+        Unit normals of the triangles.
+    double : ndarray, shape (T,)
+        Twice the areas of the triangles [length unit^2].
+    pairs, edge : ndarray of int, shape (n, 2)
+        Result of `_edge_pairs`.
+    tolerance : float
+        Largest distance of a corner from the plane [length unit].
     """
     small = np.argmin(double[pairs], axis=1)
     k = np.arange(len(pairs))
@@ -190,13 +210,17 @@ def _flat(
 def _without_drift(
     vertices: Array, triangles: Index, turn: Array, facet: Index, tolerance: float
 ) -> Index:
-    """Facets taken apart into their triangles where corners leave the facet's own plane."""
+    """Divide facets into triangles if their corners deviate from the mean plane of the facet.
+
+    A chain of nearly coplanar triangles may bend slowly. `turn`: area vectors of the triangles,
+    `facet`: facet of each triangle. The result is the new facet of each triangle.
+    """
     count = int(facet.max(initial=-1)) + 1
     unit = unit_rows(group_sums(facet, turn, count))
-    _, one = np.unique(facet, return_index=True)
+    _, first = np.unique(facet, return_index=True)
     off = np.zeros(count)
     for k in range(3):
-        relative = vertices[triangles[:, k]] - vertices[triangles[one, 0]][facet]
+        relative = vertices[triangles[:, k]] - vertices[triangles[first, 0]][facet]
         np.maximum.at(off, facet, np.abs((relative * unit[facet]).sum(axis=1)))
     bent = (off > PLANE_ROUNDINGS * tolerance)[facet]
     label = np.where(bent, count + np.arange(len(facet)), facet)
@@ -215,33 +239,36 @@ class FacetMesh:
     graph: FacetGraph
 
     def corners(self, facets: Index) -> tuple[Index, Index]:
-        """Triangles of facets, and the place of each one's facet in the list."""
+        """The triangles of facets, and the position of the facet of each in `facets`."""
         owner, rows = ragged(self.graph.start, facets)
         return self.graph.triangles_of[rows], owner
 
     def points(self, facets: Index) -> Array:
-        """Corners of facets, each once."""
+        """The distinct corners of facets, shape (n, 3)."""
         rows = self.triangles[self.corners(facets)[0]].reshape(-1)
         if len(rows) < len(self.vertices) / 8:
             return self.vertices[np.unique(rows)]
-        used = np.zeros(len(self.vertices), dtype=bool)  # quicker where there are many
+        used = np.zeros(len(self.vertices), dtype=bool)  # faster than np.unique for many corners
         used[rows] = True
         return self.vertices[used]
 
 
-def fitted(mesh: FacetMesh, facets: Index, kind: str) -> Surface | None:
-    """The surface of a kind through the corners of facets."""
+def fit_surface(mesh: FacetMesh, facets: Index, kind: str) -> Surface | None:
+    """The surface of a kind through the corners of facets; None if they determine none."""
     graph = mesh.graph
     return FITS[kind](mesh.points(facets), graph.normal[facets], graph.area[facets])
 
 
 def tolerance_of(mesh: FacetMesh, points: Array) -> float:
-    """How far corners may be off a surface through such points [length unit]."""
+    """Largest distance of the given corners from a surface that contains them [length unit]."""
     return max(mesh.graph.tolerance, SURFACE_FIT * float(np.ptp(points, axis=0).max()))
 
 
 def deviation(mesh: FacetMesh, facets: Index, surface: Surface) -> Array:
-    """How far the corners of each facet are off; infinite where it faces another way."""
+    """Largest distance of the corners of each facet from a surface, shape (n,) [length unit].
+
+    It is infinite if the normals of facet and surface differ by more than `FACET_NORMAL`.
+    """
     rows, owner = mesh.corners(facets)
     corners = mesh.vertices[mesh.triangles[rows]]
     distance = np.abs(height(surface, corners.reshape(-1, 3))).reshape(-1, 3).max(axis=1)
@@ -252,7 +279,7 @@ def deviation(mesh: FacetMesh, facets: Index, surface: Surface) -> Array:
 
 
 def agreement(mesh: FacetMesh, facets: Index, surface: Surface) -> Array:
-    """Cosine between the normal of each facet and the surface's, at the facet's middle."""
+    """Cosine between the normals of each facet and of the surface at its middle, shape (n,)."""
     rows, owner = mesh.corners(facets)
     middles = mesh.vertices[mesh.triangles[rows]].mean(axis=1)
     count = np.bincount(owner, minlength=len(facets))[:, None]
@@ -261,16 +288,19 @@ def agreement(mesh: FacetMesh, facets: Index, surface: Surface) -> Array:
     return ratio(cosine, np.linalg.norm(away, axis=1))
 
 
-def sagitta_of(mesh: FacetMesh, facets: Index, surface: Surface) -> Array:
-    """Distance of each facet from the surface, at middles of edges and triangles."""
+def facet_sagitta(mesh: FacetMesh, facets: Index, surface: Surface) -> Array:
+    """Largest distance of each facet from a surface, shape (n,) [length unit]."""
     rows, owner = mesh.corners(facets)
     sagitta = np.zeros(len(facets))
-    np.maximum.at(sagitta, owner, depth(mesh, rows, surface))
+    np.maximum.at(sagitta, owner, triangle_sagitta(mesh, rows, surface))
     return sagitta
 
 
-def depth(mesh: FacetMesh, rows: Index, surface: Surface) -> Array:
-    """Distance of each triangle from the surface, at middles of edges and of itself."""
+def triangle_sagitta(mesh: FacetMesh, rows: Index, surface: Surface) -> Array:
+    """Largest distance of the triangles `rows` from a surface, shape (n,) [length unit].
+
+    It is measured at the middles of edges and at centroids.
+    """
     p, q, r = (mesh.vertices[mesh.triangles[rows, k]] for k in range(3))
     places = ((p + q) / 2, (q + r) / 2, (r + p) / 2, (p + q + r) / 3)
     return np.asarray(np.max([np.abs(height(surface, place)) for place in places], axis=0))
@@ -279,8 +309,17 @@ def depth(mesh: FacetMesh, rows: Index, surface: Surface) -> Array:
 # judging --------------------------------------------------------------------------------
 
 
-def accepted(mesh: FacetMesh, facets: Index, surface: Surface, *, whole: bool) -> bool:
-    """Whether facets are a piece of a surface, by the rules of the module's first lines."""
+def is_round(mesh: FacetMesh, facets: Index, surface: Surface, *, whole: bool) -> bool:
+    """Whether facets are a piece of a round surface, by the rules of `kilter.shape.recognition`.
+
+    Parameters
+    ----------
+    mesh : FacetMesh
+    facets : ndarray of int, shape (n,)
+    surface : Surface
+    whole : bool
+        Whether the facets are a whole region, bounded by sharp edges.
+    """
     points = mesh.points(facets)
     tolerance = tolerance_of(mesh, points)
     if len(facets) < FEWEST_FACETS or float(np.abs(height(surface, points)).max()) > tolerance:
@@ -288,48 +327,49 @@ def accepted(mesh: FacetMesh, facets: Index, surface: Surface, *, whole: bool) -
     agree = agreement(mesh, facets, surface)
     if float(np.abs(agree).min()) < np.cos(FACET_NORMAL) or np.ptp(np.sign(agree)) > 0:
         return False
-    if not _enough(mesh, facets, surface, whole):
+    if not _has_enough_turn(mesh, facets, surface, whole):
         return False
     centered = points - points.mean(axis=0)
-    leaves = np.linalg.svd(centered, full_matrices=False)[2][2]
-    if float(np.ptp(centered @ leaves)) < EVIDENCE * tolerance:
+    plane_normal = np.linalg.svd(centered, full_matrices=False)[2][2]
+    if float(np.ptp(centered @ plane_normal)) < EVIDENCE * tolerance:
         return False
     if not whole and surface.kind != "sphere" and _is_slice(mesh, facets):
         return False
-    sagitta = sagitta_of(mesh, facets, surface)
+    sagitta = facet_sagitta(mesh, facets, surface)
     if surface.kind == "sphere" and sagitta.max() > (1 - np.cos(STEEPEST_EDGE)) * surface.radius:
         return False
-    return bool(sagitta.max() <= most_sagitta(sagitta) + tolerance)
+    return bool(sagitta.max() <= sagitta_limit(sagitta) + tolerance)
 
 
-def most_sagitta(sagitta: Array) -> float:
-    """The greatest sagitta that a facet among such may have."""
+def sagitta_limit(sagitta: Array) -> float:
+    """Largest sagitta allowed for a facet of a round surface, given those of all its facets."""
     return WIDEST_FACET * float(np.quantile(sagitta, 0.75))
 
 
-def _enough(mesh: FacetMesh, facets: Index, surface: Surface, whole: bool) -> bool:
-    """Facets of enough directions, and enough turn between them."""
+def _has_enough_turn(mesh: FacetMesh, facets: Index, surface: Surface, whole: bool) -> bool:
+    """Whether facets have enough distinct directions, and turn by enough in total."""
     normal = mesh.graph.normal[facets]
     if surface.kind == "sphere":
         mean = normal.mean(axis=0)
-        turn = 2 * float(np.arccos(np.clip(normal @ mean / np.linalg.norm(mean), -1, 1)).max())
+        turn = 2 * float(angle_between(normal, mean).max())
         return whole or turn >= LEAST_TURN
     u, v = across(surface.axis)
     angle = np.sort(np.arctan2(normal @ v, normal @ u))
     gap = np.diff(np.append(angle, angle[0] + 2 * np.pi))
     turn = 2 * np.pi - float(gap.max())
-    # facets of one strip differ by rounding only, next to what neighbouring strips do
+    # facets of the same strip differ in direction by rounding only
     steps = int((gap > ONE_STRIP * gap[gap < gap.max()].max(initial=0.0)).sum())
     return steps >= FEWEST_FACETS and (whole or turn >= LEAST_TURN)
 
 
 def _is_slice(mesh: FacetMesh, facets: Index) -> bool:
-    """Whether facets are one of several bands of like width, side by side."""
+    """Whether facets form one of several bands of similar width, side by side."""
     graph = mesh.graph
     usual = float(np.median(graph.area[facets]))
 
     def beside(these: Index, apart: Index) -> Index:
-        near = np.unique(gathered(these, graph.first, graph.neighbours))
+        """Neighbours of `these` facets of similar area that are not in `apart`."""
+        near = np.unique(gather_rows(these, graph.first, graph.neighbours))
         near = near[~np.isin(near, apart)]
         return near[(graph.area[near] > usual / 2) & (graph.area[near] < usual * 2)]
 

@@ -1,15 +1,15 @@
-"""Every tolerance of shapes and of what is recognised in meshes, and how they stand to each other.
+"""Tolerances of shapes and of the recognition of surfaces in meshes, and their order.
 
-A name says what is compared: an angle [rad], a fraction of a size [-], or a multiple of
-another tolerance [-]. What must hold, and is tested in ``tests/test_shape_tolerances.py``:
+Each is an angle [rad], a fraction of a size [-], or a multiple of another tolerance [-]. The
+following order is required; ``tests/test_shape_tolerances.py`` tests it:
 
     lengths over sizes        NO_AREA < PLANE_FLATNESS < WELD = SURFACE_FIT
     edges of prisms           a prism of 12 sides < STEEPEST_EDGE < a prism of 11
     angles                    LEAST_TURN < FACET_NORMAL < STEEPEST_EDGE
     multiples of a tolerance  PLANE_ROUNDINGS < EVIDENCE < GROWING
 
-`EVIDENCE` lies above `PLANE_ROUNDINGS`, so that rounding alone never bends a plane into a
-cylinder; a surface that still grows may be off by more (`GROWING`) than one that is judged.
+`EVIDENCE` is above `PLANE_ROUNDINGS`, so that rounding alone never turns a plane into a cylinder.
+The tolerance of a growing surface (`GROWING`) is larger than that of the final test.
 """
 
 from __future__ import annotations
@@ -19,61 +19,62 @@ import numpy as np
 # closed meshes and polygons ----------------------------------------------------------------
 
 WELD = 1e-7
-"""Vertices closer than this fraction of the size are one, where edges are open otherwise [-]."""
+"""Vertices closer than this are merged if edges are open otherwise [sizes of the mesh]. A larger
+value closes larger gaps."""
 NO_AREA = 1e-14
-"""Twice the area of a face that has none, as a fraction of its longest edge squared [-]."""
+"""Twice the area up to which a face counts as flat [squares of its longest edge]."""
 EDGE_END = 1e-9
-"""A vertex this fraction of an edge from its end does not split it [-]."""
+"""Margin at the ends of an edge in which a vertex does not split it [edge lengths]."""
 POLYGON_AREA = 1e-12
-"""A polygon of less area, as a fraction of its size squared, is flat [-]."""
+"""Area up to which a polygon counts as flat [squares of its size]."""
 CUT_AREA = 1e-6
-"""The triangles of a polygon have its area to this fraction [-]."""
+"""Largest difference between the area of a polygon and that of its triangles [areas]."""
 WHOLE_TURN = 1e-6
-"""The corners of a convex polygon turn by a whole turn to within this [rad]."""
+"""Largest difference of the total turn of a convex polygon from 360 degrees [rad]."""
 GRAZING = 1e-6
-"""Cosine below which a line along a normal is parallel to a triangle [-]."""
+"""Cosine between a surface normal and a triangle's normal below which the triangle covers no
+point [-]."""
 
 # which triangles are one facet ---------------------------------------------------------------
 
 STEEPEST_EDGE = float(np.radians(30.5))
-"""Facets that meet at more than this belong to different faces [rad]: a prism of 12 even sides
-has 30 degrees, one of 11 has 32.7."""
+"""Largest angle between neighbouring facets of a round face [rad]: a prism with 12 equal sides has
+30 degrees, with 11 sides 32.7."""
 PLANE_FLATNESS = 1e-9
-"""Corners closer to a plane than this fraction of the size are on it, whatever their
-accuracy [-]."""
+"""Distance up to which a corner is on a plane, independently of the accuracy [sizes]."""
 PLANE_ROUNDINGS = 4.0
-"""Times the accuracy of a coordinate that a corner may be off the plane of its neighbour [-]."""
+"""Largest distance of a corner from the plane of a neighbour [accuracies of a coordinate]."""
 NARROW = 10.0
-"""Triangles narrower than this many tolerances have no direction of their own [-]."""
+"""Height up to which a triangle has no reliable normal [tolerances]."""
 
 # which facets are one round face -------------------------------------------------------------
 
 SURFACE_FIT = 1e-7
-"""Corners are this close to a surface, as a fraction of the size of the region, whatever their
-accuracy [-]."""
+"""Distance up to which a corner is on a surface, independently of the accuracy [sizes of the
+region]. A larger value recognises more round faces."""
 FACET_NORMAL = float(np.radians(25))
-"""Between the normal of a facet and that of the surface at its middle [rad]."""
+"""Largest angle between the normals of a facet and of the surface at its middle [rad]."""
 LEAST_TURN = float(np.radians(15))
-"""Turn of a round region that goes on without an edge into another face [rad]."""
+"""Least turn of a round surface that meets another face without an edge [rad]."""
 WIDEST_FACET = 4.0
-"""Times the sagitta of most facets (three quarters of them) that one may have: twice as
-wide [-]."""
+"""Largest sagitta of a facet [sagittas of the upper quartile of facets]: twice the width."""
 EVIDENCE = 20.0
-"""Times the tolerance by which a round region leaves its best plane [-]."""
+"""Least deviation of a round region from its best plane [tolerances]."""
 GROWING = 30.0
-"""Times the tolerance that corners may be off while a surface grows from a few facets [-]."""
+"""Largest distance of corners from a surface while it grows from a few facets [tolerances]."""
 ONE_STRIP = 1e-3
-"""Facets of one strip differ in direction by less than this fraction of what strips do [-]."""
+"""Largest difference in direction of facets of the same strip [differences between strips]."""
 
 # fits ----------------------------------------------------------------------------------------
 
 LARGEST_RATIO = 1e6
-"""Radii above this many sizes of the points are taken for planes [-]."""
+"""Largest radius of a fitted surface [sizes of the points]; a larger radius is a plane."""
 NARROWEST_CONE, WIDEST_CONE = 1e-4, np.pi / 2 - 1e-4
-"""Half angles of cones; beyond them they are cylinders or planes [rad]."""
+"""Least and largest half angle of a cone [rad]; beyond them it is a cylinder or plane."""
 BEHIND_APEX = 1e-6
-"""Points of a cone lie behind its apex by no more than this fraction of their size [-]."""
+"""Largest distance of a point of a cone behind its apex [sizes of the points]."""
 FIT_RANK = 1e-10
-"""Singular values below this fraction of the largest fix nothing [-]."""
+"""Singular values of a fit below this count as zero [fractions of the largest]."""
 STEP_RANK = 1e-14
-"""The same for the normal equations of a step [-]."""
+"""Singular values of the normal equations of a step below this count as zero [fractions of the
+largest]."""

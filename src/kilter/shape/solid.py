@@ -1,7 +1,7 @@
-"""Solid: a part bounded by exact faces (planes, cylinders, cones, spheres, tori), and Surface.
+"""Solid: a shape bounded by exact faces (planes, cylinders, cones, spheres, tori), and Surface.
 
-Its triangles are for pictures, for the broad phase and for the extent of each face: their
-corners lie on the exact faces. Volume, centre and inertia are those of the exact solid.
+The triangles of a solid, with corners on the exact faces, serve for pictures, for the broad phase
+and for the extent of each face. Volume, centre and inertia are those of the exact solid.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ __all__ = [
     "SurfaceKind",
     "facing",
     "height",
-    "moved_solid",
-    "moved_surface",
+    "move_solid",
     "outward",
-    "scaled_solid",
+    "same_surface",
+    "scale_solid",
 ]
 
 
@@ -34,25 +34,25 @@ SurfaceKind = Literal["plane", "cylinder", "cone", "sphere", "torus"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surface:
-    """The exact surface that a face lies on, in the frame of its part.
+    """The exact surface of a face, in the frame of its part.
 
     Parameters
     ----------
     kind : {"plane", "cylinder", "cone", "sphere", "torus"}
     point : array_like, shape (3,)
-        A point of the plane or of the axis of the cylinder; the apex of the cone; the centre
-        of the sphere or torus [length unit].
+        Point on a plane or on the axis of a cylinder; apex of a cone; centre of a sphere or
+        torus [length unit].
     axis : array_like, shape (3,)
-        Unit: the outward normal of the plane; the axis of the cylinder or torus; from the
-        apex into the cone. Of no meaning for a sphere.
+        Unit vector: outward normal of a plane; axis of a cylinder or torus; direction from the
+        apex into a cone. Unused for a sphere.
     radius : float
-        Of the cylinder or sphere; of the centre line of the torus [length unit].
+        Radius of a cylinder or sphere, or of the centre line of a torus [length unit].
     tube : float
-        Radius of the tube of the torus [length unit].
+        Radius of the tube of a torus [length unit].
     half_angle : float
-        Between the axis and the side of the cone [rad].
+        Angle between the axis and the side of a cone [rad].
     hollow : bool
-        The material lies outside of the surface: a hole, a socket.
+        Whether the material lies outside of the surface, as around a hole or socket.
     """
 
     kind: SurfaceKind
@@ -77,31 +77,32 @@ class Solid:
     vertices : array_like, shape (V, 3)
         Corners of the triangles, on the exact faces [length unit].
     triangles : array_like of int, shape (T, 3)
-        Turning left seen from outside; closed.
+        Closed surface, counterclockwise seen from outside.
     surfaces : sequence of Surface
     triangle_surface : array_like of int, shape (T,)
-        The surface that each triangle lies on; -1 where it is on none of the kinds above.
+        Surface of each triangle; -1 for a face of another kind.
     volume : float
-        [length unit^3]
+        Volume of the exact solid [length unit^3].
     centroid : array_like, shape (3,)
+        Centroid of the exact solid [length unit].
     second_moment : array_like, shape (3, 3)
         Integral of x x^T about the centroid [length unit^5].
     sagitta : float
-        The greatest distance of a triangle from its face [length unit].
+        Largest distance of a triangle from its face [length unit].
     accuracy : float
-        How far a coordinate may be from the truth [length unit].
+        Largest error of a coordinate [length unit].
     holes : array_like, shape (h, 2, 3)
-        Boxes, lower and upper corner, in which faces are missing; none of a sound solid.
+        Boxes (lower and upper corner) in which faces are missing; empty for a valid solid.
     stand_in : bool
-        The triangles are not its faces but bound it: nothing of its surface is known.
+        Whether the triangles only bound the solid, and its true surface is unknown.
     uncertainty : float
-        How far points may be off by what the file states of itself [length unit]; not counted
-        in `accuracy`, which is that of the numbers.
+        Largest error of a point that the file states [length unit]. It is not part of
+        `accuracy`, which is the rounding of the numbers.
 
     Raises
     ------
     InputError
-        If the arrays do not fit together.
+        If the arrays are inconsistent.
     """
 
     vertices: Any
@@ -133,24 +134,32 @@ class Solid:
         object.__setattr__(self, "volume", volume)
         corners = self.triangles
         if corners.size and not 0 <= corners.min() <= corners.max() < len(self.vertices):
-            raise InputError("a solid names a corner it has not", hint="name them by position")
+            raise InputError(
+                "a triangle of a solid names a missing vertex", hint="use indices of vertices"
+            )
         if len(self.triangle_surface) != len(self.triangles):
-            raise InputError("a solid has not one surface a triangle", hint="list one a triangle")
+            raise InputError(
+                f"a solid has {len(self.triangles)} triangles, but "
+                f"{len(self.triangle_surface)} entries in triangle_surface",
+                hint="give one entry per triangle",
+            )
         if len(self.triangle_surface) and (
             self.triangle_surface.max() >= len(self.surfaces) or self.triangle_surface.min() < -1
         ):
-            raise InputError("a solid names a surface it has not", hint="name them by position")
+            raise InputError(
+                "a triangle of a solid names a missing surface",
+                hint="use indices of surfaces, or -1",
+            )
 
     def __repr__(self) -> str:
         return f"<Solid: {len(self.surfaces)} surfaces, {len(self.triangles)} triangles>"
 
 
 def height(surface: Surface, points: Array) -> Array:
-    """How far points are outside of a surface, negative inside, shape (n,) [length unit].
+    """Signed distance of points from a surface, shape (n,) [length unit].
 
-    Along the axis of a plane, away from the axis of a cylinder or cone, from the centre of a
-    sphere, from the tube of a torus; `hollow` does not count. Of a cone it is the distance to
-    the whole line that its side is a part of.
+    It is positive in the direction of a plane's axis, and outside of the other surfaces,
+    independently of `hollow`. For a cone it is the distance from the infinite line along its side.
 
     Examples
     --------
@@ -174,7 +183,7 @@ def height(surface: Surface, points: Array) -> Array:
 
 
 def outward(surface: Surface, points: Array) -> Array:
-    """Directions in which `height` grows, shape (n, 3), of any length."""
+    """Gradients of `height` at points, shape (n, 3), of any length."""
     relative = points - surface.point
     if surface.kind == "sphere":
         return np.asarray(relative)
@@ -192,14 +201,16 @@ def outward(surface: Surface, points: Array) -> Array:
 
 
 def facing(surface: Surface, vertices: Array, triangles: Index) -> Surface:
-    """The surface turned as triangles on it are: a plane's axis outward, `hollow` as it is.
+    """The surface with its side of the material taken from the triangles on it.
+
+    The axis of a plane is directed outwards; `hollow` is set for other surfaces.
 
     Parameters
     ----------
     surface : Surface
     vertices : ndarray, shape (V, 3)
-    triangles : ndarray, shape (T, 3)
-        Turning left seen from outside of the material.
+    triangles : ndarray of int, shape (T, 3)
+        Triangles, counterclockwise seen from outside of the material.
     """
     p, q, r = (vertices[triangles[:, k]] for k in range(3))
     turn = float((cross(q - p, r - p) * outward(surface, (p + q + r) / 3)).sum())
@@ -208,36 +219,66 @@ def facing(surface: Surface, vertices: Array, triangles: Index) -> Surface:
     return replace(surface, hollow=turn < 0)
 
 
-def moved_surface(surface: Surface, pose: Pose) -> Surface:
-    """The surface after a pose."""
+def same_surface(a: Surface, b: Surface, *, length: float, angle: float) -> bool:
+    """Whether two surfaces of a part are equal, with their material on the same side.
+
+    Parameters
+    ----------
+    a, b : Surface
+    length : float
+        Largest difference of radii and positions [length unit].
+    angle : float
+        Largest difference of half angles and directions of axes [rad].
+    """
+    if a.kind != b.kind or a.hollow != b.hollow:
+        return False
+    if max(abs(a.radius - b.radius), abs(a.tube - b.tube)) > length:
+        return False
+    step = b.point - a.point
+    if a.kind == "plane":
+        step = (step @ a.axis) * a.axis
+    elif a.kind == "cylinder":
+        step = step - (step @ a.axis) * a.axis
+    if float(np.linalg.norm(step)) > length:
+        return False
+    if a.kind == "sphere":
+        return True
+    sine = float(np.linalg.norm(np.cross(a.axis, b.axis)))
+    # the two halves of a double cone have opposite axes
+    opposite = a.kind == "cone" and float(a.axis @ b.axis) < 0
+    return sine <= angle and abs(a.half_angle - b.half_angle) <= angle and not opposite
+
+
+def _move_surface(surface: Surface, pose: Pose) -> Surface:
+    """The surface transformed by a pose."""
     return replace(
         surface, point=pose.apply(surface.point[None])[0], axis=pose.matrix @ surface.axis
     )
 
 
-def moved_solid(solid: Solid, pose: Pose) -> Solid:
-    """The solid after a pose."""
+def move_solid(solid: Solid, pose: Pose) -> Solid:
+    """The solid transformed by a pose."""
     turn = quaternion_to_matrix(pose.rotation)
     largest = float(np.abs(solid.vertices).max(initial=0.0) + np.abs(pose.position).max())
     return replace(
         solid,
         vertices=pose.apply(solid.vertices),
-        surfaces=tuple(moved_surface(surface, pose) for surface in solid.surfaces),
+        surfaces=tuple(_move_surface(surface, pose) for surface in solid.surfaces),
         centroid=pose.apply(solid.centroid[None])[0],
         second_moment=turn @ solid.second_moment @ turn.T,
         accuracy=max(solid.accuracy, largest * 2.0**-52),
-        holes=_moved_boxes(solid.holes, turn, pose.position),
+        holes=_move_boxes(solid.holes, turn, pose.position),
     )
 
 
-def _moved_boxes(boxes: Array, turn: Array, step: Array) -> Array:
-    """Boxes, shape (n, 2, 3), around boxes after a turn and a step."""
+def _move_boxes(boxes: Array, turn: Array, step: Array) -> Array:
+    """Axis-parallel boxes around boxes after a rotation and a translation, shape (n, 2, 3)."""
     middle, half = boxes.mean(axis=1) @ turn.T + step, np.ptp(boxes, axis=1) / 2 @ np.abs(turn).T
     return np.stack([middle - half, middle + half], axis=1)
 
 
-def scaled_solid(solid: Solid, factor: float) -> Solid:
-    """The solid with every length times a factor above zero."""
+def scale_solid(solid: Solid, factor: float) -> Solid:
+    """The solid with every length multiplied by a positive factor."""
     if factor == 1.0:
         return solid
     surfaces = tuple(

@@ -1,8 +1,9 @@
-"""Meshes that are closed as they are, found many at once.
+"""Weld the valid meshes of a file all at once.
 
-Of a mesh whose edges p -> q and their reverses q -> p are the same, each once, whose faces have an
-area and whose vertices are all used, nothing is left to weld but vertices in one place. A file of
-many blocks has hardly any others, and asked one by one they take most of the time of reading it.
+A mesh is valid if every directed edge p -> q occurs once, together with its reverse q -> p, all
+faces have an area, and all vertices are used. Only equal vertices have to be merged then. Most
+meshes of a file with many blocks are valid. Welding them one by one would take most of the time of
+reading the file.
 """
 
 from __future__ import annotations
@@ -11,36 +12,36 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, starts
+from kilter.arrays import Array, Index, Mask, distinct_rows, starts
 from kilter.shape.closed import flat_faces
 
-__all__ = ["welded_if_sound"]
+__all__ = ["weld_valid_meshes"]
 
 Corners = tuple[Array, Index]
-"""Vertices, shape (n, 3), and triangles, shape (m, 3)."""
+"""A mesh: vertices, shape (n, 3), and triangles, shape (m, 3)."""
 BATCH = 500_000
-"""Triangles that are looked at in one go."""
+"""Number of triangles that are processed at once; more need more memory."""
 
 
-def welded_if_sound(meshes: Sequence[Corners]) -> list[Corners | None]:
-    """Each mesh as `kilter.shape.closed.welded` gives it; None of those that need more than that.
+def weld_valid_meshes(meshes: Sequence[Corners]) -> list[Corners | None]:
+    """Weld each valid mesh, as `kilter.shape.closed.weld` does; None for each other mesh.
 
     Examples
     --------
     >>> corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, -0.0]])
     >>> faces = np.array([[0, 2, 1], [4, 1, 3], [1, 2, 3], [0, 3, 2]])
-    >>> closed, opened = welded_if_sound([(corners, faces), (corners, faces[:3])])
+    >>> closed, opened = weld_valid_meshes([(corners, faces), (corners, faces[:3])])
     >>> len(closed[0]), opened is None
     (4, True)
     """
-    found: list[Corners | None] = []
+    welded: list[Corners | None] = []
     for batch in _batches(meshes):
-        found += _welded(batch)
-    return found
+        welded += _weld_batch(batch)
+    return welded
 
 
 def _batches(meshes: Sequence[Corners]) -> Iterator[Sequence[Corners]]:
-    """The meshes in their order, about `BATCH` triangles at a time."""
+    """The meshes in order, in batches of about `BATCH` triangles."""
     begin = total = 0
     for end, (_, triangles) in enumerate(meshes, start=1):
         total += len(triangles)
@@ -49,39 +50,40 @@ def _batches(meshes: Sequence[Corners]) -> Iterator[Sequence[Corners]]:
             begin, total = end, 0
 
 
-def _welded(meshes: Sequence[Corners]) -> list[Corners | None]:
-    first = starts([len(vertices) for vertices, _ in meshes])
+def _weld_batch(meshes: Sequence[Corners]) -> list[Corners | None]:
+    """Weld the meshes of a batch; None for each invalid mesh."""
+    count = [len(vertices) for vertices, _ in meshes]
+    first = starts(count)
     first_face = starts([len(triangles) for _, triangles in meshes])
     vertices = np.concatenate([vertices for vertices, _ in meshes]) + 0.0
-    owner = np.repeat(np.arange(len(meshes)), np.diff(first))
-    order = np.lexsort((*vertices.T[::-1], owner))
-    ordered, owner = vertices[order], owner[order]
-    fresh = np.ones(len(order), dtype=bool)
-    fresh[1:] = (ordered[1:] != ordered[:-1]).any(axis=1) | (owner[1:] != owner[:-1])
-    place = np.cumsum(fresh) - 1
-    distinct, inverse = ordered[fresh], np.empty(len(order), dtype=np.int64)
-    inverse[order] = place
+    owner = np.repeat(np.arange(len(meshes)), count)
+    # the mesh as the first column keeps equal vertices of different meshes apart
+    rows, inverse = distinct_rows(np.column_stack([owner, vertices]))
+    distinct: Array = np.ascontiguousarray(rows[:, 1:])
     faces = np.concatenate([triangles for _, triangles in meshes])
     faces = inverse[faces + np.repeat(first[:-1], np.diff(first_face))[:, None]]
-    kept = np.append(place[first[:-1]], len(distinct))
-    sound = _sound(distinct, faces, kept, first_face)
+    kept = np.searchsorted(rows[:, 0], np.arange(len(meshes) + 1))
+    valid = _is_valid(distinct, faces, kept, first_face)
     return [
         (distinct[a:b], faces[p:q] - a) if fine else None
-        for fine, a, b, p, q in zip(sound, kept, kept[1:], first_face, first_face[1:], strict=False)
+        for fine, a, b, p, q in zip(valid, kept, kept[1:], first_face, first_face[1:], strict=False)
     ]
 
 
-def _sound(vertices: Array, faces: Index, first: Index, first_face: Index) -> Mask:
-    """Which meshes need nothing more; their vertices and faces from `first` and `first_face` on."""
-    sound = np.ones(len(first) - 1, dtype=bool)
+def _is_valid(vertices: Array, faces: Index, first: Index, first_face: Index) -> Mask:
+    """Whether each welded mesh is valid, shape (number of meshes,).
+
+    `first` and `first_face`: first vertex and first face of each mesh, and the total number.
+    """
+    valid = np.ones(len(first) - 1, dtype=bool)
     used = np.bincount(faces.reshape(-1), minlength=len(vertices)) > 0
-    sound[np.searchsorted(first, np.flatnonzero(~used), side="right") - 1] = False
+    valid[np.searchsorted(first, np.flatnonzero(~used), side="right") - 1] = False
     flat = np.flatnonzero(flat_faces(vertices, faces))
     begin, end = faces.reshape(-1), faces[:, [1, 2, 0]].reshape(-1)
-    # of each mesh the keys are in one place, since its vertices are
+    # the vertices of a mesh are consecutive, so its keys are consecutive after sorting
     forth, back = np.sort(begin * len(vertices) + end), np.sort(end * len(vertices) + begin)
     wrong = forth != back
     wrong[1:] |= forth[1:] == forth[:-1]
     for face in (flat, np.flatnonzero(wrong) // 3):
-        sound[np.searchsorted(first_face, face, side="right") - 1] = False
-    return sound
+        valid[np.searchsorted(first_face, face, side="right") - 1] = False
+    return valid

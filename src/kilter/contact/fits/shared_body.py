@@ -25,7 +25,7 @@ from kilter.arrays import Array, Index, Mask, distinct_rows
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.refined import refine
 from kilter.contact.triangle_distance import at_most, surface_distance
-from kilter.shape.closed import welded
+from kilter.shape.closed import weld
 
 __all__ = ["PartSolids", "SharedBody", "depth_of", "shared_body"]
 
@@ -58,7 +58,7 @@ class PartSolids:
         g = self.geometry
         rounds, box = self.finer or (0, (g.center[part], g.center[part]))
         corners, rows = refine(g, part, rounds, box)
-        vertices, triangles, _ = welded(
+        vertices, triangles, _ = weld(
             corners - g.center[part], rows, accuracy=float(g.accuracy[part])
         )
         if not _bounds_a_body(triangles):
