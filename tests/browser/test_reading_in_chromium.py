@@ -156,7 +156,7 @@ def test_verdict_level_and_reason_are_said_once(opened: Callable) -> None:
 
 def test_given_and_recommended_are_one_where_they_coincide(opened: Callable) -> None:
     page = opened("arch")
-    assert page.text("go-given") == "Given, and recommended"
+    assert page.text("go-given") == "Given and recommended"
     assert not page.page.is_visible("#go-recommended")
     page = opened("paper-figure-11")
     assert page.text("go-given") == "Given"
