@@ -1,14 +1,14 @@
-"""The fewest parts that must be held for a state to hold: hitting sets of motions.
+"""Smallest set of parts to hold so that a state holds: minimum hitting sets of motions.
 
-A motion of the parts M that nothing resists goes on unless one of M is held. So the parts to
-hold hit every such set, and the least hitting set of the sets found is no more than the answer:
+A motion of the parts M that no contact resists continues unless a part of M is held. So the held
+parts hit every such set M. A minimum hitting set of the known sets is a lower bound:
 
     H = least set that hits all M found;  does (S, H) hold?  yes: H is the answer
                                           no: another M, without any part of H
 
-Each M is made smaller first: parts of it are held one by one while a motion is left. The loop
-ends, since every M is new; and none of its answers is a guess: that H holds is proved by forces,
-that fewer are not enough by the motions.
+Each M is reduced before use: its parts are held in turn as long as a motion remains. The loop ends
+because every M is new. Forces prove that the state holds with H; the motions prove that fewer
+held parts are not enough.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ __all__ = ["Cut", "Holds", "find_fewest_holds", "least_hitting_set"]
 
 
 class Judged(Protocol):
-    """What is asked of a state."""
+    """Interface of a judged state: its stability and its moving parts."""
 
     @property
     def stable(self) -> bool | None:
-        """Whether it holds; None: undecided."""
+        """Whether the state holds; None if undecided."""
 
     @property
     def moves(self) -> Mask:
-        """Parts that move where it does not, shape (N,)."""
+        """Mask of the moving parts of a state that falls, shape (N,)."""
 
 
 Found = TypeVar("Found", bound=Judged)
@@ -43,13 +43,13 @@ Judge = Callable[[Mask, Mask], Found]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cut(Generic[Found]):
-    """Parts of which one must be held, and why.
+    """Set of parts with at least one part to be held, and the state that proves it.
 
     Attributes
     ----------
     parts : ndarray of bool, shape (N,)
     state : State
-        With these parts alone free: it falls.
+        State in which only these parts are free; it falls.
     """
 
     parts: Mask
@@ -58,23 +58,23 @@ class Cut(Generic[Found]):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Holds(Generic[Found]):
-    """The fewest parts to hold in a state.
+    """Fewest parts to hold in a state, with the proof of the minimum.
 
     Attributes
     ----------
     names : tuple of str
-        Of all N parts.
+        Names of all N parts.
     held : ndarray of bool, shape (N,), or None
-        A set of fewest parts with which it holds; None where there is none.
+        Smallest set of parts with which the state holds; None if no set was found.
     least : int
-        No fewer are enough, that is proved. Where `held` is None as well, and no number of the
-        parts that may be held is enough, the number of these and one more.
+        Proved lower bound of the number of held parts. If even holding all holdable parts is not
+        enough, this is their number plus 1.
     state : State or None
-        The state with them held.
+        State with these parts held.
     cuts : tuple of Cut
-        Of each set one part must be held.
+        Sets of parts; at least one part of each set must be held.
     undecided : tuple of State
-        States that were passed over since they are undecided.
+        Undecided states that the search skipped.
     """
 
     names: tuple[str, ...]
@@ -86,14 +86,14 @@ class Holds(Generic[Found]):
 
     @property
     def parts(self) -> list[str] | None:
-        """Names of the parts to hold; None where none are enough."""
+        """Names of the parts to hold; None if no set was found."""
         if self.held is None:
             return None
         return [name for name, held in zip(self.names, self.held, strict=True) if held]
 
     @property
     def fewest(self) -> bool:
-        """Whether it is proved that no fewer parts are enough."""
+        """Whether it is proved that fewer parts are not enough."""
         return self.held is not None and int(self.held.sum()) == self.least
 
     def __repr__(self) -> str:
@@ -110,18 +110,19 @@ def find_fewest_holds(
     *,
     most: int | None = None,
 ) -> Holds[Found]:
-    """The fewest parts to hold so that a state holds.
+    """Find the fewest parts whose holding makes a state hold.
 
     Parameters
     ----------
     judge : callable
-        From the masks of parts present and held to a state.
+        Function of the masks of present and held parts that returns a state.
     names : tuple of str
     present : ndarray of bool, shape (N,)
+        Present parts.
     movable : ndarray of bool, shape (N,)
         Parts that may be held.
     most : int, optional
-        More than these are not asked for.
+        Largest number of held parts to consider.
     """
     allowed = bits_of(present & movable)
     limit = allowed.bit_count() if most is None else min(most, allowed.bit_count())
@@ -150,7 +151,10 @@ def find_fewest_holds(
 
 
 def _smaller(judge: Judge[Found], present: Mask, state: Found) -> Cut[Found]:
-    """The parts of a motion, held while one is left: half of those not tried, a quarter, ..."""
+    """Reduce the set of moving parts by holding parts of it as long as a motion remains.
+
+    The first attempt holds half of the untried parts, later attempts a quarter, and so on.
+    """
     moves = state.moves.copy()
     needed = np.zeros(len(moves), dtype=bool)
     size = max(int(moves.sum()) // 2, 1)
@@ -172,14 +176,14 @@ def _smaller(judge: Judge[Found], present: Mask, state: Found) -> Cut[Found]:
 
 
 def least_hitting_set(sets: Sequence[int], most: int) -> int | None:
-    """A smallest set with a member of each of some sets; the first by its members of several.
+    """Return a smallest bit set that hits every given set, or None if it exceeds `most`.
 
     Parameters
     ----------
     sets : sequence of int
-        As `kilter.analysis.planning.states.part_sets` has them.
+        Bit sets (`kilter.analysis.planning.states.part_sets`).
     most : int
-        Members it may have; None where more are needed, or a set is empty.
+        Largest number of members. No set is returned if a given set is empty.
 
     Examples
     --------
@@ -189,33 +193,33 @@ def least_hitting_set(sets: Sequence[int], most: int) -> int | None:
     (True, 0)
     """
     for size in range(most + 1):
-        found = _hitting(list(sets), size)
-        if found is not None:
-            return found
+        chosen = _hitting(list(sets), size)
+        if chosen is not None:
+            return chosen
     return None
 
 
 def _hitting(sets: list[int], size: int) -> int | None:
-    """A hitting set of at most so many members."""
+    """Return a hitting set of at most `size` members, or None."""
     if not sets:
         return 0
     if _disjoint(sets) > size:
         return None
-    branch = min(sets, key=lambda one: (one.bit_count(), one))
+    branch = min(sets, key=lambda parts: (parts.bit_count(), parts))
     while branch:
         member = branch & -branch
         branch &= ~member
-        rest = _hitting([one for one in sets if not one & member], size - 1)
+        rest = _hitting([parts for parts in sets if not parts & member], size - 1)
         if rest is not None:
             return rest | member
     return None
 
 
 def _disjoint(sets: list[int]) -> int:
-    """How many of the sets, taken one after the other, have no member in common."""
+    """Return the size of a greedy family of disjoint sets: a bound below for hitting sets."""
     seen = count = 0
-    for one in sorted(sets, key=int.bit_count):
-        if not one & seen:
-            seen |= one
+    for parts in sorted(sets, key=int.bit_count):
+        if not parts & seen:
+            seen |= parts
             count += 1
     return count

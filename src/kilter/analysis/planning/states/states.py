@@ -1,20 +1,21 @@
-"""Does a half-built assembly hold? Contacts once, then a verdict for any parts present and held.
+"""Verdicts on the states of a half-built assembly: any parts present, any of these held.
 
-What a planner asks thousands of times: of the parts S that are present, H held, are there
-contact forces that hold the others (the level "equilibrium" of `kilter.check`)? An order that
-ends with the first certificate that is judged to hold in the state itself:
+A state has the present parts S, of which H are held. It holds if contact forces keep the other
+parts in equilibrium (the level "equilibrium" of `kilter.check`). A planner needs thousands of such
+verdicts, so the contacts are detected once, and the methods below are tried in turn. The first
+certificate that is verified in the state itself decides.
 
-1. forces or a motion of a state before (`kilter.analysis.planning.states.known_proofs`);
-2. a kept linear program with pyramids of friction, which goes on from the state before, where
-   the state is near that one or small;
-3. exact cones, which need no state before, and may hold what a pyramid does not;
-4. of what falls by its certain contacts and holds with all possible ones: the choices of normals
-   at edges and corners, and where these leave it open it is undecided;
-5. `kilter.check` of the state, where fitted normals, the accuracy that a file states of itself
-   or the numbers leave it open.
+1. Forces or a motion of an earlier state (`kilter.analysis.planning.states.known_proofs`).
+2. A linear program with friction pyramids, warm-started from the last state, if the state is
+   small or near the last state.
+3. Exact friction cones, without a warm start. They hold some states that pyramids do not hold.
+4. Choices of normals at edges and corners, if the state falls by its certain contacts and holds
+   with all possible contacts. If they do not decide, the state is undecided.
+5. `kilter.check` of the state, if fitted normals, the accuracy that the file declares, or the
+   numerics leave it undecided.
 
-Holding more never hurts: what holds with H held, holds with more of its parts held. Neither more
-parts present nor fewer need hold: an arch does before its keystone is out, and after.
+A state that holds also holds with more of its parts held. There is no such rule for the present
+parts: both adding and removing a part can make a state fall.
 """
 
 from __future__ import annotations
@@ -70,31 +71,32 @@ from kilter.work import Work, units_of
 __all__ = ["States", "states"]
 
 SMALL, NEAR = 20, 4
-"""States of up to so many free parts, or that differ in so few from the last, ask the linear
-program first."""
+"""Numbers of free parts, and of parts that differ from the last state, up to which a state is
+solved by the linear program before the exact cones."""
 
 _Found = ForceProof | MotionProof | Judgement | None
 
 
 class States:
-    """The states of an assembly: which parts are present, and which of them held.
+    """States of an assembly, each given by its present parts and its held parts.
 
     Parameters
     ----------
     assembly : Assembly
     contacts : ContactSet
-        Its contacts.
+        Contacts of the assembly.
 
     Attributes
     ----------
     assembly, contacts
     counts : dict
-        How many states were `asked`, decided by a proof that was `known`, by linear programs
-        (`programs`), by exact `cones`, left `open` by possible contacts, decided by a `check`.
+        Numbers of states by key: requested (`asked`), decided by an earlier proof (`known`), solved
+        by linear `programs` or exact `cones`, left `open` by possible contacts, and decided by
+        `kilter.check` (`checks`).
 
     See Also
     --------
-    states : makes one from an assembly.
+    states : Constructor from an assembly.
     """
 
     def __init__(
@@ -125,22 +127,22 @@ class States:
         down: ArrayLike | None = None,
         friction: float | None = None,
     ) -> State:
-        """The state with some parts present, and some of these held.
+        """Return the state with the given present and held parts.
 
         Parameters
         ----------
         present : str or iterable of str
-            Names; ``*`` and ``?`` are globs. Grounded parts that are not named are absent.
+            Names or glob patterns with ``*`` and ``?``. Grounded parts must be named, too.
         held : str or iterable of str
-            Beside the grounded ones.
+            Parts held in addition to the grounded parts.
         down, friction
-            As of `under`.
+            Gravity direction and friction coefficient as in `under`.
 
         Raises
         ------
         InputError
-            If a name matches no part, a held part is not present, or `down` or `friction` make
-            no sense.
+            If a name matches no part, a held part is not present, or `down` or `friction` is
+            invalid.
 
         Examples
         --------
@@ -153,26 +155,26 @@ class States:
         >>> tower.of(down=[0.1, 0, -1]).stable, tower.of(down=[0.1, 0, -1], friction=0.2).stable
         (False, True)
         """
-        there, kept = self.mask(present), self.mask(held)
-        if (kept & ~there).any():
-            name = self.assembly.names[int(np.flatnonzero(kept & ~there)[0])]
+        standing, kept = self.mask(present), self.mask(held)
+        if (kept & ~standing).any():
+            name = self.assembly.names[int(np.flatnonzero(kept & ~standing)[0])]
             raise InputError("is held but not present", part=name, hint="name it in both")
-        return self.under(down=down, friction=friction).judge(there, kept)
+        return self.under(down=down, friction=friction).judge(standing, kept)
 
     def under(self, *, down: ArrayLike | None = None, friction: float | None = None) -> States:
-        """The states of the same parts and contacts under another gravity or friction.
+        """Return the states of the same parts and contacts under another gravity or friction.
 
         Parameters
         ----------
         down : array_like, shape (3,), optional
-            Direction of gravity, world frame.
+            Direction of gravity in the world frame; need not be a unit vector.
         friction : float, optional
-            Coefficient of every contact [-].
+            Friction coefficient of every contact [-].
 
         Raises
         ------
         InputError
-            If the direction has no length, or the coefficient is negative.
+            If the direction is zero, or the coefficient is negative.
         """
         if down is None and friction is None:
             return self
@@ -194,16 +196,16 @@ class States:
         among: str | Iterable[str] = "*",
         most: int | None = None,
     ) -> Holds[State]:
-        """The fewest parts to hold, beside the grounded ones, so that a state holds.
+        """Find the fewest parts, beside the grounded parts, whose holding makes a state hold.
 
         Parameters
         ----------
         present : str or iterable of str
-            As of `of`.
+            Present parts as in `of`.
         among : str or iterable of str
             Parts that may be held.
         most : int, optional
-            More than these are not asked for.
+            Largest number of held parts to consider.
 
         Raises
         ------
@@ -219,20 +221,20 @@ class States:
         >>> open_arch.fewest_holds(most=1)
         <Holds: none, 2 or more are needed>
         """
-        there, movable = self.mask(present), self.mask(among) & self._programs.free
-        return self.holds_of(there, movable, most=most)
+        standing, movable = self.mask(present), self.mask(among) & self._programs.free
+        return self.holds_of(standing, movable, most=most)
 
     def holds_of(self, present: Mask, movable: Mask, *, most: int | None = None) -> Holds[State]:
-        """`fewest_holds` of masks, shape (N,): parts present, and those that may be held."""
+        """Find the fewest holds from masks of present and holdable parts, shape (N,)."""
         return find_fewest_holds(self.judge, self.assembly.names, present, movable, most=most)
 
     @property
     def no_goods(self) -> int:
-        """Motions that are kept, each a proof of every state in which it can start."""
+        """Number of stored motions; each proves that every state in which it is possible falls."""
         return len(self._motions)
 
     def mask(self, patterns: str | Iterable[str]) -> Mask:
-        """The parts that match, shape (N,).
+        """Return the mask of the parts that match the patterns, shape (N,).
 
         Raises
         ------
@@ -243,7 +245,7 @@ class States:
         return np.array([name in chosen for name in self.assembly.names], dtype=bool)
 
     def judge(self, present: Mask, held: Mask) -> State:
-        """The state of two masks, shape (N,); `held` counts where a part is present."""
+        """Return the state of two masks, shape (N,); `held` is ignored for absent parts."""
         free = self._programs.free & present & ~held
         key = bits_of(present), bits_of(free)
         state = self._found.get(key)
@@ -254,6 +256,7 @@ class States:
 
     @on_one_thread
     def _judged(self, present: Mask, free: Mask, key: tuple[int, int]) -> State:
+        """Decide a state by the methods of the module docstring, in their order."""
         held = present & ~free
         program = self._programs.of(present, held)
         outer = self._programs.outer_of(present, held) if self._programs.open else program
@@ -279,7 +282,7 @@ class States:
     def _by_known(
         self, state: State, outer: Program, key: tuple[int, int]
     ) -> ForceProof | MotionProof | None:
-        """The first proof of another state that holds in this one."""
+        """Return the first stored proof that is also a proof of this state, or None."""
         program = state.program
         for known in self._motions:
             if known.fits(*key):
@@ -288,22 +291,23 @@ class States:
                     self.counts["known"] += 1
                     return motion
         rows = rows_of_state(self._programs.whole, state.present, state.free)
-        for one in self._forces:
-            if one.fits(*key):
-                forces = check_forces(program, one.forces[rows], one.friction[rows])
+        for entry in self._forces:
+            if entry.fits(*key):
+                forces = check_forces(program, entry.forces[rows], entry.friction[rows])
                 if forces.holds:
                     self.counts["known"] += 1
                     return forces
         return None
 
     def _far(self, state: State) -> bool:
-        """Whether the linear program has more to go than exact cones from the start."""
+        """Whether exact cones are expected to be faster than the warm-started linear program."""
         free = int(state.free.sum())
         if free <= SMALL or not state.program.mu.any():
             return False
         return self._pyramid is None or self._pyramid.far(state.present, state.free) > NEAR
 
     def _by_pyramid(self, state: State, outer: Program) -> _Found:
+        """Return a proof from the linear program with friction pyramids, or None."""
         if not state.free.any():
             return check_forces(state.program, np.zeros(len(state.program.part_a)))
         if self._pyramid is None:
@@ -318,7 +322,10 @@ class States:
         return motion if motion is not None and motion.holds else None
 
     def _by_cones(self, state: State, outer: Program) -> _Found:
-        """A proof; the forces of possible contacts that hold it where certain ones do not."""
+        """Return a proof from exact cones, or None.
+
+        A Judgement is returned if only possible contacts hold the state.
+        """
         self.counts["cones"] += 1
         program = state.program
         judgement = judge(program)
@@ -331,7 +338,7 @@ class States:
         return judgement.forces if judgement.stable else judgement.motion
 
     def _learn_forces(self, state: State, proof: ForceProof) -> None:
-        """Keep forces, where none are kept that prove more."""
+        """Store forces unless stored forces prove more states."""
         whole = self._programs.whole
         rows = rows_of_state(whole, state.present, state.free)
         new = forces_for_others(whole, rows, proof, state.free)
@@ -339,12 +346,12 @@ class States:
             self._forces.append(new)
 
     def _learned_motion(self, outer: Program, proof: MotionProof) -> MotionProof:
-        """Keep the motion of each group, where none is kept that proves more; the strongest."""
-        found = motions_for_others(self._programs.outer, outer, proof)
-        for new in found:
+        """Store the motion of each group unless a stored one proves more; return the strongest."""
+        motions = motions_for_others(self._programs.outer, outer, proof)
+        for new in motions:
             if not any(old.covers(new) for old in self._motions):
                 self._motions.append(new)
-        strongest = check_motion(outer, found[0].motion)
+        strongest = check_motion(outer, motions[0].motion)
         return strongest if strongest.holds else proof
 
     def _hanging(self, state: State) -> State:
@@ -360,7 +367,7 @@ class States:
         return state if sharp.program is None else self._checked(state)
 
     def _checked(self, state: State) -> State:
-        """The state as `kilter.check` finds it."""
+        """Return the state with the verdict of `kilter.check`."""
         self.counts["checks"] += 1
         assembly = self.sub_assembly(state)
         contacts = contacts_among(self.contacts, assembly)
@@ -387,9 +394,9 @@ class States:
         effort : float
             Effort of the guarantee of friction.
         work : Work, optional
-            Work whose time limit is kept.
+            Work whose time limit also applies.
         finished : bool
-            Whether second order and the deciding open pairs are found, too.
+            Whether to analyse second order and find the deciding open pairs, too.
         """
         allowed = Work(units_of(effort)) if work is None else work.beside(units_of(effort))
         assembly = self.sub_assembly(state)
@@ -406,7 +413,7 @@ class States:
     def level(
         self, state: State, *, require: str, effort: float, work: Work | None = None
     ) -> str | None:
-        """The level that a state reaches to first order; None if it does not hold.
+        """Return the level that a state reaches to first order, or None if it does not hold.
 
         Parameters are those of `decide`.
         """
@@ -423,7 +430,7 @@ class States:
         return self.decide(state, require=require, effort=effort, work=work).level
 
     def sub_assembly(self, state: State) -> Assembly:
-        """A state as an assembly of its own: the parts present, the held ones held."""
+        """Return the present parts of a state as an assembly with its held parts grounded."""
         names = np.array(self.assembly.names)
         assembly = self.assembly
         if not state.present.all():
@@ -432,18 +439,18 @@ class States:
         return assembly.with_grounded(held) if held else assembly
 
     def held_names(self, state: State) -> list[str]:
-        """Parts of a state that are held, beside the grounded ones."""
+        """Return the names of the held parts of a state, without the grounded parts."""
         held = state.present & ~state.free & self._programs.free
-        return [name for name, one in zip(self.assembly.names, held, strict=True) if one]
+        return [name for name, kept in zip(self.assembly.names, held, strict=True) if kept]
 
     def proof(self, state: State, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
-        """The proof of a state, for `kilter.verify` of `sub_assembly`, as JSON data.
+        """Return the proof of a state as JSON data, for `kilter.verify` of its `sub_assembly`.
 
         Parameters
         ----------
         state : State
         options : dict, optional
-            How the file is read, for the proof file.
+            Options with which the file is read, copied to the proof file.
 
         Raises
         ------
@@ -474,16 +481,16 @@ def states(
     tolerance: Tolerance | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> States:
-    """The states of an assembly that is being built, ready to be asked one by one.
+    """Prepare the verdicts on all states of an assembly that is being built.
 
     Parameters
     ----------
     assembly : Assembly
-        Whole; what is grounded in it is held in every state in which it is present.
+        Finished assembly; its grounded parts are held in every state in which they are present.
     contacts : ContactSet, optional
-        Found from the geometry where not given.
+        Contacts; detected from the geometry by default.
     tolerance : Tolerance, optional
-        When faces count as touching.
+        Tolerance within which faces count as touching.
     progress : callable, optional
         Called with a word at each stage.
 
