@@ -1,14 +1,15 @@
-"""The order with the fewest parts held at once, or the fewest steps during which one is held.
+"""Search of the order with the fewest parts held at once, or the fewest held steps.
 
-For the first, one search after the other, with one part more held in each. For the second a
-uniform-cost search, backwards: of the sets of parts that are reached from the whole, the one with
-the fewest held steps so far goes on first; of several the one with the fewest parts left. How many
-must be held in a set does not depend on how it was reached, so a set is gone on from once, and the
-first order that is complete has the fewest held steps among all that the ways tried allow.
+A held step is a step during which a part is held. The fewest parts held at once are found by
+repeated searches, each with an additional part held. The fewest held steps are found by a
+uniform-cost search, backwards from the whole assembly. It expands the set with the fewest held
+steps first, then the set with the fewest remaining parts. The holds of a set do not depend on the
+removals before, so each set is expanded once. The first complete order then has the fewest held
+steps among all orders along the tried paths.
 
-A set is not opened all at once: its removals are drawn one by one, and it waits for its next turn
-behind the sets that came of it. What cannot have fewer held steps than an order that is known is
-left out; where nothing else is left, that order has the fewest.
+Removals are generated singly: after each removal the set is queued again behind its successors.
+Branches that cannot have fewer held steps than the best known order are skipped. If no other
+branch remains, that order has the fewest held steps.
 """
 
 from __future__ import annotations
@@ -22,22 +23,23 @@ from kilter.analysis.planning.order.search import OrderSearch, Removed
 __all__ = ["FEWEST", "Searched", "find_fewest_held_steps", "find_order", "held_steps_of"]
 
 FEWEST = ("holds", "held-steps", "turns")
-"""What there may be least of."""
+"""Quantities that a plan can minimize."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Searched:
-    """What a search came to.
+    """Result of a search of an order.
 
     Attributes
     ----------
     order : list of Removed or None
-        The removals, backwards.
+        Removals, the last step of the assembly first; None without an order.
     least : int
-        How many it has of what there was to be least of.
+        Value of the minimized quantity.
     proved : bool
-        Whether all that were tried have no fewer.
+        Whether no order along the tried paths has a smaller value.
     interrupted : bool
+        Whether the user interrupted the search.
     """
 
     order: list[Removed] | None
@@ -47,13 +49,13 @@ class Searched:
 
 
 def find_order(search: OrderSearch, lowest: int, most: int, fewest: str) -> Searched:
-    """The order with the fewest of `fewest` that was found.
+    """Find an order that minimizes the quantity `fewest`.
 
     Parameters
     ----------
     search : OrderSearch
     lowest, most : int
-        Most parts held at once: where it starts, since less is proved not to be enough, and ends.
+        First and last limit of the parts held at once; fewer than `lowest` are proved impossible.
     fewest : {"holds", "held-steps"}
     """
     order, hold = None, lowest
@@ -75,7 +77,7 @@ def find_order(search: OrderSearch, lowest: int, most: int, fewest: str) -> Sear
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Reached:
-    """A set of parts, the removal that led to it and the set before."""
+    """Part set reached by the search, with its cost, its last removal and the set before."""
 
     present: int
     cost: int
@@ -85,31 +87,31 @@ class _Reached:
 
     @property
     def order(self) -> list[Removed]:
-        """The removals that led here."""
-        found, one = [], self
-        while one.last is not None and one.before is not None:
-            found.append(one.last)
-            one = one.before
-        return found[::-1]
+        """Return the removals from the whole assembly to this set."""
+        removals, node = [], self
+        while node.last is not None and node.before is not None:
+            removals.append(node.last)
+            node = node.before
+        return removals[::-1]
 
 
 def held_steps_of(search: OrderSearch, order: Sequence[Removed]) -> int:
-    """Steps of an order during which a part is held, beside the grounded ones."""
-    return sum(_holds(search, one) for one in order)
+    """Return the number of steps with a held part beside the grounded parts."""
+    return sum(_holds(search, removed) for removed in order)
 
 
 def find_fewest_held_steps(
     search: OrderSearch, hold: int, known: Sequence[Removed]
 ) -> tuple[list[Removed], bool]:
-    """The order with the fewest held steps, and whether none of those tried has fewer.
+    """Find the order with the fewest held steps; return it and whether the minimum is proved.
 
     Parameters
     ----------
     search : OrderSearch
     hold : int
-        Most parts held at once.
+        Largest number of parts held at once.
     known : sequence of Removed
-        An order to do better than.
+        Known order; the search tries to find an order with fewer held steps.
     """
     best = list(known)
     limit = held_steps_of(search, best)
@@ -142,6 +144,6 @@ def find_fewest_held_steps(
     return best, True
 
 
-def _holds(search: OrderSearch, one: Removed) -> bool:
-    """Whether a part is held while others leave."""
-    return one.held > search.base.bit_count()
+def _holds(search: OrderSearch, removed: Removed) -> bool:
+    """Whether a part beside the grounded parts is held during a removal."""
+    return removed.held > search.base.bit_count()

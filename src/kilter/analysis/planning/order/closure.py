@@ -1,15 +1,15 @@
-"""No order without holds, whatever the paths: what can stand on what stands.
+"""Proof that no order without holds exists, along any paths: closure of the parts that stand.
 
 Let R be the grounded parts, and add to R every part that holds by itself with all of R held:
 
     R = G;   while some p has forces with (R + p, R held):  R = R + p
 
 If an order without holds puts p on the standing parts T, T + p holds by forces on p from parts of
-T. So if T is in R, p is added to R: all that any such order reaches is in R. A part that is not
-in R in the end falls even with all of R held, by a motion of it alone: no order without holds
-exists, along whatever paths.
+T. So if T is in R, p is added to R: R contains every part that such an order reaches. A part
+outside the final R falls even with all of R held, by a motion of this part alone. So no order
+without holds exists, along any paths.
 
-It speaks of single parts, put in one by one, under one gravity.
+The proof covers orders that insert single parts under a fixed direction of gravity.
 """
 
 from __future__ import annotations
@@ -24,14 +24,15 @@ __all__ = ["find_unreachable"]
 
 
 def find_unreachable(states: States) -> tuple[Mask, list[State]]:
-    """Parts that an order without holds may reach, and the motion of each of the others.
+    """Find the parts that an order without holds may reach, and the falling states of the others.
 
     Returns
     -------
     reached : ndarray of bool, shape (N,)
+        Mask of the parts that an order may reach.
     falling : list of State
-        Of each part that is not reached, alone free on all that are: it falls. Empty where all
-        are reached; then nothing is said.
+        States of the other parts, each alone free on the reached parts; the part falls. Empty if
+        all parts are reached; then nothing is proved.
 
     Examples
     --------
@@ -52,6 +53,7 @@ def find_unreachable(states: States) -> tuple[Mask, list[State]]:
 
 
 def _alone(states: States, standing: Mask, part: int) -> State:
+    """Return the state of a part that is alone free on held standing parts."""
     present = standing.copy()
     present[part] = True
     return states.judge(present, standing)

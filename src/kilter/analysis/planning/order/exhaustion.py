@@ -1,13 +1,12 @@
-"""No order with so many held, whatever the paths: every half-built state that one could pass.
+"""Proof by exhaustion that no order with at most K held parts exists, along any paths.
 
-From the whole assembly parts are taken away one by one, each whatever its way, where what is left
-keeps the precedence, hangs together with the base and is not refused: it is refused where no K of
-its parts have one of each of its motions (`kilter.analysis.planning.states.holds`), so that more
-than K must be held. Every order with at most K held, read backwards, is such a chain of sets. Where
-none of these chains comes to the base, there is no order; the motions of what was refused are the
-proof.
+Single parts are removed from the whole assembly, regardless of their paths. The remaining set must
+keep the precedence, stay connected with the base and not be refused. A set is refused if no K of
+its parts hit all of its motions (`kilter.analysis.planning.states.holds`), so that more than K
+parts must be held. Every order with at most K held parts, read backwards, is such a chain of sets.
+If no chain reaches the base, no order exists. The motions of the refused sets are the proof.
 
-It speaks of single parts, put in one by one, under one gravity.
+The proof covers orders that insert single parts under a fixed direction of gravity.
 """
 
 from __future__ import annotations
@@ -22,9 +21,9 @@ from kilter.analysis.planning.states.state import State
 __all__ = ["MOST_SETS", "find_refused", "leads_nowhere"]
 
 MOST_SETS = 1000
-"""Sets that are gone through; with more nothing is said."""
+"""Largest number of part sets to enumerate; beyond it nothing is proved."""
 MOST_MOTIONS = 200
-"""Motions that a proof may have; with more there is none."""
+"""Largest number of motions of a proof; beyond it no proof is returned."""
 
 
 def leads_nowhere(whole: int, base: int, goes_on: Callable[[int, int], bool]) -> bool:
@@ -33,9 +32,9 @@ def leads_nowhere(whole: int, base: int, goes_on: Callable[[int, int], bool]) ->
     Parameters
     ----------
     whole, base : int
-        As `kilter.analysis.planning.states.part_sets` has them.
+        Bit sets of all parts and of the grounded parts.
     goes_on : callable
-        From a part, and the set without it, to whether it may be taken away so.
+        Function of a part and the set without it that returns whether the removal is allowed.
     """
     seen, waiting = {whole}, [whole]
     while waiting:
@@ -55,12 +54,13 @@ def leads_nowhere(whole: int, base: int, goes_on: Callable[[int, int], bool]) ->
 
 
 def find_refused(search: OrderSearch, hold: int) -> list[Holds[State]]:
-    """The sets that need more than `hold` held and bar every order; empty where they do not."""
+    """Return the sets that need more than `hold` held parts, if they bar every order; else []."""
     search.work.stage("whether any paths would do")
     refused: dict[int, Holds[State]] = {}
     holdable = bits_of(search.holdable)
 
     def goes_on(part: int, rest: int) -> bool:
+        """Whether `part` may leave and `rest` is not refused; records refused sets."""
         if not search.may_leave(part, rest | part):
             return False
         if rest not in refused:

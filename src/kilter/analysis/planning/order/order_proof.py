@@ -1,19 +1,19 @@
-"""The proof of a plan as data: its steps, why fewer holds are not enough, or an impossibility.
+"""Proof of a plan as JSON data: steps, necessity of the holds, or an impossibility.
 
-Before the proofs stands, as `rules`, what the order keeps to: most parts held at once, precedence,
-groups, parts that are not held, screws. Each proof is of one state, and says what it is about
+The key `rules` precedes the proofs. It has the limit of parts held at once, precedence, groups,
+parts that must not be held, and screws. Each proof is of a single state and has a subject:
 
     whole           the finished assembly holds
-    step            what stands while a part comes in, along its `legs` reversed, holds
+    step            the standing parts hold while a part comes in along its `legs`, reversed
     pressed         the same with the part in place, under the force that presses it in
-    turned          what stands after a step, still as it was during it: then all is turned
-    not fewer       at a step with parts held: one of `parts` must be held, or they move
-    refused         of a set that bars every order: one of `parts` must be held, or they move
-    finished falls  the finished assembly does not hold, so that there is no order
+    turned          the parts after a step hold under its direction, before the assembly is turned
+    not fewer       at a step with held parts: a part of `parts` must be held, or they move
+    refused         in a set that bars every order: a part of `parts` must be held, or they move
+    finished falls  the finished assembly does not hold, so no order exists
     falls alone     a part that no order without holds reaches
-    locked          a part that those present let move nowhere, by its `multipliers`
+    locked          the other present parts lock a part, proved by `multipliers`
 
-`kilter.analysis.planning.order.order_check` judges it again.
+`kilter.analysis.planning.order.order_check` verifies it.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from kilter.mechanics.bundle import make_bundle
 __all__ = ["order_proof"]
 
 Stated = tuple[dict[str, Any], State, States]
-"""What a proof is about, its state, and the states that it is one of."""
+"""Subject of a proof, its state, and the states to which it belongs."""
 
 
 def order_proof(
@@ -46,23 +46,24 @@ def order_proof(
     rules: Mapping[str, Any],
     options: Mapping[str, Any],
 ) -> dict[str, Any]:
-    """The proofs of a plan in one file.
+    """Return the proofs of a plan as the data of a file.
 
     Parameters
     ----------
     states : States
     whole : State
-        The finished assembly.
+        State of the finished assembly.
     steps : sequence of Step
-        Empty where there is none.
+        Steps of the order; empty without an order.
     falling : sequence of State
-        Each part that no order without holds reaches, alone free on all that are reached.
+        States of the parts that no order without holds reaches, each alone free on the reached
+        parts.
     locked : sequence of Locked
-        Parts that lock one another.
+        Parts that lock each other.
     refused : sequence of Holds
-        Sets that need more held than may be, and bar every order.
+        Sets that need more holds than allowed and bar every order.
     rules, options : mapping
-        What the order keeps to; how the file is read.
+        Rules that the order keeps; options with which the file is read.
     """
     names, proofs = states.assembly.names, []
     stated = _of_steps(states, whole, steps) if steps else []
@@ -100,6 +101,7 @@ def order_proof(
 
 
 def _of_steps(states: States, whole: State, steps: Sequence[Step]) -> list[Stated]:
+    """Return the subjects and states of the proofs of an order."""
     names = states.assembly.names
     stated: list[Stated] = [({"about": "whole"}, whole, states)]
     for number, step in enumerate(steps, 1):
@@ -118,7 +120,7 @@ def _of_steps(states: States, whole: State, steps: Sequence[Step]) -> list[State
 
 
 def _names(names: Sequence[str], cut: Cut[State]) -> list[str]:
-    return [name for name, one in zip(names, cut.parts, strict=True) if one]
+    return [name for name, moves in zip(names, cut.parts, strict=True) if moves]
 
 
 def _step(step: Step) -> dict[str, Any]:

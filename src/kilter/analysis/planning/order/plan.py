@@ -1,12 +1,12 @@
-"""In which order can it be put together, what must be held, and why not with less?
+"""Plan of an assembly: order of insertion, held parts, and proof that fewer holds fail.
 
-An order is found backwards (`kilter.analysis.planning.order.search`); each of its steps is a state
-with forces that hold it while the next part comes in (`kilter.analysis.planning.states.states`),
-and a way in that nothing stops (`kilter.analysis.planning.order.removal`). With nothing held, that
-there is no order along any paths may be proved (`kilter.analysis.planning.order.closure`); with any
-number held, where parts lock one another (`kilter.analysis.planning.order.locking`); with so many
-held, where states that need more bar every order (`kilter.analysis.planning.order.exhaustion`).
-Else "none found" says what was tried, and proves nothing.
+The order is found backwards (`kilter.analysis.planning.order.search`). Each step has a state that
+contact forces hold while the next part comes in (`kilter.analysis.planning.states.states`), and a
+free path (`kilter.analysis.planning.order.removal`). Three proofs of impossibility hold for any
+paths. Without holds, some parts cannot stand (`kilter.analysis.planning.order.closure`). For any
+holds, parts lock each other (`kilter.analysis.planning.order.locking`). For a given number of
+holds, the states that need more bar every order (`kilter.analysis.planning.order.exhaustion`).
+Without such a proof, the answer "none found" covers only the tried paths.
 """
 
 from __future__ import annotations
@@ -46,9 +46,9 @@ from kilter.work import EFFORT, Work, units_of
 __all__ = ["plan"]
 
 MOST_HELD = 2
-"""Parts held at once that are tried, one more after the other, where no number is given."""
+"""Default of the largest number of parts held at once."""
 SEARCH = 40.0
-"""Work of the search of an order over that of an effort [-]."""
+"""Work of the search of an order, relative to the work of an effort [-]."""
 
 
 @on_one_thread
@@ -73,51 +73,50 @@ def plan(
     tolerance: Tolerance | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Order:
-    """An order in which an assembly can be put together, part by part, each step proved.
+    """Find an order in which an assembly can be put together, with a proof of each step.
 
     Parameters
     ----------
     assembly : Assembly
-        Whole, at least one part of it held: the base, which is there from the start.
+        Finished assembly with at least one grounded part; the grounded parts are the base.
     hold : int, optional
-        Most parts held at once, beside the one that moves; the fewest up to 2 where not given.
+        Largest number of parts held at once, without the moved part; by default up to 2.
     directions : sequence of "axes", "normals" or array_like, shape (3,)
-        Along which parts are moved, in the order in which they are tried; world frame.
+        Directions of motion in the world frame, in the order in which they are tried.
     before : iterable of pairs of str
-        The parts that match the first are put in before those that match the second.
+        Pairs of patterns; parts of the first are inserted before parts of the second.
     never_hold : str or iterable of str
         Parts that must not be held.
     screws : iterable of pairs of str
         Bolts and nuts: a bolt stays while its nut is on, a nut comes off along its axis.
     groups : iterable of str or of iterables of str
-        Parts that match one of them move as one. What holds them to one another on their way is
-        not asked; once they are in place, each stands by itself.
+        Groups of parts that move together. Nothing is assumed to join the parts of a group once
+        they are in place; their connection on the path is not analysed.
     together : bool
-        Whether parts that stop one another may move as one where none leaves alone.
+        Whether parts that block each other may move together if no part can leave alone.
     fewest : {"holds", "held-steps", "turns"}
-        What there is to be least of: parts held at once, steps during which a part is held, or
-        turns between steps; the last implies `turn`.
+        Quantity to be minimized: parts held at once, steps during which a part is held, or turns
+        between steps. "turns" implies `turn`.
     sequence : iterable of str or of iterables of str, optional
-        An order to judge step by step, in place of a search; several names at once move as one.
+        Order to judge instead of a search; the parts of an entry with several names move together.
     press : float
-        Force with which each part is pressed along the last piece of its way, once in place [N].
+        Force that presses each seated part along the last leg of its path [N].
     turn : bool
-        Whether what stands may be turned between two steps, the base and all. Not together with
-        `press`, `together`, a `sequence` or the fewest held steps.
+        Whether the standing parts, base included, may be turned between steps. Cannot be combined
+        with `press`, `together`, `sequence`, loads or the fewest held steps.
     require : {"equilibrium", "settles", "proved"}
-        The level that `Order.holds` asks of every step; the search is at "equilibrium".
+        Level that `Order.holds` requires of every step; the search uses "equilibrium".
     effort : float
-        Work that the search may take, counted and not timed: 1 usual, each further one ten times
-        more.
+        Limit of the counted work of the search: 1 is usual, each further unit means ten times more.
     time_limit, contacts, tolerance, progress
-        As of `kilter.check`.
+        Same as in `kilter.check`.
 
     Raises
     ------
     InputError
-        If nothing or everything is grounded, the whole does not hold, a name matches nothing,
-        the precedence goes round in a circle, no thread joins the parts of a screw, a part is in
-        two groups, or the sequence does not name each part once.
+        If no part or every part is grounded, the whole does not hold, a name matches no part,
+        the precedence has a cycle, no thread joins the parts of a screw, a part is in
+        two groups, or the sequence does not name each part exactly once.
 
     Examples
     --------
@@ -228,7 +227,7 @@ def plan(
 
 
 def _least(searched: Searched, falling: int) -> str | None:
-    """How surely nothing has less than the order that was found."""
+    """Return the scope of the proof that the found order has the minimum, or None."""
     if searched.order is None:
         return None
     if searched.least == 0 or (searched.least == 1 and falling > 1):
@@ -237,13 +236,14 @@ def _least(searched: Searched, falling: int) -> str | None:
 
 
 def _whole_number(hold: int) -> int:
+    """Return `hold` if it is a whole number of at least 0; raise InputError otherwise."""
     if isinstance(hold, bool) or not isinstance(hold, int | np.integer) or hold < 0:
         raise InputError(f"hold is {hold!r:.40}", hint="give a whole number, 0 or more")
     return int(hold)
 
 
 def _whole_state(found: States) -> State:
-    """The state of the finished assembly with only its grounded parts held."""
+    """Return the state of the finished assembly with only its grounded parts held."""
     assembly = found.assembly
     grounded = assembly.geometry.grounded
     if grounded.all():
@@ -252,5 +252,7 @@ def _whole_state(found: States) -> State:
 
 
 def _names(assembly: Assembly, *sets: int) -> tuple[str, ...]:
-    """The parts of some sets, set by set."""
-    return tuple(assembly.names[k] for one in sets for k in members(one, len(assembly)).tolist())
+    """Return the names of the parts of bit sets, set by set."""
+    return tuple(
+        assembly.names[k] for parts in sets for k in members(parts, len(assembly)).tolist()
+    )

@@ -1,15 +1,16 @@
-"""Ways out for parts that move as one: straight lines, or two, that nothing present stops.
+"""Free paths out of an assembly for parts that move together: a straight leg, or two legs.
 
-Directions are tried in one order: those that were asked for, the axes (upwards first), then for
-each part those that its contacts suggest: away from all that it touches, and along each of its
-normals. A direction that presses against a contact is left out before any sweep. Of several parts
-that move as one, contacts among themselves do not count, and any of them may be stopped.
+Directions are tried in this order: given vectors, the axes (upwards first), then for each part the
+directions that its contacts suggest: away from all touched parts, and along each contact normal.
+A direction that presses against a contact is skipped before any collision test. Contacts between
+parts that move together do not count; the path must be free for each of them.
 
-A way of two legs goes along d1 to where a corner comes level with another, or half way between
-two such places, and leaves along d2. (All places where what stops d2 changes are of that kind.)
+A path of two legs follows d1 up to a point at which two corners are level, or to the midpoint
+between two such points, and leaves along d2. (The set of parts that block d2 changes only at such
+points.)
 
-A bolt stays while its nut is on, and the nut comes off along its axis alone, over the thread; with
-other parts it does not turn.
+A bolt stays while its nut is on. The nut comes off along its axis only, over the thread, and not
+together with other parts.
 """
 
 from __future__ import annotations
@@ -30,14 +31,14 @@ from kilter.rigid import unit
 __all__ = ["Direction", "Leg", "Removal", "Screw"]
 
 NORMALS = 12
-"""Normals of a part's contacts that are tried as directions."""
+"""Largest number of contact normals of a part that are tried as directions."""
 PLACES = 200
-"""Places at which a way may turn that are tried for each direction."""
+"""Largest number of turning points of a path that are tried for each direction."""
 
 
 @dataclass(frozen=True, slots=True)
 class Leg:
-    """A straight piece of a way out: unit direction, world frame, and length [length unit]."""
+    """Straight leg of a path: unit direction in the world frame and length [length unit]."""
 
     direction: Direction
     length: float
@@ -45,7 +46,7 @@ class Leg:
 
 @dataclass(frozen=True, slots=True)
 class Screw:
-    """A nut on a bolt, by position, and the axis along which it comes off (unit)."""
+    """Indices of a bolt and its nut, and the axis along which the nut comes off (unit)."""
 
     bolt: int
     nut: int
@@ -53,13 +54,13 @@ class Screw:
 
 
 class Removal:
-    """Ways out of the parts of an assembly.
+    """Search of free paths out of an assembly for its parts.
 
     Parameters
     ----------
     contacts : ContactSet
     directions : sequence of "axes", "normals" or array_like, shape (3,)
-        What is tried, in this order; vectors need not be unit.
+        Directions in the order in which they are tried; vectors need not be unit vectors.
     screws : sequence of Screw
 
     Attributes
@@ -70,7 +71,7 @@ class Removal:
     Raises
     ------
     InputError
-        If a direction is none.
+        If a direction is invalid or missing.
     """
 
     def __init__(
@@ -96,12 +97,13 @@ class Removal:
         self.screws = list(screws)
 
     def way_out(self, moved: int, present: int, *, legs: int = 1) -> tuple[Leg, ...] | None:
-        """A way out of parts past those of a set, of so many legs; None where none was found.
+        """Return a free path of `legs` legs for parts out of a set, or None if none was found.
 
         Parameters
         ----------
         moved, present : int
-            Sets, as of `kilter.analysis.planning.states.part_sets`; what is moved moves as one.
+            Bit sets (`kilter.analysis.planning.states.part_sets`) of the parts that move together,
+        and of all present parts.
         legs : {1, 2}
         """
         others = present & ~moved
@@ -122,55 +124,56 @@ class Removal:
         return self._by_two_legs(moved, others, directions)
 
     def stopping(self, moved: int, present: int, direction: Direction) -> int:
-        """All parts of a set that stop some parts along a direction."""
+        """Return the bit set of the present parts that block the moved parts along a direction."""
         others = self._members(present & ~moved)
         parts = self._members(moved)
         stop = self.sweeps.stops
         return sum(1 << k for k in others if any(stop(p, 1 << k, direction) for p in parts))
 
     def lets_go(self, moved: int, present: int) -> bool:
-        """Whether no contact presses along one of the directions that are tried."""
+        """Whether a tried direction exists along which no contact presses."""
         others = present & ~moved
         over = any(1 << s.nut == moved and others >> s.bolt & 1 for s in self.screws)
         return over or bool(self._unpressed(moved, others, self.directions(moved)))
 
     @property
     def threads(self) -> frozenset[tuple[int, int]]:
-        """Bolts and nuts, by position."""
-        return frozenset((one.bolt, one.nut) for one in self.screws)
+        """Pairs of indices of bolt and nut."""
+        return frozenset((screw.bolt, screw.nut) for screw in self.screws)
 
     def over(self, moved: int, present: Mask) -> int | None:
-        """The bolt that a nut comes off, of the parts present; None where it is on none."""
-        on = (one.bolt for one in self.screws if 1 << one.nut == moved and present[one.bolt])
+        """Return the index of the present bolt that carries the moved nut, or None."""
+        on = (s.bolt for s in self.screws if 1 << s.nut == moved and present[s.bolt])
         return next(on, None)
 
     def touching(
         self, moved: int, present: Mask, direction: Direction
     ) -> tuple[list[int], list[int]]:
-        """Present parts that some parts touch, and those that they slide along in a direction."""
+        """Return the present parts that moved parts touch, and those along which they slide."""
         other, normals = self._touched(moved)
         here = present[other]
         slides = here & (np.abs(normals @ np.array(direction)) <= self._angle)
         return np.unique(other[here]).tolist(), np.unique(other[slides]).tolist()
 
     def directions(self, moved: int) -> list[Direction]:
-        """Directions that are tried for parts that move as one, in their order."""
+        """Return the directions to try for parts that move together, in order."""
         if moved not in self._known:
-            found: list[Direction] = []
-            for one in self._given:
-                if not isinstance(one, str):
-                    found.append(one)
+            directions: list[Direction] = []
+            for entry in self._given:
+                if not isinstance(entry, str):
+                    directions.append(entry)
                 else:
-                    found += self._axes() if one == "axes" else self._normals(moved)
-            self._known[moved] = list(dict.fromkeys(found))
+                    directions += self._axes() if entry == "axes" else self._normals(moved)
+            self._known[moved] = list(dict.fromkeys(directions))
         return self._known[moved]
 
     def _members(self, parts: int) -> list[int]:
-        found: list[int] = members(parts, len(self._touching)).tolist()
-        return found
+        """Return the indices of the parts of a bit set."""
+        indices: list[int] = members(parts, len(self._touching)).tolist()
+        return indices
 
     def _touched(self, moved: int) -> tuple[Index, Array]:
-        """The part of each contact point of some parts with another, and the normal towards it."""
+        """Return the other part of each contact point of moved parts, and the normal towards it."""
         if not moved & (moved - 1):
             return self._touching[moved.bit_length() - 1]
         parts = self._members(moved)
@@ -180,21 +183,22 @@ class Removal:
         return other[outside], normals[outside]
 
     def _axes(self) -> list[Direction]:
+        """Return the six axis directions, the most upward direction first."""
         axes = [_direction(sign * axis) for sign in (1.0, -1.0) for axis in np.eye(3)]
         return sorted(axes, key=lambda d: -round(float(np.array(d) @ self._up), 9))
 
     def _normals(self, moved: int) -> list[Direction]:
-        """Away from all that is touched, then along each normal away from a part."""
+        """Return the mean direction away from all touched parts, then each single normal."""
         away = -self._touched(moved)[1]
         away = away[np.sort(np.unique(away.round(9), axis=0, return_index=True)[1])]
         mean = away.sum(axis=0)
-        found = [mean] if np.linalg.norm(mean) > self._angle else []
-        return [_direction(one) for one in [*found, *away[:NORMALS]]]
+        first = [mean] if np.linalg.norm(mean) > self._angle else []
+        return [_direction(vector) for vector in [*first, *away[:NORMALS]]]
 
     def _unpressed(
         self, moved: int, others: int, directions: Iterable[Direction]
     ) -> list[Direction]:
-        """Directions that press against no contact with a part of a set."""
+        """Return the directions that do not press against a contact with the other parts."""
         other, normals = self._touched(moved)
         here = np.isin(other, self._members(others))
         most = self._angle
@@ -203,6 +207,7 @@ class Removal:
     def _by_two_legs(
         self, moved: int, others: int, directions: list[Direction]
     ) -> tuple[Leg, ...] | None:
+        """Return a free path of two legs past the other parts, or None if none was found."""
         parts, rest = self._members(moved), self._members(others)
         pairs = [(part, other) for part in parts for other in rest]
         for first in self._unpressed(moved, others, directions):
@@ -218,13 +223,13 @@ class Removal:
         return None
 
     def _places(self, parts: list[int], others: list[int], direction: Direction) -> list[float]:
-        """Lengths of a first leg: where corners come level, and half way between, ascending."""
+        """Return lengths of the first leg that bring corners level, and midpoints, ascending."""
         if not others:
             return []
         g, along, sweeps = self._geometry, np.array(direction), self.sweeps
 
-        def heights(some: list[int]) -> Array:
-            corners = np.concatenate([g.corners_of(k).reshape(-1, 3) for k in some])
+        def heights(group: list[int]) -> Array:
+            corners = np.concatenate([g.corners_of(k).reshape(-1, 3) for k in group])
             return np.unique((corners @ along).round(9))
 
         level = np.unique(heights(others)[:, None] - heights(parts)[None])
@@ -232,26 +237,27 @@ class Removal:
         least = min(sweeps.tolerance(part, part) for part in parts)
         level = level[np.diff(level, prepend=0.0) > least]
         both = np.sort(np.concatenate([level, (level[1:] + level[:-1]) / 2]))
-        return [float(one) for one in both[:PLACES]]
+        return [float(length) for length in both[:PLACES]]
 
 
 SUGGESTED = ("axes", "normals")
-"""Directions by name."""
+"""Names of the suggested groups of directions."""
 
 
 def _direction(vector: ArrayLike) -> Direction:
-    """A unit vector as a key: no minus zero."""
+    """Return the unit vector of a direction as a key, rounded and without negative zeros."""
     x, y, z = (unit(np.asarray(vector, dtype=np.float64), "direction") + 0.0).round(12) + 0.0
     return float(x), float(y), float(z)
 
 
 def _negative(direction: Direction) -> Direction:
-    x, y, z = (0.0 - one for one in direction)
+    """Return the opposite direction without negative zeros."""
+    x, y, z = (0.0 - component for component in direction)
     return x, y, z
 
 
 def _touching(contacts: ContactSet) -> list[tuple[Index, Array]]:
-    """Of each part, the other part of each of its contact points, and the normal towards it."""
+    """Return for each part the other parts at its contact points and the normals towards them."""
     a, b = contacts.patch_parts[contacts.point_patch].T
     part, other = np.concatenate([a, b]), np.concatenate([b, a])
     normal = np.concatenate([contacts.normals, -contacts.normals])

@@ -1,10 +1,10 @@
-"""Parts that move only as one: what stops one another, along one direction.
+"""Parts that block each other along a direction and can only move together.
 
-Along d, let u -> v where v stops u. What leaves along d has to take with it all that stops any of
-it, so the sets that can leave are those that no arrow leaves. The least of them are the strongly
-connected components without an arrow outwards: from u, follow all arrows; what is reached is such
-a component where from each of its members the same is reached. One of a single member leaves by
-itself; one that reaches a grounded part does not leave.
+For a direction d, let u -> v if v blocks u. A set that leaves along d must contain all parts that
+block its members, so no arrow may leave it. The smallest such sets are the strongly connected
+components without an outgoing arrow. Let R(u) be all units reached from u: it is such a component
+if R(v) = R(u) for each v in it. A component with a single member leaves alone. A component
+that reaches a grounded part cannot leave.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ __all__ = ["blocked_together", "units_of_groups"]
 
 
 def units_of_groups(assembly: Assembly, groups: Iterable[str | Iterable[str]]) -> list[int]:
-    """Sets of parts that move as one: each group, and every other part that is not grounded.
+    """Return the units (bit sets of parts that move together): groups and all other free parts.
 
     Parameters
     ----------
     assembly : Assembly
     groups : iterable of str or of iterables of str
-        Names; ``*`` and ``?`` are globs.
+        Names or glob patterns with ``*`` and ``?``.
 
     Raises
     ------
     InputError
-        If a pattern matches no part, a group has a grounded part, or two have one in common.
+        If a pattern matches no part, a group has a grounded part, or two groups share a part.
     """
     units, seen = [], 0
     grounded = assembly.geometry.grounded
@@ -58,33 +58,33 @@ def units_of_groups(assembly: Assembly, groups: Iterable[str | Iterable[str]]) -
 def blocked_together(
     removal: Removal, units: Sequence[int], present: int, base: int
 ) -> list[tuple[int, Direction]]:
-    """Sets of several units that leave along a direction as one and no part of them alone.
+    """Return sets of units that can leave along a direction together, but not separately.
 
     Parameters
     ----------
     removal : Removal
     units : sequence of int
-        Sets of parts that move as one anyway, all present.
+        Bit sets of parts that always move together, all present.
     present, base : int
-        Parts that are present; grounded ones.
+        Bit sets of the present parts and of the grounded parts.
 
     Returns
     -------
     list of (int, direction)
-        The fewest parts first.
+        Bit set of moved parts and direction, the fewest parts first.
     """
-    directions = list(dict.fromkeys(one for unit in units for one in removal.directions(unit)))
-    found: dict[int, Direction] = {}
+    directions = list(dict.fromkeys(d for unit in units for d in removal.directions(unit)))
+    moves: dict[int, Direction] = {}
     for direction in directions:
         for moved in _components(removal, units, present, base, direction):
-            found.setdefault(moved, direction)
-    return sorted(found.items(), key=lambda one: (one[0].bit_count(), one[0]))
+            moves.setdefault(moved, direction)
+    return sorted(moves.items(), key=lambda move: (move[0].bit_count(), move[0]))
 
 
 def _components(
     removal: Removal, units: Sequence[int], present: int, base: int, direction: Direction
 ) -> list[int]:
-    """Components of several units without an arrow outwards, along one direction."""
+    """Return the components of several units without an outgoing arrow, for a direction."""
     size = present.bit_length()
     unit_of = {part: unit for unit in units for part in members(unit, size).tolist()}
     stops: dict[int, int] = {}

@@ -1,23 +1,23 @@
-"""An order in which what stands may be turned between two steps, the base and all.
+"""Search of an order in which the standing parts, base included, may be turned between steps.
 
 With the parts S present, H of them held, the directions of gravity g that forces hold,
 
     C(S, H) = { g : J^T f + m g = 0, f in the cones }
 
-are a convex cone. So while it turns slowly from g1 to g2, both in C and not opposite, along the
-great arc between them, forces of equilibrium exist at every instant. (With friction no more is
-claimed than that they exist.) The steps made in one position, a run, need one g in the C of every
-state of it; a turn needs the state between in the C of both. One linear program asks whether some
-states have a g in common, friction by inner pyramids: its unknowns are g and the forces of each.
+form a convex cone. Let g1 and g2 be in C and not opposite. During a slow turn from g1 to g2 along
+the great arc between them, equilibrium forces exist at every instant. (With friction, only their
+existence is claimed.) A run is a sequence of steps in one position; it needs one g in the C of each
+of its states. The state at a turn needs both directions in its C. A linear program finds a common g
+of several states; its unknowns are g and the forces of each state, with inner friction pyramids.
 
-The search goes backwards, as that of `kilter.analysis.planning.order.search`. The finished
-assembly, and the run before it, have the file's direction. A part leaves, in this order: what stays
-holds as it is; the run, but for the first, has another g in common with it; or a new run begins
-with a turn. Holds and turns allowed are raised one by one: turns first for the fewest holds, holds
-first for the fewest turns. Without a turn every state has the file's direction, so that search
-leaves out no order along the ways tried: where it ends with none, one turn is the fewest. With
-turns only one direction is tried of the many that a run may have: whether two or more are the
-fewest is open.
+The search proceeds backwards, like `kilter.analysis.planning.order.search`. The finished assembly
+and the last run have the direction of the file. The search tries for each removal, in this order:
+the remaining parts hold under the same g; the run, except the last one, has another common g with
+them; a new run begins with a turn. The allowed holds and turns increase step by step: turns first
+for the fewest holds, holds first for the fewest turns. Without a turn the search is complete for
+the tried paths, since every state has the direction of the file. So if it fails, an order with a
+single turn has the fewest turns. With turns the search tries only a single direction for each run,
+so a minimum of two or more turns is not proved.
 """
 
 from __future__ import annotations
@@ -44,20 +44,20 @@ from kilter.solvers.problem import LinearProgram
 __all__ = ["OPPOSITE", "TurningSearch", "common_down", "find_with_turns"]
 
 MOST_TURNS = 3
-"""Turns up to which an order is sought."""
+"""Largest number of turns of an order that the search tries."""
 SIDES = 8
-"""Rays of each pyramid of friction, where a common direction is sought."""
+"""Rays of each friction pyramid in the program of a common direction."""
 SMALL = 1e-6
-"""Of a common direction that is none, in a box of 1 to each side."""
+"""Length below which a common direction counts as zero; components are at most 1 [-]."""
 OPPOSITE = 1e-6
-"""Two directions with a sum below this are opposite: between them lies no one arc."""
+"""Unit directions whose sum is shorter than this are opposite; the arc is not unique [-]."""
 
 Direction = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Run:
-    """States that have a direction in common: sets that are present and held; turns before it."""
+    """States (bit sets of present and held parts) with a common direction; number of the run."""
 
     down: Direction
     states: tuple[tuple[int, int], ...]
@@ -65,18 +65,18 @@ class _Run:
 
     @property
     def first(self) -> bool:
-        """Whether it is the run of the finished assembly."""
+        """Whether this is the run of the finished assembly."""
         return self.number == 0
 
 
 @dataclass(slots=True)
 class TurningSearch:
-    """The search of an order with turns.
+    """Search of an order with turns between steps.
 
     Attributes
     ----------
     search : OrderSearch
-        What may leave, and how; its states are those of the file's direction.
+        Search of removals; its states have the direction of the file.
     """
 
     search: OrderSearch
@@ -84,7 +84,7 @@ class TurningSearch:
     _common: dict[tuple[tuple[int, int], ...], Direction | None] = field(default_factory=dict)
 
     def states(self, down: Direction) -> States:
-        """The states of the assembly under a direction of gravity."""
+        """Return the states of the assembly under a direction of gravity."""
         if down not in self._states:
             own = self.search.states
             turned = States(own.assembly.with_down(down), own.contacts)
@@ -92,10 +92,10 @@ class TurningSearch:
         return self._states[down]
 
     def find(self, most: int, fewest: str) -> list[Removed] | None:
-        """The removals of an order, the last step first; None where none was found."""
+        """Return the removals of an order, the last step first, or None if no order was found."""
         allowed = list(product(range(most + 1), range(MOST_TURNS + 1)))
         if fewest == "turns":
-            allowed.sort(key=lambda one: one[1])
+            allowed.sort(key=lambda limits: limits[1])
         for hold, turns in allowed:
             self.search.work.stage(f"an order with {hold} held, {turns} turns")
             found = self._find(hold, turns)
@@ -104,10 +104,12 @@ class TurningSearch:
         return None
 
     def _own(self) -> Direction:
+        """Return the direction of gravity of the file (unit)."""
         x, y, z = self.search.states.assembly.down.tolist()
         return x, y, z
 
     def _find(self, hold: int, turns: int) -> list[Removed] | None:
+        """Return the removals of an order within both limits, or None."""
         search, start = self.search, _Run(self._own(), ((self.search.whole, 0),))
         order: list[Removed] = []
         dead: set[tuple[int, int, Direction]] = set()
@@ -142,7 +144,7 @@ class TurningSearch:
         return None
 
     def _settled(self, order: list[Removed], runs: list[_Run]) -> list[Removed]:
-        """The removals, each under the direction that its run has in the end."""
+        """Return the removals with their states under the final direction of their run."""
         downs = {run.number: run.down for run in runs}
         settled = []
         for one, run in zip(order, runs, strict=True):
@@ -159,7 +161,7 @@ class TurningSearch:
     def _removals(
         self, present: int, run: _Run, turns: int, hold: int
     ) -> Iterator[tuple[Removed, _Run, int]]:
-        """What may leave, the run that it belongs to, and turns that are left."""
+        """Yield the possible removals, each with its run and the number of turns left."""
         search = self.search
         search.visited += 1
         free = list(search.ways(present))
@@ -182,6 +184,7 @@ class TurningSearch:
         turns: int,
         between: State | None = None,
     ) -> tuple[Removed, _Run, int]:
+        """Return a removal, its run extended by the new state, and the number of turns left."""
         parts = tuple(members(moved, len(self.search.after)).tolist())
         turned = None if run.first else self.states(run.down)
         removed = Removed(parts, legs, state, turned=turned, between=between)
@@ -192,7 +195,7 @@ class TurningSearch:
     def _other(
         self, moved: int, legs: tuple[Leg, ...], present: int, run: _Run, turns: int
     ) -> Iterator[tuple[Removed, _Run, int]]:
-        """A removal in the run with another direction, where all of it has one in common."""
+        """Yield a removal in the same run if its states and the new state have another common g."""
         rest = present & ~moved
         down = self._down((*run.states, (rest, 0)))
         if down is not None and down != run.down:
@@ -202,7 +205,7 @@ class TurningSearch:
     def _turned(
         self, moved: int, legs: tuple[Leg, ...], present: int, run: _Run, turns: int
     ) -> Iterator[tuple[Removed, _Run, int]]:
-        """A removal before which all is turned."""
+        """Yield a removal with a turn, which begins a new run."""
         key = next(one for one in reversed(run.states) if one[0] == present)
         rest = present & ~moved
         down = self._down((key, (rest, 0)))
@@ -216,10 +219,11 @@ class TurningSearch:
         )
 
     def _mask(self, parts: int) -> Mask:
+        """Return the mask of a bit set of parts, shape (N,)."""
         return mask_of(parts, len(self.search.states.assembly))
 
     def _held(self, down: Direction, rest: int, hold: int) -> State | None:
-        """A state with the fewest parts held under a direction, none above `hold`."""
+        """Return the state with the fewest held parts under a direction, or None above `hold`."""
         states = self.states(down)
         self.search.work.charge(PROGRAM * (FEW + rest.bit_count()))
         state = states.judge(self._mask(rest), self._mask(0))
@@ -228,7 +232,7 @@ class TurningSearch:
         return states.holds_of(self._mask(rest), self.search.holdable, most=hold).state
 
     def _down(self, keys: tuple[tuple[int, int], ...]) -> Direction | None:
-        """A direction under which all of some states hold, that is certified; None: none found."""
+        """Return a direction under which all given states are proved to hold, or None."""
         if keys not in self._common:
             own = self.search.states
             masks = [(self._mask(there), self._mask(held)) for there, held in keys]
@@ -242,9 +246,10 @@ class TurningSearch:
 
 
 def common_down(programs: Sequence[Program]) -> Direction | None:
-    """A direction of gravity under which some states may hold; None where none was found.
+    """Return a direction of gravity (unit) under which all programs may be feasible, or None.
 
-    It lies well inside those that they have in common: the sum of the farthest along each axis.
+    The direction is interior to the common cone: the normalized sum of its extreme points along
+    each axis.
     """
     from kilter.solvers.highs import solve_linear
 
@@ -280,15 +285,15 @@ def common_down(programs: Sequence[Program]) -> Direction | None:
 
 
 def find_with_turns(search: OrderSearch, most: int, fewest: str) -> Searched:
-    """The order with the fewest holds and for these the fewest turns, or the other way round.
+    """Find the order with the fewest holds and then the fewest turns, or vice versa.
 
     Parameters
     ----------
     search : OrderSearch
     most : int
-        Most parts held at once.
+        Largest number of parts held at once.
     fewest : {"holds", "turns"}
-        What there is to be least of first.
+        Quantity to be minimized first.
     """
     try:
         order = TurningSearch(search).find(most, fewest)
