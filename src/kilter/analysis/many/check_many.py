@@ -1,9 +1,9 @@
-"""Problem 1 for many small assemblies: the verdicts of `check`, ten times as many a second.
+"""Verdicts of `check` for many small assemblies, about ten times as many per second.
 
-Hundreds are laid side by side: contacts are found of all parts at once, the programs solved one
-after the other by one kept solver, the proofs judged in arrays
-(`kilter.analysis.many.decided_together`).
-What friction, joints, loads, round faces or open pairs make harder is for `check`, one by one.
+Hundreds of assemblies are processed together (`kilter.analysis.many.decided_together`): contacts
+are detected for all parts at once, a warm solver solves the programs in sequence, and the proofs
+are verified in arrays. Assemblies with joints, loads, round faces, undecided friction or open pairs
+are left to `check`.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ from kilter.work import EFFORT
 __all__ = ["check_many"]
 
 AT_ONCE = 300
-"""Assemblies side by side."""
+"""Number of assemblies that are processed together."""
 SMALL = 100
-"""Parts up to which an assembly is laid beside others."""
+"""Largest number of parts of an assembly that is processed together with others."""
 
 
 @on_one_thread
@@ -48,30 +48,31 @@ def check_many(
     proofs: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Verdicts:
-    """Which of many assemblies stay together under gravity?
+    """Decide for each of many assemblies whether it stays together under gravity.
 
-    Verdicts, levels and words are those of `check`, one by one. An assembly that `check` refuses
-    is no error here: its verdict is "error", and `Verdicts.errors` says why.
+    Verdicts and levels are the same as those of `check`. If `check` rejects an assembly, its
+    verdict is "error", and `Verdicts.errors` has the reason.
 
     Parameters
     ----------
     assemblies : iterable of Assembly, or AssemblyArrays
-        Each with its own gravity, friction, units and size. From arrays no part is ever made.
+        Assemblies, each with its own gravity, friction, units and size. `AssemblyArrays` avoid the
+        construction of part objects.
     tolerance : Tolerance, optional
-        When faces count as touching, in all of them.
+        Tolerance within which faces count as touching, for all assemblies.
     require : {"equilibrium", "settles", "proved", "strict"}
-        The level at which `Verdicts.stable` is true.
+        Level that `Verdicts.stable` requires.
     effort, time_limit : float
-        Of what is asked by `check`, each by itself.
+        Limits for each assembly that `check` decides alone.
     proofs : bool
-        Keep every proof, about 10 kB each, for `Verdicts.certificate`.
+        Whether to store every proof, about 10 kB each, for `Verdicts.certificate`.
     progress : callable, optional
-        Called with how many are done, and of how many, every few hundred.
+        Function called with the number of finished assemblies and the total.
 
     Raises
     ------
     InputError
-        If the tolerance or an option is none, or one of `assemblies` is no assembly.
+        If the tolerance or an option is invalid, or an element of `assemblies` is no Assembly.
 
     Examples
     --------
@@ -109,11 +110,12 @@ def check_many(
 
 
 def _listed(assemblies: Iterable[Assembly]) -> tuple[Assembly, ...]:
+    """Return the assemblies as a tuple; raise InputError for any other object."""
     listed = tuple(assemblies)
-    for k, one in enumerate(listed):
-        if not isinstance(one, Assembly):
+    for k, assembly in enumerate(listed):
+        if not isinstance(assembly, Assembly):
             raise InputError(
-                f"assembly {k} is of type {type(one).__name__}",
+                f"assembly {k} is of type {type(assembly).__name__}",
                 hint="give assemblies, as kilter.load or kilter.Assembly makes them",
             )
     return listed
@@ -122,7 +124,7 @@ def _listed(assemblies: Iterable[Assembly]) -> tuple[Assembly, ...]:
 def _together(
     given: Sequence[Assembly] | AssemblyArrays, first: int, last: int, tolerance: Tolerance
 ) -> Iterable[tuple[Index, Together]]:
-    """Which assemblies were asked side by side, and what was found."""
+    """Yield the indices of assemblies that were processed together, and their results."""
     if isinstance(given, AssemblyArrays):
         apart, which = arrays_side_by_side(given.among(np.arange(first, last)))
         if apart is not None:
@@ -141,7 +143,7 @@ def _together(
 
 
 def _plain(assembly: Assembly) -> bool:
-    """Small, of flat faces, held somewhere, with nothing beside detected contacts."""
+    """Whether an assembly is small, flat-faced and grounded, with detected contacts only."""
     beside = assembly.contacts or assembly.joints or assembly.loads or assembly.bonds
     if (
         beside
@@ -160,7 +162,7 @@ def _rough(assembly: Assembly) -> bool:
 def _side_by_side(
     given: Sequence[Assembly], chosen: list[int]
 ) -> tuple[SideBySide | None, list[int]]:
-    """Those of flat and closed parts side by side, and which they are."""
+    """Return the assemblies of flat, closed parts for joint processing, and their indices."""
     try:
         apart = side_by_side([given[k] for k in chosen])
     except InputError:
@@ -182,7 +184,7 @@ def _has_geometry(assembly: Assembly) -> bool:
 
 
 def _alone(given: Sequence[Assembly] | AssemblyArrays, k: int, options: dict[str, Any]) -> Row:
-    """The verdict of `check`, or why there is none."""
+    """Return the row of the verdict of `check`, or of its error."""
     try:
         return Row.of_verdict(check(given[k], **options))
     except KilterError as error:

@@ -1,8 +1,8 @@
-"""Verdicts of assemblies side by side, where forces or a motion without friction settle them.
+"""Joint verdicts of many assemblies by frictionless forces or motions.
 
-The order is that of `check`: forces of equilibrium prove stable whatever the friction; a motion
-that nothing stops, open pairs and degenerate contacts counted as if they held by any force,
-proves unstable where there is no friction. What is left over is for `check`.
+The methods follow the order of `check`. Equilibrium forces without friction prove stability for
+any friction. A motion that no contact stops proves instability if there is no friction; open pairs
+and degenerate contacts then count as contacts with any force. Other assemblies are left to `check`.
 """
 
 from __future__ import annotations
@@ -28,16 +28,17 @@ __all__ = ["Together", "decide_together"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Together:
-    """What is proved of M assemblies side by side.
+    """Proofs of M assemblies that were processed together.
 
     Attributes
     ----------
     stable, unstable : ndarray of bool, shape (M,)
-        None of the two: it is for `check`.
+        Whether an assembly is proved stable or unstable; if neither, `check` must decide.
     certain, outer : pair of ProgramBlocks and BlockProofs
-        Of the certain contacts, and with all that might hold; the second where it was asked.
+        Programs and proofs with the certain contacts, and with all possible contacts; `outer` is
+        None if it was not necessary.
     in_outer : ndarray of bool, shape (M,)
-        The proof is one of the second.
+        Whether the proof of an assembly is in `outer`.
     """
 
     stable: Mask
@@ -47,19 +48,20 @@ class Together:
     in_outer: Mask
 
     def settles(self, k: int) -> bool:
-        """Whether assembly k is settled."""
+        """Whether assembly k is proved stable or unstable."""
         return bool(self.stable[k] or self.unstable[k])
 
     def _of(self, k: int) -> tuple[ProgramBlocks, BlockProofs]:
+        """Return the programs and proofs that include those of assembly k."""
         outer = self.outer if self.in_outer[k] else None
         return self.certain if outer is None else outer
 
     def proofs(self, k: int) -> BlockProofs:
-        """Those among which that of assembly k is."""
+        """Return the proofs that include the proof of assembly k."""
         return self._of(k)[1]
 
     def certificate(self, k: int) -> tuple[Program, ForceProof | MotionProof]:
-        """The program of assembly k, and its proof, judged anew by itself."""
+        """Return the program of assembly k and its proof, verified separately."""
         blocks, proofs = self._of(k)
         program = blocks.program(k)
         if self.stable[k]:
@@ -70,13 +72,13 @@ class Together:
 
 
 def decide_together(apart: SideBySide, rough: Mask, tolerance: Tolerance) -> Together:
-    """Decide what can be decided of assemblies side by side.
+    """Decide as many assemblies as possible together, without friction.
 
     Parameters
     ----------
     apart : SideBySide
     rough : ndarray of bool, shape (M,)
-        Some contact has friction: there a motion without it proves nothing.
+        Whether an assembly has friction. A frictionless motion then proves nothing.
     tolerance : Tolerance
     """
     contacts = contacts_side_by_side(apart, tolerance)
@@ -94,10 +96,10 @@ def decide_together(apart: SideBySide, rough: Mask, tolerance: Tolerance) -> Tog
 
 
 def _odd(apart: SideBySide, contacts: ContactSet) -> Mask:
-    """Assemblies with parts that lie on one another, or with contacts that a fit gave."""
+    """Return the mask of assemblies with coincident parts or fitted contacts, shape (M,)."""
     owner = apart.owner
     odd = np.zeros(len(apart), dtype=bool)
-    parts: Index = np.array([one.parts[0] for one in coincident(contacts)], dtype=np.int64)
+    parts: Index = np.array([pair.parts[0] for pair in coincident(contacts)], dtype=np.int64)
     odd[owner[parts]] = True
     odd[owner[fitted_pairs(contacts)[:, 0]]] = True
     return odd

@@ -1,7 +1,8 @@
-"""A given order, judged step by step: its ways, what must be held, and what fails and why.
+"""Judgement of a given order: path, holds and reasons of failure of each step.
 
-What stands before each step is asked as in a search (`kilter.analysis.planning.order.search`), with
-the fewest parts held; a step that fails does not stop those after it from being judged.
+The standing parts before each step are judged as in a search
+(`kilter.analysis.planning.order.search`), with the fewest parts held. All steps are judged, even
+after a step that fails.
 """
 
 from __future__ import annotations
@@ -19,22 +20,22 @@ __all__ = ["judge_order", "sets_of_order"]
 
 
 def sets_of_order(assembly: Assembly, order: Iterable[str | Iterable[str]]) -> list[int]:
-    """The sets of parts that are put in, one after the other.
+    """Return the bit sets of the parts that each step of an order inserts.
 
     Parameters
     ----------
     assembly : Assembly
     order : iterable of str or of iterables of str
-        Names; several at once move as one.
+        Names of the steps; the parts of an entry with several names move together.
 
     Raises
     ------
     InputError
         If a name is not a part, belongs to a grounded part, comes twice, or if a part is left out.
     """
-    found, seen = [], {part.name for part in assembly if part.grounded}
-    for one in order:
-        names = [one] if isinstance(one, str) else list(one)
+    sets, seen = [], {part.name for part in assembly if part.grounded}
+    for entry in order:
+        names = [entry] if isinstance(entry, str) else list(entry)
         if not names:
             raise InputError("a step of the sequence names no part", hint="name its parts")
         for name in names:
@@ -48,33 +49,34 @@ def sets_of_order(assembly: Assembly, order: Iterable[str | Iterable[str]]) -> l
                 )
                 raise InputError(f"{name!r} {why}", hint="leave it out")
             seen.add(name)
-        found.append(sum(1 << assembly.index_of(name) for name in names))
+        sets.append(sum(1 << assembly.index_of(name) for name in names))
     missing = [name for name in assembly.names if name not in seen]
     if missing:
         raise InputError(f"the sequence leaves out {some_names(missing)}", hint="add them")
-    return found
+    return sets
 
 
 def judge_order(search: OrderSearch, order: list[int], hold: int) -> list[Removed]:
-    """The removals of an order, the last part in first, each with what fails.
+    """Return the removals of an order, the last step first, each with its reasons of failure.
 
     Parameters
     ----------
     search : OrderSearch
     order : list of int
-        Sets of parts, as `sets_of_order` has them.
+        Bit sets of parts from `sets_of_order`.
     hold : int
-        Most parts held at once.
+        Largest number of parts held at once.
     """
-    present, found = search.whole, []
+    present, removals = search.whole, []
     for moved in reversed(order):
-        found.append(_judged(search, moved, present, hold))
+        removals.append(_judge_removal(search, moved, present, hold))
         present &= ~moved
         search.visited += 1
-    return found
+    return removals
 
 
-def _judged(search: OrderSearch, moved: int, present: int, hold: int) -> Removed:
+def _judge_removal(search: OrderSearch, moved: int, present: int, hold: int) -> Removed:
+    """Return the removal of given parts with its path, holds and reasons of failure."""
     rest, fails = present & ~moved, []
     parts = tuple(members(moved, len(search.after)).tolist())
     names = search.states.assembly.names

@@ -1,12 +1,12 @@
-"""Does what stands take the force with which a part is pressed in?
+"""States of an assembly under the force that presses an inserted part in.
 
-While a part p is put down on what stands, S with H held, a hand presses on it along its way. In
-place, loaded with the force F d at its centre of mass and free, it has to be held by contacts:
+A hand presses the part p along its path onto the standing parts S, of which H are held. Contacts
+must hold the seated free part p under the force F d at its centre of mass:
 
-    S + p holds under F d on p, H held            F: the force [N];  d: the last piece of its way
+    S + p holds under F d on p, H held            F: the force [N];  d: direction of the last leg
 
-(Boneschanscher's question). So p itself has to be stopped along d, by a seat or by friction. A
-group is pressed at each of its parts, by their share of its mass.
+(Boneschanscher's criterion). So a seat or friction must stop p along d. The force on a group is
+distributed over its parts by mass.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ __all__ = ["Pressed", "Pressing", "press_loads"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pressed:
-    """What stands before a part is put in, and with it in place and pressed.
+    """States before a part is inserted, and with the seated part under the pressing force.
 
     Attributes
     ----------
     standing : State
     pressed : State or None
-        None where what stands does not hold even before.
+        None if the standing parts do not hold even before.
     """
 
     standing: State
@@ -43,25 +43,25 @@ class Pressed:
 
     @property
     def stable(self) -> bool | None:
-        """Whether both hold."""
+        """Whether both states hold."""
         return self.standing.stable if self.pressed is None else self.pressed.stable
 
     @property
     def moves(self) -> Mask:
-        """Parts that move where one of both does not hold, shape (N,)."""
+        """Mask of the moving parts of the state that does not hold, shape (N,)."""
         return self.standing.moves if self.pressed is None else self.pressed.moves
 
 
 @dataclass(slots=True)
 class Pressing:
-    """The states of an assembly in which a part is pressed.
+    """States of an assembly under a pressing force.
 
     Attributes
     ----------
     states : States
-        Without the force.
+        States without the force.
     force : float
-        [N]
+        Pressing force [N].
     """
 
     states: States
@@ -69,14 +69,14 @@ class Pressing:
     _of: dict[tuple[int, Direction], States] = field(default_factory=dict)
 
     def judge_of(self, moved: int, direction: Direction) -> Callable[[Mask, Mask], Pressed]:
-        """From masks of parts that stand and that are held to both states.
+        """Return a function of the masks of standing and held parts that judges both states.
 
         Parameters
         ----------
         moved : int
-            The parts that are put in.
+            Bit set of the inserted parts.
         direction : tuple of float
-            Along which they come (unit).
+            Direction in which they are inserted (unit).
         """
         coming = mask_of(moved, len(self.states.assembly))
 
@@ -90,14 +90,14 @@ class Pressing:
         return judge
 
     def states_of(self, moved: int, direction: Direction) -> States:
-        """The states of the assembly with the force on some parts."""
+        """Return the states of the assembly with the force on the moved parts."""
         key = moved, direction
         if key not in self._of:
             assembly = self.states.assembly
             names = [assembly.names[k] for k in members(moved, len(assembly)).tolist()]
             mass = dict(zip(assembly.names, assembly.geometry.mass.tolist(), strict=True))
             loads = press_loads(names, [mass[name] for name in names], direction, self.force)
-            loaded = replace(assembly, loads=[*assembly.loads, *(Load(**one) for one in loads)])
+            loaded = replace(assembly, loads=[*assembly.loads, *(Load(**load) for load in loads)])
             self._of[key] = States(loaded, self.states.contacts)
         return self._of[key]
 
@@ -105,9 +105,9 @@ class Pressing:
 def press_loads(
     names: list[str], mass: list[float], direction: Direction, force: float
 ) -> list[dict[str, Any]]:
-    """The loads of a force [N] on some parts, by share of their mass, as a file has them."""
+    """Return the loads of a force [N], distributed over parts by mass, with the keys of a file."""
     along = force * np.array(direction)
     return [
-        {"part": name, "force": (along * (one / sum(mass))).tolist(), "torque": [0.0] * 3}
-        for name, one in zip(names, mass, strict=True)
+        {"part": name, "force": (along * (share / sum(mass))).tolist(), "torque": [0.0] * 3}
+        for name, share in zip(names, mass, strict=True)
     ]

@@ -1,4 +1,4 @@
-"""Does a part hit another on its way? Straight paths of polyhedra, by projection along them.
+"""Collision tests of polyhedral parts on straight paths, by projection along the path.
 
 A part P moves by d (a unit vector) over a distance L, which may be endless. A line along d that
 leaves P at the height a = x . d and enters Q at b is stopped at b - a. So Q stops P where exit
@@ -6,14 +6,13 @@ faces of P (n . d > 0) and entry faces of Q (n . d < 0) overlap in projection wi
 
     -e <= b - a <= L - e                            e: the tolerance of the pair
 
-over a region that is wider than 2 e everywhere it counts: what a disk of radius e fits into.
-Faces along d have no area in projection, so sliding is free. The test is one of the pair alone:
-it does not depend on which other parts are there.
+over a region that contains a disk of radius e. Faces parallel to d have no area in projection, so
+sliding is free. The result depends only on the pair, not on other parts.
 
     e = max(gap tolerance, 4 (slack of P + slack of Q), 2 accuracies, 2 depths)
 
-since triangles stand for round faces to within their slack, and two parts that share volume as
-drawn, to a depth, are to be stopped by each other all the same.
+because triangles approximate round faces to within their slack, and parts that overlap by a depth
+in the file must still block each other.
 """
 
 from __future__ import annotations
@@ -31,27 +30,27 @@ from kilter.contact import ContactSet
 __all__ = ["Sweeps"]
 
 SLACKS = 4.0
-"""Slacks of both parts that the triangles of a path may be off."""
+"""Tolerance of a collision test per slack of both parts [-]; larger: fewer collisions."""
 DEPTHS = 2.0
-"""Depths of what two parts share as drawn that a path may be off."""
+"""Tolerance of a collision test per overlap depth of the pair in the file [-]."""
 WELD = 1e-3
-"""Pieces of one region are this near to each other, over the tolerance."""
+"""Distance at which pieces of a region are joined, relative to the tolerance [-]."""
 
 Direction = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Shadow:
-    """A part along a direction: its triangles on the plane across it, and their heights.
+    """Projection of a part along a direction: triangles on the normal plane, and their heights.
 
     Attributes
     ----------
     plane : ndarray, shape (m, 3, 2)
-        [length unit]
+        Corners on the plane [length unit].
     height : ndarray, shape (m, 3)
-        Along the direction [length unit].
+        Heights of the corners along the direction [length unit].
     facing : ndarray, shape (m,)
-        n . d of each triangle [-].
+        Facing cosine n . d of each triangle [-].
     """
 
     plane: Array
@@ -59,28 +58,28 @@ class _Shadow:
     facing: Array
 
     def moved(self, aside: Array, along: float) -> _Shadow:
-        """The part moved, by a vector of shape (2,) on the plane and a height."""
+        """Return the shadow moved by a vector on the plane, shape (2,), and a height."""
         return _Shadow(self.plane + aside, self.height + along, self.facing)
 
 
 class Sweeps:
-    """Straight paths of the parts of an assembly.
+    """Collision tests for straight paths of the parts of an assembly.
 
     Parameters
     ----------
     contacts : ContactSet
-        They name the assembly and its gap tolerance.
+        Contacts with their assembly and gap tolerance.
 
     Attributes
     ----------
     tests : int
-        Pairs that were held against each other.
+        Number of tested pairs.
     """
 
     def __init__(self, contacts: ContactSet) -> None:
         self._geometry = contacts.assembly.geometry
         self._tolerance = contacts.tolerance
-        self._depth = {frozenset(one.parts): one.depth for one in contacts.overlaps}
+        self._depth = {frozenset(overlap.parts): overlap.depth for overlap in contacts.overlaps}
         self._shadows: dict[tuple[int, Direction], _Shadow] = {}
         self._endless: dict[tuple[int, Direction], tuple[int, int]] = {}
         self._before: dict[tuple[int, Direction], int] = {}
@@ -88,7 +87,7 @@ class Sweeps:
         self.tests = 0
 
     def tolerance(self, p: int, q: int) -> float:
-        """How deep two parts may enter each other on a path [length unit]."""
+        """Return the depth to which two parts may overlap on a path [length unit]."""
         g = self._geometry
         pair = [p, q]
         gap = float(self._tolerance.gap_of(g.size[pair].min()[None])[0])
@@ -97,14 +96,13 @@ class Sweeps:
         return max(gap, SLACKS * slack, 2 * accuracy, DEPTHS * depth)
 
     def stops(self, part: int, present: int, direction: Direction) -> bool:
-        """Whether any of a set of parts stops a part that goes on endlessly.
+        """Whether a present part blocks a part on an endless straight path.
 
         Parameters
         ----------
         part : int
         present : int
-            The set, as of `kilter.analysis.planning.states.part_sets`; the part itself does not
-            count.
+            Bit set of the present parts; the part itself is ignored.
         direction : tuple of float
             Unit, world frame.
         """
@@ -121,7 +119,7 @@ class Sweeps:
         return False
 
     def _ahead(self, part: int, direction: Direction) -> int:
-        """Parts whose boxes, seen along a direction, meet that of a part and reach as far."""
+        """Return the bit set of parts ahead of a part whose projected boxes overlap its box."""
         key = part, direction
         if key not in self._before:
             low, high = self._boxes(direction)
@@ -132,7 +130,7 @@ class Sweeps:
         return self._before[key]
 
     def _boxes(self, direction: Direction) -> tuple[Array, Array]:
-        """Lowest and highest places of the parts across and along a direction, shape (N, 3)."""
+        """Return lowest and highest coordinates of the parts in a direction basis, shape (N, 3)."""
         if direction not in self._box:
             g = self._geometry
             seen = g.vertices @ _basis(np.array(direction)).T
@@ -152,7 +150,7 @@ class Sweeps:
         distance: float = np.inf,
         start: Array | None = None,
     ) -> bool:
-        """Whether one part stops another.
+        """Whether `other` blocks `part` on a straight path.
 
         Parameters
         ----------
@@ -160,9 +158,9 @@ class Sweeps:
         direction : tuple of float
             Unit, world frame.
         distance : float
-            How far the part moves [length unit].
+            Length of the path [length unit].
         start : ndarray, shape (3,), optional
-            By how much the part was moved before [length unit].
+            Displacement of the part at the start of the path [length unit].
         """
         self.tests += 1
         moving, still = self._shadow(part, direction), self._shadow(other, direction)
@@ -172,6 +170,7 @@ class Sweeps:
         return _stopped(moving, still, self.tolerance(part, other), distance)
 
     def _shadow(self, part: int, direction: Direction) -> _Shadow:
+        """Return the projection of a part along a direction, computed once."""
         key = part, direction
         if key not in self._shadows:
             corners = self._geometry.corners_of(part)
@@ -183,11 +182,12 @@ class Sweeps:
 
 
 def _basis(direction: Array) -> Array:
-    """Two directions across a unit vector and itself, as rows, shape (3, 3)."""
+    """Return two directions normal to a unit vector and the vector, as rows, shape (3, 3)."""
     return np.stack([*across(direction), direction])
 
 
 def _stopped(moving: _Shadow, still: _Shadow, tolerance: float, distance: float) -> bool:
+    """Whether the still part blocks the moving part within a distance (module docstring)."""
     exits, entries = np.flatnonzero(moving.facing > ALONG), np.flatnonzero(still.facing < -ALONG)
     first, second = _near(moving, exits, still, entries, tolerance, distance)
     if not len(first):
@@ -226,7 +226,7 @@ def _stopped(moving: _Shadow, still: _Shadow, tolerance: float, distance: float)
 def _near(
     moving: _Shadow, exits: Index, still: _Shadow, entries: Index, tolerance: float, distance: float
 ) -> tuple[Index, Index]:
-    """Pairs of exit and entry faces whose boxes overlap, where the second may stop the first."""
+    """Return pairs of exit and entry faces whose boxes overlap within the distance."""
     a, b = moving.plane[exits], still.plane[entries]
     za, zb = moving.height[exits], still.height[entries]
     near = (zb.max(axis=1)[None] - za.min(axis=1)[:, None] >= -tolerance) & (
@@ -240,7 +240,7 @@ def _near(
 
 
 def _heights(shadow: _Shadow, rows: Index, points: Array) -> Array:
-    """Heights of points of the plane, shape (n, 2), on triangles, one each."""
+    """Return the heights of plane points, shape (n, 2), each on its own triangle."""
     plane, height = shadow.plane[rows], shadow.height[rows]
     one, two, off = plane[:, 1] - plane[:, 0], plane[:, 2] - plane[:, 0], points - plane[:, 0]
     area = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
@@ -252,7 +252,7 @@ def _heights(shadow: _Shadow, rows: Index, points: Array) -> Array:
 
 
 def _fits_a_disk(pieces: Array, radius: float) -> bool:
-    """Whether a disk fits into one of some convex pieces, seen at once: area >= radius x length.
+    """Whether a convex piece surely contains a disk: area > radius x length of outline.
 
     A convex piece of area A and length of outline U has an inscribed disk of radius A / U.
     """
@@ -260,7 +260,7 @@ def _fits_a_disk(pieces: Array, radius: float) -> bool:
 
 
 def _between(corners: Array, values: Array, low: float, high: float) -> object | None:
-    """The piece of a convex polygon where a linear function lies between two values."""
+    """Return the piece of a convex polygon on which a linear function is between two bounds."""
     for bound, sign in ((low, 1.0), (high, -1.0)):
         if np.isfinite(bound):
             corners, values = _clipped(corners, values, sign * (values - bound))
@@ -268,7 +268,7 @@ def _between(corners: Array, values: Array, low: float, high: float) -> object |
 
 
 def _clipped(corners: Array, values: Array, above: Array) -> tuple[Array, Array]:
-    """Corners and values of what of a convex polygon has `above` at least 0."""
+    """Clip a convex polygon to `above` >= 0; return the corners and values of the rest."""
     if not len(corners):
         return corners, values
     following = np.roll(above, -1)
