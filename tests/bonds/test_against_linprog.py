@@ -1,9 +1,9 @@
-"""Random bonded clusters against a program written apart: numpy, scipy.linprog, nothing of kilter.
+"""Random bonded clusters compared with an independent program in numpy and scipy.linprog.
 
-Of kilter it takes contact points and normals alone. Forces at a point: along its normal from -s T
-on, across it any where the bond bears any shear, up to s S where it bears a force, else within a
-pyramid inside Coulomb's cone; or a pyramid around that cone, and a polygon around that disc: both
-bound the truth from both sides.
+The program takes only contact points and normals from kilter. The force at a point is at least -s T
+along the normal. Across it the force is unlimited, up to s S, or within a pyramid inside
+Coulomb's cone, depending on the shear of the bond. A pyramid around the cone, and a polygon around
+the disc, give the bound from the other side.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ SIDES = 24
 
 
 def cluster(seed, mu=None, limited=0.0):
-    """Unit cells grown from a held one, of random densities, most neighbours bonded.
+    """A random cluster of unit cubes with random densities around a held cube; most pairs bonded.
 
-    `limited`: of how many bonds the shear is limited by a force.
+    `limited`: number of bonds whose shear is limited by a force.
     """
     random = np.random.default_rng(seed)
     cells = [np.zeros(3)]
@@ -59,7 +59,7 @@ def cluster(seed, mu=None, limited=0.0):
 
 
 def least_share(assembly, contacts, stretch=1.0):
-    """The least s, or None where no s is enough; `stretch` times the pyramids' radius."""
+    """The least s, or None if no s suffices; `stretch`: factor on the radius of the pyramids."""
     geometry, bonds = assembly.geometry, assembly.bonds
     of_pair = {frozenset(assembly.index_of(n) for n in bond.parts): bond for bond in bonds}
     free = np.flatnonzero(~geometry.grounded)
@@ -92,7 +92,7 @@ def least_share(assembly, contacts, stretch=1.0):
         if bond is not None and bond.shear is None:
             rays, ends = [normal, u, v], [0.0, -np.inf, -np.inf]
         elif bond is not None and isinstance(bond.shear, float):
-            # corners of a polygon, whose shares sum up to s at most
+            # corners of a polygon, with shares whose sum is at most s
             rays, ends = [normal, *(bond.shear / scale * stretch * around)], [0.0] * (1 + SIDES)
             discs.append(range(len(columns) + 1, len(columns) + 1 + SIDES))
         else:
@@ -129,7 +129,7 @@ def agrees(seed, mu, limited=0.0):
     assert "bond" not in found.missing
     assert share >= least * (1 - 1e-6) - 1e-9
     assert most is None or share <= most * (1 + 1e-6) + 1e-9
-    if found.verdict.verdict != "undecided":  # edges on edges may leave it open
+    if found.verdict.verdict != "undecided":  # contacts of parallel edges may leave it undecided
         assert abs(share - 1) < 1e-6 or (found.verdict.verdict == "unstable") is (share > 1)
     return "falls" if share > 1 else "stands" if share > 0 else "needs none"
 
@@ -165,7 +165,7 @@ def test_a_program_written_apart_agrees_on_hundreds(mu):
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", range(6))
 def test_no_pull_and_shear_by_friction_is_a_contact_with_that_friction(seed):
-    """And strength only helps."""
+    """A higher strength never destabilises."""
     whole = cluster(seed, 0.6)
     plain = Assembly(whole.parts, gravity=whole.gravity, friction=0.6)
     contacts = kilter.contacts(plain)

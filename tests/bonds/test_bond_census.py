@@ -19,7 +19,7 @@ FILE = Path(__file__).resolve().parents[2] / "benchmarks" / "bond_census.py"
 def census():
     spec = importlib.util.spec_from_file_location("bond_census", FILE)
     module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # where its dataclasses look for their names
+    sys.modules[spec.name] = module  # dataclasses look up their module there
     spec.loader.exec_module(module)
     yield module
     del sys.modules[spec.name]
@@ -35,13 +35,13 @@ def test_a_program_written_apart_agrees(census, seed):
 
 @pytest.mark.slow
 def test_that_no_share_is_enough_is_said_where_the_numbers_of_a_limit_fail(census):
-    """Bonds of 4 kN and of 1 MN: a brick slides off its bond, however strong."""
+    """Bonds of 4 kN and of 1 MN: the brick slides off its bond at any strength."""
     assert census.asked(1069) == ("grown, space, friction: no share is enough", [])
 
 
 @pytest.mark.slow
 def test_the_census_would_see_a_share_that_is_off(census):
-    """Half of the strength of every bond is another assembly: twice the share."""
+    """With half of the strength of every bond, the share doubles."""
     made = random_bonded(1)
     share = census.least_share(made, 1.0)
     weak = census.with_share(made.assembly, 0.5)

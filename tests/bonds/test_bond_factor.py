@@ -1,4 +1,4 @@
-"""Which share of their strength bonds need: closed forms, both sides proved, and on a command."""
+"""The share of their strength that bonds need: closed forms, bounds on both sides, the command."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from kilter.mechanics.program import build_program
 @pytest.mark.parametrize("strength", [0.4, 1.0, 40.0])
 @pytest.mark.parametrize("count", [1, 3])
 def test_the_root_of_a_cantilever_needs_its_moment_and_gives_way_first(count, strength):
-    """N W n / 2 by two points at a height of 1; at every strength, whether it stands or falls."""
+    """The moment N W n / 2 is borne by two points at height 1; the verdict at each strength."""
     needed = WEIGHT * count**2 / 4
     assembly = cantilever(count, strength * needed)
     margin = kilter.margin(assembly, pushed=[])
@@ -64,7 +64,7 @@ def test_bonds_that_nothing_needs_are_null_and_those_that_never_suffice_are_said
 
 @pytest.mark.parametrize(("mu", "holds"), [(0.0, False), (1e-3, True)])
 def test_bonds_that_never_break_hold_what_some_strength_holds(mu, holds):
-    """A cube hung sideways: any friction at all is enough, for a bond that is strong enough."""
+    """A cube hung sideways: any friction suffices if the bond is strong enough."""
     bond = Bond(("low", "top"), pull=WEIGHT, shear="mu")
     aside = Assembly(hung(WEIGHT).parts, gravity=[9.81, 0, 0], friction=mu, bonds=[bond])
     contacts = kilter.contacts(aside)
@@ -78,7 +78,7 @@ def test_bonds_that_never_break_hold_what_some_strength_holds(mu, holds):
 
 @pytest.mark.slow
 def test_a_bond_on_the_command_line_is_kept_in_the_proof(tmp_path, capsys, monkeypatch):
-    """An arm beside a post: 200 N at .5 by two points at a height of 1, 50 N each."""
+    """An arm beside a post: 200 N at .5, borne by two points at height 1 with 50 N each."""
     monkeypatch.chdir(tmp_path)
     parts = [cube("post", grounded=True), cube("arm-1", x=1.0, mass=200.0 / 9.81)]
     kilter.dump(Assembly(parts), "a.kilter.json")

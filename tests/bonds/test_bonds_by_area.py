@@ -1,4 +1,4 @@
-"""Bonds by area: shares of corners, mortar in bending; forces, refusals."""
+"""Bonds by area: shares of corners, mortar in bending, forces, rejected input."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def cube(name, x=0.0, z=0.0, **more):
 
 
 def area_and_centroid(x, y):
-    """Of a polygon, by the shoelace formula."""
+    """Area and centroid of a polygon by the shoelace formula."""
     cross = x * np.roll(y, -1) - y * np.roll(x, -1)
     area = cross.sum() / 2
     middle = [((c + np.roll(c, -1)) * cross).sum() / (6 * area) for c in (x, y)]
@@ -57,7 +57,7 @@ def test_shares_have_the_area_and_its_centroid(angles, random):
 @BOTH
 @pytest.mark.parametrize("kind", ["glue", "mortar"])
 def test_a_mortar_joint_in_bending_takes_its_tension_times_half_its_height(share, kind):
-    """W L / 2 = p (b h) h / 2: turning about the lower edge, where compression has no limit."""
+    """Equilibrium W L / 2 = p (b h) h / 2 about the lower edge, where compression is unlimited."""
     length, height = 2.0, 0.5
     beam = Part("beam", Box([length, 1, height]), Pose([0.5 + length / 2, 0, 0]))
     weight = WEIGHT * length * height

@@ -1,4 +1,4 @@
-"""What forces and contacts say of bonds: where they pull, how much, in table and page."""
+"""Bonds in the output of forces and contacts: pulls in table and page."""
 
 from __future__ import annotations
 
@@ -24,19 +24,19 @@ def cube(name, z=0.0, **more):
 
 
 def hung(pull=WEIGHT, shift=0.0):
-    """A cube under a held one, aside by `shift`."""
+    """A cube below a held cube, displaced sideways by `shift`."""
     low = Part("low", Box([1, 1, 1]), Pose([shift, 0, 0]))
     return Assembly([cube("top", z=1.0, grounded=True), low], bonds=[Bond(("low", "top"), pull)])
 
 
 @pytest.mark.parametrize("shift", [0.0, 0.1])
 def test_a_pull_acts_where_it_is_needed(shift):
-    # aside by d, the middle of the face shared is at d / 2 and the weight at d
+    # at the shift d, the middle of the common face is at d / 2 and the weight at d
     found = kilter.check(hung(shift=shift)).forces
     assert found.center[0][0] == pytest.approx(shift, abs=1e-6)
     assert found.center[0][2] == pytest.approx(0.5)
     assert abs(found.normal_force[0]) == pytest.approx(WEIGHT)
-    most = 1 / 4 + (shift / 2) / (1 - shift) / 2  # a half of W / 2 + moment / width
+    most = 1 / 4 + (shift / 2) / (1 - shift) / 2  # half of W / 2 + moment / width
     assert found.bond_utilisation[0] == pytest.approx(most, abs=1e-6)
 
 

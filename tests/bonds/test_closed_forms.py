@@ -1,4 +1,4 @@
-"""Bonds with closed forms, on both sides of each limit, and the proofs they carry."""
+"""Bonds with closed forms on both sides of each limit, and their proofs."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def cube(name, x=0.0, z=0.0, **more):
 
 
 def hung(pull, **more):
-    """A cube of 1000 kg below a held one, by four points."""
+    """A cube of 1000 kg below a held cube, bonded at four points."""
     return Assembly(
         [cube("top", z=1.0, grounded=True), cube("low")],
         bonds=[Bond(("low", "top"), pull=pull, **more)],
@@ -32,7 +32,7 @@ def hung(pull, **more):
 
 
 def cantilever(count, pull):
-    """Cubes side by side from a held one."""
+    """A row of bonded cubes beside a held cube."""
     parts = [cube("wall", grounded=True)] + [cube(f"c{k}", x=k) for k in range(1, count + 1)]
     pairs = itertools.pairwise(parts)
     return Assembly(parts, bonds=[Bond((a.name, b.name), pull=pull) for a, b in pairs])
@@ -53,7 +53,7 @@ def test_a_cube_hangs_by_its_weight_over_its_points(share, parts):
 @BOTH
 @pytest.mark.parametrize("count", [1, 2, 5])
 def test_a_cantilever_of_cubes_needs_the_moment_of_its_weight_at_the_upper_points(share, count):
-    """About the lower edge of the root: n W n / 2 by two points at the height of 1."""
+    """Moment n W n / 2 about the lower edge of the root, borne by two points at height 1."""
     verdict = judged(cantilever(count, share * WEIGHT * count**2 / 4))
     assert verdict.verdict == falls(share)
 
@@ -66,7 +66,7 @@ def test_a_magnet_on_a_slope_slides_past_mu_times_what_presses_it(share, degrees
     weight = 10 * G
     needed = weight * max(np.sin(turn) / mu - np.cos(turn), -np.cos(turn))
     if needed <= 0:
-        needed, share = weight, 2.0  # it lies by itself
+        needed, share = weight, 2.0  # it is at rest without the bond
     magnet = Bond(("steel", "magnet"), pull=share * needed / 4, kind="magnet")
     slope = Assembly(
         [cube("steel", grounded=True), thin],
@@ -80,7 +80,7 @@ def test_a_magnet_on_a_slope_slides_past_mu_times_what_presses_it(share, degrees
 @BOTH
 @pytest.mark.parametrize("mu", [0.2, 0.9])
 def test_a_suction_cup_in_shear_bears_mu_times_its_suction(share, mu):
-    """On a wall: W against mu p A, however the thickness of the cup shifts the pressure."""
+    """On a wall: W against mu p A, independently of the thickness of the cup."""
     cup = Part("cup", Box([0.01, 0.5, 0.4]), Pose([0.505, 0, 0]), mass=10.0)
     suction = Bond(("wall", "cup"), pull_per_area=share * 10 * G / (mu * 0.5 * 0.4), kind="suction")
     wall = Assembly([cube("wall", grounded=True), cup], friction=mu, bonds=[suction])
@@ -98,7 +98,7 @@ def test_shear_of_any_size_is_borne_where_none_is_said():
 
 
 def test_points_of_a_bond_stand_for_themselves():
-    """A cube on one point above its middle, and beside it."""
+    """A cube hangs on a single bonded point: above its centre it is stable, beside it not."""
     for x, verdict in ((0.0, "stable"), (0.1, "unstable")):
         held = Bond(("low", "top"), pull=WEIGHT * 1.001, points=[[x, 0, 0.5]], normal=[0, 0, 1])
         parts = [cube("top", z=1.0, grounded=True), cube("low")]
@@ -182,12 +182,12 @@ def test_wrong_bonds_are_one_sentence():
 
 
 def test_what_no_bond_holds_any_more_falls():
-    """Half of its weight is borne at most, and no point is left that presses."""
+    """The bond bears at most half of the weight, and no point is pressed."""
     assert judged(hung(WEIGHT / 8, shear="mu")).verdict == "unstable"
 
 
 def leaning(degrees, **bond):
-    """A post of two cubes on a base, beneath a bond of four points, in gravity at an angle."""
+    """A post of two cubes on a base, bonded at four points, with gravity at an angle."""
     turn = np.radians(degrees)
     parts = [
         Part("base", Box([3, 1, 1]), Pose([0, 0, -0.5]), grounded=True),
@@ -198,7 +198,7 @@ def leaning(degrees, **bond):
 
 
 def refused_once_turned(assembly):
-    """Why proofs are refused, over some turns of the whole, which round each otherwise."""
+    """Reasons for rejected proofs, for rotations of the assembly with different rounding."""
     random, why = np.random.default_rng(0), set()
     for _ in range(12):
         turned = moved(assembly, random_turn(random))
@@ -210,7 +210,7 @@ def refused_once_turned(assembly):
 
 @pytest.mark.slow
 def test_a_point_about_to_open_rubs_by_the_rest_of_larger_numbers():
-    """f_n + T is near 0 at the upper points, W (2 sin a - cos a) / 4 each just holds the post."""
+    """At the limit W (2 sin a - cos a) / 4 per point, f_n + T is near 0 at the upper points."""
     turn = np.radians(60)
     pull = 2 * WEIGHT * (2 * np.sin(turn) - np.cos(turn)) / 4
     assert refused_once_turned(leaning(60, pull=(1 + 1e-7) * pull, shear="mu")) == set()

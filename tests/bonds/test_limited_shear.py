@@ -1,4 +1,4 @@
-"""Bonds that bear limited shear: closed forms on both sides, proofs, and what they are of."""
+"""Bonds with limited shear: closed forms on both sides, and proofs."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def cube(name, x=0.0, **more):
 
 
 def cup(share, pull=STRONG):
-    """A cube beside a wall: its weight slides down, and turns about the lower edge."""
+    """A cube bonded to a wall; its weight makes it slide down and turn about the lower edge."""
     bond = Bond(("cube", "wall"), pull=pull, shear=share * WEIGHT / 4, kind="suction")
     return Assembly([cube("wall", x=1.0, grounded=True), cube("cube")], bonds=[bond])
 
@@ -47,7 +47,7 @@ def test_a_suction_cup_bears_its_weight_by_shear_alone(share):
 
 @BOTH
 def test_a_suction_cup_needs_its_pull_too(share):
-    """W / 2 about the lower edge, by two points at a height of 1."""
+    """Moment W / 2 about the lower edge, borne by two points at height 1."""
     assert judged(cup(2.0, pull=share * WEIGHT / 4)).verdict == falls(share)
 
 
@@ -70,7 +70,7 @@ def test_glue_on_a_smooth_slope(share, planar, degrees):
 @BOTH
 @pytest.mark.parametrize("off", [0.0, 0.3, 1.0])
 def test_two_pins_beside_which_a_weight_hangs(share, off):
-    """Pins at x = d and -d, the weight at x = e: the nearer bears W (1 + e / d) / 2."""
+    """Pins at x = d and -d, weight at x = e: the nearer pin bears W (1 + e / d) / 2."""
     d = 0.5
     needed = WEIGHT / 2 * max(1 + off / d, off / d - 1)
     pins = Bond(
@@ -95,7 +95,7 @@ def test_no_shear_is_a_smooth_contact_and_much_is_any():
 
 
 def test_friction_beside_it_is_asked_for_balance_only():
-    """The cube stands on a wedge that friction holds, glued by little to a wall."""
+    """A cube on a wedge with friction, weakly glued to a wall."""
     turn = np.radians(20)
     bond = Bond(("cube", "wall"), pull=0.0, shear=100.0)
     floor = Part("floor", Box([3, 1, 1]), Pose([0, 0, -1]), grounded=True)
@@ -133,7 +133,7 @@ def test_forces_use_their_limit_and_a_changed_one_is_refused():
 
 
 def test_a_motion_proves_only_what_bonds_do_not_take_up():
-    """Sliding down with all its weight is no proof where the bond bears more."""
+    """Sliding down under its weight is no proof of instability if the bond bears more."""
     proof = json.loads(json.dumps(kilter.check(cup(0.9)).proof()))
     assert kilter.verify(cup(0.9), proof).holds
     for point in proof["points"]:
@@ -171,7 +171,7 @@ def test_in_other_words_it_is_the_same(share):
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.9])
 def test_how_it_slips(share):
-    """Down, by what the bond does not take up of gravity."""
+    """The cube accelerates downwards by g minus the deceleration by the bond."""
     verdict = judged(cup(share))
     assert verdict.moving == ["cube"]
     assert verdict.motion.residual < 1e-7
@@ -180,7 +180,7 @@ def test_how_it_slips(share):
 
 
 def test_how_it_slips_is_the_least_of_gausss_principle():
-    """Against all motions nearby of two glued cubes on a steep smooth slope."""
+    """Comparison with all nearby motions of two glued cubes on a steep slope without friction."""
     turn = np.radians(70)
     bonds = [
         Bond(("slope", "low"), pull=0.0, shear=500.0),
@@ -208,14 +208,15 @@ def test_how_it_slips_is_the_least_of_gausss_principle():
         other = motion + random.normal(size=motion.shape) * 10 ** random.uniform(-4, 0)
         other[0] = 0.0
         worst = program.velocities(other).min()
-        other[1:, 2] += max(-worst, 0.0) * np.array([1.0, 2.0])  # apart, where they would enter
+        # lift both cubes as far as needed to prevent penetration
+        other[1:, 2] += max(-worst, 0.0) * np.array([1.0, 2.0])
         if program.velocities(other).min() >= -1e-12:
             tried += 1
             assert cost(other) >= least - 1e-6 * abs(least)
 
 
 def said(assembly, change):
-    """The reasons against its proof after a change, signed anew."""
+    """The reasons for rejecting its proof after a change, with a new signature."""
     proof = json.loads(json.dumps(kilter.check(assembly).proof()))
     change(proof)
     proof["digest"] = digest_of(proof)
@@ -223,7 +224,7 @@ def said(assembly, change):
 
 
 def beside_a_stone(pull, **more):
-    """A cup, and a stone that lies on the ground: points with a bond and without."""
+    """A suction cup, and a stone on the ground: contact points with and without a bond."""
     bond = Bond(("cube", "wall"), pull=pull, **more)
     table = Part("table", Box([1, 1, 1]), Pose([9, 0, 0]), grounded=True)
     stone = Part("stone", Box([1, 1, 1]), Pose([9, 0, 1]))
@@ -234,7 +235,7 @@ def beside_a_stone(pull, **more):
 @pytest.mark.parametrize("key", ["pull", "shear"])
 @pytest.mark.parametrize(("off", "refused"), [(0.5, False), (3.0, True)])
 def test_the_strength_of_a_bond_agrees_to_rounding_of_itself(key, off, refused):
-    """Also where it is far less than 1 N."""
+    """Also for forces far below 1 N."""
 
     def change(proof):
         (point, *_) = (one for one in proof["points"] if key in one)
@@ -256,7 +257,7 @@ def test_what_bears_shear_is_asked_even_where_the_pull_agrees(tied):
 
 
 def test_a_push_of_less_than_a_newton_bears_friction_of_less_than_that():
-    """A block of a gram on a slope: more across and as much back, at two points."""
+    """A block of 1 g on a slope; shear forces that exceed friction are added to the proof."""
     turn = np.radians(20)
     thin = Part("thin", Box([1, 1, 0.01]), Pose([0, 0, 0.505]), mass=1e-3)
     gravity = [G * np.sin(turn), 0, -G * np.cos(turn)]

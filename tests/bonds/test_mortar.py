@@ -15,19 +15,19 @@ BOTH = pytest.mark.parametrize("share", [0.999, 1.001])
 
 
 def corbel_strength(count, step):
-    """The tension [N/mm2] at which the lowest joint just holds; below 0 where none is needed."""
+    """The least tensile strength of the lowest joint [N/mm2]; negative if none is needed."""
     moment = count * WEIGHT * ((count + 1) * step - LENGTH) / 2
     return moment / (DEPTH * (LENGTH - step) ** 2 / 2) / N_PER_MM2
 
 
 def greatest_wind(count, strength):
-    """The wind [N/m2] that the foot just holds."""
+    """The largest wind pressure that the foot resists [N/m2]."""
     moment = (count * WEIGHT + strength * N_PER_MM2 * AREA) * DEPTH / 2
     return moment / (LENGTH * (count * HEIGHT) ** 2 / 2)
 
 
 def greatest_eccentricity(load, strength):
-    """The eccentricity [m] that the upper joint just holds."""
+    """The largest eccentricity that the upper joint resists [m]."""
     return LENGTH / 2 * (1 + (WEIGHT + strength * N_PER_MM2 * AREA) / load)
 
 
@@ -43,7 +43,7 @@ def test_courses_cantilever_by_the_tension_of_the_lowest_joint(count, step, shar
 @BOTH
 @pytest.mark.parametrize("count", [3, 7])
 def test_dry_courses_cantilever_up_to_the_edge(count, share):
-    """(n + 1) step = b."""
+    """The limit (n + 1) step = b without tension."""
     assembly = corbel(count, step=share * LENGTH / (count + 1), strength=0.0)
     assert judged(assembly).verdict == ("stable" if share < 1 else "unstable")
 
@@ -68,7 +68,7 @@ def test_a_resultant_leaves_the_section_by_what_the_mortar_bears(strength, share
 
 @pytest.mark.slow
 def test_margins_say_the_closed_forms():
-    """Of the examples as they are: what share of the tension they need, how much load they bear."""
+    """Margins of the examples: share of the tensile strength, and load factor."""
     options = {"pushed": [], "effort": 0}
     share = corbel_strength(8, 0.1) / 0.1
     assert kilter.margin(corbel(), **options).bond.value == pytest.approx(share, rel=1e-7)
@@ -89,7 +89,7 @@ def test_margins_say_the_closed_forms():
 @pytest.mark.quick(1)
 @BOTH
 def test_a_pier_slides_where_friction_on_what_the_mortar_adds_is_too_little(share):
-    """The wind on n courses against mu (n W + p A), which is exceeded at the foot first."""
+    """The wind on n courses against mu (n W + p A); the foot slides first."""
     strength, wind = 0.01, 2000.0
     slips = wind * LENGTH * HEIGHT * 3 / (3 * WEIGHT + strength * N_PER_MM2 * AREA)
     assembly = pier_in_wind(3, wind=wind, strength=strength, friction=share * slips)

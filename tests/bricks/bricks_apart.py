@@ -1,9 +1,9 @@
-"""Brick models judged apart from kilter: cells in, a linear program by scipy out.
+"""Brick models judged independently of kilter, by a linear program with scipy.
 
-A brick is a row (x, y, z, across, along, mass): the lowest cell, its size in cells along x and y,
-kg. Of two layers every stud under a brick is a bond: it pulls by up to T at each of its points,
-pushes and is sheared without limit. Neighbours in a layer push each other at their lower edge.
-Bricks in layer 0 stand on studs of a baseplate. The least share s of T that keeps all in balance:
+A brick is a row (x, y, z, across, along, mass): lowest cell, size in cells along x and y, mass
+[kg]. Every stud below a brick is a bond. At each of its points it resists pull up to T, and
+compression and shear without limit. Neighbours in a layer push each other at their lower edge.
+Bricks in layer 0 are on studs of a baseplate. The least share s of T at equilibrium is
 
     min s    A f + w = 0,    f_n >= -s T at the points of studs,    f >= 0 at sides
 """
@@ -25,7 +25,7 @@ def cells_of(brick):
 
 
 def forces_of(bricks):
-    """Each force there may be: (lower, upper or None, point, direction, kind)."""
+    """All possible forces as (lower, upper or None, point, direction, kind)."""
     at = {}
     for k, brick in enumerate(bricks):
         for x, y in cells_of(brick):
@@ -52,7 +52,7 @@ def forces_of(bricks):
 
 
 def least_share(bricks, *, pull=PULL):
-    """s: inf where no strength is enough, 0 where none is needed."""
+    """The least share s: inf if no strength suffices, 0 if none is needed."""
     bricks = [tuple(brick) for brick in bricks]
     centre = np.array(
         [((x + a / 2) * UNIT, (y + b / 2) * UNIT, (z + 0.5) * LAYER) for x, y, z, a, b, _ in bricks]

@@ -1,4 +1,4 @@
-"""What to change in a model of bricks, judged by the program apart."""
+"""Proposed changes of brick models, verified by the independent program."""
 
 from __future__ import annotations
 

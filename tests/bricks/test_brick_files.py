@@ -1,4 +1,4 @@
-"""Files of toy bricks: StableLego JSON, BrickGPT text, LDraw; their faults, by the line."""
+"""Files of toy bricks: StableLego JSON, BrickGPT text, LDraw; faults are reported with the line."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def refused(path: Path, text: str) -> str:
 
 
 def cells(assembly: kilter.Assembly) -> list[tuple[float, ...]]:
-    """Boxes of the free parts in cells and layers, from the lowest corner of all."""
+    """Boxes of the free parts in cells and layers, relative to their lowest corner."""
     free = [part for part in assembly.parts if not part.grounded]
     size = np.array([part.shape.size for part in free])
     low = np.array([part.pose.position for part in free]) - size / 2
@@ -54,9 +54,9 @@ def test_one_model_in_three_formats(tmp_path: Path) -> None:
     text = loaded(tmp_path / "a.txt", TEXT)
     ldraw = loaded(tmp_path / "a.ldr", LDR)
     assert given.names == text.names == ldraw.names == ("2x4-1", "2x4-2", "1x2-3", "baseplate")
-    # LDraw's z points to the other side of our y
+    # LDraw's z is opposite to kilter's y
     assert cells(given) == cells(text)
-    # four studs of three points, one under a brick one stud wide of four, eight on the baseplate
+    # four studs of three points, a stud of four points under a narrow brick, eight on the baseplate
     for one in (given, text, ldraw):
         assert [len(bond.points) for bond in one.bonds] == [12, 4, 24]
     assert given.units == "mm"
@@ -191,7 +191,7 @@ def test_a_baseplate_of_the_file_is_what_is_held(tmp_path: Path) -> None:
     found = loaded(tmp_path / "on.ldr", text)
     assert [part.name for part in found.parts if part.grounded] == ["baseplate-4"]
     assert kilter.check(found).verdict == "stable"
-    # beside it nothing holds the stair
+    # the contact beside it does not hold the stair
     beside = text.replace("1 2 80 0 40", "1 2 800 0 40")
     assert kilter.check(loaded(tmp_path / "off.ldr", beside)).verdict == "unstable"
 
@@ -220,7 +220,7 @@ def test_a_bad_file_is_exit_2_and_names_the_line(
     assert error.count("\n") == 1
     assert name in error
     assert "line 2: " in error
-    assert "; " in error  # what to do
+    assert "; " in error  # the remedy
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""The page of a model of bricks: what to change, what is still taken, how bricks look."""
+"""The page of a brick model: proposed changes, load capacity, and drawing of bricks."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def test_the_page_says_and_shows_which_brick_to_add(tmp_path: Path) -> None:
     assert "Show the brick to add" in page
     scene = build_scene(found)
     assert scene["change"]["part"] is None
-    # the brick is where the changed model has it
+    # the brick is at its place in the changed model
     added = best.assembly.parts[best.assembly.index_of(best.name)]
     shape = base64.b64decode(scene["change"]["shape"]["positions"]["data"])
     positions = np.frombuffer(shape, dtype=np.float32).reshape(-1, 3)

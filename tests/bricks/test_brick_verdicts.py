@@ -1,4 +1,4 @@
-"""Verdicts and load factors of brick models against a linear program written apart."""
+"""Verdicts and load factors of brick models compared with an independent linear program."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ BUILT = {
     "external_weight_good": (True, 0.6413),
     "external_weight_fail": (False, 1.1872),
 }
-"""Stands when built, and the share of .98 N a point that it needs."""
+"""Whether each model stands, and the share of .98 N per point that it needs."""
 NEAR = 1e-3
 
 
 def proved(assembly: kilter.Assembly) -> kilter.Verdict:
-    """The verdict, after its proof was read and verified on a copy that went through a file."""
+    """The verdict, after verifying its proof on an assembly that was written and read back."""
     verdict = kilter.check(assembly)
     proof = json.loads(json.dumps(verdict.proof(), allow_nan=False))
     answer = verified(reloaded(assembly), proof)
@@ -42,14 +42,14 @@ def proved(assembly: kilter.Assembly) -> kilter.Verdict:
 
 
 def share_of(assembly: kilter.Assembly) -> float:
-    """The share of its strength that the weakest bond needs; inf where no strength is enough."""
+    """The share of its strength that the weakest bond needs; inf if no strength suffices."""
     touching = kilter.contacts(assembly)
     found = find_bond_factor(build_program(assembly, touching), touching)
     return found.value if isinstance(found, BondFactor) else np.inf
 
 
 def rows_of(model: BrickModel) -> np.ndarray:
-    """The bricks as the program apart has them."""
+    """The bricks as rows for the independent program."""
     corner = model.corner // [1, 1, BRICK_PLATES]
     return np.column_stack([corner, model.size[:, :2], model.mass])
 
@@ -90,7 +90,7 @@ def test_random_models_against_a_program_apart(seed: int) -> None:
     verdict = proved(assembly_of_bricks(model)).verdict
     assert share != pytest.approx(1, rel=1e-6)
     assert verdict == ("stable" if share < 1 else "unstable")
-    # of all the strength: a limit is told no nearer
+    # tolerance of the limit, as a fraction of the strength
     assert share_of(assembly_of_bricks(model)) == pytest.approx(share, rel=1e-6, abs=1e-6)
     if np.isfinite(share) and share > 0:
         for factor, word in ((1 - NEAR, "unstable"), (1 + NEAR, "stable")):
@@ -99,7 +99,7 @@ def test_random_models_against_a_program_apart(seed: int) -> None:
 
 
 def line_of_bricks(count: int, *, layer: int = 0) -> BrickModel:
-    """Bricks 2x4 in a stair, each half over the one below it."""
+    """A stair of 2x4 bricks, each half over the brick below."""
     number = np.arange(count)
     none = np.zeros(count, dtype=np.int64)
     return BrickModel(
@@ -172,7 +172,7 @@ def test_a_hanging_brick_needs_its_weight_over_its_points() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2])
 def test_large_models_by_their_proofs(seed: int) -> None:
-    """As many bricks as make the program large: forces or a motion, and the other side of it."""
+    """A model large enough for the large solver: forces or a motion, on both sides of the limit."""
     model = random_bricks(300, seed=seed)
     weak, strong = (
         proved(assembly_of_bricks(model, rules=StudRules(pull=pull))) for pull in (0.02, 20.0)

@@ -1,4 +1,4 @@
-"""Files made on the spot: what the tests of the readers start from."""
+"""Fixtures that write small files for the tests of the readers."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ CUBE = {"name": "C1", "box": [1, 1, 1]}
 
 @pytest.fixture
 def write(tmp_path: Path) -> Callable[[str, Any], Path]:
-    """Writes a file: bytes, text, or a value as JSON; gives its path."""
+    """Writes a file from bytes, text or a JSON value, and returns its path."""
 
     def written(name: str, content: Any) -> Path:
         path = tmp_path / name
@@ -35,7 +35,7 @@ def write(tmp_path: Path) -> Callable[[str, Any], Path]:
 
 @pytest.fixture
 def obj_box() -> Callable[..., str]:
-    """Lines of an OBJ box of quads, `first` = number of its first vertex."""
+    """Lines of a box of quads in OBJ; `first`: number of its first vertex."""
 
     def lines(size: float = 1.0, at: tuple[float, float, float] = (0, 0, 0), first: int = 1) -> str:
         vertices, _ = surface(Box([size] * 3))

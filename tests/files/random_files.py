@@ -1,4 +1,4 @@
-"""Irregular files made at random: what they hold is known, and how they were spoilt."""
+"""Random files with known contents and known damage."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ FORMATS = ("stl", "obj", "glb", "3mf")
 
 @dataclass
 class Made:
-    """A file, and what it holds.
+    """A random file, its contents and its damage.
 
     Attributes
     ----------
     path : Path
     volumes, centers : dict
-        Of each body by name [length unit of the file], as a second program gives them.
+        Volume and centre of each body by name, from a second program [length unit of the file].
     spoilt : set of str
         Names of bodies that lost a face.
     turned : set of str
-        Names of bodies some of whose faces are wound the other way.
+        Names of bodies with faces of the wrong winding.
     """
 
     path: Path
@@ -40,7 +40,7 @@ class Made:
 
 
 def mesh_file(rng: np.random.Generator, folder: Path) -> Made:
-    """Bodies of one mesh file, some wound both ways or open, with faces twice or of no area."""
+    """A mesh file of several bodies: some open or of mixed winding, with repeated or flat faces."""
     kind = str(rng.choice(FORMATS))
     made = Made(folder / f"a.{kind}")
     scene = trimesh.Scene()
@@ -57,9 +57,9 @@ def mesh_file(rng: np.random.Generator, folder: Path) -> Made:
             faces[wrong] = faces[wrong][:, ::-1]
             made.turned.add(name)
         if rng.random() < 0.2:
-            faces = np.vstack([faces, faces[:2]])  # twice
+            faces = np.vstack([faces, faces[:2]])  # a repeated face
         if rng.random() < 0.2:
-            faces = np.vstack([faces, faces[:1, [0, 0, 1]]])  # of no area
+            faces = np.vstack([faces, faces[:1, [0, 0, 1]]])  # a face without area
         if rng.random() < 0.2:
             faces = np.delete(faces, int(rng.integers(2, len(mesh.faces))), axis=0)
             made.spoilt.add(name)
@@ -99,7 +99,7 @@ def _obj(scene: trimesh.Scene) -> str:
 
 
 def step_file(rng: np.random.Generator, folder: Path) -> Made:
-    """Solids of a nested STEP file in some unit, some with a face that the file has lost."""
+    """A nested STEP file in a random unit; some of its solids lack a face."""
     from step_maker import placement, write_step
 
     made = Made(folder / "a.step")
@@ -161,7 +161,7 @@ def _shape(rng: np.random.Generator) -> Any:
 
 
 def _is_written_as_it_is(shape: Any) -> bool:
-    """OCCT reads what it wrote with the same volume; of some trimmed faces it takes the rest."""
+    """Whether OCCT reads its own file with the same volume; it misreads some trimmed faces."""
     from OCP.STEPControl import (
         STEPControl_Reader,
         STEPControl_StepModelType,
@@ -182,9 +182,9 @@ def _is_written_as_it_is(shape: Any) -> bool:
 
 
 def _is_sound(shape: Any) -> bool:
-    """One solid whose two ways to a volume, by its faces and by triangles, agree.
+    """A solid whose volumes from its faces and from triangles agree.
 
-    What OCCT joins need not be.
+    The union of OCCT may be invalid.
     """
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
     from OCP.StlAPI import StlAPI_Writer
@@ -209,7 +209,7 @@ def _solids(shape: Any) -> int:
 
 
 def _with_wires(shape: Any) -> Any:
-    """The shape in a compound with an edge: no solid, to be passed over."""
+    """The shape in a compound with an edge, which the reader ignores."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge
     from OCP.gp import gp_Pnt
     from step_maker import compound
@@ -240,7 +240,7 @@ def _measure(made: Made, nodes: list[Any], above: list[Any]) -> None:
 
 
 def _lose_a_face(rng: np.random.Generator, made: Made) -> None:
-    """One face of one solid goes from the list of its shell."""
+    """Remove a face of a solid from the list of its shell, in the text of the file."""
     text = made.path.read_text()
     shells = list(re.finditer(r"CLOSED_SHELL\('[^']*',\(([^)]*)\)\)", text))
     shell = shells[int(rng.integers(len(shells)))]
@@ -250,4 +250,4 @@ def _lose_a_face(rng: np.random.Generator, made: Made) -> None:
     del faces[int(rng.integers(len(faces)))]
     start, end = shell.span(1)
     made.path.write_text(text[:start] + ",".join(faces) + text[end:])
-    made.spoilt = set(made.volumes)  # which one it is the text does not say
+    made.spoilt = set(made.volumes)  # the text does not show which solid has lost it

@@ -1,4 +1,4 @@
-"""STEP files made on the spot with OCCT, without word on the output."""
+"""Write STEP files with OCCT, without output."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from OCP.XCAFDoc import XCAFDoc_DocumentTool
 from kilter.files.occt import quiet
 from kilter.units import metres_per_unit
 
-# (name, shape or list of such, placement or None)
+# (name, shape or list of shapes, placement or None)
 Node = tuple[str, Any, Any]
 
 
@@ -59,7 +59,7 @@ def moved(shape: Any, move: Any) -> Any:
 
 
 def write_step(path: Path, roots: Sequence[Node], units: str = "mm", apart: str = "") -> Path:
-    """A STEP file; products of one shape object are shared; `apart`: prefix of files of parts."""
+    """Write a STEP file; equal shape objects are shared products. `apart`: prefix of part files."""
     document = TDocStd_Document(TCollection_ExtendedString("MDTV-XCAF"))
     XCAFDoc_DocumentTool.SetLengthUnit_s(document, metres_per_unit(units))
     tool = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
@@ -81,7 +81,7 @@ def write_step(path: Path, roots: Sequence[Node], units: str = "mm", apart: str 
         return made
 
     with quiet():
-        STEPCAFControl_Writer()  # makes the setting that is changed next
+        STEPCAFControl_Writer()  # creates the setting that the next line changes
         Interface_Static.SetCVal_s("write.step.unit", {"in": "INCH"}.get(units, units.upper()))
         for root in roots:
             label(root)

@@ -1,4 +1,4 @@
-"""Accuracy told from the values of a file, and where it is not."""
+"""The accuracy estimated from the values of a file."""
 
 from __future__ import annotations
 

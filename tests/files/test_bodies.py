@@ -1,4 +1,4 @@
-"""Bodies of one mesh: taken apart however they touch, kept whole with their holes."""
+"""Splitting a mesh into bodies: touching bodies are separated, and holes stay with their body."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from kilter.shape.primitives import Box, Mesh, surface
 
 
 def boxes(*places: tuple[float, float, float], size: float = 1.0, turned: bool = False) -> Mesh:
-    """Boxes in one mesh."""
+    """Several boxes as a single mesh."""
     return merged(*[box(place, size, turned) for place in places])
 
 
@@ -81,7 +81,7 @@ def test_pieces_that_are_open_stay_together_where_they_share_a_corner() -> None:
     whole = box((0, 0, 0))
     lid = merged(Mesh(whole.vertices, whole.triangles[:2]), box((5, 0, 0)))
     assert len(split_bodies(lid)) == 2
-    # the middle of the lid's edge is a corner of its own: no edge of the sides meets it
+    # the lid has an extra corner in the middle of its edge, so the sides have no such edge
     vertices = np.vstack([whole.vertices, (whole.vertices[4:8].sum(axis=0) / 4)[None]])
     fan = np.array([[4, 5, 8], [5, 7, 8], [7, 6, 8], [6, 4, 8]])
     sides = np.delete(whole.triangles, [2, 3], axis=0)

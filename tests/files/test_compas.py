@@ -116,7 +116,7 @@ def faced(frame: Any, points: Any = CORNERS) -> dict[str, Any]:
 @pytest.mark.parametrize("frame", [FRAME, DOWN, None], ids=["up", "down", "none"])
 @pytest.mark.parametrize("ends", [("0", "1"), ("1", "0")], ids=["upwards", "downwards"])
 def test_an_interface_pushes_the_blocks_apart(frame: Any, ends: tuple[str, str], write) -> None:
-    """Whichever way its frame and its edge point: writers differ."""
+    """The sense of the frame and of the edge has no effect, since writers differ."""
     path = write("a.json", stacked({"interfaces": [faced(frame)]}, *ends))
     assembly = load(path, contacts="file")
     assert not assembly.detect

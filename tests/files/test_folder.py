@@ -1,4 +1,4 @@
-"""A folder of meshes: names, order, units, and what is passed over."""
+"""A folder of meshes: names, order, units, and ignored files."""
 
 from __future__ import annotations
 
@@ -79,14 +79,14 @@ def test_a_folder_without_rights(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     def refuse(_: Path) -> None:
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(Path, "iterdir", refuse)  # root may read everything
+    monkeypatch.setattr(Path, "iterdir", refuse)  # the superuser may read every file
     assert "cannot be read: Permission denied; check" in refused(tmp_path)
 
 
 def test_units_of_files_that_state_theirs(write, tmp_path: Path, obj_box) -> None:
     folder = write("w/a.obj", obj_box()).parent
     trimesh.creation.box().export(folder / "b.3mf")
-    assert load(folder).units == "mm"  # the only ones that a file states
+    assert load(folder).units == "mm"  # the only units that a file states
     assert load(folder, units="cm").geometry.volume == pytest.approx([1, 1e-3])
     trimesh.creation.box().export(folder / "c.glb")
     assert "files are in m and mm, 'a.obj' states no units; give the units" in refused(folder)

@@ -1,4 +1,4 @@
-"""Meshes whose faces cross each other so that they enclose negative matter."""
+"""Meshes whose faces intersect each other and enclose a negative volume."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from kilter.shape.primitives import Box, Mesh, surface
 
 
 def with_lumps(turn: int, at: float) -> Mesh:
-    """A cube of side 1 and two lumps of volume .3 beside it; `turn` -1: inside out."""
+    """A cube of side 1 and two boxes of volume .3 beside it; `turn` -1: inside out."""
     side = 0.3 ** (1 / 3)
     vertices, faces = zip(*(surface(Box([size] * 3)) for size in (1.0, side, side)), strict=True)
     places = np.array([[0, 0, 0], [-at, 0, 0], [at, 0, 0]])
@@ -26,7 +26,7 @@ def test_negative_matter_is_refused() -> None:
 
 
 def test_lumps_and_holes_are_not() -> None:
-    """Right way round anything goes; inside out, what lies within the cube's reach is a hole."""
+    """Outward boxes are accepted; inward boxes are holes if they are inside the cube."""
     assert Assembly([Part("stone", with_lumps(1, 5.0))]).geometry.volume == pytest.approx([1.6])
     hole = with_lumps(-1, 0.1)
     assert Assembly([Part("stone", hole)]).geometry.volume == pytest.approx([0.4])

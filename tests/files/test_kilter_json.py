@@ -1,4 +1,4 @@
-"""kilter's own file: every shape and entry, there and back."""
+"""The kilter file: every shape and entry is written and read back."""
 
 # ruff: noqa: E501 (a part is a line, as in the file)
 from __future__ import annotations
@@ -30,7 +30,7 @@ TETRAHEDRON = (
 
 
 def full() -> Assembly:
-    """Every kind of shape and entry."""
+    """An assembly with every kind of shape and entry."""
     single = np.array(TETRAHEDRON[0], dtype=np.float32) * np.float32(0.1)
     return Assembly(
         [
@@ -229,7 +229,7 @@ def test_the_file_of_the_interface(write) -> None:
 
 
 def test_inline_faces_may_be_quads_and_concave() -> None:
-    corners = [[0, 0], [4, 0], [4, 3], [2, 1], [0, 3]]  # concave
+    corners = [[0, 0], [4, 0], [4, 3], [2, 1], [0, 3]]  # a concave polygon
     vertices = [[x, y, z] for z in (0, 1) for x, y in corners]
     sides = [[k, (k + 1) % 5, (k + 1) % 5 + 5, k + 5] for k in range(5)]
     faces = [[4, 3, 2, 1, 0], [5, 6, 7, 8, 9], *sides]

@@ -1,4 +1,4 @@
-"""Faults of a kilter file: each is one message with the file, the part and what to do."""
+"""Faults of a kilter file: each gives a single message with file, part and remedy."""
 
 # ruff: noqa: E501 (a row of a table is a line)
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What a small file may ask for: memory, time and places are bounded, and the bound is said."""
+"""Bounds on the memory, time and paths that a file may demand; the message states the bound."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ TETRAHEDRON = (
     '<triangle v1="1" v2="2" v3="3"/><triangle v1="0" v2="3" v3="2"/></triangles></mesh>'
 )
 SECONDS = 10.0
-"""Of CPU: each of these took minutes, or all of the memory, without its bound."""
+"""CPU time [s]: without its bound each case took minutes, or all of the memory."""
 
 
 @pytest.fixture(autouse=True)
@@ -48,7 +48,7 @@ def threemf(path: Path, body: str) -> Path:
 
 
 def doubled(mesh: str, levels: int) -> str:
-    """An object of two of an object of two ... of a mesh."""
+    """A 3MF object with two copies of an object with two copies ... of a mesh."""
     objects = [f'<object id="0">{mesh}</object>']
     for k in range(1, levels + 1):
         two = f'<component objectid="{k - 1}"/>' * 2
@@ -62,7 +62,7 @@ def test_a_zip_unfolds_to_no_more_than_its_size_allows(tmp_path: Path) -> None:
 
 
 def test_a_zip_may_unfold_as_far_as_meshes_do(tmp_path: Path) -> None:
-    """Sixteen MB of any, and so much for each byte: both sides of the limit."""
+    """Both sides of the limit: 16 MB for any zip, and a multiple of its size."""
     limits.require_unfolded(limits.SMALL, 1)
     limits.require_unfolded(limits.MOST_FOLD * 10**6, 10**6)
     for size, held in ((limits.SMALL + 1, 1), (limits.MOST_FOLD * 10**6 + 1, 10**6)):
@@ -98,7 +98,7 @@ def test_entities_are_not_read(tmp_path: Path) -> None:
     path = tmp_path / "a.urdf"
     path.write_text(laughs, "utf-8")
     refused(path, "its XML has a document type definition")
-    path.write_bytes(laughs.encode("utf-16"))  # past our eyes, not past those of expat
+    path.write_bytes(laughs.encode("utf-16"))  # kilter's own check misses it, expat does not
     refused(path, "the XML is invalid")
 
 
@@ -186,7 +186,7 @@ def compas(vertex: dict[str, Any], node: str = "0") -> dict[str, Any]:
 
 
 def test_numbers_of_thousands_of_digits(tmp_path: Path) -> None:
-    """As a coordinate one is refused, in a name it is a name."""
+    """A long number is rejected as a coordinate, and accepted in a name."""
     path = tmp_path / "a.json"
     path.write_text(json.dumps(compas({"x": 10**400})), "utf-8")
     refused(path, "vertex 0 is .*; give three numbers")
@@ -198,7 +198,7 @@ def test_numbers_of_thousands_of_digits(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_robot_of_a_long_chain(tmp_path: Path) -> None:
-    """Written from its tip to its root: what leads to a link is known last."""
+    """A chain written from its tip to its root: the parent of each link comes last."""
     links = [f'<link name="l{k}"/>' for k in range(5000)]
     links[-1] = (
         '<link name="l4999"><visual><geometry><box size="1 1 1"/></geometry></visual></link>'
@@ -225,7 +225,7 @@ def named(path: Path, mesh: str) -> Path:
 
 @pytest.fixture
 def folders(tmp_path: Path) -> Path:
-    """Meshes in a folder, below it, beside it, and far off."""
+    """Meshes in a folder, below it, beside it, and elsewhere."""
     obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
     for folder in ("far", "package/meshes", "package/own/below"):
         (tmp_path / folder).mkdir(parents=True)
@@ -246,7 +246,7 @@ def test_a_file_names_none_beyond_its_folder(file: str, folders: Path) -> None:
     for mesh in ("../../far/tip.obj", str(far), "below/../../../far/tip.obj"):
         refused(named(folders / file, mesh), "leads out of the folder of the file")
     beside = named(folders / file, "../meshes/tip.obj")
-    if file == "a.urdf":  # where robots have their meshes
+    if file == "a.urdf":  # the usual place of the meshes of robots
         assert len(kilter.load(beside)) == 1
     else:
         refused(beside, "leads out of the folder of the file")

@@ -25,7 +25,7 @@ def moved(x: float = 0, y: float = 0, z: float = 0) -> np.ndarray:
 
 
 def scene(node_names: bool = False) -> trimesh.Scene:
-    """Three bolts and a plate, under names of objects or of nodes."""
+    """Three bolts and a plate, with names of objects or of nodes."""
     found = trimesh.Scene()
     for k in range(3):
         found.add_geometry(
@@ -148,7 +148,7 @@ def test_a_glb_names_its_parts_by_node(write) -> None:
 
 
 def gltf(edit: Any = None, mesh: trimesh.Trimesh | None = None) -> bytes:
-    """A GLB of one box, its header edited."""
+    """A GLB file of a box with an edited header."""
     data = trimesh.Scene(mesh or trimesh.creation.box()).export(file_type="glb")
     size = int.from_bytes(data[12:16], "little")
     header, rest = json.loads(data[20 : 20 + size]), data[20 + size :]
@@ -190,7 +190,7 @@ def test_instances_of_a_mesh_stand_where_their_nodes_put_them(write) -> None:
     assert assembly.names == ("bolt", "bolt/bolt", "nut")
     assert assembly.geometry.volume == pytest.approx([1, 2, 1])
     assert assembly.geometry.center[1:] == pytest.approx(np.array([[3, 0, 0], [0, 5, 0]]))
-    assert not assembly.geometry.warnings  # the mirror image is not inside out
+    assert not assembly.geometry.warnings  # a mirrored mesh still faces outwards
 
 
 def test_primitives_of_one_mesh_are_one_part(write) -> None:
@@ -264,7 +264,7 @@ def test_a_glb_with_a_vertex_that_is_not_finite(write) -> None:
 
 
 def model(body: str, unit: str = 'unit="millimeter"') -> bytes:
-    """A 3MF of objects and items in XML."""
+    """A 3MF file of objects and items given as XML."""
     space = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
     production = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06"
     stream = io.BytesIO()
@@ -429,7 +429,7 @@ def test_a_file_without_rights(write, monkeypatch: pytest.MonkeyPatch) -> None:
         raise PermissionError(13, "Permission denied")
 
     path = write("a.stl", GOOD[".stl"])
-    monkeypatch.setattr(Path, "open", refuse)  # root may read everything
+    monkeypatch.setattr(Path, "open", refuse)  # the superuser may read every file
     assert "cannot be read: Permission denied; check" in str(refused(path))
 
 

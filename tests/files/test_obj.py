@@ -108,7 +108,7 @@ def test_a_fault_names_file_object_and_line(text: str, message: str, write) -> N
     assert said.startswith(f"{path}: ")
     assert message in said
     assert caught.value.part in ("tip", None)
-    assert caught.value.part == "tip" or "vertex 5" in said  # of a vertex that no face uses
+    assert caught.value.part == "tip" or "vertex 5" in said  # a vertex that no face uses
 
 
 @pytest.mark.parametrize("text", ["# nothing\n", "v 0 0 0\n", "hello world\n"])

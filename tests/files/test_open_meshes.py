@@ -1,4 +1,4 @@
-"""Meshes that are not sound: faces wound both ways, holes, sheets; what is read, and why."""
+"""Invalid meshes: mixed winding, holes, sheets; which are accepted, and the messages."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from kilter.shape.primitives import Box, Cylinder, Mesh, surface
 
 
 def fine(size: float = 1.0, cells: int = 8) -> tuple[np.ndarray, np.ndarray]:
-    """A box of many triangles: corners and triangles."""
+    """A box of many triangles: vertices and triangles."""
     ends = np.linspace(-size / 2, size / 2, cells + 1)
     corners, faces = [], []
     for axis in range(3):
@@ -35,13 +35,13 @@ def fine(size: float = 1.0, cells: int = 8) -> tuple[np.ndarray, np.ndarray]:
 
 
 def without_face_at(point: tuple[float, float, float]) -> Mesh:
-    """The fine box without the triangle whose middle is nearest to a point."""
+    """The fine box without the triangle whose centroid is nearest to a point."""
     vertices, faces = fine()
     k = np.linalg.norm(vertices[faces].mean(axis=1) - point, axis=1).argmin()
     return Mesh(vertices, np.delete(faces, k, axis=0))
 
 
-# faces wound both ways -----------------------------------------------------------------------
+# mixed winding ------------------------------------------------------------------------------
 
 
 @pytest.mark.quick(6)
@@ -108,7 +108,7 @@ def on(base: Part) -> Assembly:
 
 
 def test_a_held_open_mesh_holds() -> None:
-    """Its hole is at a side that nothing comes near: the verdict is as that of the closed one."""
+    """The hole is far from all contacts: the verdict is that of the closed mesh."""
     assembly = on(Part("base", without_face_at(SIDE), grounded=True))
     (warning,) = assembly.geometry.warnings
     assert warning.startswith("part 'base': the mesh is open: 3 edges have a face on one side only")
@@ -126,11 +126,11 @@ def test_what_comes_near_a_hole_is_listed() -> None:
     assert [(pair.parts, pair.kind, pair.why) for pair in found.open_pairs] == [
         ((0, 1), "near", UNKNOWN)
     ]
-    assert len(found)  # what is there of the face still counts
+    assert len(found)  # the rest of the face still has contacts
 
 
 def test_a_held_sheet_is_a_table() -> None:
-    """Two triangles without thickness hold what is above; wound down, their other side is open."""
+    """A sheet of two triangles supports a part above; facing down, its contacts are undecided."""
     corners = [[-2, -2, 0], [2, -2, 0], [2, 2, 0], [-2, 2, 0]]
     cube = Part("cube", Box([1, 1, 1]), Pose([0, 0, 0.5]))
     for faces, verdict in (

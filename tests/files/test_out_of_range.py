@@ -1,4 +1,4 @@
-"""Numbers out of range and faces of no area: refused in one sentence, numpy does not warn."""
+"""Numbers out of range and flat faces: rejected with a single message, without numpy warnings."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def test_a_place_may_be_as_near_to_zero_as_it_likes(place: float) -> None:
 
 @pytest.mark.parametrize("face", [[0, 0, 0, 0], [0, 1, 1, 0], [0, 1, 0, 1], [0, 1, 2, 1, 0]])
 def test_a_polygon_of_no_area_is_no_fault(face: list[int]) -> None:
-    """Nothing is left of it: the rest is closed without it."""
+    """The flat face is dropped, and the mesh is closed without it."""
     mesh = kilter.Mesh(TETRAHEDRON, [*FACES, face])
     part = kilter.Part("one", mesh)
     assert kilter.Assembly([part]).geometry.volume == pytest.approx(1 / 6)

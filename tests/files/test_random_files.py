@@ -1,4 +1,4 @@
-"""Irregular files at random: read as a second program measures them, or refused in a sentence."""
+"""Random damaged files: read with the volumes of a second program, or rejected with a message."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from kilter.errors import InputError
 from kilter.files import load
 
 CASES = {"mesh": 24, "STEP": 5}
-"""In the usual round; the slow one has more."""
+"""Files in the quick suite; the slow suite has more."""
 MANY = 300
 SEEDS = 25
-"""In a block of the slow round."""
+"""Files in a block of the slow suite."""
 
 
 def held(path: Path) -> Assembly:
@@ -25,7 +25,7 @@ def held(path: Path) -> Assembly:
 
 
 def rechecked(made: Made, capsys: pytest.CaptureFixture[str], slack: float) -> str:
-    """What became of a file: "read", "mended" or "refused"."""
+    """The result of reading a file: "read", "mended" or "refused"."""
     code = main(["contacts", str(made.path)])
     said = capsys.readouterr()
     assert code in (0, 2), said.err
@@ -33,7 +33,7 @@ def rechecked(made: Made, capsys: pytest.CaptureFixture[str], slack: float) -> s
         assert made.spoilt
         lines = [line for line in said.err.splitlines() if "warning:" not in line]
         assert len(lines) == 1, said.err
-        assert "; " in lines[0]  # what is wrong; what to do
+        assert "; " in lines[0]  # fault and remedy
         with pytest.raises(InputError):
             _ = load(made.path).geometry
         flat = None
@@ -41,16 +41,16 @@ def rechecked(made: Made, capsys: pytest.CaptureFixture[str], slack: float) -> s
             _ = held(made.path).geometry  # a held part may be open
         except InputError as error:
             flat = error
-        if flat is not None and "no solid" in flat.what:  # balls that lost their only face
+        if flat is not None and "no solid" in flat.what:  # spheres that lost their only face
             assert made.spoilt == set(made.volumes)
             assert all(f"{name!r} (1 shell)" in flat.what for name in made.volumes)
             return "refused"
-        # one flat face is left of it, and no body
+        # only a flat face is left
         assert flat is None or (flat.part in made.spoilt and "the part is flat" in flat.what)
         return "refused"
     assembly = load(made.path)
     geometry = assembly.geometry
-    # a ball or a ring that lost its only face is nothing: it is named as left out
+    # a sphere or torus that lost its only face is listed as ignored
     passed = [note for note in assembly.notes if "ignored, not solids" in note]
     gone = {name for name in made.spoilt if any(f"{name}' (1 shell)" in note for note in passed)}
     assert sorted(assembly.names) == sorted(set(made.volumes) - gone)

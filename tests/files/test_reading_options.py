@@ -1,4 +1,4 @@
-"""How a file is read: which axis is up, and whose contacts count."""
+"""Options of reading: the axis that points up, and the source of the contacts."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
 
 
 def obj(path: Path, boxes: list[tuple[Any, Any]]) -> Path:
-    """Boxes of given sizes and places as an OBJ file."""
+    """An OBJ file of boxes with given sizes and positions."""
     lines, first = [], 1
     for k, (size, at) in enumerate(boxes):
         vertices, faces = surface(Box(size))
@@ -57,7 +57,7 @@ def test_a_proof_s_options_carry_them() -> None:
 
 
 def toppled(turn: Any) -> list[tuple[Any, Any]]:
-    """An L that stands along z and along no other axis, its axes exchanged as `turn` says."""
+    """An L-shape that stands only with z up, with its axes permuted by `turn`."""
     size, at = np.array([[1, 1, 4], [3, 1, 0.5]]), np.array([[0, 0, 2], [2, 0, 3.75]])
     foot, there = np.array([[4, 3, 0.5]]), np.array([[0.5, 0.2, -0.25]])
     rows = zip(np.vstack([size, foot]), np.vstack([at, there]), strict=True)
@@ -81,7 +81,7 @@ def test_the_way_up_decides_the_verdict(tmp_path: Path) -> None:
     assert check(load(path, ground="box0", up="y")).verdict == "stable"
 
 
-# whose contacts -------------------------------------------------------------------------
+# source of the contacts --------------------------------------------------------------------
 
 CUBES = [
     Part("table", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True),
@@ -91,7 +91,7 @@ ASIDE = GivenContact(("table", "cube"), [[0.4, 0, 0], [0.4, 0.1, 0], [0.5, 0, 0]
 
 
 def test_contacts_of_a_kilter_file(tmp_path: Path) -> None:
-    """Points beside the centre of mass tip the cube; the faces that touch hold it."""
+    """The cube tips on the points of the file, beside its centre of mass, but not on its faces."""
     dump(Assembly(CUBES, contacts=[ASIDE]), tmp_path / "a.kilter.json")
     verdicts = {
         which: check(load(tmp_path / "a.kilter.json", contacts=which)).verdict

@@ -1,4 +1,4 @@
-"""Assemblies that others made, beside the checkout."""
+"""Assemblies from public data sets, in a folder beside the checkout."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def test_densities_turn_the_verdict_over() -> None:
     ("mu", "forces"), sampled(2, [(0, False), (0.04, False), (0.02, False), (0.84, True)])
 )
 def test_curved_blocks_on_the_interfaces_of_the_file(mu: float, forces: bool) -> None:
-    """The limit is near .051: below, the blocks slide along -x."""
+    """The friction limit is near .051; below it, the blocks slide along -x."""
     path = DATA / "compas_cra" / "curve-3-blocks.json"
     found = check(load(path, ground="0", contacts="file", friction=mu))
     assert (found.verdict != "unstable") == forces

@@ -1,4 +1,4 @@
-"""Meshes that are closed as they are, welded many at once: as one by one, or left to that."""
+"""Welding many valid meshes at once gives the same result as welding each of them."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ Corners = tuple[np.ndarray, np.ndarray]
 
 
 def soup(corners: Corners) -> Corners:
-    """Triangles without shared vertices, as STL has them."""
+    """Triangles without shared vertices, as in STL."""
     vertices, triangles = corners
     return vertices[triangles].reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3)
 
 
 def damaged(corners: Corners, how: int, rng: np.random.Generator) -> Corners:
-    """A mesh that is sound (0 to 2), or is not (3 to 8)."""
+    """A valid mesh (`kind` 0 to 2) or an invalid mesh (3 to 8)."""
     vertices, triangles = (array.copy() for array in corners)
     k = int(rng.integers(len(triangles)))
     match how:
@@ -39,7 +39,7 @@ def damaged(corners: Corners, how: int, rng: np.random.Generator) -> Corners:
             return np.vstack([vertices, [9.0, 9, 9]]), triangles
         case 7:
             return vertices, np.vstack([triangles, triangles[k, [0, 0, 1]]])
-        case 8:  # a corner a hair off: an open edge to all but the weld of close corners
+        case 8:  # a slightly displaced corner: the edge is open unless close corners are merged
             vertices, triangles = soup(corners)
             vertices[k] += 1e-12
     return vertices, triangles

@@ -1,4 +1,4 @@
-"""The accuracy that a STEP file states: read in its unit, and what it makes of a verdict."""
+"""The accuracy that a STEP file states: its unit, and its effect on verdicts."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def test_it_is_read_in_its_unit(unit: str, units: str, factor: float, tmp_path: 
 
 
 def leaning(path: Path, beyond: float, accuracy: str) -> Assembly:
-    """A cube whose centre of mass is so far beyond the edge of the block that it stands on."""
+    """A cube whose centre of mass is `beyond` the edge of the block below it."""
     roots = [
         ("base", BRepPrimAPI_MakeBox(20.0, 20.0, 20.0).Shape(), None),
         ("cube", BRepPrimAPI_MakeBox(10.0, 10.0, 10.0).Shape(), placement([15 + beyond, 5, 20])),
@@ -54,12 +54,12 @@ def leaning(path: Path, beyond: float, accuracy: str) -> Assembly:
 @pytest.mark.quick(1)
 @pytest.mark.parametrize(("beyond", "accuracy", "verdict"), [
     (-0.004, "1.E-07", "stable"),
-    (-0.004, "0.01", "stable"),  # what is drawn stable is
+    (-0.004, "0.01", "stable"),  # a stable nominal position is reported as stable
     (0.004, "1.E-07", "unstable"),
     (0.004, "0.01", "undecided"),
     (0.1, "0.01", "unstable"),
     (0.1, "100.", "undecided"),
-    (1.0, "100.", "unstable"),  # whatever a file states
+    (1.0, "100.", "unstable"),  # whatever accuracy the file states
 ])  # fmt: skip
 def test_what_it_explains_is_not_proved_unstable(
     beyond: float, accuracy: str, verdict: str, tmp_path: Path
@@ -74,7 +74,7 @@ def test_what_it_explains_is_not_proved_unstable(
 
 
 def test_what_falls_falls(tmp_path: Path) -> None:
-    """A part without contacts falls, however coarse the file says it is."""
+    """A part without contacts falls, however coarse the stated accuracy is."""
     assembly = leaning(tmp_path / "a.step", 0.004, "0.01")
     base, cube = assembly.parts
     stray = Part("stray", cube.shape, Pose([100, 0, 0]))

@@ -1,4 +1,4 @@
-"""STEP: names, places, units, exact faces, exact moments, and what is refused."""
+"""STEP: names, poses, units, exact faces, exact moments, and rejected files."""
 
 from __future__ import annotations
 
@@ -166,7 +166,7 @@ def test_faces_and_volumes(name: str, hidden: bool, place: Any, tmp_path: Path) 
     solid = one(tmp_path, as_splines(shape) if hidden else shape)
     assert kinds(solid) == expected
     assert (solid.triangle_surface >= 0).all()
-    # what OCCT's integral reaches on plain and on rational faces
+    # errors of OCCT's integration on plain and on rational faces
     assert solid.volume == pytest.approx(volume, rel=1e-9 if hidden else 1e-11)
     assert len(open_edges(solid.vertices, solid.triangles)) == 0
     corners = solid.vertices[solid.triangles]
@@ -211,7 +211,7 @@ def test_a_face_of_no_known_kind_lies_on_none(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["cylinder", "sphere", "cone", "frustum", "drilled"])
 def test_the_triangles_alone_give_the_same_faces(name: str, tmp_path: Path) -> None:
-    """A second method: what is recognised on the mesh of the solid is what the file says."""
+    """The surfaces recognised on the mesh of the solid agree with those of the file."""
     solid = one(tmp_path, SHAPES[name][0])
     surfaces, which, sagitta = recognise(solid.vertices, solid.triangles, solid.accuracy)
     assert Counter(f"hollow {s.kind}" if s.hollow else s.kind for s in surfaces) == kinds(solid)
@@ -224,7 +224,7 @@ def test_the_triangles_alone_give_the_same_faces(name: str, tmp_path: Path) -> N
         assert sorted(s.radius for s in surfaces if s.kind == kind) == pytest.approx(said, rel=1e-9)
 
 
-# what else a file may hold ---------------------------------------------------------------
+# other contents of a file -------------------------------------------------------------------
 
 
 def test_what_is_no_solid_is_passed_over_and_named(tmp_path: Path) -> None:
@@ -263,11 +263,11 @@ def test_a_file_that_is_cut_short(tmp_path: Path, capfd: Any) -> None:
 
 
 def test_an_entity_that_is_missing(tmp_path: Path, capfd: Any) -> None:
-    """OCCT itself breaks down over it."""
+    """OCCT itself crashes on such a file."""
     path = write_step(tmp_path / "a.step", [("a", cylinder(2, 5), None)])
     text = path.read_text()
     entities = re.findall(r"#\d+ =[^;]*;\n", text)
-    for entity in entities[1::9]:  # the name of the first is in a text as well
+    for entity in entities[1::9]:  # the name of the first entity occurs in a text as well
         name = entity.split(" ")[0]
         path.write_text(text.replace(entity, ""))
         if re.search(rf"{name}\b(?! =)", text):

@@ -1,4 +1,4 @@
-"""STEP that is not sound: what is read all the same, and what is said of it."""
+"""Damaged STEP files: which solids are read, and with which notes."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def shell_of(faces: list[Any]) -> Any:
 
 
 def apart(shape: Any) -> Any:
-    """The shape as a shell of faces that share no edges."""
+    """The shape as a shell whose faces share no edges."""
     return shell_of([TopoDS.Face(BRepBuilderAPI_Copy(face).Shape()) for face in faces_of(shape)])
 
 
@@ -87,7 +87,7 @@ def area_of(face: Any) -> float:
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("name", SHAPES)
 def test_faces_cut_here_meet_those_cut_by_occt(name: str, monkeypatch: Any) -> None:
-    """Each face in turn is left out: the surface closes, and encloses the same volume."""
+    """With each face in turn triangulated by kilter, the surface is closed with the same volume."""
     shape = SHAPES[name]
     whole = read_solid(shape).solid
     assert whole is not None
@@ -165,7 +165,7 @@ def test_a_shell_that_closes_is_a_solid_and_an_open_one_is_not(tmp_path: Path) -
 
 
 def open_box(path: Path, missing: int) -> Path:
-    """A box of 2 x 3 x 4 one of whose faces the file has lost: that at x = 0, x = 2, ... z = 4."""
+    """A box of 2 x 3 x 4 that lacks a face: that at x = 0, x = 2, ... z = 4."""
     text = write_step(path, [("tub", box(2.0, 3.0, 4.0), None)]).read_text()
     found = re.search(r"CLOSED_SHELL\(\'[^']*\',\(([^)]*)\)\)", text)
     assert found is not None

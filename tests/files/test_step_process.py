@@ -1,4 +1,4 @@
-"""STEP read ahead in its own process: never taken for another file, or another state of it."""
+"""STEP read ahead in a separate process: the answer belongs to the right file and state."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from kilter.files.step import read_step
 
 
 def box(path, *size):
-    """A STEP file of one box."""
+    """Write a STEP file of a box."""
     write_step(path, [("block", BRepPrimAPI_MakeBox(*size).Shape(), placement())])
     return path
 
@@ -43,7 +43,7 @@ def test_what_is_read_ahead_is_what_is_asked_for(fresh, tmp_path):
     assert depth(read_step(path)) == pytest.approx(3.0)
     assert step_process._kept == [process]
     assert process.ahead is None
-    assert depth(read_step(path)) == pytest.approx(3.0)  # asked once more
+    assert depth(read_step(path)) == pytest.approx(3.0)  # the file is requested again
 
 
 @pytest.mark.slow

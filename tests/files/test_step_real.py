@@ -30,7 +30,7 @@ FACES = {
     "rod": {"plane": 2, "cylinder": 1},
 }
 SPLINES = 1e-6
-"""The splines of the file are this far from cylinders, in volumes (2.6e-5 mm of 5 mm)."""
+"""Relative difference in volume between the file's splines and cylinders (2.6e-5 mm of 5 mm)."""
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +48,7 @@ def solid_of(assembly: Assembly, product: str) -> Solid:
 def test_names_units_and_instances(assembly: Assembly) -> None:
     below = [f"nut-bolt-assembly_{k}/{part}" for k in (1, 2, 3) for part in ("bolt", "nut")]
     sides = [f"l-bracket-assembly_{k}/{n}" for k in (1, 2) for n in [*below, "l-bracket"]]
-    rods = ["nut_1", "nut_2", "rod"]  # of the rod-assembly: nothing else is named so
+    rods = ["nut_1", "nut_2", "rod"]  # the only nut in the rod assembly
     assert sorted(assembly.names) == sorted(["plate", *rods, *sides])
     assert assembly.units == "mm"
     assert assembly.notes == ()
@@ -70,7 +70,7 @@ def test_every_face_is_known(product: str, assembly: Assembly) -> None:
 
 def test_volumes_by_formula(assembly: Assembly) -> None:
     def between(solid: Solid, normal: list[float]) -> np.ndarray:
-        """Heights of the planes across a direction."""
+        """Heights of the planes perpendicular to a direction."""
         planes = [s for s in solid.surfaces if s.kind == "plane"]
         return np.sort([s.point @ normal for s in planes if abs(s.axis @ normal) > 0.999])
 
@@ -104,7 +104,7 @@ OVERLAPS = {
     ("foot_2/footback", "mainbodyfront"): 81.3,
     ("foot_2/footfront", "mainbodyfront"): 152.3,
 }
-"""By exact Booleans of the faces [mm^3]."""
+"""Overlap volumes by exact Boolean operations of the faces [mm^3]."""
 
 
 @pytest.mark.slow
@@ -120,7 +120,7 @@ def test_shells_on_one_axis_do_not_interfere_and_what_overlaps_does() -> None:
     assert set(found) == set(OVERLAPS)
     for parts, volume in OVERLAPS.items():
         assert found[parts].volume == pytest.approx(volume, rel=0.02)
-    # both belong to one foot, whose copy is where it should be
+    # both are parts of the same foot, whose copy is placed correctly
     asked = next(word for word in contacts.remarks() if "in the right place" in word)
     assert "is 'foot_2/footback' in the right place?" in asked
     assert "its copy 'foot_1/footfront' overlaps nothing" in asked

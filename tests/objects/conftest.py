@@ -1,4 +1,4 @@
-"""What the tests of other libraries' objects share: the same answer as through a file."""
+"""Fixture for objects of other libraries: an object and its file give the same answer."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ def summary(assembly: kilter.Assembly) -> dict[str, Any]:
 
 @pytest.fixture
 def agree(tmp_path: Path) -> Callable[..., kilter.Assembly]:
-    """Loads an object and the file that its library writes; both must say the same.
+    """Loads an object and the file that its library writes, and compares their answers.
 
-    Gives the assembly of the object. `verdict` is what is expected of both.
+    Returns the assembly of the object. `verdict`: the expected verdict of both.
     """
 
     def asked(

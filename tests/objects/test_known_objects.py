@@ -1,4 +1,4 @@
-"""Arrays, lists and dicts of objects; and what is no object that an assembly can be made of."""
+"""Arrays, lists and dicts of objects, and unsupported values."""
 
 from __future__ import annotations
 

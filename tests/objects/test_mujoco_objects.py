@@ -163,7 +163,7 @@ def test_a_file_that_mujoco_refuses_is_refused(tmp_path: Path) -> None:
 
 
 def simulated(assembly: kilter.Assembly, seconds: float = 1.0) -> np.ndarray:
-    """How far each free part has gone [m], by MuJoCo."""
+    """Displacement of each free part in a MuJoCo simulation [m]."""
     model = mujoco.MjModel.from_xml_string(assembly.to_mjcf())
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
@@ -195,7 +195,7 @@ def test_masses_poses_and_inertia_are_those_of_the_assembly(name: str) -> None:
 
 def test_what_stands_stands_and_what_falls_falls() -> None:
     assert kilter.check(scene("tower")).stable
-    assert simulated(scene("tower")).max() < 5e-3  # soft contacts of cubes of 1 m
+    assert simulated(scene("tower")).max() < 5e-3  # sinking of cubes of 1 m in soft contacts
     falls = scene("inverted-triangle")
     assert not kilter.check(falls).stable
     assert simulated(falls).max() > 10 * simulated(scene("tower")).max()

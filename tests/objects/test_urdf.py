@@ -1,4 +1,4 @@
-"""URDF robots: links where their joints put them, the base fixed or floating."""
+"""URDF robots: poses of links from their joints, and a fixed or floating base."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def test_a_box_on_its_base_and_the_same_parts_of_ones_own(tmp_path: Path) -> Non
 def test_an_arm_at_the_side_is_held_as_its_joint_holds(
     tmp_path: Path, kind: str, axis: str, stable: bool
 ) -> None:
-    """The frame is turned a quarter about y: the arm, along its z, lies along the world's x."""
+    """The frame is turned by 90 degrees about y, so the arm along its z is along the world's x."""
     arm = link("arm", '<cylinder radius=".1" length="1"/>', 3, "0 0 .5", "0 0 .5")
     path = robot(
         tmp_path, BASE, arm, joint("base", "arm", kind, "1.2 0 0", f"0 {np.pi / 2} 0", axis)

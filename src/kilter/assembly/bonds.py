@@ -166,14 +166,14 @@ class Bond:
     def with_strength(self, share: float) -> Bond:
         """The bond with its pull and its limit of shear multiplied by a factor."""
 
-        def scaled(value: Any) -> Any:
+        def times_share(value: Any) -> Any:
             return value * share if isinstance(value, float) else value
 
         return dataclasses.replace(
             self,
-            pull=scaled(self.pull),
-            pull_per_area=scaled(self.pull_per_area),
-            shear=scaled(self.shear),
+            pull=times_share(self.pull),
+            pull_per_area=times_share(self.pull_per_area),
+            shear=times_share(self.shear),
         )
 
     def __repr__(self) -> str:

@@ -196,7 +196,7 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
         [part.shape.accuracy if isinstance(part.shape, Mesh | Solid) else 0.0 for part in parts]
     )
     accuracy = np.maximum(accuracy, largest * 2.0**-52)
-    surfaces, triangle_surface = _curved(
+    surfaces, triangle_surface = _curved_surfaces(
         parts, boxes, (vertices, triangles, world), local, (rotation, position)
     )
     slack = np.zeros(len(parts))
@@ -299,14 +299,14 @@ def _set_closed_moments(
             volume[k], center[k], second[k] = closed_moments(mesh)
 
 
-def _curved(
+def _curved_surfaces(
     parts: Sequence[Part],
     boxes: Mask,
     corners: tuple[Array, Index, Array],
     local: tuple[Array, Index, Index, Index],
     poses: tuple[Array, Array],
 ) -> tuple[Surfaces, Index]:
-    """The curved surfaces of all parts, and the surface of each triangle.
+    """Collect the curved surfaces of all parts, and the surface of each triangle.
 
     Parameters
     ----------

@@ -60,11 +60,11 @@ def refine(
         known = (s.kind[label] != FREE) & (s.doubt[label] == 0)
         label = np.where(known, label, -1)
     for _ in range(rounds):
-        vertices, triangles, label = _cut(s, vertices, triangles, label, box)
+        vertices, triangles, label = _refine_once(s, vertices, triangles, label, box)
     return vertices, triangles
 
 
-def _cut(
+def _refine_once(
     s: Surfaces, vertices: Array, triangles: Index, label: Index, box: tuple[Array, Array]
 ) -> tuple[Array, Index, Index]:
     """Refine once: vertices, triangles, and the surface of each triangle (`label`)."""

@@ -54,7 +54,7 @@ def _by_label(label: Index) -> tuple[Index, list[Index]]:
 
 
 def _piece(mesh: Mesh, triangles: Index) -> Mesh:
-    """Some triangles of a mesh as a mesh of its own, without unused vertices."""
+    """The given triangles of a mesh as a mesh of their own, without unused vertices."""
     used, compact = np.unique(triangles, return_inverse=True)
     return Mesh(mesh.vertices[used], compact.reshape(-1, 3), accuracy=mesh.accuracy)
 
@@ -159,10 +159,10 @@ def _around(edge: tuple[Array, Array], opposite: Array, turn: Index) -> tuple[In
     step = np.diff(np.take_along_axis(angle, by_angle, axis=1), axis=1) > SAME_ANGLE
     cluster = np.zeros(angle.shape, dtype=np.int64)
     np.put_along_axis(cluster, by_angle[:, 1:], np.cumsum(step, axis=1), axis=1)
-    return _bracketed(np.argsort(4 * cluster - turn, axis=1, kind="stable"), turn)
+    return _match_brackets(np.argsort(4 * cluster - turn, axis=1, kind="stable"), turn)
 
 
-def _bracketed(order: Index, turn: Index) -> tuple[Index, Index, Index]:
+def _match_brackets(order: Index, turn: Index) -> tuple[Index, Index, Index]:
     """Pair each closing face with the last unpaired opening face, as brackets, for n edges at once.
 
     Parameters

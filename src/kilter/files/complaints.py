@@ -31,21 +31,21 @@ def complaint(error: ValidationError, data: dict[str, Any], model: type[BaseMode
     """
     faults = error.errors(include_url=False, include_context=True)
     fault = next((f for f in faults if f["type"] == "extra_forbidden"), faults[0])
-    place = _untagged(fault)
+    place = _fault_place(fault)
     part, shown = _part_and_place(place, data)
     keys = _keys_at(model, place[:-1])
     what, _ = _fault_and_remedy(fault, shown, keys)
     # a value of a union type has one fault for each type: each contributes its remedy
-    same_place = [other for other in faults if _untagged(other) == place]
+    same_place = [other for other in faults if _fault_place(other) == place]
     remedies = [_fault_and_remedy(other, shown, keys)[1] for other in same_place]
     hint = ", or ".join(dict.fromkeys(remedies))
-    more = len({_untagged(other) for other in faults}) - 1
+    more = len({_fault_place(other) for other in faults}) - 1
     if more:
         what += f" (and {more} more faults)"
     return InputError(what, part=part, hint=hint)
 
 
-def _untagged(fault: Any) -> tuple[Any, ...]:
+def _fault_place(fault: Any) -> tuple[Any, ...]:
     """Keys and indices that lead to a fault in the file, without the tags of union types."""
     return tuple(key for key in fault["loc"] if not _TAGS.fullmatch(str(key)))
 
@@ -87,7 +87,7 @@ def _fault_and_remedy(fault: Any, place: str, keys: list[str]) -> tuple[str, str
         "literal_error": f"use {context.get('expected', '')}",
         "string_unicode": "give a text of valid characters",
     }
-    return f"{place} is {_shown(value)}", hints.get(kind, fault["msg"])
+    return f"{place} is {_short_text(value)}", hints.get(kind, fault["msg"])
 
 
 def _count(place: str, wanted: Any) -> str:
@@ -127,7 +127,7 @@ def _models_in(annotation: Any, base: type) -> list[Any]:
     return [model for argument in inner for model in _models_in(argument, base)]
 
 
-def _shown(value: Any) -> str:
+def _short_text(value: Any) -> str:
     """A value as text of at most 40 characters; "a list" or "an object" for a compound value."""
     if value is None or isinstance(value, bool | int | float | str):
         text = json.dumps(value, ensure_ascii=False)

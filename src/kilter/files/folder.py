@@ -45,7 +45,7 @@ def load_folder(path: Path, *, units: str | None = None) -> Assembly:
         )
     solids = [read_bodies(entry) for entry in chosen]
     target = _units(path, chosen, solids, units)
-    notes = _ignored([entry for entry in entries if entry not in chosen])
+    notes = _ignored_note([entry for entry in entries if entry not in chosen])
     for entry, bodies in zip(chosen, solids, strict=True):
         notes += [f"{entry.name}: {note}" for note in bodies.notes]
         notes += _several_bodies(entry, bodies)
@@ -96,7 +96,7 @@ def _units(path: Path, files: list[Path], solids: list[FileBodies], units: str |
     return stated[0] if len(stated) == 1 else "m"
 
 
-def _ignored(entries: Sequence[Path], limit: int = 8) -> list[str]:
+def _ignored_note(entries: Sequence[Path], limit: int = 8) -> list[str]:
     """A note that lists files of other types, at most `limit` by name."""
     if not entries:
         return []

@@ -45,7 +45,7 @@ class FileBodies:
     notes: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
 
-    def sealed(self) -> FileBodies:
+    def make_read_only(self) -> FileBodies:
         """Make all arrays read-only; arrays that come from another process are writeable."""
         for value in (*self.shapes, *self.poses, *(s for x in self.shapes for s in _surfaces(x))):
             for name in value.__slots__:

@@ -21,7 +21,7 @@ def read_bytes(path: Path) -> bytes:
     """
     try:
         with path.open("rb") as stream:
-            data = bounded(stream, str(path))
+            data = read_bounded(stream, str(path))
     except FileNotFoundError:
         raise InputError("no such file", file=str(path), hint=_near(path)) from None
     except (OSError, ValueError) as error:
@@ -35,7 +35,7 @@ def read_bytes(path: Path) -> bytes:
     return data
 
 
-def bounded(stream: BinaryIO, file: str) -> bytes:
+def read_bounded(stream: BinaryIO, file: str) -> bytes:
     """Read a stream to its end.
 
     Raises

@@ -28,7 +28,7 @@ from kilter.files.kilter_json import from_dict
 from kilter.files.ldraw import LDRAW_FILES, load_ldraw
 from kilter.files.lying import UP, note_on_up
 from kilter.files.objects.known_objects import read_object
-from kilter.files.raw import bounded, read_bytes
+from kilter.files.raw import read_bounded, read_bytes
 from kilter.files.stable_lego import from_stable_lego, is_stable_lego
 from kilter.files.strict_json import parse_json
 from kilter.files.urdf import BASES
@@ -317,7 +317,7 @@ def _read_path(
     """Read a path, or standard input, with the reader of its kind."""
     if os.fspath(source) == STANDARD_INPUT:
         return _from_json(
-            bounded(sys.stdin.buffer, "standard input"), Path(), "standard input", reading
+            read_bounded(sys.stdin.buffer, "standard input"), Path(), "standard input", reading
         )
     path, units = Path(source), reading.units
     suffix = path.suffix.lower()
@@ -421,12 +421,12 @@ def _check_units(assembly: Assembly, units: str | None) -> None:
 def _with_density(assembly: Assembly, density: float) -> Assembly:
     """The assembly whose parts without density and mass have the given density [kg/m^3]."""
 
-    def filled(part: Part) -> Any:
+    def with_default(part: Part) -> Any:
         if part.density is not None or part.mass is not None:
             return part
         return dataclasses.replace(part, density=density)
 
     try:
-        return dataclasses.replace(assembly, parts=[filled(part) for part in assembly.parts])
+        return dataclasses.replace(assembly, parts=[with_default(part) for part in assembly.parts])
     except InputError as error:
         raise InputError(error.what, hint=error.hint) from None

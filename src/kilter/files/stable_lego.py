@@ -126,11 +126,11 @@ def _lines(data: dict[str, Any], text: bytes) -> Index:
 def _first_error(data: dict[str, Any], text: bytes) -> InputError:
     """The error of the first invalid brick."""
     lines = _lines({k: v for k, v in data.items() if isinstance(v, dict)}, text).tolist()
-    where = dict(zip([k for k, v in data.items() if isinstance(v, dict)], lines, strict=True))
+    line_of_key = dict(zip([k for k, v in data.items() if isinstance(v, dict)], lines, strict=True))
     for key, brick in data.items():
         fault = _fault(brick)
         if fault:
-            line = where.get(key) or _line_of(key, text)
+            line = line_of_key.get(key) or _line_of(key, text)
             return InputError(f"line {line}: brick {key!r:.40} {fault[0]}", hint=fault[1])
     return InputError("the bricks cannot be read", hint="export the model again")
 

@@ -25,7 +25,7 @@ __all__ = [
     "Occurrence",
     "StepDocument",
     "TreeSolid",
-    "numbered",
+    "number_repeats",
     "occurrences",
     "read_document",
     "split",
@@ -90,14 +90,14 @@ class StepDocument:
     files: tuple[Path, ...]
 
 
-def numbered(names: Sequence[str]) -> list[str]:
+def number_repeats(names: Sequence[str]) -> list[str]:
     """The names of neighbours, with a number appended to each name that is not unique.
 
     Examples
     --------
-    >>> numbered(["nut", "rod", "nut"])
+    >>> number_repeats(["nut", "rod", "nut"])
     ['nut_1', 'rod', 'nut_2']
-    >>> numbered(["nut", "nut_1", "nut"])  # a number that is in use is skipped
+    >>> number_repeats(["nut", "nut_1", "nut"])  # a number that is in use is skipped
     ['nut_2', 'nut_1', 'nut_3']
     """
     taken, count, last = set(names), Counter(names), Counter[str]()
@@ -258,7 +258,7 @@ class _TreeWalk:
             product = TDF_Label()
             is_reference = XCAFDoc_ShapeTool.GetReferredShape_s(label, product)
             products.append(product if is_reference else label)
-        names = numbered([_label_name(product) or stem for product in products])
+        names = number_repeats([_label_name(product) or stem for product in products])
         solids: list[TreeSolid] = []
         for name, label, product in zip(names, neighbours, products, strict=True):
             location = place.Multiplied(XCAFDoc_ShapeTool.GetLocation_s(label))
@@ -289,7 +289,7 @@ class _TreeWalk:
         skin = bool(shells) and not closed
         if skin:
             pairs.append((self._solid_of(shells, False), TopLoc_Location()))
-        names = numbered([path[-1]] * len(pairs))
+        names = number_repeats([path[-1]] * len(pairs))
         return [
             TreeSolid((*path[:-1], name), solid, place.Multiplied(location), skin)
             for name, (solid, location) in zip(names, pairs, strict=True)

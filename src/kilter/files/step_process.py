@@ -161,7 +161,7 @@ def read_apart(path: Path, without: tuple[str, ...], progress: Callable[[str], N
             raise InputError(what, part=part, hint=hint)
         if kind == "fault":
             raise RuntimeError(value)
-        return value.sealed()  # type: ignore[no-any-return]
+        return value.make_read_only()  # type: ignore[no-any-return]
 
 
 # the other process ----------------------------------------------------------------------------
@@ -177,7 +177,7 @@ def serve() -> None:
         os.dup2(nothing, stream)
     end_with_parent()
     _bound_memory()
-    with _uncollected():
+    with _without_collection():
         import OCP.STEPCAFControl  # noqa: F401  loaded before the first request
 
         from kilter.files.step_bodies import step_bodies
@@ -221,7 +221,7 @@ def _bound_memory() -> None:
 
 
 @contextlib.contextmanager
-def _uncollected() -> Iterator[None]:
+def _without_collection() -> Iterator[None]:
     """Disable garbage collection within the context: loading OCCT creates many classes."""
     gc.disable()
     try:

@@ -59,10 +59,10 @@ def read_stl(data: bytes) -> tuple[list[tuple[str | None, Mesh]], list[str]]:
         )
     notes = [] if exact else ["bytes after the last triangle are ignored"]
     rows = np.frombuffer(data, dtype=TRIANGLE, count=count, offset=HEADER)
-    return [(None, _indexed(rows["corners"].reshape(-1, 3), None))], notes
+    return [(None, _merge_corners(rows["corners"].reshape(-1, 3), None))], notes
 
 
-def _indexed(corners: NDArray[np.floating], accuracy: float | None) -> Mesh:
+def _merge_corners(corners: NDArray[np.floating], accuracy: float | None) -> Mesh:
     """The mesh of triangles that are given by their corners; equal corners are merged.
 
     The corners keep their dtype while they are compared, so that float32 values stay equal.
@@ -146,7 +146,7 @@ def _named_meshes(solids: list[tuple[str, list[str]]]) -> list[tuple[str | None,
     meshes: list[tuple[str | None, Mesh]] = []
     for (name, _), corners in zip(solids, values, strict=True):
         try:
-            mesh = _indexed(corners, accuracy(corners))
+            mesh = _merge_corners(corners, accuracy(corners))
         except InputError as error:
             raise error.located(part=name or None) from None
         meshes.append((name or None, mesh))

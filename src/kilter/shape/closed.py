@@ -55,10 +55,10 @@ def weld(
     """
     distinct, inverse = distinct_rows(vertices + 0.0)
     merged = inverse[triangles]
-    if len(_unmatched(merged)):
+    if len(_boundary_edges(merged)):
         size = float(np.ptp(distinct, axis=0).max(initial=0.0))
         close = _representatives(distinct, max(WELD * size, 4 * accuracy))
-        if len(_unmatched(close[merged])) < len(_unmatched(merged)):
+        if len(_boundary_edges(close[merged])) < len(_boundary_edges(merged)):
             merged = close[merged]
     notes = []
     flat = _removable_faces(distinct, merged)
@@ -77,7 +77,7 @@ def open_edges(vertices: Array, triangles: Index) -> Index:
 
     Up to eight rounds split the edges at T-junctions.
     """
-    edges = _unmatched(triangles)
+    edges = _boundary_edges(triangles)
     for _ in range(8):
         if not len(edges):
             break
@@ -203,7 +203,7 @@ def _edges(triangles: Index) -> Index:
     return edges
 
 
-def _unmatched(triangles: Index) -> Index:
+def _boundary_edges(triangles: Index) -> Index:
     """Unmatched directed edges of triangles, shape (k, 2)."""
     return _unmatched_edges(_edges(triangles))
 
@@ -265,7 +265,7 @@ def _removable_faces(vertices: Array, triangles: Index) -> Mask:
     # slivers of three distinct corners stay if dropping them would open edges
     if flat.any() and not same[flat].all():
         thin = flat & ~same
-        if len(_unmatched(triangles[~flat])) > len(_unmatched(triangles[~same])):
+        if len(_boundary_edges(triangles[~flat])) > len(_boundary_edges(triangles[~same])):
             flat = flat & ~thin
     return flat
 

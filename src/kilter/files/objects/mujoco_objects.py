@@ -148,7 +148,7 @@ class _Model:
         parts = [replace(part, name=name) for part, name in zip(self.parts, names, strict=True)]
         joints = self._joints({part.name for part in parts})
         friction, pairs = self._friction(parts)
-        left = self._ignored()
+        left = self._ignored_features()
         return Assembly(
             parts,
             units="m",
@@ -335,7 +335,7 @@ class _Model:
         """Sliding friction coefficient of a geom [-]."""
         return float(self.model.geom_friction[geom][0])
 
-    def _ignored(self) -> str:
+    def _ignored_features(self) -> str:
         """A list of the model's features that affect motion and that kilter ignores."""
         model = self.model
         counts = {

@@ -17,7 +17,7 @@ from kilter.files.choices import Choices
 from kilter.files.formats import assembly_of
 from kilter.files.occt import failures, quiet, shape_map
 from kilter.files.step_bodies import bodies_of
-from kilter.files.step_document import StepDocument, TreeSolid, numbered, occurrences, split
+from kilter.files.step_document import StepDocument, TreeSolid, number_repeats, occurrences, split
 
 __all__ = ["read"]
 
@@ -60,7 +60,7 @@ class _ObjectWalk:
 
     def below(self, values: list[Any], above: tuple[str, ...], place: Any) -> None:
         """Collect the solids below neighbouring objects, relative to the location `place`."""
-        names = numbered([_name(value) or _NAMELESS for value in values])
+        names = number_repeats([_name(value) or _NAMELESS for value in values])
         for name, value in zip(names, values, strict=True):
             path = (*above, name)
             children = list(getattr(value, "children", ()))
@@ -85,7 +85,7 @@ class _ObjectWalk:
             rest += [beside] if beside else []
         if rest:
             self.passed.append(f"{'/'.join(path)!r} ({', '.join(rest)})")
-        for name, solid in zip(numbered([path[-1]] * len(solids)), solids, strict=True):
+        for name, solid in zip(number_repeats([path[-1]] * len(solids)), solids, strict=True):
             bare = self._copy(solid.Located(TopLoc_Location()))
             at = place.Multiplied(solid.Location())
             self.solids.append(TreeSolid((*path[:-1], name), bare, at, False))
