@@ -29,7 +29,7 @@ from kilter.work import EFFORT
 __all__ = ["CHUNK", "Batch", "batch", "run_batch"]
 
 CHUNK = 1000
-"""Rows of one file."""
+"""Default number of rows of a file."""
 TRIES = 2
 """How often a task is tried before it is halved, or its one assembly is blamed."""
 KILLED = "ended the process that checked it, in every attempt"
@@ -39,12 +39,12 @@ TOLD = 1000
 
 @dataclass(slots=True, eq=False)
 class Batch:
-    """What a batch found.
+    """Result of a batch: the files with its rows.
 
     Attributes
     ----------
     folder : Path
-        Where its rows are.
+        Folder of the row files.
     files : list of Path
         Those of the rows, in order of the chunks.
     rows : int
@@ -105,11 +105,11 @@ def batch(
     source : path
         A folder of assemblies, or a text file with a path a line.
     output : path
-        A folder; ``part-000000.parquet`` and so on, CSV where pyarrow is not installed.
+        A folder; ``part-000000.parquet`` and so on, CSV if pyarrow is not installed.
     processes : int, optional
-        Of this machine; one a core where not given.
+        Number of worker processes on this machine; by default one for each core.
     chunk : int
-        Rows of one file.
+        Number of rows of a file.
     cluster : str, optional
         Address of a scheduler of Dask, in place of processes of this machine. The files are
         read where its workers run.

@@ -52,7 +52,7 @@ class ClusterWorkers:
         future.add_done_callback(self._done.put)
 
     def finished(self, seconds: float) -> list[tuple[Task, list[BatchRow] | None]]:
-        """Tasks that came to an end within some seconds, None where their workers died."""
+        """Tasks that came to an end within some seconds, None if their workers died."""
         try:
             future = self._done.get(timeout=seconds)
         except queue.Empty:

@@ -48,7 +48,7 @@ class BatchFolder:
         return range(chunk * self.size, min((chunk + 1) * self.size, self.count))
 
     def file(self, chunk: int) -> Path:
-        """Where a chunk is written."""
+        """Return the path of the file of a chunk."""
         return self.path / f"part-{chunk:06d}.{self.form}"
 
     def write(self, chunk: int, rows: Sequence[BatchRow]) -> None:
@@ -64,7 +64,7 @@ class BatchFolder:
         _flush(self.path)
 
     def read(self, chunk: int) -> list[BatchRow] | None:
-        """The rows of a chunk; None where it is not there.
+        """Return the rows of a chunk, or None if its file does not exist.
 
         Raises
         ------

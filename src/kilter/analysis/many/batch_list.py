@@ -1,4 +1,4 @@
-"""What a batch judges: the files that a list names, or that a folder holds."""
+"""Input files of a batch: the files that a list names, or that a folder contains."""
 
 from __future__ import annotations
 

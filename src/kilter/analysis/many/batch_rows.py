@@ -52,7 +52,7 @@ class BatchQuestion:
 
     @property
     def options(self) -> dict[str, Any]:
-        """Of `check`."""
+        """Options of `check`."""
         return {
             "tolerance": self.tolerance,
             "require": self.require,
@@ -73,7 +73,7 @@ def judged_rows(files: Sequence[tuple[int, str]], question: BatchQuestion) -> li
     given, names = list(read.values()), dict(files)
     try:
         found = [check_many(given, **question.options)]
-    except Exception:  # a fault over one must not cost the others
+    except Exception:  # a fault in one assembly must not lose the other rows
         found = []
     for place, index in enumerate(read):
         if found:

@@ -1,1 +1,1 @@
-"""In which order: states of an assembly that is being built, one question a file."""
+"""In which order: states of an assembly that is being built, a question for each file."""

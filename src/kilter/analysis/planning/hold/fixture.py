@@ -1,4 +1,4 @@
-"""Fixture: the answer of `hold`, the fewest supports and what shows that fewer are not enough."""
+"""Fixture: the answer of `hold` with the fewest supports and the proof of the minimum."""
 
 from __future__ import annotations
 
@@ -28,23 +28,23 @@ __all__ = ["Fixture"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fixture:
-    """What `hold` found.
+    """Answer of `hold`: the fewest supports, or the proof that all candidates are not enough.
 
     Attributes
     ----------
     supported : Supported
-        The assembly and its candidates.
+        Assembly with its candidates.
     found : LeastSupports
     most : int or None
-        More supports were not asked for.
+        Largest number of supports that the search considered.
     require : str
         The required level.
     time_limit : float or None
-        What cut the search short [s].
+        Limit that stopped the search [s]; None if the search did not reach it.
     interrupted, exhausted : bool
-        Whether it was stopped from outside; whether it came to its end.
+        Whether an interrupt stopped the search; whether the search was complete.
     seconds : mapping
-        Of each stage [s].
+        Duration of each stage [s].
     """
 
     supported: Supported
@@ -58,29 +58,29 @@ class Fixture:
 
     @property
     def candidates(self) -> tuple[Support, ...]:
-        """What may hold it."""
+        """Candidates for supports."""
         return self.supported.supports
 
     @property
     def supports(self) -> list[Support] | None:
-        """The fewest of the candidates with which it holds; None where none were found."""
+        """Fewest candidates with which the assembly holds; None if no set was found."""
         if self.found.state is None:
             return None
         return [self.candidates[k] for k in sorted(self.found.state.chosen)]
 
     @property
     def least(self) -> int:
-        """Fewer supports are not enough, that is proved."""
+        """Proved lower bound of the number of supports."""
         return self.found.least
 
     @property
     def fewest(self) -> bool:
-        """Whether it is proved that no fewer of the candidates are enough."""
+        """Whether it is proved that fewer candidates are not enough."""
         return self.found.state is not None and len(self.found.state.chosen) == self.least
 
     @property
     def verdict(self) -> str:
-        """One of "held", "impossible" (all candidates together are not enough) and "undecided"."""
+        """Verdict: "held", "impossible" (all candidates together are not enough) or "undecided"."""
         if self.found.state is not None:
             return "held"
         return "impossible" if self.found.enough is False else "undecided"
@@ -115,7 +115,7 @@ class Fixture:
         return found
 
     def to_dict(self) -> dict[str, Any]:
-        """The answer as JSON data, that of ``kilter hold --json``."""
+        """Return the answer as JSON data, as printed by ``kilter hold --json``."""
         assembly = self.supported.assembly
         forces = self.forces()
         answer: dict[str, Any] = {
@@ -164,17 +164,17 @@ class Fixture:
         return None if decision.friction is None else decision.friction.why
 
     def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
-        """The proof that it holds, and that fewer are not enough, for `kilter.verify`.
+        """Return the proof that the supports hold and fewer are not enough, for `kilter.verify`.
 
         Parameters
         ----------
         options : dict, optional
-            How the file is read.
+            Options with which the file is read.
 
         Raises
         ------
         InputError
-            If nothing was found and nothing is proved.
+            If no supports were found and their absence is not proved.
         """
         if self.verdict == "undecided":
             raise InputError(
@@ -205,7 +205,7 @@ class Fixture:
         return make_proof(assembly, contacts, program, state.forces, options, evidence=evidence)
 
     def _repr_html_(self) -> str:
-        """What a notebook shows."""
+        """Return the HTML that a notebook displays."""
         return html_of(self.to_dict())
 
     def __repr__(self) -> str:
@@ -219,8 +219,8 @@ class Fixture:
 
 
 def _moving(state: SupportedState) -> list[str]:
-    """Parts that a motion moves."""
+    """Return the names of the parts that the motion of a state moves."""
     assert state.motion is not None
     sizes = part_sizes(state.program, state.motion.motion, per_radius=False)
     moves = sizes > STILL * np.max(sizes, initial=0.0)
-    return [name for name, one in zip(state.program.names, moves, strict=True) if one]
+    return [name for name, moving in zip(state.program.names, moves, strict=True) if moving]

@@ -1,8 +1,8 @@
-"""What is the least that must be held so that it stays, and where?
+"""Search of the fewest supports with which a half-built or finished assembly holds.
 
-Asked of an assembly as it stands, half-built or whole, and of candidates: grips, fingers, props,
-vacuum cups, magnets (`kilter.contact.supports`). With the answer stands the proof that less is not
-enough (`kilter.analysis.planning.hold.least_supports`); "undecided" proves nothing.
+The candidates are grips, fingers, props, vacuum cups and magnets (`kilter.contact.supports`). The
+answer includes the proof that fewer supports are not enough
+(`kilter.analysis.planning.hold.least_supports`), except for the verdict "undecided".
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from kilter.work import EFFORT, Work, units_of
 __all__ = ["hold"]
 
 SEARCH = 40.0
-"""Work of the search over that of an effort [-]."""
+"""Work of the search, relative to the work of an effort [-]."""
 
 
 @on_one_thread
@@ -44,17 +44,17 @@ def hold(
     tolerance: Tolerance | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Fixture:
-    """The fewest supports with which an assembly holds, and where; proved that fewer do not do.
+    """Find the fewest supports with which an assembly holds, and prove that fewer are not enough.
 
     Parameters
     ----------
     assembly : Assembly
-        As it stands; `Assembly.without` leaves out what is not there yet.
+        Assembly; `Assembly.without` omits parts that are not inserted yet.
     candidates : iterable of "grips", "props", "fingers" or Support
-        What may hold it: every part gripped, a prop under every part, a finger on every flat
-        face that is free, or what is given.
+        Candidates: a grip on every part, a prop under every part, a finger on every flat
+        face that is free, or the given supports.
     most : int, optional
-        More supports are not asked for.
+        Largest number of supports to consider.
     require : {"equilibrium", "settles", "proved"}
         The level that the assembly must reach with its supports.
     effort : float
@@ -65,7 +65,7 @@ def hold(
     Raises
     ------
     InputError
-        If there is no candidate, or one does not fit the assembly.
+        If no candidate exists, or a candidate does not fit the assembly.
 
     Examples
     --------

@@ -31,7 +31,7 @@ def wrong_hold(
 ) -> Iterator[str]:
     """Why the proofs of a fixture together do not show the fewest supports.
 
-    What is not of the form of a fixture ends as in `kilter.analysis.planning.order.order_check`.
+    Malformed data ends as in `kilter.analysis.planning.order.order_check`.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def wrong_hold(
 
 
 FALLS = {"held": False, "not fewer": True}
-"""What a proof of a fixture may be about, and whether its state falls."""
+"""Subjects of the proofs of a fixture, and whether the state of such a proof falls."""
 
 
 def _change(

@@ -28,7 +28,7 @@ JUDGED, FEW = 2000.0, 4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stopping:
-    """A motion that one or more supports must stop.
+    """Motion that only a support can stop, with the candidates that can stop it.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class LeastSupports:
     Attributes
     ----------
     state : SupportedState or None
-        With the fewest supports: it holds. None where there are none, or none were found.
+        State with the fewest supports, which holds; None if no such supports were found.
     least : int
         Fewer are not enough, that is proved.
     enough : bool or None
@@ -81,9 +81,9 @@ def find_least_supports(
     ----------
     given : Supported
     work : Work
-        Where it is over, the best bound so far is told.
+        Work limit; if it is exceeded, the best bound so far is returned.
     most : int, optional
-        More than these are not asked for.
+        Largest number of supports to consider.
     require : {"equilibrium", "settles", "proved"}
     effort : float
         Effort of the guarantee of friction for one set.

@@ -26,7 +26,7 @@ ROOM = 0.1
 LEAST_FACE = 0.05
 """Faces smaller than this get no finger, over the surface of their part."""
 SAME_FACE = 6
-"""Digits of normals and heights that triangles of one face share."""
+"""Decimal digits to which triangles of the same face share normal and height."""
 
 
 def candidates_of(
@@ -37,7 +37,7 @@ def candidates_of(
     Raises
     ------
     InputError
-        If nothing is asked for, a word is unknown, or a support does not fit the assembly.
+        If no candidate is given, a word is unknown, or a support does not fit the assembly.
     """
     found: list[Support] = []
     words = list(asked)

@@ -1,4 +1,4 @@
-"""An assembly with some of its possible supports: its program, its verdict, what stops a motion."""
+"""Assembly with its possible supports: program, verdict and the supports that stop a motion."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ LEFT = 1e-3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SupportedState:
-    """What was found of an assembly with some supports.
+    """State of an assembly with a subset of the candidate supports.
 
     Attributes
     ----------
@@ -92,7 +92,7 @@ class Supported:
         return self._programs.whole
 
     def given(self, chosen: Iterable[int]) -> tuple[list[str], list[Support]]:
-        """Of a set of supports the parts that are gripped, and the others."""
+        """Return the gripped parts of a set of supports, and its other supports."""
         members = sorted(chosen)
         gripped = {self.supports[k].part for k in members if self.supports[k].kind == "grip"}
         others = [self.supports[k] for k in members if self.supports[k].kind != "grip"]
@@ -145,7 +145,7 @@ class Supported:
         return self._programs.taken(program.taking(on), np.ones(len(held), dtype=bool), held)
 
     def support_rows(self, program: Program) -> Index:
-        """Of each row the number of its support among those that are no grips; -1 of others."""
+        """Return for each row the index of its support among the supports without grips, or -1."""
         own = (program.kind == CONTACT) & (program.source >= self._first)
         return np.where(own, program.source - self._first, -1)
 

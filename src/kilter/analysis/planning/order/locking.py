@@ -1,24 +1,24 @@
-"""No order at all, whatever the paths: parts that lock one another.
+"""Proof that no order exists, along any paths: parts that lock each other.
 
-Let all others be still. A part p can begin to move by y = (dr, dtheta), about its centre of mass,
-only where no contact is entered: J y >= 0. It is locked where y = 0 alone does that. By Stiemke's
-lemma that is so if and only if
+Let all other parts be fixed. A part p can start a motion y = (dr, dtheta) about its centre of mass
+only if no contact is penetrated: J y >= 0. It is locked if y = 0 is the only solution. By Stiemke's
+lemma this is true if and only if
 
     J^T l = 0  for some l > 0,  and J has full rank
 
-and then no path leads away, since a way out begins with a y that is not 0. With numbers, y of size
+Then no path exists, since each path begins with a y other than 0. In floating point, y of norm
 1 and J y >= 0 give 0 <= l_k (J y)_k <= y . J^T l <= |J^T l|, so |J y| <= |J^T l| sqrt(K) / min l;
-and |J y| is at least the smallest singular value s of J. So it is locked where
+and |J y| is at least the smallest singular value s of J. So p is locked if
 
     s min l  >  |J^T l| sqrt(K)
 
-which is checked without any solver; a margin is asked for, so that no rounding of normals locks.
+which is verified without a solver. A margin excludes locking by rounded normals only.
 
-A part that is not locked among some parts is not locked among fewer. So what is not locked among
-the parts C and the base is taken out of C, again and again. Where some are left, each of them is
-locked by the others and the base: none of them leaves before another one does, and so none ever.
-Joints do not count, nor a nut on its bolt, nor normals in doubt. A part that can turn on the spot
-is not locked, though it may never leave: that is not proved here.
+A part that is not locked among given parts is not locked among fewer. So parts that are not locked
+among the set C and the base are removed from C, repeatedly. Each part of the final C is locked by
+the others and the base, so none of them can leave first, and none can ever leave. Joints, a nut on
+its bolt, and uncertain normals do not count as contacts. A part that can rotate in place is not
+locked; this module does not prove that such a part can never leave.
 """
 
 from __future__ import annotations
@@ -43,15 +43,15 @@ __all__ = ["Locked", "find_locked", "holding_rows", "multipliers_of", "opening",
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Locked:
-    """A part that nothing lets move.
+    """Part that the other parts and the base lock.
 
     Attributes
     ----------
     part : int
     state : State
-        The part alone free among those that lock it: it holds.
+        State in which only this part is free; it holds.
     multipliers : ndarray, shape (K,)
-        Of the rows of its program, above 0 where they lock [-].
+        Multipliers of the rows of its program, positive for the locking rows [-].
     """
 
     part: int
@@ -60,13 +60,13 @@ class Locked:
 
 
 def find_locked(states: States, removal: Removal) -> list[Locked]:
-    """Parts each of which is locked by the others and the base; empty where nothing is proved.
+    """Find parts that are each locked by the others and the base; empty without a proof.
 
     Parameters
     ----------
     states : States
     removal : Removal
-        It knows the screws, and directions along which no contact presses.
+        Search of paths, with the screws and the directions that no contact blocks.
 
     Examples
     --------
@@ -95,6 +95,7 @@ def find_locked(states: States, removal: Removal) -> list[Locked]:
 
 
 def _locked(states: States, removal: Removal, part: int, present: int) -> Locked | None:
+    """Return the proof that the other present parts lock a part, or None."""
     there = mask_of(present, len(states.assembly))
     held = there.copy()
     held[part] = False
@@ -109,9 +110,9 @@ def _locked(states: States, removal: Removal, part: int, present: int) -> Locked
 
 
 def holding_rows(program: Program, part: int, threads: frozenset[tuple[int, int]]) -> Mask:
-    """Contacts with a part that may lock it, shape (K,): certain ones, over no thread.
+    """Return the mask of certain contacts that may lock a part, without threads, shape (K,).
 
-    `threads`: bolts and nuts by position, a pair each.
+    `threads` has pairs of indices of bolt and nut.
     """
     a, b = program.part_a, program.part_b
     rows = ((a == part) | (b == part)) & (program.kind == CONTACT) & (program.doubt == 0)
@@ -124,7 +125,7 @@ def holding_rows(program: Program, part: int, threads: frozenset[tuple[int, int]
 
 
 def opening(program: Program, part: int, rows: Mask) -> Array:
-    """J of some rows on one part, shape (k, 6): how fast they open; turns times its radius."""
+    """Return J of the given rows for a part, shape (k, 6), with rotations scaled by its radius."""
     taken = np.flatnonzero(rows)
     lever = program.lever(taken, np.full(len(taken), part))
     sign = np.where(program.part_b[taken] == part, 1.0, -1.0)
@@ -134,7 +135,7 @@ def opening(program: Program, part: int, rows: Mask) -> Array:
 
 
 def shuts(rows: Array, multipliers: Array) -> bool:
-    """Whether multipliers prove that rows J, shape (K, 6), open by no motion but that of 0."""
+    """Whether multipliers prove that only y = 0 satisfies J y >= 0; J has shape (K, 6)."""
     positive = multipliers > 0
     if positive.sum() <= rows.shape[1] or not np.isfinite(multipliers).all():
         return False
@@ -145,7 +146,7 @@ def shuts(rows: Array, multipliers: Array) -> bool:
 
 
 def multipliers_of(rows: Array) -> Array | None:
-    """Multipliers of rows that prove that nothing opens them; None where there are none."""
+    """Return multipliers that prove that no motion opens the rows, or None without a proof."""
     from kilter.solvers.highs import solve_linear
 
     count = len(rows)

@@ -1,4 +1,4 @@
-"""What an order of assembly keeps to, read from its proof: holds, precedence, groups, threads."""
+"""Rules of an order, read from its proof: holds, precedence, groups and threads."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from kilter.contact import ContactSet
 __all__ = ["Rules"]
 
 AXIS = 1e-9
-"""Sine by which a way along a thread may be off its axis."""
+"""Largest sine of the angle between a path along a thread and its axis [-]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Rules:
-    """What an order keeps to.
+    """Rules that an order of assembly must keep.
 
     Attributes
     ----------
     hold : int
-        Most parts held at once.
+        Largest number of parts held at once.
     precedence : list of pairs of str
     groups : list of sets of str
-        Parts that move as one.
+        Parts that move together.
     never_held : set of str
     threads : dict
-        From the names of a bolt and a nut to the axis of their thread, found anew.
+        Axis of the thread (unit), detected again, by the names of bolt and nut.
     """
 
     hold: int
@@ -42,7 +42,7 @@ class Rules:
 
     @classmethod
     def of(cls, assembly: Assembly, contacts: ContactSet, data: Mapping[str, Any]) -> Rules:
-        """From the data of a proof file.
+        """Read the rules from the data of a proof file.
 
         Raises
         ------
@@ -51,8 +51,8 @@ class Rules:
         """
         screws = [(bolt, nut) for bolt, nut, _ in data["screws"]]
         names = assembly.names
-        found = find_screws(contacts, screws)
-        axes = {(names[one.bolt], names[one.nut]): one.axis for one in found}
+        threads = find_screws(contacts, screws)
+        axes = {(names[screw.bolt], names[screw.nut]): screw.axis for screw in threads}
         return cls(
             int(data["hold"]),
             [(first, second) for first, second in data["precedence"]],
@@ -62,7 +62,7 @@ class Rules:
         )
 
     def broken(self, step: Mapping[str, Any], standing: set[str]) -> Iterator[str]:
-        """What putting the parts of a step in beside those that stand breaks."""
+        """Yield the rules that a step breaks if it follows the standing parts."""
         parts, held = set(step["parts"]), step["change"]["held"]
         there = standing | parts
         if len(held) > self.hold or len(set(held)) < len(held):
@@ -84,7 +84,7 @@ class Rules:
     def _thread(
         self, parts: set[str], over: str | None, legs: Any, standing: set[str]
     ) -> Iterator[str]:
-        """Why parts do not come over the thread that they are said to come over."""
+        """Yield the reasons why the parts do not move along the thread that the step names."""
         on = [bolt for bolt, nut in self.threads if nut in parts and bolt in standing]
         if over is None and not on:
             return

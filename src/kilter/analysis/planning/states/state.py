@@ -1,4 +1,4 @@
-"""State: what was found of an assembly with some parts present and some of these held."""
+"""State: verdict and proof of an assembly with given present and held parts."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ __all__ = ["State"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class State:
-    """What was found of one state.
+    """Verdict and proof of a state of an assembly.
 
     Attributes
     ----------
     names : tuple of str
-        Of all N parts.
+        Names of all N parts.
     present, free : ndarray of bool, shape (N,)
-        Parts that are there; those of them that are neither held nor grounded.
+        Masks of the present parts, and of the present parts that are neither held nor grounded.
     stable : bool or None
-        Whether forces that hold it exist; None: undecided.
+        Whether contact forces can hold the state; None if undecided.
     program : Program
-        The rows of the state, of which the certificate speaks.
+        Program of the state, to whose rows the proof refers.
     forces : ForceProof or None
-        Where it holds.
+        Proof that the state holds.
     motion : MotionProof or None
-        Where it does not.
+        Proof that the state falls.
     verdict : Verdict or None
-        The answer of `kilter.check`, where nothing less decided; then the evidence is there.
+        Answer of `kilter.check` with its own proof; None if a simpler method decided.
     """
 
     names: tuple[str, ...]
@@ -48,12 +48,12 @@ class State:
 
     @property
     def moving(self) -> list[str]:
-        """Parts that the motion moves; none where it holds."""
+        """Names of the parts that move; empty if the state holds."""
         return [name for name, moves in zip(self.names, self.moves, strict=True) if moves]
 
     @property
     def moves(self) -> Mask:
-        """The same as a mask, shape (N,)."""
+        """Mask of the parts that move, shape (N,)."""
         if self.motion is None:
             told = None if self.stable is not False else self.verdict
             named = set() if told is None else set(told.moving)
