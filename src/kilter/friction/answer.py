@@ -1,28 +1,26 @@
-"""Friction: what must hold, what may, and what cannot.
+"""The questions of friction: which forces must hold, which may, and which cannot.
 
-Equilibrium forces within Coulomb's cones are necessary for parts to stay, not sufficient: the
-contact law may allow a motion as well, with other forces. So questions after the first:
+Equilibrium forces in Coulomb's cones are necessary for parts to stay, but not sufficient: the
+contact law may also allow a motion, with other forces. So further questions follow:
 
-1. Does its own weight press the contacts so that friction holds it, if it is put there with
-   care (*seated*, `kilter.friction.seating`)?
-2. Does it come to rest however loosely it is put down (*settles*,
-   `kilter.friction.settling`)?
-3. Is there a motion that obeys the law too? One that is found, with its forces, *refutes*
-   the guarantee (`kilter.friction.motion_search`), and then it does not count that it settles.
-4. If none was found: can every motion be excluded (`kilter.friction.exclusion`)? Then it is
-   stable, *proved*.
+1. Does the weight itself press the contacts so that friction holds the assembly, if it is put
+together with care (*seated*, `kilter.friction.seating`)? 2. Does the assembly come to rest however
+loosely it is put down (*settles*, `kilter.friction.settling`)? 3. Does a motion obey the law as
+well? A motion with its forces *refutes* the guarantee (`kilter.friction.motion_search`); then
+settling does not count. 4. If no motion was found: can every motion be excluded
+(`kilter.friction.exclusion`)? Then the assembly is stable, *proved*.
 
-What is stable without friction is stable for every mu, since any solution of the contact law
-has a.M a <= w.a, and w.a <= 0 for every admissible a.
+An assembly that is stable without friction is stable for every mu, since any solution of the
+contact law has a.M a <= w.a, and w.a <= 0 for every admissible a.
 
-The points of a patch are the corners of its hull. For equilibrium nothing is lost by that;
-for motion it is a model of the pressure inside the patch: all of it at the corners.
+The points of a patch are the corners of its hull. For equilibrium this loses nothing; for motion it
+is a model of the pressure distribution, with the whole pressure at the corners.
 
 References
 ----------
-J. J. Moreau, Unilateral contact and dry friction in finite freedom dynamics, 1988.
-G. De Saxce, Z.-Q. Feng, The bipotential method, 1998. J.-S. Pang, J. Trinkle, Stability
-characterizations of rigid body contact problems with Coulomb friction, 2000.
+J. J. Moreau, Unilateral contact and dry friction in finite freedom dynamics, 1988. G. De Saxce,
+Z.-Q. Feng, The bipotential method, 1998. J.-S. Pang, J. Trinkle, Stability characterizations of
+rigid body contact problems with Coulomb friction, 2000.
 """
 
 from __future__ import annotations
@@ -49,17 +47,20 @@ from kilter.work import EFFORT, PER_EFFORT, Work
 __all__ = ["FrictionAnswer", "Why", "ask_friction", "not_asked"]
 
 SEATING = 2.0
-"""Efforts of seating, beside those of the search."""
+"""Work limit of seating, in efforts, in addition to that of the search."""
 SETTLING = 4.0
-"""Efforts of settling, beside those of the search: tries that are not made when it is spent are
-not passed. An arch of 100 voussoirs in space takes half of it."""
+"""Work limit of settling, in efforts, in addition to that of the search. Tries that are not reached
+count as not passed. An arch of 100 voussoirs in space needs half of it.
+"""
 EXCLUDING = 2.0
-"""Efforts of the proof that there is no motion, beside those of the search: it comes after the
-starts of the search, which find most motions at once, and before its contact modes, which take
-long and are needed where no proof exists."""
+"""Work limit of the proof that no motion exists, over that of the search. The proof follows the
+starts of the search, which find most motions at once, and precedes its contact modes, which are
+slow and needed only without a proof.
+"""
 MODES = 0.6
-"""Fraction of the work of the search after which no contact mode is looked at: those that lead
-to a motion are found in two thirds of that."""
+"""Fraction of the work of the search after which no contact mode is examined: the modes that lead
+to a motion are found in two thirds of that.
+"""
 
 Answer = Literal["proved", "refuted", "open"]
 Why = Literal["refuted", "jams", "squeeze", "not-found", "not-asked"]
@@ -67,24 +68,24 @@ Why = Literal["refuted", "jams", "squeeze", "not-found", "not-asked"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FrictionAnswer:
-    """What friction guarantees where equilibrium forces exist.
+    """Results of the questions of friction for a program with equilibrium forces.
 
     Attributes
     ----------
     guarantee : {"proved", "refuted", "open"}
-        There is no other motion that obeys the contact law; there is; neither was shown.
+        No other motion obeys the contact law; another motion does; or neither was shown.
     witness : CoulombMotion or None
-        The motion that obeys the law, where refuted.
+        The motion that obeys the law, if refuted.
     seating : Seating
     seat : ForceProof or None
-        The forces that seat it, judged; where seated.
+        The verified forces of the seat, if seated.
     settling : Settling
     tries : tuple of ForceProof
-        The forces of each try that came to balance, judged.
+        The verified forces of each try that came to balance.
     exclusion : Exclusion or None
-        The proof that there is no motion, or how far it came.
+        The proof that no motion exists, or its state when it stopped.
     work : float
-        Units spent (`kilter.work`).
+        Units of work spent (`kilter.work`).
     examined : bool
         False if only the equilibrium was requested: then seating, settling and motions are unknown.
     """
@@ -101,12 +102,12 @@ class FrictionAnswer:
 
     @property
     def settles(self) -> bool:
-        """It came to balance in every try, by forces that are judged, and no motion was found."""
+        """True if every try came to verified balance, and no motion was found."""
         return self.guarantee != "refuted" and len(self.tries) == self.settling.of
 
     @property
     def why(self) -> Why | None:
-        """Why it may not stay, the first that applies; None where it settles or is proved."""
+        """First reason why the assembly may not stay; None if it settles or is proved."""
         if not self.examined:
             return "not-asked"
         if self.guarantee == "refuted":
@@ -119,7 +120,7 @@ class FrictionAnswer:
 
     @property
     def evidence(self) -> Evidence:
-        """What a proof file says of it."""
+        """The evidence for a proof file."""
         exclusion = self.exclusion
         return Evidence(
             self.guarantee,
@@ -138,8 +139,8 @@ def not_asked(program: Program) -> FrictionAnswer:
 
     The guarantee covers Coulomb's law only, not bonds that bear shear up to a force.
     """
-    none = np.zeros((len(program.part_a), 3))
-    seating = Seating("not-found", none, np.inf, 0, 0, None)
+    no_forces = np.zeros((len(program.part_a), 3))
+    seating = Seating("not-found", no_forces, np.inf, 0, 0, None)
     settling = Settling((), (), TRIES, 0)
     return FrictionAnswer("open", None, seating, None, settling, (), None, 0.0, examined=False)
 
@@ -149,26 +150,26 @@ def ask_friction(
     *,
     work: Work | float = EFFORT,
 ) -> FrictionAnswer:
-    """Guarantee, seating and settling of a program whose cones hold forces of equilibrium.
+    """Guarantee, seating and settling of a program that has equilibrium forces with friction.
 
     Parameters
     ----------
     program : Program
         With friction; not stable without it.
     work : Work or float
-        For the search and the proof together, or an effort.
+        Work limit of the search and the proof together, or an effort.
     """
     whole = Work.of(work)
-    seating, settling = _put_down(program, whole)
-    seat = _judged(program, [seating.forces] if seating.seated == "yes" else [])
-    tries = _judged(program, settling.forces)
+    seating, settling = _seat_and_settle(program, whole)
+    seats = _verified(program, [seating.forces] if seating.seated == "yes" else [])
+    tries = _verified(program, settling.forces)
 
     def answer(
         guarantee: Answer, witness: CoulombMotion | None = None, exclusion: Exclusion | None = None
     ) -> FrictionAnswer:
-        first = seat[0] if seat else None
+        seat_proof = seats[0] if seats else None
         return FrictionAnswer(
-            guarantee, witness, seating, first, settling, tries, exclusion, whole.spent
+            guarantee, witness, seating, seat_proof, settling, tries, exclusion, whole.spent
         )
 
     runaway = seating.runaway if seating.runaway is not None else settling.runaway
@@ -184,8 +185,8 @@ def ask_friction(
     return answer("open" if witness is None else "refuted", witness, exclusion)
 
 
-def _put_down(program: Program, whole: Work) -> tuple[Seating, Settling]:
-    """With care, and loosely."""
+def _seat_and_settle(program: Program, whole: Work) -> tuple[Seating, Settling]:
+    """Put the parts down with care, then loosely."""
     law = coulomb_law(program)
     efforts = PER_EFFORT * max(whole.allowed / PER_EFFORT, 1.0)
     whole.stage("seating")
@@ -197,12 +198,12 @@ def _put_down(program: Program, whole: Work) -> tuple[Seating, Settling]:
     return seating, settling
 
 
-def _judged(program: Program, forces: Sequence[Array]) -> tuple[ForceProof, ...]:
-    """Forces that pass as a proof of equilibrium."""
-    found = []
-    for one in forces:
-        along = np.einsum("ij,ij->i", one, program.normal)
-        judged = check_forces(program, along, one - along[:, None] * program.normal)
-        if judged.holds:
-            found.append(judged)
-    return tuple(found)
+def _verified(program: Program, forces: Sequence[Array]) -> tuple[ForceProof, ...]:
+    """Those of the forces that are a proof of equilibrium."""
+    proofs = []
+    for vectors in forces:
+        along = np.einsum("ij,ij->i", vectors, program.normal)
+        proof = check_forces(program, along, vectors - along[:, None] * program.normal)
+        if proof.holds:
+            proofs.append(proof)
+    return tuple(proofs)

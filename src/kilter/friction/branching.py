@@ -1,21 +1,20 @@
 """Branch and bound over contact modes: the core that the search and the proof share.
 
-A contact point is in one of three modes. With u the relative acceleration of part b past
-part a there, f the force on b, n along the normal (from a to b) and t across it:
+A contact point is in one of three modes. With u the relative acceleration of part b past part a
+there, f the force on b, n along the normal (from a to b) and t across it:
 
     OPEN        f = 0,    u_n >= 0                  the point separates, or touches without force
     STICKING    u = 0,    |f_t| <= mu f_n
     SLIDING     u_n = 0,  f_t = -mu f_n u_t / |u_t|
 
-Every solution of Coulomb's law puts every point into at least one. A *case* is a set of
-solutions: modes, or sets of modes, of some points, with a sector of directions for those that
-slide; its relaxation bounds the power w.a of all motions in it from above. A case whose power
-is nothing is closed. The open case of the greatest promise is divided next, into cases that
-cover it.
+Every solution of Coulomb's law puts every point into at least one mode. A *case* is a set of
+solutions: modes, or sets of modes, of some points, with a sector of directions for the sliding
+points. Its relaxation is an upper bound of the power w.a of all motions in it. A case without power
+is closed. The open case of the greatest promise is divided next, into cases that cover it.
 
-What a case is, how it is bounded and how it is divided is said by who asks:
-`kilter.friction.mode_search` looks for motions and closes cases freely, `kilter.friction.
-exclusion_cases` proves that there is none, and closes them by bounds that are proved.
+The callers define the cases, their bounds and their division: `kilter.friction.mode_search` looks
+for motions and closes cases freely; `kilter.friction.exclusion_cases` proves that no motion exists,
+and closes them by proved bounds.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ Case = TypeVar("Case")
 
 
 class Mode(IntEnum):
-    """What a contact point does, or UNDECIDED where a case leaves it to be any of the three."""
+    """Mode of a contact point; UNDECIDED if a case allows all three."""
 
     UNDECIDED = 0
     OPEN = 1
@@ -47,17 +46,17 @@ class CaseTree(Generic[Question, Case]):
     Parameters
     ----------
     bound : callable
-        Of a question (what is decided) and the case it was divided from (None at the root):
-        the case with its bound, or None where it is closed.
+        From a question (the decisions of a case) and its parent case (None at the root) to the
+        bounded case, or None if it is closed.
     divide : callable
-        Of a case: questions that cover it; none where it is not worth dividing.
+        From a case to questions that cover it; none if it should not be divided.
     promise : callable
-        Of a case: what is divided first. Equal promise: the older first.
+        Priority of a case; the largest is divided first, and among equals the oldest.
 
     Attributes
     ----------
     nodes : int
-        Questions that were bounded.
+        Number of questions that were bounded.
     """
 
     def __init__(
@@ -71,12 +70,12 @@ class CaseTree(Generic[Question, Case]):
         self._heap: list[tuple[float, int, Case]] = []
 
     def __len__(self) -> int:
-        """How many cases are open."""
+        """Number of open cases."""
         return len(self._heap)
 
     @property
     def best(self) -> Case | None:
-        """The most promising open case; None where all are closed."""
+        """The most promising open case; None if all are closed."""
         return self._heap[0][2] if self._heap else None
 
     def explore(
@@ -86,18 +85,18 @@ class CaseTree(Generic[Question, Case]):
         enough: Callable[[Case], bool] | None = None,
         most: float = math.inf,
     ) -> Iterator[Case]:
-        """Bound the root, then divide the most promising case, and so on.
+        """Bound the root, then repeatedly divide the most promising case.
 
-        Yields every case that is open, when it is bounded.
+        Yields every open case when it is bounded.
 
         Parameters
         ----------
         root : Question
         enough : callable, optional
-            Asked of the most promising case before it is divided; if true, the search ends
-            and the case stays open.
+            If it returns true for the most promising case, the search ends before that case is
+            divided, and the case stays open.
         most : float
-            Nodes after which it ends.
+            Maximum number of nodes.
         """
         ready: Iterable[Question] = [root]
         parent: Case | None = None

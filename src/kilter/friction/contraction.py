@@ -1,11 +1,11 @@
 """Contraction: bounds of all solutions of the contact law, shrunk by linear programs.
 
-Each bounded quantity (opening, force, speed of sliding, distance to the cone, total force of a
-group) is maximised over the relaxation that the present bounds define; the proved bound of
-the optimum replaces the old one, the motion is rescaled to what its greatest power leaves,
-and so on. Where the greatest power falls below the tolerance, no motion can start. Nothing
-is divided into cases. Every bound is that of `kilter.solvers.solution`, which needs no faith in
-the solver, so that each step errs on the safe side.
+Each bounded quantity (opening, force, sliding speed, distance to the cone, total force of a group)
+is maximised over the relaxation that the present bounds define. The proved bound of the optimum
+replaces the old bound, the motion is rescaled to the size that its greatest power leaves, and so
+on. If the greatest power falls below the tolerance, no motion can start. No cases are
+distinguished. Every bound is that of `kilter.solvers.solution`, which does not trust the solver, so
+each step is safe.
 """
 
 from __future__ import annotations
@@ -33,22 +33,25 @@ __all__ = [
 ]
 
 SEEN = 0.95
-"""A quantity that reached this fraction of its bound in some solution is not asked about."""
+"""A quantity that reached this fraction of its bound in some solution is not maximised again. A
+larger value solves more programs.
+"""
 STALLED = 0.1
-"""Mean relative progress of the bounds in a round below which contraction stops."""
+"""Contraction stops if the mean relative progress of the bounds in a round is smaller."""
 CURVED = 1e-2
 """Scale |a| below which the kinetic term |a|^2 is too small for its tangents to matter."""
 RESCALINGS = 30
-"""How often the motion is rescaled before the other bounds are shrunk again."""
+"""Maximum number of rescalings of the motion before the other bounds are shrunk again."""
 RESCALED = 0.95
-"""A rescaling to more than this fraction of the old scale is the last."""
+"""Rescaling ends if the new scale is more than this fraction of the old."""
 
 
 @dataclass(slots=True, eq=False)
 class ProofAttempt:
-    """What the steps of one proof share; `tolerance`: power w.a over |w|^2 that counts as none.
+    """Data shared by the steps of a proof.
 
-    `steps` are those made so far, for the proof to be repeated without the solver.
+    `tolerance` is the power w.a over |w|^2 that counts as zero. `steps` are the steps so far, by
+    which the proof can be repeated without the solver.
     """
 
     law: ReducedLaw
@@ -59,19 +62,22 @@ class ProofAttempt:
     steps: list[ExclusionStep] = field(default_factory=list)
 
     def closed(self, bounds: Enclosure, power: float) -> bool:
-        """Whether a greatest power w.b is nothing: scale * power is w.a."""
+        """True if the greatest power w.b is below the tolerance: scale * power is w.a."""
         return bounds.scale * power <= self.tolerance
 
 
 def power_bound(
     attempt: ProofAttempt, bounds: Enclosure, basis: object = None
 ) -> tuple[Enclosure, float, Solution, PowerStep]:
-    """Bounds with the tangent at the solution, the greatest power w.b, the solution, the step."""
+    """Bound the greatest power w.b of the motions within bounds.
+
+    Returns the bounds with a tangent at the solution, the power, the solution, and the step.
+    """
     attempt.solver.load(attempt.relaxation.program(bounds), basis)
     attempt.work.loaded(attempt.solver.program.matrix.nnz)
     answer = attempt.solver.solve(work=attempt.work)
-    curved = bounds.scale > CURVED and len(answer.x)
-    point = answer.x[attempt.relaxation.columns["motion"]] if curved else None
+    tangent_matters = bounds.scale > CURVED and len(answer.x)
+    point = answer.x[attempt.relaxation.columns["motion"]] if tangent_matters else None
     step = PowerStep.of(answer.multipliers, point)
     bounds, power = with_tangent(bounds, point), -answer.bound
     return bounds, min(max(power, 0.0), bounds.scale), answer, step
@@ -80,7 +86,7 @@ def power_bound(
 def contract(
     attempt: ProofAttempt, bounds: Enclosure, until: Work | None = None
 ) -> tuple[Enclosure, float]:
-    """Shrink bounds until the power is excluded, they hardly move, or `until` is spent.
+    """Shrink bounds until the power is excluded, progress stalls, or `until` is spent.
 
     Returns
     -------
@@ -107,7 +113,10 @@ def contract(
 
 
 def _progress(before: Enclosure, after: Enclosure) -> float:
-    """Mean relative shrinking of the bounds, of motions in units of the scale, and scale."""
+    """Largest mean relative decrease of a kind of bounds, or of the squared scale.
+
+    Speeds count in units of the scale.
+    """
     drops = [1.0 - (after.scale / before.scale) ** 2]
     for old, new in (
         (before.un, after.un),
@@ -129,40 +138,41 @@ def shrunk(
     kinds: Sequence[str] = ALL,
     until: Work | None = None,
 ) -> Enclosure:
-    """Every quantity of some kinds bounded once, over the relaxation of the given bounds.
+    """Bound every quantity of the given kinds once, over the relaxation of the given bounds.
 
     Parameters
     ----------
     attempt : ProofAttempt
     bounds : Enclosure
     start : Solution
-        Of the greatest power within these bounds.
+        Solution of the greatest power within these bounds.
     kinds : sequence of str
-        Which of `ALL`.
+        Subset of `ALL`.
     until : Work, optional
-        What is not asked when it is spent keeps its bound.
+        Quantities that are not reached before it is spent keep their bounds.
     """
     relaxation = attempt.relaxation
     until = until or attempt.work
     attempt.solver.load(with_one(relaxation, bounds), start.basis)
     attempt.work.loaded(attempt.solver.program.matrix.nnz)
-    asked = quantities(relaxation, bounds)
-    best = asked.weights @ start.x if len(start.x) else np.full(len(asked.limits), -np.inf)
-    enough = np.where(asked.limits > 0, SEEN * asked.limits, asked.limits / SEEN)
-    fixed = np.array([name != "least" for name in asked.names]) & (asked.limits <= 0)
-    found: list[Quantity] = []
-    for number, name in enumerate(asked.names):
+    targets = quantities(relaxation, bounds)
+    reached = targets.weights @ start.x if len(start.x) else np.full(len(targets.limits), -np.inf)
+    good_enough = np.where(targets.limits > 0, SEEN * targets.limits, targets.limits / SEEN)
+    # a quantity whose bound is already 0 cannot shrink
+    fixed = np.array([name != "least" for name in targets.names]) & (targets.limits <= 0)
+    bounded: list[Quantity] = []
+    for number, name in enumerate(targets.names):
         if until.over:
             break
         if name not in kinds:
             continue
-        if fixed[number] or (best[number] >= enough[number] and enough[number] != 0):
+        if fixed[number] or (reached[number] >= good_enough[number] and good_enough[number] != 0):
             continue
-        answer = attempt.solver.solve(-asked.weights[[number]].toarray()[0], work=attempt.work)
+        answer = attempt.solver.solve(-targets.weights[[number]].toarray()[0], work=attempt.work)
         if len(answer.x):
-            best = np.maximum(best, asked.weights @ answer.x)
-        found.append(Quantity(number, PowerStep.of(answer.multipliers, None)))
-        attempt.work.tell(f"bounding forces and motions, {number} of {len(asked.limits)}")
-    step = ShrinkStep(tuple(found))
+            reached = np.maximum(reached, targets.weights @ answer.x)
+        bounded.append(Quantity(number, PowerStep.of(answer.multipliers, None)))
+        attempt.work.tell(f"bounding forces and motions, {number} of {len(targets.limits)}")
+    step = ShrinkStep(tuple(bounded))
     attempt.steps.append(step)
     return shrunk_by(attempt.law, relaxation, bounds, step)

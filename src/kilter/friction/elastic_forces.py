@@ -1,13 +1,13 @@
-"""Forces of equilibrium of the least elastic energy: where seating starts, and its scale.
+"""Equilibrium forces of the least elastic energy: the start of seating, and its scale.
 
     min 1/2 f.C f,    w + H^T f = 0,    f in Coulomb's cones
 
 with C = 1/k along the normal of a contact and 1/(0.7 k) across it (scaled as in
-`kilter.friction.law`, k = 1). The multipliers of the balance are a displacement x. Where points
-stick it is that of contacts that give a little (`kilter.friction.springs`); where they slide it
-opens them, which such contacts do not. So it is a start, and no answer.
+`kilter.friction.law`, k = 1). The multipliers of the balance are a displacement x. At sticking
+points it is that of contacts that give a little (`kilter.friction.springs`). At sliding points it
+opens the contact, unlike such contacts. So it is only a starting point.
 
-It knows nothing of a path: a block between two walls is squeezed at once.
+The program has no memory of a path: a block between two walls is squeezed at once.
 """
 
 from __future__ import annotations
@@ -36,17 +36,17 @@ class ElasticForces:
 
 
 def elastic_forces(law: CoulombLaw, *, work: Work) -> ElasticForces | None:
-    """The forces of the least energy; None where the solver found none."""
+    """Forces of the least elastic energy; None if the solver finds none."""
     from kilter.solvers.clarabel import solve_conic
 
-    answer = solve_conic(_program(law), tolerance=ELASTIC_GAP, work=work)
+    answer = solve_conic(_energy_program(law), tolerance=ELASTIC_GAP, work=work)
     if not answer.found or len(answer.multipliers) < len(law.load):
         return None
     return ElasticForces(answer.x.reshape(-1, 3), answer.multipliers[: len(law.load)])
 
 
-def _program(law: CoulombLaw) -> ConicProgram:
-    """In the forces (n, u, v) of every row: balance, rows without friction, cones."""
+def _energy_program(law: CoulombLaw) -> ConicProgram:
+    """Program in the forces (n, u, v) of every row: balance, rows without friction, cones."""
     count = len(law.mu)
     smooth = np.flatnonzero(~law.tied & (law.mu <= 0))
     rough = np.flatnonzero(~law.tied & (law.mu > 0))
@@ -55,12 +55,14 @@ def _program(law: CoulombLaw) -> ConicProgram:
     weights[:, 0] = law.mu[rough]
     places = np.concatenate([3 * smooth, triples])
     values = -np.concatenate([np.ones(len(smooth)), weights.reshape(-1)])
-    below = csc_array((values, (np.arange(len(places)), places)), shape=(len(places), 3 * count))
+    cone_rows = csc_array(
+        (values, (np.arange(len(places)), places)), shape=(len(places), 3 * count)
+    )
     compliance = np.tile([1.0, 1.0 / ACROSS, 1.0 / ACROSS], count)
     return ConicProgram(
         csc_array(diags_array(compliance)),
         np.zeros(3 * count),
-        csc_array(vstack([law.matrix.T, below], format="csc")),
+        csc_array(vstack([law.matrix.T, cone_rows], format="csc")),
         np.concatenate([-law.load, np.zeros(len(places))]),
         len(law.load),
         len(smooth),

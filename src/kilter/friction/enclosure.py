@@ -1,15 +1,14 @@
-"""What is known of the solutions of the contact law that are left: bounds, and cones of twists.
+"""Bounds of all remaining solutions of the contact law, and cones of twists.
 
-An *enclosure* holds bounds of every solution (a, f) that one step of a proof speaks of, with
-|a| <= scale and w.a <= scale^2. Motions are in units of the scale, b = a / scale, forces in
-those of `kilter.friction.reduced_law`. Contact modes narrow it: a point touches (u_n = 0) or
-bears no force (f_n = 0); the twist of a patch is 0 or lies in a cone.
+An *enclosure* holds bounds of every solution (a, f) that a step of a proof considers, with
+|a| <= scale and w.a <= scale^2. Motions are in units of the scale, b = a / scale, forces in those
+of `kilter.friction.reduced_law`. Contact modes narrow it: a point touches (u_n = 0) or carries no
+force (f_n = 0); the twist of a patch is 0 or lies in a cone.
 
-The twist t of a patch says how one of its two parts slides over the other, in R^d: d = 1 in
-the plane, 2 at a single point, 3 of a flat patch in space (two speeds and a spin). It is 0, or
-lies in one of the 2^d orthants. A *cone of twists* has d unit generators, the columns of a
-matrix; the middle of two generators halves it. Closed cones share their faces, so that every
-t lies in at least one.
+The twist t of a patch is the relative motion of its parts in the plane of contact, in R^d: d = 1 in
+the plane, 2 at a single point, 3 at a flat patch in space (two speeds and a spin). It is 0, or lies
+in one of the 2^d orthants. A *cone of twists* has d unit generators, the columns of a matrix; the
+middle of two generators halves it. Closed cones share their faces, so every t lies in at least one.
 """
 
 from __future__ import annotations
@@ -46,7 +45,7 @@ TwistCone = Array
 """Generators as columns, shape (d, d); `AT_REST`, of size 0, for the twist 0."""
 
 AT_REST: TwistCone = np.zeros((0, 0))
-"""The cone that holds the twist 0 alone: the patch sticks."""
+"""The cone that contains only the twist 0: the patch sticks."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,21 +57,21 @@ class Enclosure:
     scale : float
         |a| <= scale [-], and w.a <= scale^2.
     un, fn : ndarray, shape (K,)
-        Opening and normal force are at least 0 and at most these.
+        Upper bounds of opening and normal force, which are at least 0.
     ut : ndarray, shape (G, m)
-        d_k.ut is at most this; in space also |ut| is.
+        Upper bound of d_k.ut, in space also of |ut|.
     slip : ndarray, shape (G,)
-        |ut| is at most this.
+        Upper bound of |ut|.
     rest : ndarray, shape (G, m)
-        g_k = mu N + d_k.ft is at most this, and in space mu N is.
+        Upper bound of g_k = mu N + d_k.ft, in space also of mu N.
     least, most : ndarray, shape (G,)
         Bounds of the sum N of the normal forces.
     tangents : ndarray, shape (q, n)
-        Points c where the ball of accelerations is bounded by its tangent.
-    cones : tuple, one a patch
-        None, or the cone in which the twist lies.
+        Points c at which tangents bound the ball of accelerations.
+    cones : tuple, one entry per patch
+        None, or the cone that contains the twist.
     cuts : bool
-        Whether rows may rest on the bounds of forces.
+        Whether rows may use the bounds of forces.
     """
 
     scale: float
@@ -98,7 +97,7 @@ class LargestSpeeds:
 
 
 def largest_speeds(law: ReducedLaw, directions: Array) -> LargestSpeeds:
-    """The largest speeds of contact points in a motion of size 1.
+    """Largest speeds of the contact points in a motion of size 1.
 
     Parameters
     ----------
@@ -116,16 +115,16 @@ def largest_speeds(law: ReducedLaw, directions: Array) -> LargestSpeeds:
 def first_enclosure(
     law: ReducedLaw, fastest: LargestSpeeds, force: Array, tangents: int
 ) -> Enclosure:
-    """What holds before anything is known; no cut rests on the bounds of forces yet.
+    """Bounds that hold a priori; no cut uses the bounds of forces yet.
 
     Parameters
     ----------
     law : ReducedLaw
     fastest : LargestSpeeds
     force : ndarray, shape (K,)
-        No solution with a larger normal force is thought of.
+        Upper bounds of the normal forces.
     tangents : int
-        How many tangents of the ball are kept.
+        Number of tangents of the ball to keep.
     """
     sides = fastest.ut.shape[1]
     rough = law.group >= 0
@@ -150,14 +149,14 @@ def rescaled(fastest: LargestSpeeds, bounds: Enclosure, power: float) -> Enclosu
     scale = float(np.sqrt(bounds.scale * max(power, 0.0)))
     if not 0 < scale < bounds.scale:
         return bounds
-    grown = bounds.scale / scale
+    ratio = bounds.scale / scale
     return replace(
         bounds,
         scale=scale,
-        un=np.minimum(bounds.un * grown, fastest.un),
-        ut=np.minimum(bounds.ut * grown, fastest.ut),
-        slip=np.minimum(bounds.slip * grown, fastest.slip),
-        tangents=bounds.tangents * grown,
+        un=np.minimum(bounds.un * ratio, fastest.un),
+        ut=np.minimum(bounds.ut * ratio, fastest.ut),
+        slip=np.minimum(bounds.slip * ratio, fastest.slip),
+        tangents=bounds.tangents * ratio,
     )
 
 
@@ -169,24 +168,24 @@ def touching_at(bounds: Enclosure, point: int) -> Enclosure:
 
 
 def open_at(bounds: Enclosure, point: int) -> Enclosure:
-    """The solutions in which a point is open: it bears no force."""
+    """The solutions in which a point is open: it carries no force."""
     fn = bounds.fn.copy()
     fn[point] = 0.0
     return replace(bounds, fn=fn)
 
 
 def with_twist_in(law: ReducedLaw, bounds: Enclosure, patch: int, cone: TwistCone) -> Enclosure:
-    """The solutions in which the twist of a patch lies in a cone; `AT_REST`: it sticks."""
+    """The solutions in which the twist of a patch lies in a cone; `AT_REST`: the patch sticks."""
     cones = tuple(cone if k == patch else old for k, old in enumerate(bounds.cones))
     ut, slip, rest = bounds.ut.copy(), bounds.slip.copy(), bounds.rest.copy()
     members = np.flatnonzero(law.patch == patch)
     if not cone.size:
         ut[members], slip[members] = 0.0, 0.0
     elif law.directions == 1:
-        along = 0 if cone[0, 0] > 0 else 1  # the directions are +1 and -1
-        ut[members, 1 - along] = 0.0
-        slip[members] = ut[members, along]
-        rest[members, along] = 0.0
+        forward = 0 if cone[0, 0] > 0 else 1  # the directions are +1 and -1
+        ut[members, 1 - forward] = 0.0
+        slip[members] = ut[members, forward]
+        rest[members, forward] = 0.0
     return replace(bounds, cones=cones, ut=ut, slip=slip, rest=rest)
 
 
@@ -196,7 +195,7 @@ def orthants(size: int) -> list[TwistCone]:
 
 
 def width(cone: TwistCone) -> float:
-    """The largest angle between two generators [rad]; 0 of a single one."""
+    """Largest angle between two generators [rad]; 0 for a single generator."""
     if cone.shape[1] < 2:
         return 0.0
     cosine = np.clip(cone.T @ cone, -1.0, 1.0)
@@ -204,7 +203,7 @@ def width(cone: TwistCone) -> float:
 
 
 def halves(cone: TwistCone) -> list[TwistCone]:
-    """The two cones on both sides of the middle of the widest pair of generators.
+    """The two cones on either side of the middle of the widest pair of generators.
 
     Examples
     --------
@@ -215,16 +214,16 @@ def halves(cone: TwistCone) -> list[TwistCone]:
     i, j = min(pairs, key=lambda pair: float(cone[:, pair[0]] @ cone[:, pair[1]]))
     middle = cone[:, i] + cone[:, j]
     middle = middle / np.linalg.norm(middle)
-    found = []
+    cones = []
     for k in (i, j):
         half = cone.copy()
         half[:, k] = middle
-        found.append(half)
-    return found
+        cones.append(half)
+    return cones
 
 
 def cases(law: ReducedLaw, bounds: Enclosure, point: int, patch: int) -> list[Enclosure]:
-    """The cases of a point or of a patch; every solution within the bounds is in one of them."""
+    """The cases of a point or of a patch; together they cover all solutions within the bounds."""
     if point >= 0:
         return [touching_at(bounds, point), open_at(bounds, point)]
     cone = bounds.cones[patch]
@@ -234,14 +233,14 @@ def cases(law: ReducedLaw, bounds: Enclosure, point: int, patch: int) -> list[En
 
 
 def widened(cone: TwistCone) -> TwistCone:
-    """A cone wider by `CONE_ROUNDING`, so that rounding leaves no gap between two."""
+    """The cone widened by `CONE_ROUNDING`, so that rounding leaves no gap between two cones."""
     middle = cone.mean(axis=1, keepdims=True)
     wider: TwistCone = cone + CONE_ROUNDING * (cone - middle)
     return wider
 
 
 def sector(cone: TwistCone, lever: Array) -> tuple[Array, float] | None:
-    """The directions in which a point slides while the twist of its patch lies in a cone.
+    """Directions in which a point slides if the twist of its patch lies in a cone.
 
     Parameters
     ----------
@@ -256,11 +255,11 @@ def sector(cone: TwistCone, lever: Array) -> tuple[Array, float] | None:
         Middle direction and half width [rad]. None if the point may be at rest, or if the
         directions span more than `WIDEST_SECTOR` of half a turn.
     """
-    moved = lever[:, : len(cone)] @ cone
-    size = np.linalg.norm(moved, axis=0)
-    if size.min() <= POINT_AT_REST * max(float(np.abs(lever).max()), TINY):
+    velocities = lever[:, : len(cone)] @ cone
+    speeds = np.linalg.norm(velocities, axis=0)
+    if speeds.min() <= POINT_AT_REST * max(float(np.abs(lever).max()), TINY):
         return None
-    unit = moved / size
+    unit = velocities / speeds
     mean = unit.sum(axis=1)
     if np.linalg.norm(mean) <= POINT_AT_REST:
         return None
