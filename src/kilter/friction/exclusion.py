@@ -3,16 +3,16 @@
     a = M^-1 (w + J^T f),  un >= 0,  f in Coulomb's cone,  fn un = 0,  ft.ut = -mu fn |ut|
 
 Here w are the loads and u = J a the accelerations at the contact points. The law may have many
-solutions: different forces, and different motions. Where a = 0 in all of them, friction of
-this size holds the assembly, and no squeeze beforehand can change that. This is proved by
-programs that contain all solutions: in space first by moments (`kilter.friction.moments`), whose
-bound needs no cases; what they leave, and all in the plane, by linear programs and cases
-(`kilter.friction.relaxation`). No bound trusts a solver, and each step can be repeated without
-one (`kilter.friction.exclusion_check`). What is not proved is open: that is no refutation; the
-bound then says how fast a motion could start at most.
+solutions, with different forces and different motions. If a = 0 in all of them, friction of this
+size holds the assembly, and no previous squeeze can change that. The proof uses programs that
+contain all solutions: in space first moments (`kilter.friction.moments`), whose bound needs no
+cases; for the rest, and in the plane, linear programs and cases (`kilter.friction.relaxation`). No
+bound trusts a solver, and each step can be repeated without a solver
+(`kilter.friction.exclusion_check`). Without a proof the question is open, which is no refutation;
+the bound then limits how fast a motion could start.
 
-A power counts as none if it is below 1e-8 (coarser for coarse data) of that of the lightest
-part in free fall, so that no small part vanishes beside large ones.
+A power counts as zero if it is below 1e-8 (coarser for coarse data) of that of the lightest part in
+free fall, so that small parts count beside large parts.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from kilter.arrays import Array
 from kilter.friction.contraction import ProofAttempt, contract, power_bound, shrunk
 from kilter.friction.enclosure import Enclosure, rescaled
 from kilter.friction.exclusion_bounds import FORCES, first_bounds, largest_forces, no_power
-from kilter.friction.exclusion_cases import CasesLeft, divided
+from kilter.friction.exclusion_cases import CasesLeft, divide_cases
 from kilter.friction.exclusion_steps import ExclusionStep
 from kilter.friction.friction_tolerances import LARGEST_FORCE
 from kilter.friction.moments import moment_proof
@@ -43,47 +43,51 @@ __all__ = ["Exclusion", "prove_no_motion", "start_proof"]
 Kind = Literal["moments", "contraction", "modes", "sectors"]
 
 FIRST = 0.5
-"""Fraction of the work for modes before anything is contracted."""
+"""Fraction of the work for contact modes before any contraction."""
 FORCES_FIRST = 0.1
 """In space, fraction of the work for the bounds of forces."""
 SECOND = 0.4
-"""Fraction of what is left then for contraction."""
+"""Fraction of the remaining work for contraction."""
 LIMIT = f"contact forces up to {LARGEST_FORCE:g} times the weight"
-"""What a proof supposes where nothing bounds the forces."""
+"""Assumption of a proof if no motion bounds the forces."""
 CASES, CASE_ENTRY = 5, 3.0
-"""In space cases are begun if so many can be paid; units of an entry of the relaxation in each."""
+"""In space, cases are examined only if at least the first number of them is affordable; the second
+is the work units per relaxation entry of each.
+"""
 CLOSE_BY, MANY, GLANCE = 1e-5, 300, 0.1
-"""Of what moments leave, powers above the first were not closed by fewer than so many cases: where
-they cannot be paid, cases may take the third fraction of what is left, for a better bound."""
+"""If moments leave a power above the first number, fewer cases than the second never closed it. If
+so many are not affordable, cases get the third fraction of the remaining work, to improve the
+bound.
+"""
 BY_MOMENTS = 0.8
 """Fraction of the work after which moments begin no further step."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Exclusion:
-    """Whether it is proved that no motion can start.
+    """Result of the attempt to prove that no motion can start.
 
     Attributes
     ----------
     proved : bool
     kind : {"moments", "contraction", "modes", "sectors", None}
-        How: by products of the law; by bounds alone; by the modes of contacts in the plane; by
-        sectors of sliding.
+        Method of the proof: products of the law; bounds alone; contact modes in the plane; sectors
+        of sliding directions.
     programs, nodes : int
-        Programs solved; cases that were bounded.
+        Numbers of solved programs, and of bounded cases.
     bound : float
-        Largest power w.a of a motion that is not excluded, in units of |w|^2 in the metric of
-        the masses [-]: 1 is free fall.
+        Largest power w.a of a motion that is not excluded, in units of |w|^2 in the metric of the
+        masses [-]; free fall has 1.
     assumes : str
-        What the proof supposes, or "".
+        Assumption of the proof, or "".
     work : float
-        Units spent (`kilter.work`).
+        Units of work spent (`kilter.work`).
     why : str
-        Why nothing could be asked, or "".
+        Reason if the law does not apply to the program, or "".
     opening : ndarray or None
         The motion that bounds all forces.
     steps : tuple of ExclusionStep
-        All that it takes to repeat the proof.
+        All data needed to repeat the proof.
     """
 
     proved: bool
@@ -105,9 +109,9 @@ def prove_no_motion(program: Program, *, work: Work | float = 1.0) -> Exclusion:
     Parameters
     ----------
     program : Program
-        With modelled contacts only: possible rows are refused.
+        Contains only modelled contacts; a program with possible rows is refused.
     work : Work or float
-        Or an effort (`kilter.work`).
+        Work limit, or an effort (`kilter.work`).
 
     Examples
     --------
@@ -129,7 +133,7 @@ def prove_no_motion(program: Program, *, work: Work | float = 1.0) -> Exclusion:
     law = reduced_law(program)
     opening = opening_motion(law, work=work)
     attempt, bounds = start_proof(law, no_power(program), opening, work)
-    kind, left = _tried(attempt, bounds, opening)
+    kind, left = _prove(attempt, bounds, opening)
     proved = left.power <= attempt.tolerance
     return Exclusion(
         proved,
@@ -147,25 +151,25 @@ def prove_no_motion(program: Program, *, work: Work | float = 1.0) -> Exclusion:
 def start_proof(
     law: ReducedLaw, tolerance: float, opening: Array | None, work: Work
 ) -> tuple[ProofAttempt, Enclosure]:
-    """Relaxation and solver of a law, and what is known before anything is asked."""
+    """Set up the relaxation, the solver and the first bounds of a proof."""
     attempt = ProofAttempt(law, Relaxation(law), bounding(), work, tolerance)
     return attempt, first_bounds(law, attempt.relaxation, opening)
 
 
-def _tried(
+def _prove(
     attempt: ProofAttempt, bounds: Enclosure, opening: Array | None
 ) -> tuple[Kind, CasesLeft]:
-    """In space by moments, then by sectors of what they leave; in the plane by modes."""
+    """Methods of proof: in space moments, then sectors; in the plane modes and contraction."""
     if attempt.law.directions == 1:
-        return _in_the_plane(attempt, bounds)
+        return _prove_in_plane(attempt, bounds)
     least = 1.0
     if opening is not None:
-        part = attempt.work.until(BY_MOMENTS)
-        found = moment_proof(attempt.law, opening, attempt.tolerance, work=part)
-        attempt.steps.extend(found.steps)
-        if found.power <= attempt.tolerance:
-            return "moments", CasesLeft(found.power, 0, True)
-        least = found.power
+        budget = attempt.work.until(BY_MOMENTS)
+        moments = moment_proof(attempt.law, opening, attempt.tolerance, work=budget)
+        attempt.steps.extend(moments.steps)
+        if moments.power <= attempt.tolerance:
+            return "moments", CasesLeft(moments.power, 0, True)
+        least = moments.power
         bounds = rescaled(attempt.relaxation.fastest, bounds, least)
     cost = CASE_ENTRY * attempt.relaxation.program(bounds).matrix.nnz
     if attempt.work.over or CASES * cost > attempt.work.left:
@@ -175,19 +179,19 @@ def _tried(
     if not hopeless:
         _, _, answer, _ = power_bound(attempt, bounds)
         bounds = shrunk(attempt, bounds, answer, FORCES, attempt.work.until(FORCES_FIRST))
-    left = _kept(attempt, divided(attempt, bounds, work))
+    left = _record_step(attempt, divide_cases(attempt, bounds, work))
     return "sectors", replace(left, power=min(left.power, least))
 
 
-def _in_the_plane(attempt: ProofAttempt, bounds: Enclosure) -> tuple[Kind, CasesLeft]:
-    """Modes for a while; then contraction; then modes within its bounds.
+def _prove_in_plane(attempt: ProofAttempt, bounds: Enclosure) -> tuple[Kind, CasesLeft]:
+    """Contact modes with limited work, then contraction, then modes within its bounds.
 
-    In space only the bounds of forces are contracted: those of motions take longer to
-    contract than they save.
+    In space only the bounds of forces are contracted: contracting those of motions takes longer
+    than it saves.
     """
     work = attempt.work
     modes: Kind = "modes"
-    first = _kept(attempt, divided(attempt, bounds, work.until(FIRST)))
+    first = _record_step(attempt, divide_cases(attempt, bounds, work.until(FIRST)))
     if first.ended or work.over:
         return modes, first
     tight, power = contract(attempt, bounds, work.fraction_left(SECOND))
@@ -195,13 +199,13 @@ def _in_the_plane(attempt: ProofAttempt, bounds: Enclosure) -> tuple[Kind, Cases
         return "contraction", replace(first, power=power)
     if work.over:
         return modes, replace(first, power=min(first.power, power))
-    last = _kept(attempt, divided(attempt, tight))
+    last = _record_step(attempt, divide_cases(attempt, tight))
     best = last if last.power <= first.power else first
     return modes, replace(best, nodes=first.nodes + last.nodes)
 
 
-def _kept(attempt: ProofAttempt, left: CasesLeft) -> CasesLeft:
-    """What a division left, its tree a step of the proof where it closed all."""
+def _record_step(attempt: ProofAttempt, left: CasesLeft) -> CasesLeft:
+    """Append the tree of a complete division to the steps of the proof; returns the result."""
     if left.step is not None:
         attempt.steps.append(left.step)
     return left

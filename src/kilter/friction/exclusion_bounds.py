@@ -1,9 +1,9 @@
-"""Bounds of all solutions, as multipliers prove them: no solver is asked, or known here.
+"""Bounds of all solutions that given multipliers prove, without a solver.
 
-The relaxation of some bounds (`kilter.friction.relaxation`) bounds its power, and every quantity
-in it, by any multipliers of its rows (`kilter.solvers.problem`). The prover takes those of a
-solver (`kilter.friction.contraction`), the check those of a proof (`kilter.friction.
-exclusion_check`); what follows from them is the same.
+The relaxation of an enclosure (`kilter.friction.relaxation`) bounds its power, and every quantity
+in it, by any multipliers of its rows (`kilter.solvers.problem`). The prover takes the multipliers
+of a solver (`kilter.friction.contraction`), the check those of a proof
+(`kilter.friction.exclusion_check`). The consequences are the same.
 """
 
 from __future__ import annotations
@@ -38,39 +38,41 @@ __all__ = [
 ]
 
 ALL = ("un", "fn", "most", "least", "ut", "rest")
-"""Bounds that are shrunk, by their names in `Enclosure`."""
+"""Names of the bounds in `Enclosure` that are shrunk."""
 FORCES = ("fn", "least")
-"""Those of forces; in space a group is one point, and the bound of its N that of its f_n."""
+"""Names of the force bounds among them. In space a group is a single point, so the bound of its N
+equals that of its f_n.
+"""
 
 
 def first_bounds(law: ReducedLaw, relaxation: Relaxation, opening: Array | None) -> Enclosure:
-    """What is known before anything is asked; without `opening` a bound of forces is assumed."""
+    """Enclosure known a priori; without `opening` a bound of the forces is assumed."""
     largest = min(largest_forces(law, opening), LARGEST_FORCE)
     force = np.full(len(law.group), largest)
     return replace(first_enclosure(law, relaxation.fastest, force, TANGENTS), cuts=True)
 
 
 def largest_forces(law: ReducedLaw, opening: Array | None) -> float:
-    """The bound of the sum of all forces that a motion proves; infinity without one."""
+    """Upper bound of the sum of all forces that a motion proves; infinity without a motion."""
     return np.inf if opening is None else force_bound(law, opening)
 
 
 def no_power(program: Program) -> float:
-    """The power that counts as none: that of the data, for the lightest part on its own."""
+    """Power that counts as zero: the accuracy of the data, for the lightest part on its own."""
     mass = program.mass[program.free]
     coarse = min(max(NO_POWER, float(program.tolerance[program.free].max())), COARSEST_NO_POWER)
     return coarse * float(mass.min() / mass.sum())
 
 
 def power_by(relaxation: Relaxation, bounds: Enclosure, step: PowerStep) -> tuple[Enclosure, float]:
-    """The greatest power w.b that the multipliers of a step prove; its tangent in the bounds."""
+    """Bound the power w.b by the multipliers of a step, and add its tangent to the enclosure."""
     program = relaxation.program(bounds)
     power = -program.safe_bound(step.over(program.matrix.shape[0]))
     return with_tangent(bounds, step.tangent), min(max(power, 0.0), bounds.scale)
 
 
 def with_tangent(bounds: Enclosure, point: Array | None) -> Enclosure:
-    """The bounds with a tangent of the ball of motions at another point."""
+    """The enclosure with another tangent of the ball of motions; the oldest is dropped."""
     if point is None:
         return bounds
     return replace(bounds, tangents=np.vstack([bounds.tangents[:2], point, bounds.tangents[2:-1]]))
@@ -78,9 +80,18 @@ def with_tangent(bounds: Enclosure, point: Array | None) -> Enclosure:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Quantities:
-    """What is maximised, one after the other: `weights` x, the larger the worse.
+    """Quantities that are bounded one after the other.
 
-    `names` and `places` say which bound of `Enclosure` it is, `limits` what is known of it.
+    Attributes
+    ----------
+    names : list of str
+        Bound of `Enclosure` to which each belongs.
+    places : list of tuple of int
+        Index in that bound.
+    weights : csr_array
+        Rows w such that w.x is maximised.
+    limits : ndarray
+        Known upper bounds of w.x.
     """
 
     names: list[str]
@@ -90,18 +101,18 @@ class Quantities:
 
 
 def quantities(relaxation: Relaxation, b: Enclosure) -> Quantities:
-    """Openings, forces, most and least sums N, speeds, and in the plane the g_k of `Relaxation`."""
+    """All bounded quantities: openings, forces, sums N, speeds, and in the plane the g_k."""
     at, d = relaxation.columns, relaxation.directions
     groups, wide = len(b.least), d.shape[1]
     kinds = ["un", "fn", "most", "least", "ut", *(["rest"] if wide == 1 else [])]
-    eye = eye_array(relaxation.width, format="csr")
+    identity = eye_array(relaxation.width, format="csr")
     rows = {
-        "un": eye[at["un"]],
-        "fn": eye[at["fn"]],
-        "most": eye[at["total"]],
-        "least": -eye[at["total"]],
-        "ut": kron(eye_array(groups), d, format="csr") @ eye[at["ut"]],
-        "rest": eye[at["rest"]],
+        "un": identity[at["un"]],
+        "fn": identity[at["fn"]],
+        "most": identity[at["total"]],
+        "least": -identity[at["total"]],
+        "ut": kron(eye_array(groups), d, format="csr") @ identity[at["ut"]],
+        "rest": identity[at["rest"]],
     }
     limits = {kind: getattr(b, kind) * (-1.0 if kind == "least" else 1.0) for kind in kinds}
     return Quantities(
@@ -118,22 +129,22 @@ def shrunk_by(
     """The bounds that the multipliers of a step prove."""
     new = {name: getattr(bounds, name).copy() for name in ALL}
     program = with_one(relaxation, bounds)
-    asked = quantities(relaxation, bounds)
+    targets = quantities(relaxation, bounds)
     for quantity in step.quantities:
-        name, place = asked.names[quantity.number], asked.places[quantity.number]
-        cost = -asked.weights[[quantity.number]].toarray()[0]
-        least = replace(program, cost=cost).safe_bound(
+        name, place = targets.names[quantity.number], targets.places[quantity.number]
+        cost = -targets.weights[[quantity.number]].toarray()[0]
+        bound = replace(program, cost=cost).safe_bound(
             quantity.multipliers.over(program.matrix.shape[0])
         )
         if name == "least":
-            new[name][place] = max(least, new[name][place])
+            new[name][place] = max(bound, new[name][place])
         else:
-            new[name][place] = min(max(-least, 0.0), new[name][place])
+            new[name][place] = min(max(-bound, 0.0), new[name][place])
     return _consistent(law, relaxation, replace(bounds, **new))
 
 
 def with_one(relaxation: Relaxation, bounds: Enclosure) -> LinearProgram:
-    """The relaxation where l is 1: else no force has a least value but 0."""
+    """The relaxation with l fixed to 1; otherwise the least value of every force is 0."""
     program = relaxation.program(bounds)
     program.lower[relaxation.columns["one"]] = 1.0
     return program
@@ -141,17 +152,17 @@ def with_one(relaxation: Relaxation, bounds: Enclosure) -> LinearProgram:
 
 def _consistent(law: ReducedLaw, relaxation: Relaxation, b: Enclosure) -> Enclosure:
     """Bounds that follow from others: |ut| from its directions, N from forces, g from N."""
-    wide = law.directions
+    directions = law.directions
     members = np.flatnonzero(law.group >= 0)
     total = np.bincount(law.group[members], b.fn[members], minlength=len(law.mu))
     most = np.minimum(b.most, total)
     fn = b.fn.copy()
     fn[members] = np.minimum(fn[members], most[law.group[members]])
-    if wide == 1:
+    if directions == 1:
         slip = np.minimum(b.slip, b.ut.max(axis=1, initial=0.0))
         rest = np.minimum(b.rest, 2 * (law.mu * most)[:, None])
         return replace(b, most=most, fn=fn, slip=slip, rest=rest)
-    # |ut| is at most that of the corner of the polygon whose sides are the bounds
+    # the bounds are sides of a polygon, and |ut| is largest at its corners
     sides = len(relaxation.directions)
     corner = np.minimum(b.slip, b.ut.max(axis=1, initial=0.0) / np.cos(np.pi / sides))
     rest = np.repeat(2 * (law.mu * most)[:, None], sides, axis=1)

@@ -1,7 +1,7 @@
-"""A proof that no motion can start, repeated step by step without any solver.
+"""Step-by-step repetition, without any solver, of a proof that no motion can start.
 
-The law is that of the program, built anew; each step has multipliers, whose bound is computed
-from the law; nothing else of the proof is believed. A step that does not fit proves nothing.
+The law is rebuilt from the program. Each step has multipliers, whose bound is recomputed from the
+law; nothing else of the proof is trusted. A step that does not fit proves nothing.
 """
 
 from __future__ import annotations

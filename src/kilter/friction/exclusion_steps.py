@@ -1,13 +1,13 @@
-"""The steps of a proof that no motion can start, with all that it takes to repeat them.
+"""The steps of a proof that no motion can start, with all data needed to repeat them.
 
     moments   multipliers of products of the law          a bound of the power
     power     multipliers of the rows of the relaxation   a bound of the power
-    shrink    the same of one quantity after another      bounds of forces and speeds
+    shrink    the same for one quantity after another     bounds of forces and speeds
     cases     a tree: each case with its power steps, closed or divided further
 
-`kilter.friction.exclusion_check` repeats them on the law of a program: each bound follows from
-the multipliers, whoever found them. Multipliers of linear programs are mostly 0, and kept as
-places and values.
+`kilter.friction.exclusion_check` repeats them on the law of a program: each bound follows from the
+multipliers, whatever their origin. Multipliers of linear programs are mostly 0, so they are stored
+as indices and values.
 """
 
 from __future__ import annotations
@@ -24,14 +24,16 @@ __all__ = ["CaseStep", "ExclusionStep", "PowerStep", "Quantity", "ShrinkStep"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PowerStep:
-    """Multipliers of the rows of a linear program; at which motion its ball gets a tangent.
+    """Multipliers of the rows of a linear program, and the tangent that follows.
 
     Attributes
     ----------
     rows : ndarray of int
-        Where they are not 0.
+        Rows with nonzero multipliers.
     values : ndarray
+        Those multipliers.
     tangent : ndarray, shape (n,), or None
+        Motion at which the ball of motions gets a further tangent.
     """
 
     rows: Index
@@ -40,12 +42,12 @@ class PowerStep:
 
     @classmethod
     def of(cls, multipliers: Array, tangent: Array | None) -> PowerStep:
-        """A step of all its multipliers."""
+        """A step from the multipliers of all rows."""
         rows = np.flatnonzero(multipliers)
         return cls(rows, multipliers[rows], tangent)
 
     def over(self, count: int) -> Array:
-        """The multipliers of so many rows."""
+        """The multipliers of all `count` rows."""
         multipliers = np.zeros(count)
         multipliers[self.rows] = self.values
         return multipliers
@@ -53,7 +55,7 @@ class PowerStep:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Quantity:
-    """One bounded quantity: its number in the relaxation, and the multipliers."""
+    """A bounded quantity: its index in the relaxation, and the multipliers."""
 
     number: int
     multipliers: PowerStep
@@ -68,14 +70,15 @@ class ShrinkStep:
 
 @dataclass(slots=True, eq=False)
 class CaseStep:
-    """A case: bounds of its power, and where it is divided if they do not close it.
+    """A case: bounds of its power, and its division if they do not close it.
 
     Attributes
     ----------
     powers : list of PowerStep
     point, patch : int
-        One of the two, or both -1 where it is closed.
+        Index of the point or patch at which it is divided; both -1 if it is closed.
     cases : list of CaseStep
+        The cases that cover it.
     """
 
     powers: list[PowerStep] = field(default_factory=list)

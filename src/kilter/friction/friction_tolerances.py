@@ -1,24 +1,21 @@
-"""Every tolerance of the friction wing, and how they stand to one another.
+"""Tolerances of the package friction, and their order.
 
-All are relative [-] unless a unit is given: accelerations in units of |w|, powers of |w|^2,
-forces of |w| over the mobility of their point (`kilter.friction.law`); those of a witness are in
-`kilter.mechanics.mechanics_tolerances`. Four ladders, each
-from the coarse to the fine; the tests hold the order.
-
-What counts as a motion, and what as none:
+All are relative [-] unless a unit is given: accelerations in units of |w|, powers of |w|^2, forces
+of |w| over the mobility of their point (`kilter.friction.law`). Those of a witness are in
+`kilter.mechanics.mechanics_tolerances`. For motions:
 
     WITNESS_POWER > COARSEST_NO_POWER > NO_POWER > OBEYED
 
-so that no assembly can be refuted by a motion and proved to have none. What is exact:
+so that no assembly can be both refuted by a motion and proved to have none. For accuracy:
 
     CLOSE > WITNESS_SLIVER,   WITNESS_EXACT > EXACTLY > SHARP > SOLVED
 
-a conic program is asked for more digits than a witness must show, Newton's method gives more
-still. What a force or speed must exceed to decide the mode of a point:
+A conic program is solved to more digits than a witness needs, and Newton's method adds more. For
+the mode of a point, which a force or speed decides only above these values:
 
     CLEAR > SLACK > SOLVED,   CLEAR > CREEP
 
-and what rounding leaves, of numbers near 1: ZERO_ENTRY < CONE_ROUNDING < JOINT_RANK < FLAT.
+For rounding of numbers near 1: ZERO_ENTRY < CONE_ROUNDING < JOINT_RANK < FLAT.
 """
 
 from __future__ import annotations
@@ -58,36 +55,41 @@ __all__ = [
 # the law, its rows and patches -------------------------------------------------------------------
 
 ZERO_ENTRY = 1e-14
-"""Entries of the scaled matrix below this are rounding of an exact zero."""
+"""Entries of the scaled matrix below this value are rounding errors of an exact zero."""
 JOINT_RANK = 1e-10
-"""Singular values of the rows of joints below this fraction of the largest are zero."""
+"""Singular values of the rows of joints below this fraction of the largest count as zero."""
 FLAT = 1e-9
-"""A patch is flat if its normals differ by less [rad], and its points lie off one plane by
-less, over the largest bounding radius of a part."""
+"""A patch is flat if its normals differ by less [rad], and its points deviate from a plane by less,
+over the largest bounding radius of a part.
+"""
 
 
 # the proof that no motion can start --------------------------------------------------------------
 
 NO_POWER = 1e-8
-"""Power that counts as none, over |w|^2 of the lightest part: above what rounding leaves of the
-bound of a case with nothing left to divide (1.2e-9 of it at 18 parts), and a thousandth of the
-least that a witness must have (`kilter.mechanics.mechanics_tolerances.WITNESS_POWER`)."""
+"""Power that counts as zero, over |w|^2 of the lightest part. It exceeds the rounding of the bound
+of a case that cannot be divided (1.2e-9 of it at 18 parts), and is a thousandth of the least
+power of a witness (`kilter.mechanics.mechanics_tolerances.WITNESS_POWER`). A larger value closes
+more cases.
+"""
 COARSEST_NO_POWER = 1e-6
-"""However coarse the data, a power above this, over |w|^2 of the lightest part, is one."""
+"""Upper limit of the power that counts as zero for coarse data, over |w|^2 of the lightest part."""
 OBEYED = 1e-9
-"""A relaxed motion obeys the law if it gains no more than this fraction of its power by
-breaking it; a point that gains less, in units of |w|^2, is not worth branching on."""
+"""A relaxed motion obeys the law if its gain by violating it is at most this fraction of its power;
+a point that gains less, in units of |w|^2, is not divided.
+"""
 LARGEST_FORCE = 1000.0
-"""Largest force of a contact point that a proof thinks of, over the weight of all free parts.
-A proof that needs this bound says so (`Exclusion.assumes`)."""
+"""Assumed bound of the force of a contact point, over the weight of all free parts, if no bound is
+proved. A proof that needs it states so (`Exclusion.assumes`).
+"""
 NARROWEST_CONE = 1e-3
-"""A cone of twists that is narrower than this is not halved [rad]."""
+"""Cones of twists narrower than this are not halved [rad]."""
 WIDEST_SECTOR = 0.9
-"""A sector of sliding wider than this fraction of half a turn says nothing."""
+"""A sliding sector wider than this fraction of half a turn gives no constraint."""
 POINT_AT_REST = 1e-9
 """A twist that moves a point less than this, over the largest lever, leaves it at rest."""
 CONE_ROUNDING = 1e-12
-"""By how much cones and sectors are widened, so that rounding leaves no gap between two [rad]."""
+"""Widening of cones and sectors, so that rounding leaves no gap between two [rad]."""
 
 
 # the search of a motion --------------------------------------------------------------------------
@@ -95,29 +97,31 @@ CONE_ROUNDING = 1e-12
 EXACTLY = 1e-9
 """Residual of the contact law at which a motion is exact, and the search ends."""
 SHARP = 1e-11
-"""Gap asked of the conic programs of De Saxce's iteration: an interior point's x is good to
-the root of it only."""
+"""Requested gap of the conic programs of De Saxce's iteration; x of an interior point is only
+accurate to its root.
+"""
 NODE_GAP = 1e-8
-"""Gap asked of the conic programs of contact modes, whose x is a first guess."""
+"""Requested gap of the conic programs of contact modes, whose x is a first guess."""
 CLOSE = 0.01
-"""Residual of the nearest motion, over |a|^2 / |w|^2, beyond which it tells nothing."""
+"""Residual of the nearest motion, over |a|^2 / |w|^2, above which it is not reported."""
 GONE = 1e-5
-"""A start of De Saxce's iteration whose |x| falls below this has come to rest."""
+"""A start of De Saxce's iteration whose |x| falls below this value has come to rest."""
 STEADY = 1e-7
-"""Change of the speeds of sliding, over |x|, at which De Saxce's iteration has converged."""
+"""Change of the sliding speeds, over |x|, at which De Saxce's iteration has converged."""
 
 
 # from nearly to exactly --------------------------------------------------------------------------
 
 CLEAR = 1e-4
-"""Forces below this are taken for none at first; below `SLACK` in a second try."""
+"""Forces below this value count as zero in the first attempt; in the second, below `SLACK`."""
 NEAR_ITS_CONE = 1e-4
-"""How near a force is to the boundary of its cone, over its size, to be taken for on it; and
-a point that slides slower does not tell a direction of sliding."""
+"""Relative distance of a force to the boundary of its cone at which it counts as on the boundary. A
+point that slides slower than this does not define a sliding direction.
+"""
 CREEP = 1e-7
-"""Points that slide slower than this may as well stick."""
+"""Points that slide slower than this may also stick."""
 SLACK = 1e-9
-"""Speeds and forces on the wrong side of 0, or of the cone, by more than this change the mode."""
+"""Speeds and forces beyond 0, or outside the cone, by more than this change the mode."""
 SOFT_MODE = 1e-9
 """Regularisation of the equations of a mode, whose terms are near 1."""
 SOLVED = 1e-14
@@ -127,13 +131,14 @@ SOLVED = 1e-14
 # seating -----------------------------------------------------------------------------------------
 
 BALANCED = 1e-9
-"""Largest imbalance of a part, over its weight, of parts that are seated: that of a verdict
-(`kilter.mechanics.program.TOLERANCE`)."""
+"""Largest imbalance of a part, over its weight, of seated parts: equal to that of a verdict
+(`kilter.mechanics.program.TOLERANCE`).
+"""
 GOAL = 1e-11
 """Imbalance of a part, over its weight, at which the iteration ends."""
 ELASTIC_GAP = 1e-9
-"""Gap asked of the forces of the least elastic energy."""
+"""Requested gap of the forces of the least elastic energy."""
 PRESSES = 1e-3
-"""A point with a force below this part of the greatest does not tell a deflection."""
+"""A point with a force below this fraction of the greatest does not define a deflection."""
 SOFT_SQUEEZE = 1e-6
-"""Regularisation of the least squares that find the displacement of a random start."""
+"""Regularisation of the least squares for the displacement of a random start."""

@@ -1,8 +1,8 @@
-"""Coulomb's law of a program in scaled unknowns: the one scaling of the friction wing.
+"""Coulomb's law of a program in scaled unknowns, with the scaling that the package shares.
 
-With a the accelerations of the free parts, M their masses and inertias, w the loads on them,
-J the relative accelerations of part b past part a at the contact points along (n, u, v) (n the
-normal from a to b, u and v across it), and f the forces on b along the same:
+With a the accelerations of the free parts, M their masses and inertias, w the loads on them, J the
+relative accelerations of part b past part a at the contact points along (n, u, v) (n the normal
+from a to b, u and v across it), and f the forces on b along the same:
 
     M a = w + J^T f                                              the parts
     u_n >= 0,  f_n >= 0,  u_n f_n = 0                            each contact point, u = J a
@@ -18,21 +18,20 @@ the first line, multiplied by L^-1 / |w|, becomes
 
     x = w' + H^T g,     u' = H x = J a / (sigma |w|),     |w'| = 1
 
-and the others stay as they are, for u' and g in the place of u and f, since all three lines of
-a point share their sigma. So no unit is left: |x|^2 is a.M a / |w|^2, w'.x the power, 1 in free
-fall, and the numbers of light and heavy parts, of points near and far, are near 1. As
+The others stay unchanged, for u' and g in place of u and f, since all three lines of a point share
+their sigma. So no unit is left: |x|^2 is a.M a / |w|^2, w'.x is the power, which is 1 in free fall,
+and the numbers of light and heavy parts, of near and distant points, are near 1. As
 
     |x|^2 = w'.x + g.u' = w'.x - sum of mu g_n |u_t'|  <=  w'.x  <=  |x|
 
 every solution has |x| <= 1.
 
-Two views of the one law are used. The search of motions (`kilter.friction.motion_search`), the
-polishing and the seating take it as it stands here: a row a point, joints as equations, whose
-forces they need. The proof that there is no motion takes `kilter.friction.reduced_law`, where
-joints are eliminated and points that must slide alike are grouped: it bounds unknowns one by
-one, and forces of joints have no bounds; and it bounds sums of forces of several points, so
-that it measures all of them in one unit. The judge of a motion,
-`kilter.mechanics.law_check.check_law`, uses neither.
+The law is used in two forms. The search of motions (`kilter.friction.motion_search`), the polishing
+and the seating use this form: a row for each point, and joints as equations, whose forces they
+need. The proof that no motion exists uses `kilter.friction.reduced_law`, with joints eliminated and
+points grouped that must slide alike. It bounds unknowns individually, and forces of joints have no
+bounds. It also bounds sums of forces of several points, so it measures all of them in a common
+unit. The check of a motion, `kilter.mechanics.law_check.check_law`, uses neither form.
 """
 
 from __future__ import annotations
@@ -60,22 +59,24 @@ class CoulombLaw:
     ----------
     program : Program
     matrix : csr_array, shape (3 K, n)
-        H; lines 3 k, 3 k + 1, 3 k + 2 along n, u and v of row k. A row that is two-sided (a
-        joint) has only the first of them; in the plane v is across it, and its line is 0.
+        H; lines 3 k, 3 k + 1, 3 k + 2 along n, u and v of row k. A two-sided row (of a joint) has
+        only the first of them; in the plane v is across it, and its line is 0.
     load : ndarray, shape (n,)
-        w', of length 1 (0 where nothing pulls).
+        w', of length 1 (0 without load).
     basis : ndarray, shape (K, 3, 3)
         Unit vectors n, u, v of each row, world frame.
     mu : ndarray, shape (K,)
+        Friction coefficients [-].
     tied : ndarray of bool, shape (K,)
         Rows that are equations.
     patch : ndarray of int, shape (K,)
-        From 0; points of one contact patch, or rows of one joint, share theirs.
+        Patch number from 0; the points of a contact patch, or the rows of a joint, share it.
     strength : float
         |w|, the root of w.M^-1 w.
     sigma : ndarray, shape (K,)
+        Mobility scale of each row.
     root : ndarray, shape (F, d, d)
-        L of each free part, of its d freedoms.
+        L of each free part, in its d freedoms.
     """
 
     program: Program
@@ -90,26 +91,26 @@ class CoulombLaw:
     root: Array
 
     def acceleration(self, columns: Array) -> Array:
-        """Accelerations [m/s^2], [rad/s^2] of all parts, shape (N, 6), of scaled unknowns x."""
+        """Accelerations [m/s^2], [rad/s^2] of all parts, shape (N, 6), from scaled unknowns x."""
         per = self.root.shape[1]
-        own = columns.reshape(-1, per, 1) * self.strength
-        motion = np.asarray(np.linalg.solve(np.swapaxes(self.root, 1, 2), own), np.float64)
+        scaled = columns.reshape(-1, per, 1) * self.strength
+        motion = np.asarray(np.linalg.solve(np.swapaxes(self.root, 1, 2), scaled), np.float64)
         full = self.program.full(motion.reshape(-1))
         full[:, 3:] /= metres_per_unit(self.program.units)
         return full
 
     def columns(self, acceleration: Array) -> Array:
-        """Scaled unknowns x of accelerations [m/s^2], [rad/s^2] of all parts, shape (N, 6)."""
-        own = acceleration.copy()
-        own[:, 3:] *= metres_per_unit(self.program.units)
-        own = own[self.program.free][:, self.program.freedoms]
-        scaled: Array = np.einsum("nji,nj->ni", self.root, own).reshape(-1) / self.strength
+        """Scaled unknowns x from accelerations [m/s^2], [rad/s^2] of all parts, shape (N, 6)."""
+        motion = acceleration.copy()
+        motion[:, 3:] *= metres_per_unit(self.program.units)
+        motion = motion[self.program.free][:, self.program.freedoms]
+        scaled: Array = np.einsum("nji,nj->ni", self.root, motion).reshape(-1) / self.strength
         return scaled
 
     def forces(self, scaled: Array) -> Array:
-        """Forces on part b [N], world frame, shape (K, 3), of scaled ones along (n, u, v)."""
-        own = scaled * (self.strength / self.sigma)[:, None]
-        world: Array = np.einsum("kij,ki->kj", self.basis, own)
+        """Forces on part b [N], world frame, shape (K, 3), from scaled forces along (n, u, v)."""
+        local = scaled * (self.strength / self.sigma)[:, None]
+        world: Array = np.einsum("kij,ki->kj", self.basis, local)
         return world
 
 
@@ -141,20 +142,20 @@ def coulomb_law(program: Program) -> CoulombLaw:
 
 
 def _directions(program: Program) -> Array:
-    """Unit u and v of each row, shape (K, 2, 3); in the plane y = 0 u is in it, v across it."""
+    """Unit vectors u and v of each row, shape (K, 2, 3); in the plane y = 0, u lies in it."""
     directions = np.stack(across(program.normal), axis=1)
     if program.planar:
         n = program.normal
         u = cross(np.array([0.0, 1.0, 0.0]), n)
         size = np.linalg.norm(u, axis=1)
-        within = size > 0  # else it is a face in the plane
+        within = size > 0  # 0 for a face parallel to the plane
         u = u[within] / size[within, None]
         directions[within] = np.stack([u, cross(n[within], u)], axis=1)
     return directions
 
 
 def _patches(program: Program) -> Index:
-    """The number of the patch, or joint, of each row; of its own where it is of neither."""
+    """Number of the patch or joint of each row; rows of neither have their own number."""
     count = len(program.source)
     if not count:
         return np.empty(0, dtype=np.int64)

@@ -1,17 +1,16 @@
-"""Motions by branch and bound over contact modes: those that repel De Saxce's iteration.
+"""Motions by branch and bound over contact modes, for solutions that repel De Saxce's iteration.
 
-A node asks for the most power in a convex relaxation of the law (scaled as in
-`kilter.friction.law`),
+A node maximises the power in a convex relaxation of the law (scaled as in `kilter.friction.law`),
 
     max w.x:   x = w + H^T f,  u_n >= 0,  f in Coulomb's cone,  |x - w/2| <= 1/2
 
 with the modes of some points decided: open (f = 0), sticking (u = 0), or sliding with u_t in a
-sector of directions, f_t against it and beyond the chord of the sector. (Any solution of the
-law has |x|^2 <= w.x, and so is in the ball.) A node is divided at the point that breaks the law
-most, by the power f_n u_n + f_t.u_t + mu f_n |u_t| that the law wants to be 0; sectors are
-halved. The optimum of each relaxation is a candidate to be made exact
-(`kilter.friction.polish`). A node without power is dropped on the word of the solver: good
-enough for a search, no proof.
+sector of directions, f_t opposite to it and beyond the chord of the sector. (Any solution of the
+law has |x|^2 <= w.x, and so lies in the ball.) A node is divided at the point that violates the law
+most, measured by the power f_n u_n + f_t.u_t + mu f_n |u_t|, which is 0 by the law; sectors are
+halved. The optimum of each relaxation is a candidate for `kilter.friction.polish`. A node without
+power is dropped without verifying the solver's answer, which suffices for a search, but not for a
+proof.
 """
 
 from __future__ import annotations
@@ -36,20 +35,22 @@ __all__ = ["by_modes"]
 PLANAR_SECTOR = 0.1
 """Half width of the sector of a point in the plane, whose only tangent is in its middle [rad]."""
 DEPTH_BONUS = 0.9
-"""What a node's power counts for a level further up: deep nodes first where powers are equal."""
+"""Weight of a node's power for each level nearer to the root: among equal powers, deep nodes come
+first.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Decided:
-    """What a node decides: mode of each row, sector of the sliding ones [rad], and its depth."""
+class _Decisions:
+    """Decisions of a node: mode of each row, sector of the sliding rows [rad], and depth."""
 
     mode: Index
     middle: Array
     half: Array
     depth: int
 
-    def with_mode(self, p: int, mode: Mode, middle: float = 0.0, half: float = 0.0) -> _Decided:
-        """The mode of point p decided too; where it slides, its sector."""
+    def with_mode(self, p: int, mode: Mode, middle: float = 0.0, half: float = 0.0) -> _Decisions:
+        """The decisions with the mode of point p added, and its sector if it slides."""
         modes, middles, halves = self.mode.copy(), self.middle.copy(), self.half.copy()
         modes[p], middles[p], halves[p] = mode, middle, half
         return replace(self, mode=modes, middle=middles, half=halves, depth=self.depth + 1)
@@ -57,9 +58,9 @@ class _Decided:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Node:
-    """A node with the optimum of its relaxation, and the power w.x of it."""
+    """A node with the optimum of its relaxation, and the power w.x of that."""
 
-    decided: _Decided
+    decided: _Decisions
     optimum: TrialMotion
     power: float
 
@@ -71,13 +72,14 @@ def by_modes(law: CoulombLaw, *, nodes: int, work: Work) -> Iterator[TrialMotion
     ----------
     law : CoulombLaw
     nodes : int
+        Maximum number of nodes.
     work : Work
-        It limits each relaxation; who asks decides when to stop.
+        Limits each relaxation; the caller decides when to stop.
     """
     count, lines = len(law.mu), law.matrix.toarray()
 
-    def bound(decided: _Decided, _: _Node | None) -> _Node | None:
-        optimum = _relaxed(law, lines, decided, work)
+    def bound(decided: _Decisions, _: _Node | None) -> _Node | None:
+        optimum = _solve_relaxation(law, lines, decided, work)
         power = float(law.load @ optimum.x) if optimum else 0.0
         return None if optimum is None or power < WITNESS_POWER else _Node(decided, optimum, power)
 
@@ -86,20 +88,20 @@ def by_modes(law: CoulombLaw, *, nodes: int, work: Work) -> Iterator[TrialMotion
         lambda node: _children(law, node.decided, node.optimum),
         lambda node: node.power * DEPTH_BONUS**-node.decided.depth,
     )
-    root = _Decided(np.full(count, Mode.UNDECIDED), np.zeros(count), np.zeros(count), 0)
+    root = _Decisions(np.full(count, Mode.UNDECIDED), np.zeros(count), np.zeros(count), 0)
     for node in tree.explore(root, most=nodes):
         yield node.optimum
 
 
-def _children(law: CoulombLaw, node: _Decided, now: TrialMotion) -> list[_Decided]:
-    """The node divided at the point that breaks the law most; none if it obeys the law."""
-    u, f = (law.matrix @ now.x).reshape(-1, 3), now.forces
+def _children(law: CoulombLaw, node: _Decisions, optimum: TrialMotion) -> list[_Decisions]:
+    """Nodes that cover a node, by the modes of its worst point; none if it obeys the law."""
+    u, f = (law.matrix @ optimum.x).reshape(-1, 3), optimum.forces
     slip = np.linalg.norm(u[:, 1:], axis=1)
-    broken = f[:, 0] * u[:, 0] + (f[:, 1:] * u[:, 1:]).sum(axis=1) + law.mu * f[:, 0] * slip
-    done = law.tied | (node.mode == Mode.OPEN) | (node.mode == Mode.STICKING)
-    broken = np.where(done, 0.0, broken)
-    p = int(broken.argmax()) if len(broken) else 0
-    if not len(broken) or broken[p] < OBEYED:
+    gain = f[:, 0] * u[:, 0] + (f[:, 1:] * u[:, 1:]).sum(axis=1) + law.mu * f[:, 0] * slip
+    decided = law.tied | (node.mode == Mode.OPEN) | (node.mode == Mode.STICKING)
+    gain = np.where(decided, 0.0, gain)
+    p = int(gain.argmax()) if len(gain) else 0
+    if not len(gain) or gain[p] < OBEYED:
         return []
     if node.mode[p] == Mode.SLIDING:
         half = node.half[p] / 2
@@ -115,43 +117,51 @@ def _children(law: CoulombLaw, node: _Decided, now: TrialMotion) -> list[_Decide
     return children + [node.with_mode(p, Mode.SLIDING, angle, half) for angle in angles]
 
 
-def _relaxed(law: CoulombLaw, lines: Array, node: _Decided, work: Work) -> TrialMotion | None:
-    """The optimum of a node's relaxation; None where it is empty or the solver broke down."""
+def _solve_relaxation(
+    law: CoulombLaw, lines: Array, node: _Decisions, work: Work
+) -> TrialMotion | None:
+    """Optimum of a node's relaxation; None if it is infeasible or the solver fails."""
     from kilter.solvers.clarabel import solve_conic
 
-    answer = solve_conic(_relaxation(law, lines, node), tolerance=NODE_GAP, work=work)
+    answer = solve_conic(_relaxation_program(law, lines, node), tolerance=NODE_GAP, work=work)
     if not answer.found:
         return None
     count = len(law.load)
     return TrialMotion(answer.x[:count], answer.x[count:].reshape(-1, 3))
 
 
-def _relaxation(law: CoulombLaw, lines: Array, node: _Decided) -> ConicProgram:
-    """The convex program of a node, in (x, f); `lines` is H in full."""
+def _relaxation_program(law: CoulombLaw, lines: Array, node: _Decisions) -> ConicProgram:
+    """The convex program of a node, in (x, f); `lines` is H as a dense matrix."""
     count, total = len(law.load), len(law.load) + 3 * len(law.mu)
     slides, free = node.mode == Mode.SLIDING, ~law.tied
     sticks, is_open = (node.mode == Mode.STICKING) & free, node.mode == Mode.OPEN
     smooth = np.flatnonzero(law.mu <= 0)
-    still = np.concatenate([_points(sticks), 3 * np.flatnonzero(slides | law.tied)])
-    none = np.concatenate([_points(is_open), 3 * smooth + 1, 3 * smooth + 2])
-    above = 3 * np.flatnonzero(free & ~sticks & ~slides)
+    speedless = np.concatenate([_point_lines(sticks), 3 * np.flatnonzero(slides | law.tied)])
+    forceless = np.concatenate([_point_lines(is_open), 3 * smooth + 1, 3 * smooth + 2])
+    nonnegative = 3 * np.flatnonzero(free & ~sticks & ~slides)
     pushing = 3 * np.flatnonzero(free & (law.mu <= 0) & ~is_open)
-    rough = _points(free & (law.mu > 0) & ~is_open)
+    rough = _point_lines(free & (law.mu > 0) & ~is_open)
     sector_u, sector_f = _sectors(law, node, np.flatnonzero(slides & (law.mu > 0)))
     weights = np.where(rough % 3 == 0, law.mu[rough // 3], 1.0)
     forces = np.eye(total - count)
     blocks: list[tuple[Array | None, Array | None]] = [
         (np.eye(count), -lines.T),  # x = w + H^T f
-        (lines[still], None),  # no speed where points stick, or along the normal where they slide
-        (None, forces[none]),  # no force where points are open, or across where they are smooth
-        (-lines[above], None),  # u_n >= 0
+        (
+            lines[speedless],
+            None,
+        ),  # no speed at sticking points, and none along the normal of sliding points
+        (
+            None,
+            forces[forceless],
+        ),  # no force at open points, and none across points without friction
+        (-lines[nonnegative], None),  # u_n >= 0
         (None, -forces[pushing]),  # f_n >= 0 without friction
         (-(sector_u @ lines), None),
         (None, -sector_f),
         (None, -weights[:, None] * forces[rough]),  # Coulomb's cones
         (np.vstack([np.zeros(count), -np.eye(count)]), None),  # the ball
     ]
-    full = _stacked(blocks, count, total)
+    full = _stack(blocks, count, total)
     bound = np.zeros(len(full))
     bound[:count] = law.load
     bound[-count - 1 :] = 0.5 * np.concatenate([[1.0], -law.load])
@@ -160,14 +170,14 @@ def _relaxation(law: CoulombLaw, lines: Array, node: _Decided) -> ConicProgram:
         np.concatenate([-law.load, np.zeros(total - count)]),
         csc_array(full),
         bound,
-        count + len(still) + len(none),
-        len(above) + len(pushing) + len(sector_u) + len(sector_f),
+        count + len(speedless) + len(forceless),
+        len(nonnegative) + len(pushing) + len(sector_u) + len(sector_f),
         np.concatenate([np.full(len(rough) // 3, 3), [count + 1]]),
     )
 
 
-def _stacked(blocks: list[tuple[Array | None, Array | None]], count: int, total: int) -> Array:
-    """Blocks of rows below one another, each with a part over x and one over f, or None for 0."""
+def _stack(blocks: list[tuple[Array | None, Array | None]], count: int, total: int) -> Array:
+    """Stack blocks of rows, each with a part over x and a part over f, or None for zero."""
     rows = []
     for of_x, of_f in blocks:
         height = len(of_x) if of_x is not None else len(of_f) if of_f is not None else 0
@@ -180,33 +190,33 @@ def _stacked(blocks: list[tuple[Array | None, Array | None]], count: int, total:
     return np.vstack(rows)
 
 
-def _points(chosen: Mask) -> Index:
-    """The three lines of every chosen row."""
+def _point_lines(chosen: Mask) -> Index:
+    """The three lines of H of every chosen row."""
     rows: Index = (3 * np.flatnonzero(chosen)[:, None] + np.arange(3)).reshape(-1)
     return rows
 
 
-def _sectors(law: CoulombLaw, node: _Decided, rows: Index) -> tuple[Array, Array]:
-    """Lines that are not negative: of speeds in their sectors, of forces against them."""
+def _sectors(law: CoulombLaw, node: _Decisions, rows: Index) -> tuple[Array, Array]:
+    """Rows that keep speeds in their sectors, and friction opposite to them beyond the chord."""
     total, low = 3 * len(law.mu), node.middle[rows] - node.half[rows]
     high, middle = node.middle[rows] + node.half[rows], node.middle[rows]
-    # a direction e is in the sector where low x e >= 0 and e x high >= 0
+    # a direction e is in the sector if low x e >= 0 and e x high >= 0
     sides = np.concatenate([
         np.column_stack([-np.sin(low), np.cos(low)]),
         np.column_stack([np.sin(high), -np.cos(high)]),
     ])  # fmt: skip
     both = np.concatenate([rows, rows])
-    speeds = _lines(both, np.column_stack([np.zeros(len(both)), sides]), total)
+    speeds = _sparse_lines(both, np.column_stack([np.zeros(len(both)), sides]), total)
     chord = np.column_stack([
         -law.mu[rows] * np.cos(node.half[rows]), -np.cos(middle), -np.sin(middle)
     ])  # fmt: skip
     against = np.column_stack([np.zeros(len(both)), -sides])
-    forces = _lines(np.concatenate([both, rows]), np.concatenate([against, chord]), total)
+    forces = _sparse_lines(np.concatenate([both, rows]), np.concatenate([against, chord]), total)
     return speeds, forces
 
 
-def _lines(rows: Index, values: Array, total: int) -> Array:
-    """Lines with three values each, at the columns of a row's point."""
+def _sparse_lines(rows: Index, values: Array, total: int) -> Array:
+    """Lines with three values each, in the columns of the point of a row."""
     lines = np.zeros((len(rows), total))
     lines[np.arange(len(rows))[:, None], 3 * rows[:, None] + np.arange(3)] = values
     return lines

@@ -1,15 +1,15 @@
-"""A bound of the power of all motions, recomputed from multipliers: no solver is believed.
+"""A bound of the power of all motions, recomputed from multipliers without trusting a solver.
 
-Given multipliers of the products of the law (`kilter.friction.moment_products`), not negative
-where the products are not, and matrices Y >= 0 for forms v, the power w.b is
+Given multipliers of the products of the law (`kilter.friction.moment_products`), nonnegative for
+nonnegative products, and matrices Y >= 0 for forms v, the power w.b is
 
     w.b = P - (sum of multipliers times products) - (sum of v.Y v) + z.R z  <=  P + |z.R z|
 
-for every motion of size |a| <= e that obeys the law. P is what is left at 1, and R whatever the
-multipliers do not account for: rounding, and that an interior point ends before its optimum. R
-is computed, and bounded by what z can be: |b| <= 1, s <= |Jt| |b|, and the sum of all fn below
-the bound of `kilter.friction.force_bound`, which also bounds |ft| <= mu N. Where power and size
-are bounded anew, e falls, until nothing is left.
+for every motion of size |a| <= e that obeys the law. P is the constant term, and R the part that
+the multipliers do not cancel, because of rounding and because an interior point ends before its
+optimum. R is computed, and z.R z is bounded by the possible values of z: |b| <= 1, s <= |Jt| |b|,
+and the sum of all fn below the bound of `kilter.friction.force_bound`, which also bounds |ft| <= mu
+N. When power and size are bounded more tightly, e decreases, until no power is left.
 """
 
 from __future__ import annotations
@@ -29,12 +29,16 @@ from kilter.solvers.semidefinite import Multipliers
 __all__ = ["SQUARES", "MomentStep", "Squares", "power_left", "squares_of"]
 
 Squares = Literal["pairs", "pushes", "cliques"]
-"""Which matrices of products are held positive: of the motions of the bodies of a patch; of
-the motion of a body and the pushes on it as well; of all that is thought of."""
+"""Sets of product matrices that are constrained to be positive semidefinite: those of the motions
+of the bodies of a patch; also those of the motion of a body and the pushes on it; those of all
+cliques.
+"""
 SQUARES: tuple[Squares, ...] = ("pairs", "pushes", "cliques")
-"""The cheapest first."""
+"""The sets, the cheapest first."""
 ROUNDING = 1e-13
-"""Rounding of the sums of R, over the sums of their terms' sizes: a few hundred of 1e-16."""
+"""Rounding of the sums of R, over the sums of the absolute values of their terms: a few hundred
+times 1e-16.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,44 +51,46 @@ class MomentStep:
 
 
 def squares_of(forms: MomentForms, squares: Squares) -> list[Index]:
-    """The forms of each matrix of products that is held positive."""
+    """Forms of each product matrix that is constrained to be positive semidefinite."""
     if squares == "cliques":
         return forms.cliques()
-    found = [forms.pair_of(patch) for patch in range(len(forms.touching))]
+    forms_of_squares = [forms.pair_of(patch) for patch in range(len(forms.touching))]
     if squares == "pushes":
-        found += [forms.pushes_on(body) for body in range(len(forms.bodies))]
-    return list({tuple(one.tolist()): one for one in found}.values())
+        forms_of_squares += [forms.pushes_on(body) for body in range(len(forms.bodies))]
+    return list({tuple(square.tolist()): square for square in forms_of_squares}.values())
 
 
 def power_left(law: ReducedLaw, step: MomentStep, forces: float) -> float:
-    """The greatest power w.a, over |w|^2, that a step leaves to motions of its size.
+    """Greatest power w.a, over |w|^2, that a step leaves to motions of its size.
 
     Parameters
     ----------
     law : ReducedLaw
     step : MomentStep
     forces : float
-        The sum of all normal forces is at most this.
+        Upper bound of the sum of all normal forces.
 
     Returns
     -------
     float
-        At most scale^2, which is known anyway; just that where the multipliers do not fit.
+        At most scale^2, which is known a priori; equal to it if the multipliers do not fit.
     """
-    known = step.scale**2
+    a_priori = step.scale**2
     forms = moment_forms(law, step.scale)
-    rest = _unaccounted(forms, step)
-    if rest is None or not np.isfinite(forces):
-        return known
-    values, rounding = rest
-    power = float(rounding[0, 0] - values[0, 0]) + _largest(forms, values, rounding, forces)
-    return min(step.scale * max(power, 0.0), known) if np.isfinite(power) else known
+    remainder = _remainder(forms, step)
+    if remainder is None or not np.isfinite(forces):
+        return a_priori
+    values, rounding = remainder
+    power = float(rounding[0, 0] - values[0, 0]) + _largest_remainder(
+        forms, values, rounding, forces
+    )
+    return min(step.scale * max(power, 0.0), a_priori) if np.isfinite(power) else a_priori
 
 
-def _unaccounted(forms: MomentForms, step: MomentStep) -> tuple[Array, Array] | None:
-    """R, less P at 1, and its rounding; None where the multipliers do not fit.
+def _remainder(forms: MomentForms, step: MomentStep) -> tuple[Array, Array] | None:
+    """R without P at 1, and its rounding; None if the multipliers do not fit.
 
-    It is minus w.b and all products with their multipliers.
+    R is minus w.b minus all products with their multipliers.
     """
     given, place = step.multipliers, monomials(forms)
     rows = law_products(forms, place)
@@ -93,13 +99,13 @@ def _unaccounted(forms: MomentForms, step: MomentStep) -> tuple[Array, Array] | 
         given.equal.shape == (rows.equal.count,)
         and given.positive.shape == (rows.positive.count,)
         and given.cones.shape == (rows.cones.count,)
-        and [one.shape for one in given.squares] == [(len(v), len(v)) for v in squares]
+        and [square.shape for square in given.squares] == [(len(v), len(v)) for v in squares]
     )
-    if not fits or not all(np.isfinite(one).all() for one in (
+    if not fits or not all(np.isfinite(values).all() for values in (
         given.equal, given.positive, given.cones, *given.squares)):  # fmt: skip
         return None
     size = forms.rows.shape[0]
-    # a multiplier that is negative by rounding is no multiplier; the rest pays for it
+    # negative multipliers, by rounding, are set to 0; the remainder grows by the difference
     cones = given.cones.reshape(-1, 1 + forms.law.directions).copy()
     cones[:, 0] = np.maximum(cones[:, 0], np.linalg.norm(cones[:, 1:], axis=1) * (1 + ROUNDING))
     parts = [
@@ -109,31 +115,31 @@ def _unaccounted(forms: MomentForms, step: MomentStep) -> tuple[Array, Array] | 
     ]
     for forms_of, matrix in zip(squares, given.squares, strict=True):
         places = (np.repeat(forms_of, len(forms_of)), np.tile(forms_of, len(forms_of)))
-        parts.append(csr_array((_positive(matrix).ravel(), places), shape=(size, size)))
+        parts.append(csr_array((_nearest_positive(matrix).ravel(), places), shape=(size, size)))
     left, over = forms.rows, abs(forms.rows)
-    total = sum((left.T @ one @ left).toarray() for one in parts)
-    sizes = sum((over.T @ abs(one) @ over).toarray() for one in parts)
+    total = sum((left.T @ part @ left).toarray() for part in parts)
+    sizes = sum((over.T @ abs(part) @ over).toarray() for part in parts)
     total[0, forms.motion] += forms.law.load
     rest: Array = -(total + total.T) / 2
     rounding: Array = ROUNDING * (sizes + sizes.T + 1.0)
     return rest, rounding
 
 
-def _positive(matrix: Array) -> Array:
-    """A positive semidefinite matrix near a symmetric one: M M^T, so that it is one exactly."""
+def _nearest_positive(matrix: Array) -> Array:
+    """A positive semidefinite matrix near a symmetric matrix, as a product M M^T."""
     values, vectors = np.linalg.eigh((matrix + matrix.T) / 2)
     root = vectors * np.sqrt(np.maximum(values, 0.0))
     nearest: Array = root @ root.T
     return nearest
 
 
-def _largest(forms: MomentForms, rest: Array, rounding: Array, forces: float) -> float:
-    """The largest |z.R z| of a motion that obeys the law, but for R at 1 alone."""
+def _largest_remainder(forms: MomentForms, rest: Array, rounding: Array, forces: float) -> float:
+    """Upper bound of |z.R z| over motions that obey the law, without R at 1."""
     law, size = forms.law, np.abs(rest) + rounding
     moves = np.concatenate([forms.motion, forms.slip])
     fastest = float(np.sqrt(1.0 + np.linalg.norm(law.tangent.toarray(), 2) ** 2))  # of |(b, s)|
     pushes = np.concatenate([forms.fn, forms.ft.ravel()])
-    shares = _shares(forms)
+    shares = _force_shares(forms)
     motions = float(np.linalg.norm(rest[np.ix_(moves, moves)], 2))
     motions += float(np.linalg.norm(rounding[np.ix_(moves, moves)]))
     between = shares.T @ size[np.ix_(pushes, pushes)] @ shares
@@ -149,8 +155,8 @@ def _largest(forms: MomentForms, rest: Array, rounding: Array, forces: float) ->
     return sum(parts) * (1.0 + ROUNDING)
 
 
-def _shares(forms: MomentForms) -> Array:
-    """Of each force, what of each normal force bounds its size, shape (K + G T, K).
+def _force_shares(forms: MomentForms) -> Array:
+    """Weights of the normal forces that bound the absolute value of each force, (K + G T, K).
 
     |fn_k| <= fn_k and |ft_g| <= mu (sum of fn_k of the group).
     """
