@@ -1,4 +1,4 @@
-"""Linear forms of the contact law, whose products a moment relaxation is made of.
+"""Linear forms of the contact law, the factors of the products in a moment relaxation.
 
 The law of `kilter.friction.reduced_law` at a scale e of motions, b = a / e and s = |ut| / e, in
 
@@ -8,10 +8,10 @@ The forms, each a row over z, are 1, the coordinates of z themselves, and
 
     un = Jn b,   ut = Jt b,   mu N,   d = e b - w - Jn^T fn - Jt^T ft
 
-of which d is 0. A product of two forms is linear in the monomials z_i z_j. Only those within a
-*clique* are thought of: the motion of one body with all forces on it; the motions of the
-bodies of a patch with its forces and speeds. A *body* is a block of freedoms that no joint
-couples to others: of one part, or of all where there are joints.
+with d = 0. A product of two forms is linear in the monomials z_i z_j. Only monomials within a
+*clique* are used: the motion of a body with all forces on it; the motions of the bodies of a patch
+with its forces and speeds. A *body* is a block of freedoms that no joint couples to others: those
+of a part, or all freedoms if there are joints.
 """
 
 from __future__ import annotations
@@ -36,21 +36,23 @@ class MomentForms:
     ----------
     law : ReducedLaw
     scale : float
-        E.
+        e.
     rows : csr_array, shape (., 1 + n + K + G T + G)
-        The forms; below are the numbers of their rows.
+        The forms; the other members are indices of its rows.
     one : int
+        Row of the form 1.
     motion, fn, un, total, slip, zero : ndarray of int
-        B, shape (n,); fn and un, (K,); mu N and s, (G,); d, (n,).
+        Rows of b, shape (n,); fn and un, (K,); mu N and s, (G,); d, (n,).
     ft, ut : ndarray of int, shape (G, T)
+        Rows of ft and ut.
     push : ndarray of int, shape (P, n)
-        Of each patch, Jn^T fn + Jt^T ft of its points alone.
+        Rows of Jn^T fn + Jt^T ft of the points of each patch.
     patch : ndarray of int, shape (K,)
-        Of each point; those without friction have one of their own.
+        Patch of each point; a point without friction has its own patch.
     bodies : tuple of ndarray of int
         Freedoms of each body.
     touching : ndarray of bool, shape (P, bodies)
-        Which bodies a patch moves.
+        True if a patch acts on a body.
     """
 
     law: ReducedLaw
@@ -72,39 +74,39 @@ class MomentForms:
 
     @property
     def width(self) -> int:
-        """Coordinates of z, which are the first forms."""
+        """Number of coordinates of z, which are the first forms."""
         return int(self.rows.shape[1])
 
     def forces_of(self, patch: int) -> Index:
         """Coordinates of the forces of a patch."""
-        own = self.law.patch == patch
-        return np.concatenate([self.fn[self.patch == patch], self.ft[own].ravel()])
+        groups = self.law.patch == patch
+        return np.concatenate([self.fn[self.patch == patch], self.ft[groups].ravel()])
 
     def cliques(self) -> list[Index]:
-        """Coordinates of z whose products are thought of, a list a clique."""
-        found = []
+        """Coordinates of z in each clique; products within a clique are used."""
+        cliques = []
         for body, freedoms in enumerate(self.bodies):
-            near = [self.forces_of(int(k)) for k in np.flatnonzero(self.touching[:, body])]
-            found.append(np.concatenate([[self.one], self.motion[freedoms], *near]))
+            forces = [self.forces_of(int(k)) for k in np.flatnonzero(self.touching[:, body])]
+            cliques.append(np.concatenate([[self.one], self.motion[freedoms], *forces]))
         for patch in range(len(self.touching)):
             slips = self.slip[self.law.patch == patch]
-            found.append(np.concatenate([self.pair_of(patch), self.forces_of(patch), slips]))
-        return [one.astype(np.int64) for one in found]
+            cliques.append(np.concatenate([self.pair_of(patch), self.forces_of(patch), slips]))
+        return [clique.astype(np.int64) for clique in cliques]
 
     def pair_of(self, patch: int) -> Index:
-        """1 and the motions of the bodies of a patch."""
+        """Coordinates of 1 and of the motions of the bodies of a patch."""
         moved = [self.motion[self.bodies[k]] for k in np.flatnonzero(self.touching[patch])]
         return np.concatenate([[self.one], *moved]).astype(np.int64)
 
     def pushes_on(self, body: int) -> Index:
-        """1, the motion of a body, and the pushes of all its patches but one on it.
+        """Forms 1, the motion of a body, and the pushes of all its patches except the last.
 
         The last push follows from the others and the motion.
         """
         patches = np.flatnonzero(self.touching[:, body])[:-1]
-        own = self.bodies[body]
-        pushes = [self.push[patch][own] for patch in patches]
-        return np.concatenate([[self.one], self.motion[own], *pushes]).astype(np.int64)
+        freedoms = self.bodies[body]
+        pushes = [self.push[patch][freedoms] for patch in patches]
+        return np.concatenate([[self.one], self.motion[freedoms], *pushes]).astype(np.int64)
 
 
 def moment_forms(law: ReducedLaw, scale: float) -> MomentForms:
@@ -116,20 +118,20 @@ def moment_forms(law: ReducedLaw, scale: float) -> MomentForms:
     width = int(ends[-1])
     unit = eye_array(width, format="csr")
     forces = csr_array(vstack([law.normal, law.tangent]))
-    patch, patches = _patches(law)
+    patch, patches = _point_patches(law)
     rough = np.flatnonzero(law.group >= 0)
     weights = (law.mu[law.group[rough]], (law.group[rough], fn[rough]))
     load = csr_array(law.load[:, None])
     dynamics = hstack([-load, scale * eye_array(count), -forces.T, csr_array((count, groups))])
-    # the same rows, of the forces of one patch
+    # the rows of the dynamics, with the forces of a single patch
     owner = np.concatenate([patch, np.repeat(law.patch, law.directions)])
-    pushes = [_spread(forces.T.multiply(owner == k), 1 + count, width) for k in range(patches)]
-    speeds = [_spread(one_of, 1, width) for one_of in (law.normal, law.tangent)]
+    pushes = [_padded(forces.T.multiply(owner == k), 1 + count, width) for k in range(patches)]
+    speeds = [_padded(block, 1, width) for block in (law.normal, law.tangent)]
     blocks = [unit, *speeds, csr_array(weights, shape=(groups, width)), dynamics, *pushes]
-    at = starts([one_of.shape[0] for one_of in blocks])
+    at = starts([block.shape[0] for block in blocks])
     un, ut, total, zero = (np.arange(at[k], at[k + 1]) for k in range(1, 5))
     bodies = _bodies(law)
-    touching = _touching(forces, owner, bodies, patches)
+    touching = _pushed_bodies(forces, owner, bodies, patches)
     return MomentForms(
         law, scale, csr_array(vstack(blocks, format="csr")), int(one[0]), motion, fn, un, total,
         slip, zero, ft.reshape(groups, law.directions), ut.reshape(groups, law.directions),
@@ -138,38 +140,40 @@ def moment_forms(law: ReducedLaw, scale: float) -> MomentForms:
 
 
 def width_of(law: ReducedLaw) -> int:
-    """How many coordinates z has."""
+    """Number of coordinates of z."""
     return 1 + len(law.load) + len(law.group) + (law.directions + 1) * len(law.mu)
 
 
 def bodies_of(law: ReducedLaw) -> int:
-    """How many bodies a law has."""
+    """Number of bodies of a law."""
     return len(_bodies(law))
 
 
-def _touching(forces: csr_array, owner: Index, bodies: tuple[Index, ...], patches: int) -> Mask:
-    """Which patch pushes which body, shape (patches, bodies)."""
+def _pushed_bodies(
+    forces: csr_array, owner: Index, bodies: tuple[Index, ...], patches: int
+) -> Mask:
+    """Mask of the bodies that each patch pushes, shape (patches, bodies)."""
     entries = forces.tocoo()
     pushed = np.zeros((patches, forces.shape[1]), dtype=np.int64)
     pushed[owner[entries.coords[0]], entries.coords[1]] = 1
-    own = np.zeros((forces.shape[1], len(bodies)), dtype=np.int64)
+    membership = np.zeros((forces.shape[1], len(bodies)), dtype=np.int64)
     for number, columns in enumerate(bodies):
-        own[columns, number] = 1
-    found: Mask = (pushed @ own) > 0
-    return found
+        membership[columns, number] = 1
+    touching: Mask = (pushed @ membership) > 0
+    return touching
 
 
-def _spread(rows: csr_array, before: int, width: int) -> csr_array:
-    """Rows with columns of zeros before and behind."""
+def _padded(rows: csr_array, before: int, width: int) -> csr_array:
+    """Rows with columns of zeros before and after."""
     entries = csr_array(rows)
-    entries.eliminate_zeros()  # products of forms multiply what is stored
+    entries.eliminate_zeros()  # stored zeros would multiply in products of forms
     entries = entries.tocoo()
     places = (entries.coords[0], entries.coords[1] + before)
     return csr_array((entries.data, places), shape=(rows.shape[0], width))
 
 
-def _patches(law: ReducedLaw) -> tuple[Index, int]:
-    """The patch of each point, one of its own where it has no friction; how many there are."""
+def _point_patches(law: ReducedLaw) -> tuple[Index, int]:
+    """Patch of each point, an own patch without friction, and the number of patches."""
     count = int(law.patch.max(initial=-1)) + 1
     smooth = law.group < 0
     patch = np.empty(len(law.group), dtype=np.int64)
@@ -179,7 +183,7 @@ def _patches(law: ReducedLaw) -> tuple[Index, int]:
 
 
 def _bodies(law: ReducedLaw) -> tuple[Index, ...]:
-    """The freedoms of each part, or all in one body where joints couple them."""
+    """Freedoms of each part, or a single body of all freedoms if joints couple them."""
     count, per = len(law.load), len(law.law.program.freedoms)
     if law.law.tied.any() or count % per:
         return (np.arange(count),)

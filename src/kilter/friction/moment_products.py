@@ -1,16 +1,16 @@
-"""Products of linear forms that the contact law makes 0, not negative, or one of a cone.
+"""Products of linear forms that the contact law makes zero, nonnegative, or elements of a cone.
 
-Every motion that obeys the law (`kilter.friction.reduced_law`, forms in `kilter.friction.
-moment_forms`) satisfies, with m = mu N:
+Every motion that obeys the law (`kilter.friction.reduced_law`, forms in
+`kilter.friction.moment_forms`) satisfies, with m = mu N:
 
-    fn un = 0,   un ft = 0 where a group is one point,   ft.ut + m s = 0,   s ft + m ut = 0
+    fn un = 0,   un ft = 0 if the group is a single point,   ft.ut + m s = 0,   s ft + m ut = 0
     s s = |ut|^2,   ft x ut = 0,   d z = 0 for every coordinate z
     m m >= |ft|^2,   |b|^2 <= 1
     r r' >= 0,   r (m, ft) and r (s, ut) in the cone t >= |v|,     r any of 1, fn, un and s
 
-since a product of two numbers that are not negative is none, and a cone is one still when its
-vector is multiplied by such a number. A *row* is a sum of weighted products; z enters by z z^T
-alone, so that each row is linear in the monomials z_i z_j.
+since a product of two nonnegative numbers is nonnegative, and an element of a cone stays in it when
+multiplied by a nonnegative number. A *row* is a sum of weighted products. It depends on z only
+through z z^T, so it is linear in the monomials z_i z_j.
 """
 
 from __future__ import annotations
@@ -34,9 +34,11 @@ class ProductRows:
     Attributes
     ----------
     count : int
-        Rows.
+        Number of rows.
     row, left, right : ndarray of int
+        Row of each term, and its two forms.
     weight : ndarray
+        Weight of each term.
     """
 
     count: int
@@ -46,22 +48,25 @@ class ProductRows:
     weight: Array
 
     def weighted(self, multipliers: Array, size: int) -> csr_array:
-        """The matrix V, of so many forms, for which form.V form is the sum of weighted rows."""
+        """The matrix V such that form.V form is the sum of the rows times their multipliers.
+
+        `size` is the number of forms.
+        """
         places = (self.left, self.right)
         return csr_array((self.weight * multipliers[self.row], places), shape=(size, size))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Products:
-    """The rows of a law: those that are 0, not negative, and in turn of cones (t, v)."""
+    """The rows of a law: zero, nonnegative, and consecutive cones (t, v)."""
 
     equal: ProductRows
     positive: ProductRows
     cones: ProductRows
 
 
-class _Rows:
-    """Rows as they are added, `wide` at a time."""
+class _RowBuilder:
+    """Collects rows of products, in groups of `wide` rows that stay together."""
 
     def __init__(self, wide: int = 1) -> None:
         self._wide = wide
@@ -69,14 +74,14 @@ class _Rows:
         self._count = 0
 
     def add(self, left: ArrayLike, right: ArrayLike, weight: ArrayLike = 1.0) -> None:
-        """One row a line of terms; shapes (rows, terms), broadcast."""
+        """Add rows; arguments are broadcast to the shape (rows, terms)."""
         left, right, weight = np.broadcast_arrays(left, right, weight)
         row = np.repeat(self._count + np.arange(len(left)), left.shape[1])
         self._parts.append((row, left.ravel(), right.ravel(), weight.ravel().astype(float)))
         self._count += len(left)
 
     def within(self, forms: MomentForms, place: Index) -> ProductRows:
-        """The rows whose products have monomials that are thought of."""
+        """The collected rows whose monomials are all available."""
         row, left, right, weight = (
             np.concatenate(parts) for parts in zip(*self._parts, strict=True)
         )
@@ -84,14 +89,14 @@ class _Rows:
         missing = np.zeros(self._count, dtype=bool)
         missing[row[term[columns < 0]]] = True
         missing = np.repeat(missing.reshape(-1, self._wide).any(axis=1), self._wide)
-        keep, number = ~missing[row], np.cumsum(~missing) - 1
+        kept, number = ~missing[row], np.cumsum(~missing) - 1
         return ProductRows(
-            int((~missing).sum()), number[row[keep]], left[keep], right[keep], weight[keep]
+            int((~missing).sum()), number[row[kept]], left[kept], right[kept], weight[kept]
         )
 
 
 def monomials(forms: MomentForms) -> Index:
-    """The number of each monomial z_i z_j of the cliques, symmetric; -1 of others."""
+    """Number of each monomial z_i z_j within a clique, a symmetric matrix; -1 for the others."""
     place = np.full((forms.width, forms.width), -1, dtype=np.int64)
     for clique in forms.cliques():
         place[np.ix_(clique, clique)] = 0
@@ -111,40 +116,40 @@ def over_monomials(forms: MomentForms, rows: ProductRows, place: Index) -> csr_a
 def _entries(
     forms: MomentForms, left: Index, right: Index, place: Index
 ) -> tuple[Index, Index, Array]:
-    """Of products of forms: the term, the monomial and the value of each entry."""
+    """Term, monomial and value of each entry of the products of forms."""
     rows = forms.rows
     length = np.diff(rows.indptr)
-    second = length[right]
-    count = length[left] * second
+    second_length = length[right]
+    count = length[left] * second_length
     term = np.repeat(np.arange(len(left)), count)
-    within = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count)
-    one = rows.indptr[left[term]] + within // second[term]
-    other = rows.indptr[right[term]] + within % second[term]
-    columns = place[rows.indices[one], rows.indices[other]]
-    return term, columns, rows.data[one] * rows.data[other]
+    offset = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count)
+    first_entry = rows.indptr[left[term]] + offset // second_length[term]
+    second_entry = rows.indptr[right[term]] + offset % second_length[term]
+    columns = place[rows.indices[first_entry], rows.indices[second_entry]]
+    return term, columns, rows.data[first_entry] * rows.data[second_entry]
 
 
 def law_products(forms: MomentForms, place: Index) -> Products:
-    """All rows of a law whose monomials are thought of."""
+    """All rows of a law whose monomials are available."""
     return Products(
-        _zeros(forms).within(forms, place),
-        _signs(forms).within(forms, place),
-        _cones(forms).within(forms, place),
+        _zero_rows(forms).within(forms, place),
+        _nonnegative_rows(forms).within(forms, place),
+        _cone_rows(forms).within(forms, place),
     )
 
 
-def _zeros(forms: MomentForms) -> _Rows:
-    """Products that are 0, or sums of products."""
-    law, rows = forms.law, _Rows()
+def _zero_rows(forms: MomentForms) -> _RowBuilder:
+    """Products, or sums of products, that are zero."""
+    law, rows = forms.law, _RowBuilder()
     ft, ut, total, slip = forms.ft, forms.ut, forms.total[:, None], forms.slip[:, None]
     rows.add(forms.fn[:, None], forms.un[:, None])
-    alone = _alone(forms)
+    single = _single_points(forms)
     for k in range(law.directions):
-        rows.add(ft[law.group[alone], k][:, None], forms.un[alone][:, None])
+        rows.add(ft[law.group[single], k][:, None], forms.un[single][:, None])
         rows.add(np.hstack([slip, total]), np.column_stack([ft[:, k], ut[:, k]]))
     rows.add(np.hstack([ft, total]), np.hstack([ut, slip]))
-    minus = np.concatenate([[1.0], -np.ones(law.directions)])
-    rows.add(np.hstack([slip, ut]), np.hstack([slip, ut]), minus)
+    signs = np.concatenate([[1.0], -np.ones(law.directions)])
+    rows.add(np.hstack([slip, ut]), np.hstack([slip, ut]), signs)
     if law.directions == 2:
         rows.add(ft, ut[:, ::-1], [1.0, -1.0])
     rows.add(np.repeat(forms.zero, forms.width)[:, None],
@@ -152,48 +157,53 @@ def _zeros(forms: MomentForms) -> _Rows:
     return rows
 
 
-def _signs(forms: MomentForms) -> _Rows:
+def _nonnegative_rows(forms: MomentForms) -> _RowBuilder:
     """Products that are not negative."""
-    rows, one, count = _Rows(), forms.one, len(forms.motion)
+    rows, one, count = _RowBuilder(), forms.one, len(forms.motion)
     total, ft = forms.total[:, None], forms.ft
-    minus = np.concatenate([[1.0], -np.ones(forms.law.directions)])
-    rows.add(np.hstack([total, ft]), np.hstack([total, ft]), minus)
+    signs = np.concatenate([[1.0], -np.ones(forms.law.directions)])
+    rows.add(np.hstack([total, ft]), np.hstack([total, ft]), signs)
     ball = np.concatenate([[one], forms.motion])[None]
     rows.add(ball, ball, np.concatenate([[1.0], -np.ones(count)]))
     rays = np.concatenate([forms.fn, forms.un])
     rows.add(np.full((len(rays), 1), one), rays[:, None])
     first, second = np.triu_indices(len(rays))
-    other = first + len(forms.fn) != second  # fn un is 0
-    rows.add(rays[first[other]][:, None], rays[second[other]][:, None])
+    nonzero = first + len(forms.fn) != second  # fn un is 0
+    rows.add(rays[first[nonzero]][:, None], rays[second[nonzero]][:, None])
     return rows
 
 
-def _cones(forms: MomentForms) -> _Rows:
-    """Vectors of cones, multiplied by what is not negative."""
-    law, rows = forms.law, _Rows(1 + forms.law.directions)
-    push = np.column_stack([forms.total, forms.ft])
-    slide = np.column_stack([forms.slip, forms.ut])
-    alone = np.full(len(law.group), -1)
-    alone[_alone(forms)] = law.group[_alone(forms)]
+def _cone_rows(forms: MomentForms) -> _RowBuilder:
+    """Vectors of cones, multiplied by nonnegative forms."""
+    law, rows = forms.law, _RowBuilder(1 + forms.law.directions)
+    force_cone = np.column_stack([forms.total, forms.ft])
+    speed_cone = np.column_stack([forms.slip, forms.ut])
+    single_group = np.full(len(law.group), -1)
+    single_group[_single_points(forms)] = law.group[_single_points(forms)]
     groups = np.arange(len(law.mu))
-    none = np.full(1, -1)
-    for cone, left_out in (
-        (push, [none, np.full(len(forms.fn), -1), alone, np.full(len(groups), -1)]),
-        (slide, [none, np.full(len(forms.fn), -1), np.full(len(forms.un), -1), groups]),
+    no_group = np.full(1, -1)
+    for cone, excluded_groups in (
+        (
+            force_cone,
+            [no_group, np.full(len(forms.fn), -1), single_group, np.full(len(groups), -1)],
+        ),
+        (speed_cone, [no_group, np.full(len(forms.fn), -1), np.full(len(forms.un), -1), groups]),
     ):
         rays = np.concatenate([[forms.one], forms.fn, forms.un, forms.slip])
-        own = np.concatenate(left_out)  # the cone with which a ray makes an equation above
-        ray, group = (one.ravel() for one in np.meshgrid(
+        excluded = np.concatenate(
+            excluded_groups
+        )  # the cone with which a ray forms an equation among the zero rows
+        ray, group = (grid.ravel() for grid in np.meshgrid(
             np.arange(len(rays)), groups, indexing="ij"))  # fmt: skip
-        kept = own[ray] != group
+        kept = excluded[ray] != group
         ray, group = ray[kept], group[kept]
         rows.add(np.repeat(rays[ray], cone.shape[1])[:, None], cone[group].ravel()[:, None])
     return rows
 
 
-def _alone(forms: MomentForms) -> Index:
-    """Points that are the only one of their group."""
+def _single_points(forms: MomentForms) -> Index:
+    """Points that are the only member of their group."""
     group = forms.law.group
     members = np.append(np.bincount(group[group >= 0], minlength=len(forms.law.mu)), 0)
-    found: Index = np.flatnonzero(members[group] == 1)
-    return found
+    single: Index = np.flatnonzero(members[group] == 1)
+    return single

@@ -1,22 +1,22 @@
-"""The moment relaxation of the contact law: bounds of the power without any case.
+"""The moment relaxation of the contact law: bounds of the power without cases.
 
     max E[w.b]:   E[each product of the law] = 0, >= 0, or in its cone,   E[v v^T] >= 0
 
-over all moments E[z_i z_j]: every motion that obeys the law is a point of it, so that its
-optimum bounds the power of them all; the multipliers are judged apart
-(`kilter.friction.moment_bound`). The smaller the motions are known to be, the finer the bound:
-with |a|^2 <= w.a it is repeated at a smaller scale until nothing is left, or it stalls. Matrices
-of products are first small; where that does not do, larger.
+over all moments E[z_i z_j]. Every motion that obeys the law is a feasible point, so the optimum
+bounds the power of all motions; the multipliers are verified separately
+(`kilter.friction.moment_bound`). The tighter the known bound of the motions, the tighter the
+result: with |a|^2 <= w.a it is repeated at a smaller scale until no power is left, or it stalls.
+The product matrices are small at first, and larger if that does not suffice.
 
-One body, or two, on others that are held need only the motions of pairs; a stack needs what is
-pushed through it as well. An arch in space is never closed: its relaxed motions pivot every
-voussoir on another corner, and the bound that is left is worth saying.
+A body, or two, on held parts need only the motions of pairs; a stack also needs the pushes
+transmitted through it. An arch in space is never closed: its relaxed motions pivot every voussoir
+on another corner. The remaining bound is still worth reporting.
 
 References
 ----------
-J. B. Lasserre, Global optimization with polynomials and the problem of moments, SIAM J. Optim.
-11, 2001. C. Jansson, D. Chaykin, C. Keil, Rigorous error bounds for the optimal value in
-semidefinite programming, SIAM J. Numer. Anal. 46, 2007.
+J. B. Lasserre, Global optimization with polynomials and the problem of moments, SIAM J. Optim. 11,
+2001. C. Jansson, D. Chaykin, C. Keil, Rigorous error bounds for the optimal value in semidefinite
+programming, SIAM J. Numer. Anal. 46, 2007.
 """
 
 from __future__ import annotations
@@ -38,31 +38,31 @@ from kilter.work import SEMIDEFINITE_ENTRY, Work
 __all__ = ["MomentProof", "moment_program", "moment_proof"]
 
 DEAR: dict[Squares, float] = {"pairs": 1.0, "pushes": 1.0, "cliques": 6.0}
-"""What an entry costs: large matrices are factorised as well."""
+"""Relative cost of an entry: large matrices are also factorised."""
 USUAL_STEPS = 20
-"""Steps of an interior point, to tell beforehand whether it can be paid."""
+"""Number of interior-point steps assumed to predict the cost."""
 HOPEFUL = 1e-3
-"""A power below this fraction of the square of the scale is worth another step of its kind."""
+"""A power below this fraction of the squared scale justifies another step of the same kind."""
 NEARLY = 1e-6
-"""A power below which what is left is a matter of cases, not of larger matrices."""
+"""Power below which cases are more promising than larger matrices."""
 SMALLEST = 0.01
-"""The scale falls by no more than this in one step: far below, fewer digits are left."""
+"""Least ratio of successive scales: at a far smaller scale, fewer digits are left."""
 STEPS = 8
-"""Steps at most."""
+"""Maximum number of steps."""
 MOST_FORMS = 700
-"""Coordinates of z above which matrices over all of them are too large."""
+"""Number of coordinates of z above which matrices over all of them are too large."""
 MOST_ENTRIES = 20_000_000
-"""Entries of the matrices of products above which they are not formed: memory."""
+"""Number of entries of the product matrices above which they are not formed, because of memory."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MomentProof:
-    """A chain of steps, each at the scale that the last leaves.
+    """A chain of steps, each at the scale that the previous step leaves.
 
     Attributes
     ----------
     power : float
-        What is left, w.a over |w|^2.
+        Remaining power w.a over |w|^2.
     steps : tuple of MomentStep
     """
 
@@ -71,39 +71,41 @@ class MomentProof:
 
 
 def moment_proof(law: ReducedLaw, opening: Array, tolerance: float, *, work: Work) -> MomentProof:
-    """Bound the power of all motions until it is below a tolerance, or nothing helps.
+    """Bound the power of all motions until it is below a tolerance, or no progress is made.
 
     Parameters
     ----------
     law : ReducedLaw
     opening : ndarray, shape (n,)
-        A motion that bounds the forces (`kilter.friction.force_bound.opening_motion`).
+        A motion that bounds the forces (`kilter.friction.opening_motion.opening_motion`).
     tolerance : float
-        Power that counts as none.
+        Power that counts as zero.
     work : Work
     """
-    forces, left = force_bound(law, opening), 1.0
+    forces, least_power = force_bound(law, opening), 1.0
     steps: list[MomentStep] = []
-    # pairs of three bodies and more leave too much
-    rung, scale = int(bodies_of(law) > 2), 1.0
+    # with three or more bodies, pairs leave too much power
+    size, scale = int(bodies_of(law) > 2), 1.0
     if not np.isfinite(forces) or width_of(law) > MOST_FORMS:
-        return MomentProof(left, ())
+        return MomentProof(least_power, ())
     for _ in range(STEPS):
-        if left <= tolerance or rung == len(SQUARES) or work.over:
+        if least_power <= tolerance or size == len(SQUARES) or work.over:
             break
-        step = _step(law, scale, SQUARES[rung], work)
+        step = _solve_step(law, scale, SQUARES[size], work)
         power = scale**2 if step is None else power_left(law, step, forces)
-        if step is not None and power < left:
-            steps, left = [*steps, step], power
-        work.tell(f"motions with more than {left:.1e} of the power of free fall are excluded")
+        if step is not None and power < least_power:
+            steps, least_power = [*steps, step], power
+        work.tell(
+            f"motions with more than {least_power:.1e} of the power of free fall are excluded"
+        )
         if power > HOPEFUL * scale**2:
-            rung = len(SQUARES) if left < NEARLY else rung + 1
-        scale = max(float(np.sqrt(left)), SMALLEST * scale)
-    return MomentProof(left, tuple(steps))
+            size = len(SQUARES) if least_power < NEARLY else size + 1
+        scale = max(float(np.sqrt(least_power)), SMALLEST * scale)
+    return MomentProof(least_power, tuple(steps))
 
 
-def _step(law: ReducedLaw, scale: float, squares: Squares, work: Work) -> MomentStep | None:
-    """One semidefinite program; None where it cannot be paid, or its solver breaks down."""
+def _solve_step(law: ReducedLaw, scale: float, squares: Squares, work: Work) -> MomentStep | None:
+    """A step by a semidefinite program; None if it is too expensive or the solver fails."""
     forms = moment_forms(law, scale)
     if _entries_of(forms, squares) > MOST_ENTRIES:
         return None
@@ -115,9 +117,9 @@ def _step(law: ReducedLaw, scale: float, squares: Squares, work: Work) -> Moment
 
 
 def _entries_of(forms: MomentForms, squares: Squares) -> int:
-    """Entries of the matrices of products, before they are formed, at most."""
+    """Upper bound of the number of entries of the product matrices, before they are formed."""
     length = np.diff(forms.rows.indptr)
-    return sum(int(length[one].sum()) ** 2 for one in squares_of(forms, squares)) // 2
+    return sum(int(length[square].sum()) ** 2 for square in squares_of(forms, squares)) // 2
 
 
 def moment_program(forms: MomentForms, squares: Squares) -> SemidefiniteProgram:
@@ -132,12 +134,12 @@ def moment_program(forms: MomentForms, squares: Squares) -> SemidefiniteProgram:
         over_monomials(forms, rows.positive, place),
         over_monomials(forms, rows.cones, place),
         1 + forms.law.directions,
-        tuple(over_monomials(forms, _triangle(v), place) for v in squares_of(forms, squares)),
+        tuple(over_monomials(forms, _triangle_rows(v), place) for v in squares_of(forms, squares)),
     )
 
 
-def _triangle(forms: Index) -> ProductRows:
-    """The upper triangle of the products of some forms, column by column."""
+def _triangle_rows(forms: Index) -> ProductRows:
+    """Upper triangle of the products of the given forms, column by column."""
     column, row = np.tril_indices(len(forms))
     weight = np.where(row == column, 1.0, np.sqrt(2.0))
     return ProductRows(len(row), np.arange(len(row)), forms[row], forms[column], weight)

@@ -1,33 +1,31 @@
-"""A motion that obeys Coulomb's law exactly, though forces of equilibrium may exist.
+"""Search for a motion that obeys Coulomb's law exactly, even if forces of equilibrium exist.
 
-With friction more than one solution of the contact law may exist: rest, and a motion. One such
-motion shows that forces of equilibrium alone do not hold the parts. Where no forces of
-equilibrium exist, the motion is the impending one, with friction. It is looked for
+With friction the contact law may have several solutions: rest, and a motion. A single such motion
+shows that forces of equilibrium alone do not hold the parts. If no forces of equilibrium exist, the
+motion is the impending motion, with friction. The search uses
 
-1. by De Saxce's iteration, below, from starts with some or all patches lubricated;
-2. from where the parts ran away when their weight was to seat them (`kilter.friction.seating`);
-3. by branch and bound over contact modes (`kilter.friction.mode_search`), which alone finds
-   solutions that repel the iteration.
+1. De Saxce's iteration, below, from starts with some or all patches lubricated; 2. the direction in
+which the parts ran away during seating (`kilter.friction.seating`); 3. branch and bound over
+contact modes (`kilter.friction.mode_search`), which alone finds solutions that repel the iteration.
 
-Candidates are made exact (`kilter.friction.polish`), those that may obey the law are told cheaply
-(`kilter.friction.near_law`), and of these a motion counts only if
-`kilter.mechanics.law_check.check_law` accepts it. That none is found proves nothing.
+Candidates are made exact (`kilter.friction.polish`). A cheap test selects those that may obey the
+law (`kilter.friction.near_law`), and of these a motion counts only if
+`kilter.mechanics.law_check.check_law` accepts it. A search without a result proves nothing.
 
-De Saxce's iteration. With s = mu |u_t| held fixed, accelerations x and forces f that obey the
-law (scaled as in `kilter.friction.law`, u = H x) are the optimum and the multipliers of
+De Saxce's iteration. With s = mu |u_t| held fixed, accelerations x and forces f that obey the law
+(scaled as in `kilter.friction.law`, u = H x) are the optimum and the multipliers of
 
     min 1/2 |x|^2 - w.x,     u_n + s >= mu |u_t|   a point with friction
                              u_n >= 0              a point without,  u_n = 0   a joint
 
-so that solutions of the law are the fixed points of s -> mu |H_t x(s)|. A *lubricated* point is
-one without friction for once, in a first step: it starts the iteration where parts slide that
-friction would hold.
+so that solutions of the law are the fixed points of s -> mu |H_t x(s)|. A *lubricated* point has no
+friction in the first step: the iteration then starts with parts sliding that friction would hold.
 
 References
 ----------
-G. De Saxce, Z.-Q. Feng, The bipotential method, Math. Comput. Modelling 28, 1998.
-V. Acary, F. Cadoux, C. Lemaréchal, J. Malick, A formulation of the linear discrete Coulomb
-friction problem via convex optimization, ZAMM 91, 2011, section 3.
+G. De Saxce, Z.-Q. Feng, The bipotential method, Math. Comput. Modelling 28, 1998. V. Acary, F.
+Cadoux, C. Lemaréchal, J. Malick, A formulation of the linear discrete Coulomb friction problem via
+convex optimization, ZAMM 91, 2011, section 3.
 """
 
 from __future__ import annotations
@@ -59,23 +57,24 @@ __all__ = ["CoulombMotion", "DeSaxcePrograms", "de_saxce_programs", "find_coulom
 Part = Literal["starts", "modes"]
 
 STARTS = 8
-"""Starts of De Saxce's iteration: free fall, all lubricated, none, the rest at random."""
+"""Number of starts of De Saxce's iteration: free fall, all lubricated, none, the rest at random."""
 ITERATIONS = 40
-"""Steps of one start."""
+"""Maximum number of iterations from each start."""
 FEW = 2
-"""Steps from a candidate of branch and bound."""
+"""Number of iterations from a candidate of branch and bound."""
 NODES = 300
-"""Nodes of branch and bound."""
+"""Maximum number of nodes of branch and bound."""
 MOST_POINTS = 150
-"""Contact points above which 300 nodes decide too little to be worth their time."""
+"""Number of contact points above which 300 nodes decide too few modes to be useful."""
 NEAR = 0.1
-"""Breach of the law, over its power, up to which the optimum of a relaxation is made exact as it
-is: of books, all motions are found after steps of De Saxce's iteration, and optima with a
-breach of 0.3 of their power and more lead to none."""
+"""Largest breach of the law, over the power, up to which the optimum of a relaxation is made exact
+directly. For books, all motions are found after steps of De Saxce's iteration, and optima with a
+breach above 0.3 of their power lead to none.
+"""
 BY_MODES = "contact modes"
-"""How a motion was found."""
+"""Name of the method of contact modes."""
 TRIES = (0, 1, 3, 10)
-"""Steps after which a candidate is made exact, besides the last."""
+"""Iterations after which a candidate is made exact, in addition to the last."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,13 +86,13 @@ class CoulombMotion:
     acceleration : ndarray, shape (N, 6)
         Linear [m/s^2], angular [rad/s^2].
     forces : ndarray, shape (K, 3)
-        On part b of each row, world frame [N].
+        Force on part b of each row, world frame [N].
     law : LawProof
-        It holds, unless the nearest was asked for too.
+        Check of the law; it holds unless the nearest motion was requested too.
     found : str
-        By what.
+        Name of the method.
     programs : int
-        Conic programs solved until then.
+        Number of conic programs solved until then.
     """
 
     acceleration: Array
@@ -104,12 +103,12 @@ class CoulombMotion:
 
     @property
     def exact(self) -> bool:
-        """Whether the law holds to 1e-9."""
+        """True if the law holds to 1e-9."""
         return self.law.holds and self.law.residual <= EXACTLY
 
 
 class _MotionSearch:
-    """What one search knows: the law, its work, the best motion so far."""
+    """State of a search: the law, its work, and the best motion so far."""
 
     def __init__(self, program: Program, work: Work, nearest: bool) -> None:
         self.program = program
@@ -123,11 +122,11 @@ class _MotionSearch:
 
     @property
     def over(self) -> bool:
-        """Whether there is nothing more to do."""
+        """True if the search is complete or its work is spent."""
         return (self.best is not None and self.best.exact) or self.work.over
 
     def solve(self, shift: Array, lubricated: Mask) -> TrialMotion | None:
-        """One step of De Saxce's iteration; None where the solver broke down."""
+        """A step of De Saxce's iteration; None if the solver fails."""
         from kilter.solvers.clarabel import solve_conic
 
         answer = solve_conic(
@@ -139,38 +138,38 @@ class _MotionSearch:
         return TrialMotion(answer.x, self.family.forces(answer.multipliers, lubricated))
 
     def shift(self, x: Array) -> Array:
-        """S = mu |u_t|, shape (K,)."""
+        """The shift s = mu |u_t|, shape (K,)."""
         u = (self.law.matrix @ x).reshape(-1, 3)
         shift: Array = self.law.mu * np.linalg.norm(u[:, 1:], axis=1)
         return shift
 
     def near(self, candidate: TrialMotion) -> bool:
-        """Whether the optimum of a relaxation is near enough to the law to be made exact."""
+        """True if the optimum of a relaxation is close enough to the law to be made exact."""
         self.work.weighed(len(candidate.forces))
         return breach(self.law, candidate.x, candidate.forces) <= NEAR * float(
             self.law.load @ candidate.x
         )
 
-    def offer(self, candidate: TrialMotion, found: str) -> None:
-        """Make a candidate exact, judge it, keep the best."""
-        seen = self.seen if found == BY_MODES else set()
-        for one in [candidate, *polished(self.law, candidate, seen, self.work)]:
-            self.work.weighed(len(one.forces))
-            if not self.nearest and not may_obey(self.law, one.x, one.forces):
+    def offer(self, candidate: TrialMotion, method: str) -> None:
+        """Make a candidate exact, check it, and keep the best."""
+        seen = self.seen if method == BY_MODES else set()
+        for motion in [candidate, *polished(self.law, candidate, seen, self.work)]:
+            self.work.weighed(len(motion.forces))
+            if not self.nearest and not may_obey(self.law, motion.x, motion.forces):
                 continue
-            acceleration, forces = self.law.acceleration(one.x), self.law.forces(one.forces)
+            acceleration, forces = self.law.acceleration(motion.x), self.law.forces(motion.forces)
             law = check_law(self.program, acceleration, forces)
             self.work.judged(len(forces))
             if law.power > WITNESS_POWER and (
                 self.best is None or _merit(law) < _merit(self.best.law)
             ):
-                self.best = CoulombMotion(acceleration, forces, law, found, self.programs)
+                self.best = CoulombMotion(acceleration, forces, law, method, self.programs)
             if self.over:
                 return
 
 
 def _merit(law: LawProof) -> tuple[bool, float]:
-    """Less is better."""
+    """Sort key of motions; less is better."""
     return not law.holds, law.residual / max(law.size, TINY)
 
 
@@ -184,31 +183,31 @@ def find_coulomb_motion(
     runaway: Array | None = None,
     only: Part | None = None,
 ) -> CoulombMotion | None:
-    """A motion that obeys the contact law, or None where none was found.
+    """A motion that obeys the contact law, or None if none was found.
 
     Parameters
     ----------
     program : Program
         Contacts with mu, no pyramids.
     work : Work or float
-        Or an effort (`kilter.work`).
+        Work limit, or an effort (`kilter.work`).
     seed : int
-        Of the patches that are lubricated.
+        Seed of the random choice of lubricated patches.
     nearest : bool
-        Also a motion that does not obey the law well enough to count, the nearest.
+        Also return the nearest motion that violates the law too much to count.
     runaway : ndarray, shape (N, 6), optional
-        Of `find_seating`, where that has been asked already.
+        Result of `find_seating`, if it is known.
     only : {"starts", "modes"}, optional
-        Only from starts of De Saxce's iteration, which take little; or only by contact modes.
+        Use only the starts of De Saxce's iteration, which are cheap, or only contact modes.
     """
     search = _MotionSearch(program, Work.of(work), nearest)
     if not len(search.law.load) or not search.law.strength:
         return None
     starts = _starts(search, np.random.default_rng(seed), runaway) if only != "modes" else ()
-    modes = _modes(search) if only != "starts" else ()
-    for found, candidate in chain(starts, modes):
+    modes = _mode_candidates(search) if only != "starts" else ()
+    for method, candidate in chain(starts, modes):
         if candidate is not None:
-            _iterate(search, candidate, found)
+            _iterate(search, candidate, method)
         if search.over:
             break
     best = search.best
@@ -221,10 +220,10 @@ def find_coulomb_motion(
 def _starts(
     search: _MotionSearch, rng: np.random.Generator, runaway: Array | None
 ) -> Iterator[tuple[str, TrialMotion | None]]:
-    """First candidates, with what to call them."""
-    law, say = search.law, search.work.stage
+    """First candidates, with the names of their methods."""
+    law, report_stage = search.law, search.work.stage
     zero, patches = np.zeros(len(law.mu)), int(law.patch.max(initial=-1)) + 1
-    say("looking for a motion: some contacts lubricated")
+    report_stage("looking for a motion: some contacts lubricated")
     yield "falling freely", TrialMotion(law.load, np.zeros((len(law.mu), 3)))
     yield "all contacts lubricated", search.solve(zero, np.ones(len(law.mu), dtype=bool))
     yield "cones without sliding", search.solve(zero, np.zeros(len(law.mu), dtype=bool))
@@ -234,7 +233,7 @@ def _starts(
             f"contacts lubricated at random, start {start}",
             search.solve(zero, slippery[law.patch]),
         )
-    say("looking for a motion: where the weight does not seat the parts")
+    report_stage("looking for a motion: where the weight does not seat the parts")
     if runaway is None:
         runaway = find_seating(search.program, starts=1, work=search.work).runaway
     if runaway is not None:
@@ -243,7 +242,7 @@ def _starts(
         yield "run-away from its seat", TrialMotion(x, np.zeros((len(law.mu), 3)))
 
 
-def _modes(search: _MotionSearch) -> Iterator[tuple[str, TrialMotion]]:
+def _mode_candidates(search: _MotionSearch) -> Iterator[tuple[str, TrialMotion]]:
     """Candidates by contact modes."""
     if search.over or len(search.law.mu) > MOST_POINTS:
         return
@@ -253,30 +252,30 @@ def _modes(search: _MotionSearch) -> Iterator[tuple[str, TrialMotion]]:
         yield BY_MODES, candidate
 
 
-def _iterate(search: _MotionSearch, candidate: TrialMotion, found: str) -> None:
+def _iterate(search: _MotionSearch, candidate: TrialMotion, method: str) -> None:
     """De Saxce's iteration from a first candidate."""
-    none = np.zeros(len(search.law.mu), dtype=bool)
+    no_lubrication = np.zeros(len(search.law.mu), dtype=bool)
     shift = search.shift(candidate.x)
-    for step in range(FEW if found == BY_MODES else ITERATIONS):
-        if (step == 0 and search.near(candidate)) if found == BY_MODES else (step in TRIES):
-            search.offer(candidate, found)
+    for step in range(FEW if method == BY_MODES else ITERATIONS):
+        if (step == 0 and search.near(candidate)) if method == BY_MODES else (step in TRIES):
+            search.offer(candidate, method)
         size = float(np.linalg.norm(candidate.x))
         if search.over or size < GONE:
             return
-        new = search.solve(shift, none)
+        new = search.solve(shift, no_lubrication)
         if new is None:
             return
-        candidate, last = new, shift
+        candidate, last_shift = new, shift
         shift = search.shift(candidate.x)
-        if float(np.abs(shift - last).max(initial=0.0)) < STEADY * size:
+        if float(np.abs(shift - last_shift).max(initial=0.0)) < STEADY * size:
             break
     if float(np.linalg.norm(candidate.x)) >= GONE:
-        search.offer(candidate, found)
+        search.offer(candidate, method)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DeSaxcePrograms:
-    """The family of programs of one contact law.
+    """The family of programs of a contact law.
 
     Attributes
     ----------
@@ -296,7 +295,7 @@ class DeSaxcePrograms:
     identity: csc_array
 
     def program(self, shift: Array, lubricated: Mask) -> ConicProgram:
-        """The program for s = `shift`, shape (K,), and the rows that are lubricated."""
+        """The program for s = `shift`, shape (K,), and a mask of the lubricated rows."""
         law, before = self.law, len(self.tied) + len(self.smooth)
         scale, bound = np.ones(self.lines.shape[0]), np.zeros(self.lines.shape[0])
         friction = np.where(lubricated, 0.0, law.mu)[self.rough]
@@ -316,14 +315,14 @@ class DeSaxcePrograms:
         )
 
     def forces(self, multipliers: Array, lubricated: Mask) -> Array:
-        """Scaled forces (n, u, v), shape (K, 3), of the program's multipliers."""
+        """Scaled forces (n, u, v), shape (K, 3), from the multipliers of the program."""
         forces = np.zeros((len(self.law.mu), 3))
         before = len(self.tied) + len(self.smooth)
         forces[self.tied, 0] = multipliers[: len(self.tied)]
         forces[self.smooth, 0] = multipliers[len(self.tied) : before]
-        own = multipliers[before:].reshape(-1, 3).copy()
-        own[:, 1:] *= np.where(lubricated, 0.0, self.law.mu)[self.rough][:, None]
-        forces[self.rough] = own
+        rough_forces = multipliers[before:].reshape(-1, 3).copy()
+        rough_forces[:, 1:] *= np.where(lubricated, 0.0, self.law.mu)[self.rough][:, None]
+        forces[self.rough] = rough_forces
         return forces
 
 

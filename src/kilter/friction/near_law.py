@@ -1,15 +1,16 @@
-"""How far a trial motion is from the law, in the scaled unknowns of the search, and cheaply.
+"""Cheap test of how far a trial motion is from the law, in the scaled unknowns of the search.
 
-A search makes thousands of candidates, and few are worth an exact judgement
-(`kilter.mechanics.law_check`), or being made exact (`kilter.friction.polish`). In the unknowns of
-`kilter.friction.law` all sizes are known already, so that the same six residuals cost a
-tenth: none that they dismiss would pass, and what passes is judged by `check_law` all the same.
+A search makes thousands of candidates, and few deserve an exact check
+(`kilter.mechanics.law_check`), or to be made exact (`kilter.friction.polish`). In the unknowns of
+`kilter.friction.law` all scales are known already, so the same six residuals cost a tenth. No
+motion that the test rejects would pass the exact check, and `check_law` checks every motion that it
+accepts.
 
-The *breach* is what a candidate gains by breaking the law,
+The *breach* is the gain of a candidate by violating the law,
 
     sum of f_n u_n + f_t.u_t + mu f_n |u_t|        0 for every motion that obeys it
 
-which the candidates of contact modes, optima of relaxations, have to be rid of.
+which polishing must remove from the candidates of contact modes, optima of relaxations.
 """
 
 from __future__ import annotations
@@ -23,11 +24,11 @@ from kilter.mechanics.mechanics_tolerances import STILL, WITNESS_EXACT, WITNESS_
 __all__ = ["breach", "may_obey"]
 
 ROUNDING = 2.0
-"""A residual may be by this factor above what a witness is allowed: for rounding."""
+"""Factor by which a residual may exceed the limit of a witness, for rounding."""
 
 
 def breach(law: CoulombLaw, x: Array, forces: Array) -> float:
-    """What a trial motion x, shape (n,), with forces (n, u, v), shape (K, 3), gains, |w|^2 = 1."""
+    """Gain of a trial motion x, shape (n,), with forces (n, u, v), shape (K, 3); |w|^2 = 1."""
     u = (law.matrix @ x).reshape(-1, 3)
     slip = np.linalg.norm(u[:, 1:], axis=1)
     gained = (forces * u).sum(axis=1) + law.mu * forces[:, 0] * slip
@@ -35,17 +36,17 @@ def breach(law: CoulombLaw, x: Array, forces: Array) -> float:
 
 
 def may_obey(law: CoulombLaw, x: Array, forces: Array) -> bool:
-    """Whether a trial motion has power, and obeys the law nearly as well as a witness must."""
+    """True if a trial motion has power, and obeys the law nearly as well as a witness must."""
     size = float(x @ x)
     if not float(law.load @ x) > 0.0:
         return False
     limit = ROUNDING * min(WITNESS_EXACT * np.sqrt(size), WITNESS_SLIVER * size)
     balance = np.linalg.norm(x - law.load - law.matrix.T @ forces.reshape(-1))
-    return bool(balance <= limit) and _residual(law, x, forces, np.sqrt(size)) <= limit
+    return bool(balance <= limit) and _law_residual(law, x, forces, np.sqrt(size)) <= limit
 
 
-def _residual(law: CoulombLaw, x: Array, forces: Array, fastest: float) -> float:
-    """The worst of opening, cone, normal, angle and stretch, as `LawProof` has them."""
+def _law_residual(law: CoulombLaw, x: Array, forces: Array, fastest: float) -> float:
+    """The largest of opening, cone, normal, angle and stretch, as in `LawProof`."""
     u, tied = (law.matrix @ x).reshape(-1, 3), law.tied
     u_n, f_n, u_t, f_t = u[:, 0], forces[:, 0], u[:, 1:], forces[:, 1:]
     slip, drag = np.linalg.norm(u_t, axis=1), np.linalg.norm(f_t, axis=1)

@@ -2,8 +2,8 @@
 
     min (|y| - w.y) / 2:   un - mu |ut| >= 1 at every point,   u = J y
 
-is the conic program of `kilter.mechanics.opening`; where it has no solution, forces can balance
-one another without a load.
+is the conic program of `kilter.mechanics.opening`. If it has no solution, forces can balance one
+another without a load.
 """
 
 from __future__ import annotations
@@ -21,14 +21,17 @@ __all__ = ["opening_motion"]
 
 
 def opening_motion(law: ReducedLaw, *, work: Work) -> Array | None:
-    """The motion that gives the least bound of the forces, shape (n,); None where there is none."""
+    """The motion that gives the least bound of the forces, shape (n,); None if none exists."""
     rough = np.flatnonzero(law.group >= 0)
-    own, wide = law.group[rough], law.directions
+    rough_group, directions = law.group[rough], law.directions
     program = opening_program(
         csr_array((0, len(law.load))),  # joints are eliminated
         law.normal[np.flatnonzero(law.group < 0)],
-        [law.normal[rough], *[law.tangent[own * wide + k] for k in range(wide)]],
-        law.mu[own],
+        [
+            law.normal[rough],
+            *[law.tangent[rough_group * directions + k] for k in range(directions)],
+        ],
+        law.mu[rough_group],
         load=law.load,
     )
     answer = solve_conic(program, work=work)

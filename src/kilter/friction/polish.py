@@ -1,17 +1,16 @@
-"""From nearly to exactly: the equations of a contact mode, solved by Newton's method.
+"""The equations of a contact mode, solved by Newton's method to make a candidate exact.
 
-Each point of a candidate is taken to be open, to stick, or to slide, whichever its speeds and
-forces are nearest to. In that mode the law (scaled as in `kilter.friction.law`) is a system of
+Each point of a candidate is assumed to be open, to stick, or to slide, whichever is nearest to its
+speeds and forces. In that mode the law (scaled as in `kilter.friction.law`) is a system of
 equations,
 
     x = w + sum_stick H^T f + sum_slide f_n (H_n - mu H_t^T e),     e = u_t / |u_t|
-    u = 0 where points stick,  u_n = 0 where they slide
+    u = 0 at sticking points,  u_n = 0 at sliding points
 
-nonlinear in the directions of sliding e(x) only. The mode is then corrected where its solution
-contradicts it: points whose force turns out to pull open, points that enter each other touch,
-points whose force leaves its cone slide; and it is solved again. Forces that several points
-share have no unique solution; the steps are regularised, so that they stay near those of the
-candidate.
+nonlinear only in the sliding directions e(x). If its solution contradicts the mode, the mode is
+corrected: points that would pull become open, points that penetrate touch, and points whose force
+leaves its cone slide. Then it is solved again. Forces that several points share are not unique; the
+steps are regularised, so they stay near those of the candidate.
 """
 
 from __future__ import annotations
@@ -38,22 +37,24 @@ from kilter.work import Work
 __all__ = ["TrialMotion", "polished"]
 
 STEPS = 40
-"""Newton steps in one mode."""
+"""Maximum number of Newton steps in a mode."""
 MOST_RAYS = 1000
-"""Rays above which forces at the limit of friction are not sought."""
+"""Number of rays above which forces at the limit of friction are not computed."""
 HALF, PATIENCE = 0.5, 5
-"""Newton steps that may pass without the residual halving."""
+"""Newton's method ends after the second number of steps without a reduction of the residual to the
+first fraction.
+"""
 MODES = 8
-"""Modes tried for one candidate."""
+"""Maximum number of modes tried for a candidate."""
 DENSE = 250
-"""Systems up to this many equations are solved as full matrices."""
+"""Largest number of equations that are solved as a dense matrix."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TrialMotion:
     """Accelerations x, shape (n,), and forces (n, u, v), shape (K, 3), scaled as the law is.
 
-    They obey the law nearly, or exactly: that is for `check_law` to say.
+    They obey the law approximately or exactly; `check_law` decides.
     """
 
     x: Array
@@ -63,50 +64,50 @@ class TrialMotion:
 def polished(
     law: CoulombLaw, start: TrialMotion, seen: set[bytes], work: Work
 ) -> list[TrialMotion]:
-    """TrialMotions that solve the equations of modes near `start`.
+    """Trial motions that solve the equations of modes near `start`.
 
     Parameters
     ----------
     law : CoulombLaw
     start : TrialMotion
     seen : set of bytes
-        Modes that are not to be solved again; those solved are added.
+        Modes that are not solved again; the solved modes are added.
     work : Work
-        When it is spent, what was found is all.
+        Limits the work; when it is spent, the motions found so far are returned.
     """
-    found: list[TrialMotion] = []
+    motions: list[TrialMotion] = []
     with np.errstate(over="ignore"):
-        if not np.isfinite(start.forces**2).all():  # beyond the squares of numbers
-            return found
+        if not np.isfinite(start.forces**2).all():  # the squares overflow
+            return motions
     for least in (CLEAR, SLACK):
-        found += _followed(law, _modes(law, start, least), start, seen, work)
-    return found
+        motions += _follow_modes(law, _nearest_modes(law, start, least), start, seen, work)
+    return motions
 
 
-def _followed(
+def _follow_modes(
     law: CoulombLaw, mode: Index, start: TrialMotion, seen: set[bytes], work: Work
 ) -> list[TrialMotion]:
-    """Solutions of a mode and of those it leads to."""
-    found: list[TrialMotion] = []
+    """Solutions of a mode and of the modes to which its corrections lead."""
+    motions: list[TrialMotion] = []
     candidate = start
     for _ in range(MODES):
         if mode.tobytes() in seen or work.over:
             break
         seen.add(mode.tobytes())
-        solved = _solve(law, mode, candidate, work)
-        if solved is None:
+        solution = _solve_mode(law, mode, candidate, work)
+        if solution is None:
             break
-        candidate = solved
-        found += [candidate, *_at_the_limit(law, mode, candidate, work)]
-        changed = _changed(law, mode, candidate)
-        if (changed == mode).all():
+        candidate = solution
+        motions += [candidate, *_at_the_limit(law, mode, candidate, work)]
+        corrected = _corrected_modes(law, mode, candidate)
+        if (corrected == mode).all():
             break
-        mode = changed
-    return found
+        mode = corrected
+    return motions
 
 
-def _modes(law: CoulombLaw, start: TrialMotion, least: float) -> Index:
-    """The mode of each row that speeds and forces are nearest to; below `least` none push."""
+def _nearest_modes(law: CoulombLaw, start: TrialMotion, least: float) -> Index:
+    """Mode of each row nearest to its speeds and forces; forces below `least` count as zero."""
     u, f = (law.matrix @ start.x).reshape(-1, 3), start.forces
     touches = law.tied | (f[:, 0] > np.maximum(u[:, 0], least))
     room = law.mu * f[:, 0] - np.linalg.norm(f[:, 1:], axis=1)
@@ -114,9 +115,9 @@ def _modes(law: CoulombLaw, start: TrialMotion, least: float) -> Index:
     return np.where(~touches, Mode.OPEN, np.where(slides & ~law.tied, Mode.SLIDING, Mode.STICKING))
 
 
-def _changed(law: CoulombLaw, mode: Index, now: TrialMotion) -> Index:
-    """The mode without its worst contradictions."""
-    u, f = (law.matrix @ now.x).reshape(-1, 3), now.forces
+def _corrected_modes(law: CoulombLaw, mode: Index, motion: TrialMotion) -> Index:
+    """The mode with its contradictions corrected."""
+    u, f = (law.matrix @ motion.x).reshape(-1, 3), motion.forces
     drag = np.linalg.norm(f[:, 1:], axis=1)
     new = mode.copy()
     new[(mode == Mode.OPEN) & (u[:, 0] < -SLACK)] = Mode.SLIDING
@@ -126,17 +127,17 @@ def _changed(law: CoulombLaw, mode: Index, now: TrialMotion) -> Index:
     return new
 
 
-def _solve(law: CoulombLaw, mode: Index, start: TrialMotion, work: Work) -> TrialMotion | None:
-    """The solution of the equations of a mode nearest to `start`; None where they break down."""
+def _solve_mode(law: CoulombLaw, mode: Index, start: TrialMotion, work: Work) -> TrialMotion | None:
+    """Solution of the equations of a mode nearest to `start`; None if they are singular."""
     slide, stick = np.flatnonzero(mode == Mode.SLIDING), np.flatnonzero(mode == Mode.STICKING)
     held = stick[~law.tied[stick]]
     rows = np.concatenate([3 * slide, 3 * stick, 3 * held + 1, 3 * held + 2])
     lines = law.matrix
     active, across = lines[rows], lines[(3 * slide[:, None] + [1, 2]).reshape(-1)]
-    full = len(rows) + len(law.load) <= DENSE
-    if full:
+    dense = len(rows) + len(law.load) <= DENSE
+    if dense:
         active, across = active.toarray(), across.toarray()
-    equations = _ModeEquations(law.load, law.mu[slide], active, across, full)
+    equations = _ModeEquations(law.load, law.mu[slide], active, across, dense)
     flat = start.forces.reshape(-1)
     g = np.concatenate([np.maximum(flat[3 * slide], 0.0), flat[rows[len(slide) :]]])
     best = equations.solve(start.x, g, -start.forces[slide, 1:], work)
@@ -152,7 +153,7 @@ def _solve(law: CoulombLaw, mode: Index, start: TrialMotion, work: Work) -> Tria
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _ModeEquations:
-    """The equations of one mode: lines of H whose speed is 0, and across which points slide."""
+    """Equations of a mode: lines of H with speed 0, and the tangent lines of sliding points."""
 
     load: Array
     mu: Array
@@ -162,27 +163,30 @@ class _ModeEquations:
 
     def solve(self, x: Array, g: Array, e: Array, work: Work) -> tuple[Array, Array, Array] | None:
         """Unknowns x, forces g along the active lines and directions e, by Newton's method."""
-        best, least, since = None, np.inf, 0
+        best, least_size, stalled_steps = None, np.inf, 0
         for _ in range(STEPS):
-            e = _directions(self.across @ x, e)
+            e = _sliding_directions(self.across @ x, e)
             push = self._push(e)
-            first, second = x - self.load - push.T @ g, self.active @ x
-            size = max(float(np.abs(first).max(initial=0)), float(np.abs(second).max(initial=0)))
-            since = 0 if size < HALF * least else since + 1
-            if size < least:
-                best, least = (x, g, e), size
-            if size <= SOLVED or since > PATIENCE or not np.isfinite(size) or work.over:
+            motion_residual, speed_residual = x - self.load - push.T @ g, self.active @ x
+            size = max(
+                float(np.abs(motion_residual).max(initial=0)),
+                float(np.abs(speed_residual).max(initial=0)),
+            )
+            stalled_steps = 0 if size < HALF * least_size else stalled_steps + 1
+            if size < least_size:
+                best, least_size = (x, g, e), size
+            if size <= SOLVED or stalled_steps > PATIENCE or not np.isfinite(size) or work.over:
                 break
-            right = np.concatenate([-first, -second])
-            step = self._step(self._bending(x, g, e), push, right, work)
+            right = np.concatenate([-motion_residual, -speed_residual])
+            step = self._step(self._friction_rotation(x, g, e), push, right, work)
             if step is None:
                 break
             x, g = x + step[: len(x)], g + step[len(x) :]
         return best
 
     def _push(self, e: Array) -> Any:
-        """What the forces g push along: the active lines, less friction where points slide."""
-        drag = self._combined(self.mu[:, None] * e)
+        """Lines along which the forces g act: the active lines, minus friction."""
+        drag = self._combine(self.mu[:, None] * e)
         count = len(self.mu)
         if self.full:
             push = self.active.copy()
@@ -190,8 +194,8 @@ class _ModeEquations:
             return push
         return vstack([self.active[:count] - drag, self.active[count:]], format="csr")
 
-    def _combined(self, weights: Array) -> Any:
-        """One line a sliding point: the two lines across it with weights, shape (S, 2)."""
+    def _combine(self, weights: Array) -> Any:
+        """A line for each sliding point: its two tangent lines with weights, shape (S, 2)."""
         count = len(weights)
         if self.full:
             lines = self.across.reshape(count, 2, self.across.shape[1])
@@ -200,11 +204,11 @@ class _ModeEquations:
         places = (rows, np.arange(2 * count))
         return csr_array((weights.reshape(-1), places), shape=(count, 2 * count)) @ self.across
 
-    def _bending(self, x: Array, g: Array, e: Array) -> Any:
-        """Sum of mu f_n H_t^T (1 - e e^T) H_t / |u_t|: how x turns the friction."""
+    def _friction_rotation(self, x: Array, g: Array, e: Array) -> Any:
+        """Sum of mu f_n H_t^T (1 - e e^T) H_t / |u_t|: derivative of the friction by x."""
         limit = self.mu * np.maximum(g[: len(self.mu)], 0.0)
         size = np.linalg.norm((self.across @ x).reshape(-1, 2), axis=1)
-        turn = self._combined(np.column_stack([-e[:, 1], e[:, 0]]))
+        turn = self._combine(np.column_stack([-e[:, 1], e[:, 0]]))
         weight = np.where(size > SOLVED, limit / np.maximum(size, SOLVED), 0.0)
         if self.full:
             return turn.T @ (weight[:, None] * turn)
@@ -236,41 +240,44 @@ class _ModeEquations:
         return step if np.isfinite(step).all() else None
 
 
-def _at_the_limit(law: CoulombLaw, mode: Index, now: TrialMotion, work: Work) -> list[TrialMotion]:
-    """The same motion where points that stick at the limit of friction push along its slides.
+def _at_the_limit(
+    law: CoulombLaw, mode: Index, motion: TrialMotion, work: Work
+) -> list[TrialMotion]:
+    """The same motion, with friction of sticking points at their limit along its slides.
 
-    Where a stack slides as one, its inner joints stick with forces that just reach their
-    cones; the forces of several points sum up to that only if they are all parallel.
+    If a stack slides as a unit, its inner joints stick with forces that just reach their cones. The
+    forces of several points have that sum only if they are all parallel.
     """
-    u, f = (law.matrix @ now.x).reshape(-1, 3), now.forces
+    u, f = (law.matrix @ motion.x).reshape(-1, 3), motion.forces
     drag, slip = np.linalg.norm(f[:, 1:], axis=1), np.linalg.norm(u[:, 1:], axis=1)
     full, rough = law.mu * np.maximum(f[:, 0], 0.0), law.mu > 0
-    held = (full > NEAR_ITS_CONE) & (drag > (1 - NEAR_ITS_CONE) * full)
-    creeps = (mode == Mode.SLIDING) & rough & (slip <= CREEP)
-    limit = np.flatnonzero(((mode == Mode.STICKING) & held) | (creeps & held))
-    slides = (mode == Mode.SLIDING) & ~creeps
+    at_limit = (full > NEAR_ITS_CONE) & (drag > (1 - NEAR_ITS_CONE) * full)
+    creeping = (mode == Mode.SLIDING) & rough & (slip <= CREEP)
+    limit = np.flatnonzero(((mode == Mode.STICKING) & at_limit) | (creeping & at_limit))
+    slides = (mode == Mode.SLIDING) & ~creeping
     fast = slides & rough & (slip > NEAR_ITS_CONE)
     along = np.einsum("ki,kij->kj", u[fast, 1:] / slip[fast, None], law.basis[fast, 1:])
     if not len(limit) or not len(along):
         return []
-    signs = np.concatenate([along, -along])
-    own = -np.einsum("ki,kij->kj", f[limit, 1:], law.basis[limit, 1:])
-    chosen = signs[(own @ signs.T).argmax(axis=1)]
-    e = _directions(u[:, 1:], -f[:, 1:])
-    e[limit] = _directions(np.einsum("kj,kij->ki", chosen, law.basis[limit, 1:]), e[limit])
+    candidates = np.concatenate([along, -along])
+    friction = -np.einsum("ki,kij->kj", f[limit, 1:], law.basis[limit, 1:])
+    chosen = candidates[(friction @ candidates.T).argmax(axis=1)]
+    e = _sliding_directions(u[:, 1:], -f[:, 1:])
+    e[limit] = _sliding_directions(np.einsum("kj,kij->ki", chosen, law.basis[limit, 1:]), e[limit])
     ray = slides.copy()
     ray[limit] = True
-    others = np.flatnonzero(((mode == Mode.STICKING) | creeps) & ~ray)
-    forces = _on_rays(law, np.flatnonzero(ray), e, others, now.x, work)
-    return [] if forces is None else [TrialMotion(now.x, forces)]
+    others = np.flatnonzero(((mode == Mode.STICKING) | creeping) & ~ray)
+    forces = _forces_on_rays(law, np.flatnonzero(ray), e, others, motion.x, work)
+    return [] if forces is None else [TrialMotion(motion.x, forces)]
 
 
-def _on_rays(
+def _forces_on_rays(
     law: CoulombLaw, rays: Index, e: Array, others: Index, x: Array, work: Work
 ) -> Array | None:
-    """Forces (n, u, v) of the motion x: along -e on the cones of `rays`, within those of others.
+    """Forces (n, u, v) of the motion x: along -e on the cones of `rays`, inside those of `others`.
 
-    The cones of the others by eight rays each, so that all is nonnegative least squares.
+    The cones of the others are replaced by eight rays each, so the problem is a nonnegative
+    least-squares problem.
     """
     from scipy.optimize import nnls
 
@@ -283,21 +290,21 @@ def _on_rays(
     across = np.concatenate(
         [-e[rays], np.tile(around, (len(rough), 1)), np.zeros((2 * len(tied), 2))]
     )
-    ways = np.column_stack([np.ones(len(rows)), law.mu[rows][:, None] * across])
-    ways[len(rows) - len(tied) :] *= -1.0
-    where = (np.repeat(np.arange(len(rows)), 3), (3 * rows[:, None] + np.arange(3)).reshape(-1))
-    combine = csr_array((ways.reshape(-1), where), shape=(len(rows), law.matrix.shape[0]))
+    ray_vectors = np.column_stack([np.ones(len(rows)), law.mu[rows][:, None] * across])
+    ray_vectors[len(rows) - len(tied) :] *= -1.0
+    places = (np.repeat(np.arange(len(rows)), 3), (3 * rows[:, None] + np.arange(3)).reshape(-1))
+    combine = csr_array((ray_vectors.reshape(-1), places), shape=(len(rows), law.matrix.shape[0]))
     work.dense(max(len(rows), len(x)))
     try:
         g, _ = nnls((combine @ law.matrix).toarray().T, x - law.load)
-    except RuntimeError:  # too many steps
+    except RuntimeError:  # nnls reached its iteration limit
         return None
     forces: Array = (combine.T @ g).reshape(-1, 3)
     return forces
 
 
-def _directions(speeds: Array, otherwise: Array) -> Array:
-    """Unit directions of sliding, shape (S, 2); `otherwise` where a point does not."""
+def _sliding_directions(speeds: Array, otherwise: Array) -> Array:
+    """Unit sliding directions, shape (S, 2); `otherwise` for points at rest."""
     u = speeds.reshape(-1, 2)
     size = np.linalg.norm(u, axis=1)
     size_otherwise = np.linalg.norm(otherwise, axis=1)

@@ -1,14 +1,14 @@
 """Coulomb's law with joints eliminated and points that slide alike grouped, for the proof.
 
-The law of `kilter.friction.law`, x = w + H^T g, seen in fewer unknowns; exact, nothing is
-relaxed here. Joints are eliminated: x = |Z^T w| Z a, the columns of Z an orthonormal basis of
-the motions that all joints allow. Their forces do no work in any of them and drop out, which
-loses nothing. All forces are measured in one unit, about the weight of all free parts, instead
-of each by the mobility of its point:
+The law of `kilter.friction.law`, x = w + H^T g, in fewer unknowns; it is exact, without relaxation.
+Joints are eliminated: x = |Z^T w| Z a, with the columns of Z an orthonormal basis of the motions
+that all joints allow. Their forces do no work in any of these motions and drop out, without loss.
+All forces are measured in a common unit, about the weight of all free parts, instead of each by the
+mobility of its point:
 
     f = g |Z^T w|^-1 / (sigma (total mass)^(1/2)),    Jn, Jt = sigma (total mass)^(1/2) H Z
 
-so that forces of several points can be added and one bound holds for all. The law is then
+so that forces of several points can be added and a common bound holds for all. The law is then
 
     a = w + Jn^T fn + Jt^T ft,   |w| = 1                          dynamics
     un = Jn a >= 0,  fn >= 0,  un fn = 0                          at each point
@@ -16,11 +16,11 @@ so that forces of several points can be added and one bound holds for all. The l
 
     so   w.a = |a|^2 + sum of mu N |ut|   and   |a|^2 <= w.a <= 1.
 
-Points that share ut form a *group*: in the plane all points of a straight patch, whose
-tangential forces lie on one line, so that one ft stands for them; in space each point alone.
-Groups that share one *twist* form a *patch*: t = ut of a single point or of a patch in the
-plane, t = (v, length x omega about the normal) of a flat patch in space; ut = L t. A group,
-and a patch, takes its points from one contact patch.
+Points that share ut form a *group*: in the plane all points of a straight patch, whose tangential
+forces lie on a line, so that a single ft represents them; in space each point alone. Groups that
+share a *twist* form a *patch*: t = ut of a single point or of a patch in the plane, t = (v,
+length x omega about the normal) of a flat patch in space; ut = L t. A group, and a patch, takes its
+points from a single contact patch.
 """
 
 from __future__ import annotations
@@ -52,18 +52,19 @@ class ReducedLaw:
     load : ndarray, shape (n,)
         w, of length 1 (or 0 without load).
     rows : ndarray of int, shape (K,)
-        The row of the program of each point.
+        Row of the program for each point.
     normal : csr_array, shape (K, n)
         Jn.
     group : ndarray of int, shape (K,)
         Group of each point; -1 without friction.
     mu : ndarray, shape (G,)
+        Friction coefficients [-].
     tangent : csr_array, shape (G * T, n)
         Jt.
     patch : ndarray of int, shape (G,)
         Patch of each group.
     twist : tuple of csr_array, shape (d, n)
-        t of each patch.
+        Rows of the twist t of each patch.
     lever : ndarray, shape (G, T, 3)
         L: ut = L t of the patch of the group; columns from d on are 0.
     """
@@ -82,12 +83,12 @@ class ReducedLaw:
 
     @property
     def directions(self) -> int:
-        """T: directions across a normal that count."""
+        """T: number of tangent directions at a contact."""
         return int(self.lever.shape[1])
 
 
 def refusal(program: Program) -> str:
-    """Why the law of this program cannot be written, or ""."""
+    """Reason why the law does not apply to a program; empty if it does."""
     if np.isin(program.kind, (POSSIBLE, STICKING)).any():
         return "contacts that are not modelled"
     contact = program.kind == CONTACT
@@ -104,9 +105,9 @@ def refusal(program: Program) -> str:
 
 
 def reduced_law(program: Program) -> ReducedLaw:
-    """The contact law of a program of which `refusal` has nothing to say."""
+    """The reduced contact law of a program for which `refusal` is empty."""
     law = coulomb_law(program)
-    allowed = _allowed(law)
+    allowed = _joint_motions(law)
     w = allowed.T @ law.load
     size = float(np.linalg.norm(w))
     contact = np.flatnonzero(program.kind == CONTACT)
@@ -122,7 +123,7 @@ def reduced_law(program: Program) -> ReducedLaw:
     unit = law.sigma * float(np.sqrt(program.mass[program.free].sum()))
     scaled = csr_array(diags_array(np.repeat(unit, 3)) @ law.matrix @ allowed)
     tangent = csr_array(scaled[lines])
-    lever = _levers(program.point[heads], across, patch)
+    lever = _group_levers(program.point[heads], across, patch)
     return ReducedLaw(
         law=law,
         allowed=allowed,
@@ -133,19 +134,19 @@ def reduced_law(program: Program) -> ReducedLaw:
         mu=program.mu[heads],
         tangent=tangent,
         patch=patch,
-        twist=_twists(tangent, lever, patch),
+        twist=_patch_twists(tangent, lever, patch),
         lever=lever,
     )
 
 
-def _allowed(law: CoulombLaw) -> csr_array:
+def _joint_motions(law: CoulombLaw) -> csr_array:
     """Z, an orthonormal basis of the motions that the joints allow."""
-    lines = law.matrix[3 * np.flatnonzero(law.tied)].toarray()
-    length = np.linalg.norm(lines, axis=1)
-    lines = lines[length > 0] / length[length > 0][:, None]
-    if not len(lines):
+    joint_rows = law.matrix[3 * np.flatnonzero(law.tied)].toarray()
+    length = np.linalg.norm(joint_rows, axis=1)
+    joint_rows = joint_rows[length > 0] / length[length > 0][:, None]
+    if not len(joint_rows):
         return csr_array(eye_array(len(law.load)))
-    _, values, vectors = np.linalg.svd(lines)
+    _, values, vectors = np.linalg.svd(joint_rows)
     rank = int((values > JOINT_RANK * values.max(initial=0.0)).sum())
     return csr_array(vectors[rank:].T)
 
@@ -153,7 +154,7 @@ def _allowed(law: CoulombLaw) -> csr_array:
 def _flat_patches(program: Program, rows: Index) -> Index:
     """Number of the flat patch of each contact row: same source, parts, mu, normal, plane.
 
-    Points of a patch that is not flat have a number each.
+    Each point of a patch that is not flat has its own number.
     """
     size = float(program.radius[program.free].max(initial=1.0))
     along = np.einsum("ki,ki->k", program.normal[rows], program.point[rows])
@@ -162,11 +163,11 @@ def _flat_patches(program: Program, rows: Index) -> Index:
     label = np.where(
         program.source[rows] < 0, label.max(initial=-1) + 1 + np.arange(len(rows)), label
     )
-    for members in _members(label):
+    for members in _indices_by_label(label):
         first = members[:1]
-        turned = np.abs(program.normal[rows[members]] - program.normal[rows[first]]).max(axis=1)
-        off = np.abs(along[members] - along[first])
-        curved = (turned > FLAT) | (off > FLAT * size)
+        angle_off = np.abs(program.normal[rows[members]] - program.normal[rows[first]]).max(axis=1)
+        plane_off = np.abs(along[members] - along[first])
+        curved = (angle_off > FLAT) | (plane_off > FLAT * size)
         if curved.any():
             label[members] = label.max() + 1 + np.arange(len(members))
     return np.unique(label, return_inverse=True)[1].reshape(-1).astype(np.int64)
@@ -175,7 +176,7 @@ def _flat_patches(program: Program, rows: Index) -> Index:
 def _groups_in_space(
     program: Program, contact: Index, label: Index
 ) -> tuple[Index, Index, Index, Index]:
-    """Points kept, group of each (-1 without friction), patch of each group, its first point."""
+    """Kept points, group of each (-1 without friction), patch of each group, its first point."""
     rough = np.flatnonzero(program.mu[contact] > 0)
     group = np.full(len(contact), -1)
     group[rough] = np.arange(len(rough))
@@ -186,41 +187,41 @@ def _groups_in_space(
 def _groups_in_the_plane(
     program: Program, contact: Index, label: Index
 ) -> tuple[Index, Index, Index, Index]:
-    """The same in the plane, where a straight patch is one group.
+    """Kept points, groups, patches and first points in the plane: a straight patch is a group.
 
-    Only its two ends are kept: the forces of points between them are sums of forces at the
-    ends, and where such a point touches under force the whole patch touches.
+    Only its two ends are kept: forces at points between them are sums of forces at the ends, and if
+    such a point touches under force, the whole patch touches.
     """
     normal, point = program.normal[contact], program.point[contact]
     along = normal[:, 2] * point[:, 0] - normal[:, 0] * point[:, 2]
     size = FLAT * float(program.radius.max(initial=1.0))
     kept: list[Index] = [np.empty(0, dtype=np.int64)]
     group: list[Index] = [np.empty(0, dtype=np.int64)]
-    firsts: list[int] = []
-    for members in _members(label):
+    group_heads: list[int] = []
+    for members in _indices_by_label(label):
         ends = np.sort(members[[along[members].argmin(), along[members].argmax()]])
         ends = ends[:1] if np.ptp(along[members]) <= size else ends
         rough = program.mu[contact[ends[0]]] > 0
         kept.append(ends)
-        group.append(np.full(len(ends), len(firsts) if rough else -1))
-        firsts += [int(ends[0])] if rough else []
-    first = np.array(firsts, dtype=np.int64)
+        group.append(np.full(len(ends), len(group_heads) if rough else -1))
+        group_heads += [int(ends[0])] if rough else []
+    first = np.array(group_heads, dtype=np.int64)
     return np.concatenate(kept), np.concatenate(group), np.arange(len(first)), first
 
 
-def _members(label: Index) -> list[Index]:
-    """The places of each label, in the order of the labels."""
+def _indices_by_label(label: Index) -> list[Index]:
+    """Indices of the points with each label, in the order of the labels."""
     order = np.argsort(label, kind="stable")
     starts = np.unique(label[order], return_index=True)[1]
     return np.split(order, starts[1:]) if len(order) else []
 
 
-def _levers(point: Array, across: Array, patch: Index) -> Array:
-    """L of each group; of a patch of several points in space about their mean."""
+def _group_levers(point: Array, across: Array, patch: Index) -> Array:
+    """L of each group; for a patch of several points in space, about their mean."""
     count = across.shape[1]
     lever = np.zeros((len(point), count, 3))
     lever[:, range(count), range(count)] = 1.0
-    for members in _members(patch):
+    for members in _indices_by_label(patch):
         if count == 1 or len(members) == 1:
             continue
         arm = point[members] - point[members].mean(axis=0)
@@ -228,21 +229,21 @@ def _levers(point: Array, across: Array, patch: Index) -> Array:
         # ut(x) = v + omega n x r: n x r along the first point's (u, v) is (-r2, r1)
         basis = across[members[0]]
         plane = arm @ basis.T / length
-        turn = np.einsum("gij,kj->gik", across[members], basis)
-        lever[members, :, :2] = turn
+        rotation = np.einsum("gij,kj->gik", across[members], basis)
+        lever[members, :, :2] = rotation
         spin = np.stack([-plane[:, 1], plane[:, 0]], axis=1)
-        lever[members, :, 2] = np.einsum("gik,gk->gi", turn, spin)
+        lever[members, :, 2] = np.einsum("gik,gk->gi", rotation, spin)
     return lever
 
 
-def _twists(tangent: csr_array, lever: Array, patch: Index) -> tuple[csr_array, ...]:
-    """T of each patch, from the ut of its groups: ut = L t."""
+def _patch_twists(tangent: csr_array, lever: Array, patch: Index) -> tuple[csr_array, ...]:
+    """Rows of t of each patch, from the ut of its groups: ut = L t."""
     count = lever.shape[1]
-    found = []
-    for members in _members(patch):
+    twists = []
+    for members in _indices_by_label(patch):
         lines = csr_array(tangent[(members[:, None] * count + np.arange(count)).reshape(-1)])
         if count == 2 and len(members) > 1:
             twist = np.linalg.pinv(lever[members].reshape(-1, 3)) @ lines.toarray()
             lines = csr_array(np.where(np.abs(twist) < ZERO_ENTRY, 0.0, twist))
-        found.append(lines)
-    return tuple(found)
+        twists.append(lines)
+    return tuple(twists)

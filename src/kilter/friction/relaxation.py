@@ -1,24 +1,23 @@
 """A linear program that contains every motion that obeys Coulomb's contact law.
 
-The law (`kilter.friction.reduced_law`) is not convex: un fn = 0 at each point, and in each
-group friction dissipates mu N |ut|. Given bounds of all its solutions (`kilter.friction.
-enclosure`), each of the two is replaced by linear rows that every solution satisfies. So the
-greatest power w.b of the program bounds the power of every motion; where it is nothing, there
-is no motion.
+The law (`kilter.friction.reduced_law`) is not convex: un fn = 0 at each point, and in each group
+friction dissipates mu N |ut|. Given bounds of all its solutions (`kilter.friction.enclosure`), both
+are replaced by linear rows that every solution satisfies. So the greatest power w.b of the program
+bounds the power of every motion; if it is 0, no motion exists.
 
-Motions are in units of a size e, b = a / e with |b| <= 1. The column l is 1; where a
-program is asked for its greatest power, it may be less. All rows are homogeneous in the columns,
-so x = 0 is feasible whatever the bounds and modes are. So no answer rests on a claim that a
-program is infeasible. Upper bounds: U of un, F of fn, S of |ut|, Nmin and Nmax of N. The rows:
+Motions are in units of a size e, b = a / e with |b| <= 1. The column l is 1; when the power is
+maximised, it may be less. All rows are homogeneous in the columns, so x = 0 is feasible for all
+bounds and modes, and no result depends on the infeasibility of a program. Upper bounds: U of un, F
+of fn, S of |ut|, Nmin and Nmax of N. The rows:
 
     e b = l w + Jn^T fn + Jt^T ft,   un = Jn b,   ut = Jt b        the law's equations, and
     N = sum of fn of a group                                       its inequalities
     g_k = mu N + d_k.ft >= 0       the cone: exact in the plane, in space a polygon about it
 
-    w.b >= e q + sum of mu D       power is kinetic energy and dissipation, where
-    q >= 2 c.b - |c|^2 l           q = |b|^2 lies above its tangents at points c
+    w.b >= e q + sum of mu D       power is kinetic energy and dissipation, with
+    q >= 2 c.b - |c|^2 l           q = |b|^2 above its tangents at points c
     s >= d_k.ut                    s = |ut|
-    D >= Nmin s                    D = N |ut| lies above its two tangent planes at the
+    D >= Nmin s                    D = N |ut| above its two tangent planes at the
     D >= Nmax s + S (N - Nmax l)   corners of the box of N and |ut|
     w.b <= e l,   N >= Nmin l
 
@@ -27,16 +26,15 @@ program is infeasible. Upper bounds: U of un, F of fn, S of |ut|, Nmin and Nmax 
     un1 + (U1/U2) un2 <= U1 l      *hinge*: in the plane, of the two ends of a patch with
                                    Nmin > 0, which cannot both open
 
-The tangential cut: in the plane g_k (d_k.ut) = 0 where d_k.ut > 0, as a group that slides along
-d_k has ft = -mu N d_k. In space let c be the cosine between ut and d_k: then g_k = (1 - c) mu N,
-and the cut holds if S bounds the norm |ut| (not d_k.ut alone) and G_k both mu N and g_k: for
-c >= 0 it says c |ut|/S + (1 - c) mu N/G <= 1, for c < 0 the first term is negative.
+The tangential cut: in the plane g_k (d_k.ut) = 0 for d_k.ut > 0, as a group that slides along d_k
+has ft = -mu N d_k. In space let c be the cosine between ut and d_k: then g_k = (1 - c) mu N, and
+the cut holds if S bounds the norm |ut| (not d_k.ut alone) and G_k both mu N and g_k. For c >= 0 it
+reads c |ut|/S + (1 - c) mu N/G <= 1; for c < 0 the first term is negative.
 
-*Sectors*, in space. Where the twist of a patch lies in a cone that makes ut of a group point
-between two directions less than half a turn apart, -ft / (mu N) lies in the circular segment
-between them; its chord, the two sides of the sector and three tangents of the circle are
-rows. They contain the segment: every true solution is in. Twist 0 is not: it is a case of its
-own.
+*Sectors*, in space. If the twist of a patch lies in a cone for which ut of a group points between
+two directions less than half a turn apart, -ft / (mu N) lies in the circular segment between them.
+The chord of the segment, the two sides of the sector and three tangents of the circle are rows.
+They contain the segment, and so every true solution, except the twist 0, which is a separate case.
 """
 
 from __future__ import annotations
@@ -52,15 +50,19 @@ from kilter.solvers.problem import LinearProgram
 __all__ = ["TANGENTS", "Relaxation"]
 
 SIDES = 8
-"""Sides of the polygon circumscribed about the friction circle."""
+"""Number of sides of the polygon circumscribed about the friction circle. A larger value gives
+tighter bounds and larger programs.
+"""
 TANGENTS = 12
-"""Tangents of the ball of accelerations that are kept, by their points c."""
+"""Number of tangents of the ball of accelerations that are kept, by their points c."""
 SEGMENT_SIDES = 6
-"""Rows of a circular segment: chord, two sides of its sector, three tangents of the circle."""
+"""Number of rows of a circular segment: chord, two sides of its sector, three tangents of the
+circle.
+"""
 
 
 class Relaxation:
-    """Columns and rows of the program for one law; bounds and modes fill in the numbers.
+    """Columns and rows of the program for a law; bounds and modes determine the numbers.
 
     Parameters
     ----------
@@ -69,12 +71,12 @@ class Relaxation:
     Attributes
     ----------
     directions : ndarray, shape (m, T)
-        The d_k across a contact: in the plane both ways, in space `SIDES` around.
+        The d_k across a contact: in the plane both signs, in space `SIDES` around.
     fastest : LargestSpeeds
-        Of contact points in motions of size 1.
+        Largest speeds of contact points in motions of size 1.
     columns : dict
-        Slices of the columns: "motion" b, "one" l, "square" q, "fn", "un", "ft", "ut",
-        "slip" s, "loss" D, "total" N, "rest" g, "twist" t of flat patches in space.
+        Slices of the columns: "motion" b, "one" l, "square" q, "fn", "un", "ft", "ut", "slip" s,
+        "loss" D, "total" N, "rest" g, "twist" t of flat patches in space.
     """
 
     def __init__(self, law: ReducedLaw) -> None:
@@ -83,7 +85,7 @@ class Relaxation:
         self.fastest = largest_speeds(law, self.directions)
         groups, wide = len(law.mu), len(law.mu) * law.directions
         points = len(law.group)
-        # a twist that is not just ut of a group has columns of its own
+        # a twist that differs from the ut of a group has separate columns
         own = [law.directions == 2 and rows.shape[0] == 3 for rows in law.twist]
         self._template = MatrixTemplate({
             "motion": len(law.load), "one": 1, "square": 1, "fn": points, "un": points,
@@ -95,14 +97,17 @@ class Relaxation:
         self._ut, self._ft = (
             self._of(name).reshape(groups, law.directions) for name in ("ut", "ft")
         )
-        self._own_twist, self.twist_columns = np.array(own, dtype=bool), self._twists(own)
-        self._ends = _ends(law)
-        self._dynamics()
-        self._power()
-        self._kinematics()
-        self._friction()
-        self._cuts()
-        self._sectors()
+        self._own_twist, self.twist_columns = (
+            np.array(own, dtype=bool),
+            self._columns_of_twists(own),
+        )
+        self._patch_ends = _patch_ends(law)
+        self._add_dynamics()
+        self._add_power()
+        self._add_kinematics()
+        self._add_friction()
+        self._add_cuts()
+        self._add_sectors()
         self._template.finish()
         self._twist_reach = np.concatenate([
             np.empty(0),
@@ -112,8 +117,8 @@ class Relaxation:
 
     # rows ------------------------------------------------------------------------------------
 
-    def _twists(self, own: list[bool]) -> list[Index]:
-        """The columns of the twist of each patch."""
+    def _columns_of_twists(self, own: list[bool]) -> list[Index]:
+        """Columns of the twist of each patch."""
         columns, place = [], self.columns["twist"].start
         for patch, alone in enumerate(own):
             if alone:
@@ -123,8 +128,8 @@ class Relaxation:
                 columns.append(self._ut[np.flatnonzero(self.law.patch == patch)[0]])
         return columns
 
-    def _dynamics(self) -> None:
-        """E b = l w + Jn^T fn + Jt^T ft."""
+    def _add_dynamics(self) -> None:
+        """Add the rows e b = l w + Jn^T fn + Jt^T ft."""
         law, add = self.law, self._template
         rows = add.rows(len(law.load), "=")
         add.put(rows, self._of("motion"), 1.0, "scale")
@@ -132,8 +137,8 @@ class Relaxation:
         add.put_matrix(rows, "fn", law.normal.T, -1.0)
         add.put_matrix(rows, "ft", law.tangent.T, -1.0)
 
-    def _power(self) -> None:
-        """w.b >= e q + sum of mu D,  w.b <= e l,  q >= 2 c.b - |c|^2 l."""
+    def _add_power(self) -> None:
+        """Add the rows w.b >= e q + sum of mu D,  w.b <= e l,  q >= 2 c.b - |c|^2 l."""
         law, add = self.law, self._template
         row = add.rows(1, ">")
         add.put(row, self._of("motion"), law.load)
@@ -147,8 +152,8 @@ class Relaxation:
         add.put(rows[:, None], self._of("motion")[None], 0.0, "tangents")
         add.put(rows, self._of("one"), 0.0, "heights")
 
-    def _kinematics(self) -> None:
-        """Equations un = Jn b and ut = Jt b; of a flat patch in space t first, then ut = L t."""
+    def _add_kinematics(self) -> None:
+        """Add un = Jn b and ut = Jt b; for a flat patch in space t first, then ut = L t."""
         law, add = self.law, self._template
         rows = add.rows(len(law.group), "=")
         add.put(rows, self._of("un"), 1.0)
@@ -167,8 +172,8 @@ class Relaxation:
             columns = self.twist_columns[law.patch[group]]
             add.put(rows[:, None], columns[None], -law.lever[group])
 
-    def _friction(self) -> None:
-        """N = sum of fn,  g_k = mu N + d_k.ft."""
+    def _add_friction(self) -> None:
+        """Add the rows N = sum of fn,  g_k = mu N + d_k.ft."""
         law, add = self.law, self._template
         groups, sides = len(law.mu), len(self.directions)
         rows = add.rows(groups, "=")
@@ -180,22 +185,22 @@ class Relaxation:
         add.put(rows, self._of("total")[:, None], -law.mu[:, None])
         add.put(rows[:, :, None], self._ft[:, None, :], -self.directions[None])
 
-    def _cuts(self) -> None:
-        """The cuts, s >= d_k.ut, the planes below D, and N >= Nmin l."""
+    def _add_cuts(self) -> None:
+        """Add the cuts, s >= d_k.ut, the planes below D, and N >= Nmin l."""
         add, groups, sides = self._template, len(self.law.mu), len(self.directions)
-        one, ut, slip = self._of("one")[0], self._ut[:, None, :], self._of("slip")
+        unit_column, ut, slip = self._of("one")[0], self._ut[:, None, :], self._of("slip")
         rows = add.rows(len(self.law.group), "<")
         add.put(rows, self._of("un"), 1.0)
         add.put(rows, self._of("fn"), 0.0, "normal force")
-        add.put(rows, one, 0.0, "normal one")
-        rows = add.rows(len(self._ends), "<")
-        add.put(rows, self._of("un")[self._ends[:, 0]], 1.0)
-        add.put(rows, self._of("un")[self._ends[:, 1]], 0.0, "hinge")
-        add.put(rows, one, 0.0, "hinge one")
+        add.put(rows, unit_column, 0.0, "normal one")
+        rows = add.rows(len(self._patch_ends), "<")
+        add.put(rows, self._of("un")[self._patch_ends[:, 0]], 1.0)
+        add.put(rows, self._of("un")[self._patch_ends[:, 1]], 0.0, "hinge")
+        add.put(rows, unit_column, 0.0, "hinge one")
         rows = add.rows(groups * sides, "<").reshape(groups, sides)
         add.put(rows[:, :, None], ut, self.directions[None])
         add.put(rows, self._of("rest").reshape(groups, sides), 0.0, "tangential force")
-        add.put(rows, one, 0.0, "tangential one")
+        add.put(rows, unit_column, 0.0, "tangential one")
         rows = add.rows(groups * sides, ">").reshape(groups, sides)
         add.put(rows, slip[:, None], 1.0)
         add.put(rows[:, :, None], ut, -self.directions[None])
@@ -206,13 +211,13 @@ class Relaxation:
         add.put(rows, self._of("loss"), 1.0)
         add.put(rows, slip, 0.0, "loss most")
         add.put(rows, self._of("total"), 0.0, "loss total")
-        add.put(rows, one, 0.0, "loss one")
+        add.put(rows, unit_column, 0.0, "loss one")
         rows = add.rows(groups, ">")
         add.put(rows, self._of("total"), 1.0)
-        add.put(rows, one, 0.0, "least")
+        add.put(rows, unit_column, 0.0, "least")
 
-    def _sectors(self) -> None:
-        """In space: cones of twists (a row a generator), segments and sectors of groups."""
+    def _add_sectors(self) -> None:
+        """Add, in space, the rows of cones of twists, and of segments and sectors of groups."""
         add, groups = self._template, len(self.law.mu)
         if self.law.directions == 1:
             return
@@ -229,19 +234,19 @@ class Relaxation:
     # numbers ---------------------------------------------------------------------------------
 
     def program(self, bounds: Enclosure) -> LinearProgram:
-        """The linear program for bounds and modes: the greatest power w.b, as a least cost."""
-        lower, upper = self._limits(bounds)
+        """The linear program for given bounds and modes: minimise -w.b."""
+        lower, upper = self._column_bounds(bounds)
         cost = np.zeros(self.width)
         cost[self.columns["motion"]] = -self.law.load
         add = self._template
-        matrix = add.matrix(self._numbers(bounds))
+        matrix = add.matrix(self._entry_values(bounds))
         return LinearProgram(cost, matrix, add.lower, add.upper, lower, upper)
 
     def named(self, x: Array) -> dict[str, Array]:
         """A solution by the names of its columns."""
-        return {name: x[where] for name, where in self.columns.items()}
+        return {name: x[part] for name, part in self.columns.items()}
 
-    def _numbers(self, b: Enclosure) -> dict[str, Array | float]:
+    def _entry_values(self, b: Enclosure) -> dict[str, Array | float]:
         """Values of the named entries."""
         values: dict[str, Array | float] = {
             "scale": b.scale,
@@ -254,16 +259,16 @@ class Relaxation:
             "normal one": -b.un,
             "tangential one": -b.ut,
         }
-        first, second = b.un[self._ends].T
-        one_closed = (b.least[self.law.group[self._ends[:, 0]]] > 0) & (first > 0) & (second > 0)
-        values["hinge"] = np.where(one_closed, first / np.where(one_closed, second, 1.0), 0.0)
+        first, second = b.un[self._patch_ends].T
+        hinged = (b.least[self.law.group[self._patch_ends[:, 0]]] > 0) & (first > 0) & (second > 0)
+        values["hinge"] = np.where(hinged, first / np.where(hinged, second, 1.0), 0.0)
         values["hinge one"] = -first
         if self.law.directions == 2:
-            values |= self._sector_numbers(b)
+            values |= self._sector_values(b)
         if not b.cuts:
             return values
         values |= {"loss most": -b.most, "loss total": -b.slip, "loss one": b.slip * b.most}
-        # where F < U a cut would have a large coefficient: un + fn <= 2 U instead, which is idle
+        # for F < U the cut would have a large coefficient: use un + fn <= 2 U, which is inactive
         values["normal force"] = b.un / np.maximum(b.fn, np.maximum(b.un, TINY))
         values["normal one"] = -b.un * (1 + (b.fn < b.un))
         force = np.maximum(b.rest, np.maximum(b.ut, TINY))
@@ -271,8 +276,8 @@ class Relaxation:
         values["tangential one"] = -b.ut * (1 + (b.rest < b.ut))
         return values
 
-    def _sector_numbers(self, b: Enclosure) -> dict[str, Array | float]:
-        """Of cones, the rows of their inverses; of groups, the rows of their segments."""
+    def _sector_values(self, b: Enclosure) -> dict[str, Array | float]:
+        """Rows of the inverses of cones, and rows of the segments of groups."""
         groups = len(self.law.mu)
         values: dict[str, Array | float] = {}
         segment, total = np.zeros((groups, SEGMENT_SIDES, 2)), np.zeros((groups, SEGMENT_SIDES))
@@ -285,16 +290,16 @@ class Relaxation:
             cone = widened(cone)
             values[f"cone {patch}"] = np.asarray(np.linalg.inv(cone), dtype=np.float64)
             for group in np.flatnonzero(self.law.patch == patch):
-                found = sector(cone, self.law.lever[group])
-                if found is not None:
-                    segment[group], total[group] = _segment(*found)
-                    along[group] = found[0]
+                group_sector = sector(cone, self.law.lever[group])
+                if group_sector is not None:
+                    segment[group], total[group] = _segment(*group_sector)
+                    along[group] = group_sector[0]
         values["segment"] = segment
         values["segment total"] = total * self.law.mu[:, None]
         values["along"] = -along
         return values
 
-    def _limits(self, b: Enclosure) -> tuple[Array, Array]:
+    def _column_bounds(self, b: Enclosure) -> tuple[Array, Array]:
         """Bounds of the columns."""
         lower, upper = np.zeros(self.width), np.zeros(self.width)
         at, wide = self.columns, self.law.directions
@@ -314,8 +319,8 @@ class Relaxation:
         lower[at["twist"]], upper[at["twist"]] = -self._twist_reach, self._twist_reach
         for patch, cone in enumerate(b.cones):
             if cone is not None and not cone.size:
-                held = self.twist_columns[patch]
-                lower[held] = upper[held] = 0.0
+                sticking = self.twist_columns[patch]
+                lower[sticking] = upper[sticking] = 0.0
         return lower, upper
 
 
@@ -327,17 +332,17 @@ def _directions(law: ReducedLaw) -> Array:
     return np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
 
-def _ends(law: ReducedLaw) -> Index:
+def _patch_ends(law: ReducedLaw) -> Index:
     """In the plane, the two points of each group that has two, shape (E, 2)."""
     order = np.argsort(law.group, kind="stable")
     members = np.bincount(law.group + 1, minlength=len(law.mu) + 1)[law.group[order] + 1]
-    chosen = order[(members == 2) & (law.group[order] >= 0) & (law.directions == 1)]
-    ends: Index = chosen.reshape(-1, 2)
+    paired = order[(members == 2) & (law.group[order] >= 0) & (law.directions == 1)]
+    ends: Index = paired.reshape(-1, 2)
     return ends
 
 
 def _segment(middle: Array, half: float) -> tuple[Array, Array]:
-    """Rows n.ft + c mu N <= 0 of a circular segment about a direction of sliding."""
+    """Rows n.ft + c mu N <= 0 of a circular segment about a sliding direction."""
     turn = np.array([[np.cos(half), -np.sin(half)], [np.sin(half), np.cos(half)]])
     left, right = turn @ middle, turn.T @ middle
     # -ft = mu N d: d.middle >= cos(half); d right of `left`, left of `right`; d.x <= 1

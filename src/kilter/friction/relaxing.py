@@ -5,14 +5,15 @@ implicit Euler steps of dx/dt = r(x),
 
     (x' - x) / h = r(x')
 
-with a step h that grows as r falls: at first the path of parts in thick oil, at last Newton's
-method. Each step is solved by Newton's method, shortened where its full step goes beyond the
-least energy along it. Where nothing holds, x runs away: it goes on while r stands still.
+with a step h that grows as r decreases: first the path of parts in a viscous fluid, finally
+Newton's method. Each step is solved by Newton's method, shortened if its full step passes the
+minimum of the energy along it. If nothing holds the parts, x runs away: it continues to grow while
+r stays constant.
 
 References
 ----------
-C. T. Kelley, D. E. Keyes, Convergence analysis of pseudo-transient continuation, SIAM J.
-Numer. Anal. 35, 1998.
+C. T. Kelley, D. E. Keyes, Convergence analysis of pseudo-transient continuation, SIAM J. Numer.
+Anal. 35, 1998.
 """
 
 from __future__ import annotations
@@ -32,40 +33,51 @@ __all__ = ["Rest", "relaxed"]
 FIRST = 1.0
 """First step h."""
 INNER, IDLE = 80, 25
-"""Newton steps within one step h, and those after which it failed if the error did not fall."""
+"""Maximum number of Newton steps within a step h, and number of them without a reduction of the
+error after which Newton's method has failed.
+"""
 STEP_ERROR, STEP_ERROR_SMALL, SMALL = 0.5, 0.1, 0.05
-"""A step h is solved to this fraction of r at its beginning; the second below an r of SMALL."""
+"""A step h is solved to the first fraction of r at its beginning; to the second if r is below the
+third number.
+"""
 LEFT, SEARCHED, EDGE = 0.2, 8, 0.1
-"""Along a Newton step the work of the error falls to this fraction; points that are tried; how
-near the ends of what is left the next may be."""
+"""Line search: the work of the error falls to the first fraction; maximum number of points; least
+distance of a point from the ends of the bracket, as a fraction of its length.
+"""
 FALLING = 0.98
-"""A Newton step that leaves more than this fraction of the least error did not let it fall."""
+"""A Newton step that leaves more than this fraction of the least error does not count as a
+reduction.
+"""
 GROWTH, SLOW, LEAP, EASY = 2.0, 1.2, 10.0, 6
-"""H grows by GROWTH after a step that took up to EASY Newton steps, else by SLOW; times the
-factor by which r fell, up to LEAP."""
+"""h grows by the first factor after a step of at most the last number of Newton steps, else by the
+second; and by the factor by which r fell, up to the third.
+"""
 CUT = 0.25
-"""What h is multiplied by where Newton's method failed."""
+"""Factor of h after a failure of Newton's method."""
 NEARLY = 0.1
-"""Imbalance, over that which counts as balance, at which a path that comes no further is there."""
+"""Imbalance, over that which counts as balance, at which a path without further progress has
+arrived.
+"""
 SHORTEST, LONGEST, LIMIT, EASING, FAR = 1e-6, 1e7, 1e9, 1.5, 1e4
-"""It is given up at an h below SHORTEST, and none is above LIMIT; parts have run away at an h
-above LONGEST if r does not even fall by EASING, and if they are FAR times as far off as in
-balance."""
+"""The path fails at an h below the first number, and h never exceeds the third. Parts have run away
+if h exceeds the second number, r decreases by less than the fourth factor, and the parts are
+farther away than in balance by the last factor.
+"""
 MOST = 20_000
-"""Newton steps after which it is given up."""
+"""Number of Newton steps after which the path fails."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rest:
-    """Where a path ends.
+    """End of a path.
 
     Attributes
     ----------
     state : SpringState
     end : {"balance", "runs-away", "not-found"}
-        In balance; gone, while r stood still; given up, or out of work.
+        In balance; run away, while r stayed constant; failed, or out of work.
     steps : int
-        Newton steps.
+        Number of Newton steps.
     """
 
     state: SpringState
@@ -76,96 +88,97 @@ class Rest:
 def relaxed(
     springs: Springs, x: Array, *, work: Work, first: float = FIRST, size: float = 1.0
 ) -> Rest:
-    """The path from a displacement x.
+    """Follow the path from a displacement x to its end.
 
     Parameters
     ----------
     springs : Springs
     x : ndarray, shape (n,)
+        First displacement.
     work : Work
-        The path ends where nothing of it is left.
+        The path ends when it is spent.
     first : float
-        The first step h.
+        First step h.
     size : float
-        Of displacements in balance; parts that are much farther off have run away.
+        Size of displacements in balance; parts that are much farther away have run away.
     """
     state, step, steps = springs.at(x), first, 0
     far = FAR * max(size, 1.0)
     while step > SHORTEST and not work.over:
-        new, count = _advanced(springs, state, step, work)
+        new, count = _advance(springs, state, step, work)
         steps += count
         if new is None and springs.imbalance(state) <= NEARLY * BALANCED:
-            break  # at the rounding of its numbers it does not come to the goal
+            break  # rounding prevents the path from reaching the goal
         if new is None:
             step *= CUT
             continue
-        fall = float(np.linalg.norm(state.rest)) / max(float(np.linalg.norm(new.rest)), TINY)
+        decrease = float(np.linalg.norm(state.rest)) / max(float(np.linalg.norm(new.rest)), TINY)
         state = new
         if springs.imbalance(state) <= GOAL:
             return Rest(state, "balance", steps)
-        if step > LONGEST and fall < EASING and float(np.abs(state.x).max()) > far:
+        if step > LONGEST and decrease < EASING and float(np.abs(state.x).max()) > far:
             return Rest(state, "runs-away", steps)
         if steps > MOST:
             break
-        step *= (GROWTH if count <= EASY else SLOW) * float(np.clip(fall, 1.0, LEAP))
+        step *= (GROWTH if count <= EASY else SLOW) * float(np.clip(decrease, 1.0, LEAP))
         step = min(step, LIMIT)
     near = springs.imbalance(state) <= NEARLY * BALANCED
     return Rest(state, "balance" if near else "not-found", steps)
 
 
-def _advanced(
+def _advance(
     springs: Springs, state: SpringState, step: float, work: Work
 ) -> tuple[SpringState | None, int]:
-    """The state a pseudo-time `step` later, None where Newton fails; Newton steps made."""
-    new, right = state, state.rest
-    least = float(np.linalg.norm(right))
-    enough = (STEP_ERROR if least > SMALL else STEP_ERROR_SMALL) * least
-    idle = 0
+    """The state a pseudo-time `step` later, or None if Newton's method fails; and its steps."""
+    new, error_vector = state, state.rest
+    least_error = float(np.linalg.norm(error_vector))
+    accepted = (STEP_ERROR if least_error > SMALL else STEP_ERROR_SMALL) * least_error
+    stalled = 0
     for count in range(1, INNER + 1):
         try:
-            move = springs.newton(new, right, 1.0 / step, work)
+            move = springs.newton(new, error_vector, 1.0 / step, work)
         except np.linalg.LinAlgError:
             return None, count
-        new, right = _along(springs, (state, new, right), move, step, enough)
-        error = float(np.linalg.norm(right))
-        if error <= enough:
+        new, error_vector = _line_search(springs, (state, new, error_vector), move, step, accepted)
+        error = float(np.linalg.norm(error_vector))
+        if error <= accepted:
             return new, count
-        idle = 0 if error < FALLING * least else idle + 1
-        if idle == IDLE or not error < np.inf:
+        stalled = 0 if error < FALLING * least_error else stalled + 1
+        if stalled == IDLE or not error < np.inf:
             return None, count
-        least = min(least, error)
+        least_error = min(least_error, error)
     return None, INNER
 
 
-def _along(
+def _line_search(
     springs: Springs,
     at: tuple[SpringState, SpringState, Array],
     move: Array,
     step: float,
     enough: float,
 ) -> tuple[SpringState, Array]:
-    """The state along a Newton step at which it does hardly any work more, and its error.
+    """The state along a Newton step at which its work nearly vanishes, and its error vector.
 
-    `at`: the state at the beginning of the step h, the last, and its error. A point that comes
-    to touch adds much to the error, though little to the energy; so the line search looks at
-    the work of the error along the step, which falls from above 0 to 0 where the energy is
-    least. It is shortened where it is far below.
+    `at` holds the state at the beginning of the step h, the last state, and its error vector. A
+    point that starts to touch adds much to the error, but little to the energy. So the line search
+    uses the work of the error along the step, which falls from a positive value to 0 at the minimum
+    of the energy. The step is shortened if that work is far below 0.
     """
-    begin, last, right = at
+    first, last, right = at
     low, high = (0.0, float(move @ right)), (1.0, 0.0)
     limit, part = LEFT * low[1], 1.0
     for _ in range(SEARCHED):
         new = springs.at(last.x + part * move)
-        error = new.rest - (new.x - begin.x) / step
+        error = new.rest - (new.x - first.x) / step
         gain = float(move @ error)
-        there = gain >= -limit and (part == 1.0 or gain <= limit)
-        if there or limit <= 0 or float(np.linalg.norm(error)) <= enough:
+        accepted = gain >= -limit and (part == 1.0 or gain <= limit)
+        if accepted or limit <= 0 or float(np.linalg.norm(error)) <= enough:
             break
         if gain > 0:
             low = (part, gain)
         else:
             high = (part, gain)
-        between = low[0] + (high[0] - low[0]) * low[1] / (low[1] - high[1])
+        interpolated = low[0] + (high[0] - low[0]) * low[1] / (low[1] - high[1])
         edge = EDGE * (high[0] - low[0])
-        part = min(max(between, low[0] + edge), high[0] - edge)
+        part = min(max(interpolated, low[0] + edge), high[0] - edge)
     return new, error

@@ -1,18 +1,18 @@
-"""Seating: does its own weight hold it somewhere, if it is put there with care?
+"""Seating: does the weight of the assembly hold it somewhere, if it is put together with care?
 
-Between contacts that give a little, and that neither a gap nor a squeeze separated or pressed
-before (`kilter.friction.springs`), parts under load may have a displacement x at which every
-part is in balance: a *seat*. Its forces are forces of equilibrium, each exactly in its cone. A
-block squeezed between walls has such forces too, but no displacement makes them.
+Between contacts that give a little, and that start without a gap or a squeeze
+(`kilter.friction.springs`), parts under load may have a displacement x at which every part is in
+balance: a *seat*. Its forces are forces of equilibrium, each exactly in its cone. A block squeezed
+between walls has forces of equilibrium too, but no displacement produces them.
 
-A seat is looked for from the forces of the least elastic energy (`kilter.friction.
-elastic_forces`), which is found at any size; then from no displacement at all; then with a
-stiffness that varies by 0.1 to 10 a patch, from squeezed starts. Where all of them run away,
-that is evidence that there is no seat, and the direction in which they ran is told. That a
-start was given up says nothing.
+The search starts from the forces of the least elastic energy (`kilter.friction.elastic_forces`),
+which can be found at any size; then from zero displacement; then with stiffnesses that vary by a
+factor of 0.1 to 10 between patches, from squeezed starts. If all starts run away, that is evidence
+that no seat exists, and the direction in which the parts ran is returned. A start that failed says
+nothing.
 
-A seat is weak evidence: a bracket that falls when it is let go has one. What holds however it
-is put down is said by `kilter.friction.settling`.
+A seat is weak evidence: a bracket that falls when it is released has a seat.
+`kilter.friction.settling` reports what holds however it is put down.
 """
 
 from __future__ import annotations
@@ -41,30 +41,32 @@ __all__ = ["Seating", "find_seating"]
 NEAR = 1e4
 """First step h from the forces of the least energy, which are near a seat."""
 SPREAD = 10.0
-"""At random the stiffness of a patch is up to this factor above or below 1."""
+"""Random stiffnesses of patches are up to this factor above or below 1."""
 SQUEEZE = 10.0
-"""Largest depth to which such a start presses patches at first; 1 makes forces of the weight."""
+"""Largest initial depth to which such a start presses patches; a depth of 1 produces forces of the
+weight.
+"""
 NUDGE = 1.0
 """Size of the random part of its first displacement, in each freedom."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Seating:
-    """Whether the weight seats the parts.
+    """Result of the search for a seat.
 
     Attributes
     ----------
     seated : {"yes", "runs-away", "not-found"}
-        There is a seat; every start ran away; some were given up.
+        A seat exists; every start ran away; some starts failed.
     forces : ndarray, shape (K, 3)
-        On part b of each row, world frame [N]; exactly in their cones; those of the start that
+        Forces on part b of each row, world frame [N], exactly in their cones, of the start that
         balanced best.
     residual : float
-        Worst imbalance of a part over its weight, of those forces [-].
+        Worst imbalance of a part over its weight, for those forces [-].
     starts, iterations : int
-        How many were needed.
+        Numbers of starts and Newton steps used.
     runaway : ndarray, shape (N, 6), or None
-        The direction in which the parts ran away, as an acceleration; None where seated.
+        The direction in which the parts ran away, as an acceleration; None if seated.
     """
 
     seated: Literal["yes", "runs-away", "not-found"]
@@ -76,7 +78,7 @@ class Seating:
 
     @property
     def holds(self) -> bool:
-        """Whether there is a seat."""
+        """True if there is a seat."""
         return self.seated == "yes"
 
 
@@ -89,20 +91,21 @@ def find_seating(
     work: Work | float = inf,
     elastic: ElasticForces | None = None,
 ) -> Seating:
-    """Whether the weight of the parts seats them.
+    """Search for a position in which the weight of the parts holds them.
 
     Parameters
     ----------
     program : Program
         With the friction of its contacts.
     seed : int
-        Of the stiffnesses and first displacements at random.
+        Seed of the random stiffnesses and first displacements.
     starts : int
-        Starts at most.
+        Maximum number of starts.
     work : Work or float
-        Or an effort (`kilter.work`); when it is spent, the search ends with what it has.
+        Work limit, or an effort (`kilter.work`); when it is spent, the search ends with its best
+        result.
     elastic : ElasticForces, optional
-        Where they are known already.
+        Forces of the least energy, if they are known.
 
     Examples
     --------
@@ -117,28 +120,30 @@ def find_seating(
     """
     law = coulomb_law(program)
     if not len(law.load) or not law.strength:
-        none = np.zeros((len(program.part_a), 3))
-        return Seating("yes", none, check_balance(program, none), 0, 0, None)
+        no_forces = np.zeros((len(program.part_a), 3))
+        return Seating("yes", no_forces, check_balance(program, no_forces), 0, 0, None)
     work, system = Work.of(work), spring_system(law)
     best: Seating | None = None
     elastic = elastic or elastic_forces(law, work=work)
     size = 1.0 if elastic is None else float(np.abs(elastic.displacement).max())
-    iterations, gone = 0, True
+    iterations, all_run_away = 0, True
     for start, (stiffness, x, first) in enumerate(_starts(law, elastic, seed), 1):
         rest = relaxed(Springs(system, stiffness), x, work=work, first=first, size=size)
         iterations += rest.steps
-        gone = gone and rest.end == "runs-away"
+        all_run_away = all_run_away and rest.end == "runs-away"
         forces = law.forces(rest.state.forces)
         residual = check_balance(program, forces)
         if residual <= BALANCED:
             return Seating("yes", forces, residual, start, iterations, None)
         if best is None or residual < best.residual:
-            away = law.acceleration(rest.state.x / max(float(np.linalg.norm(rest.state.x)), TINY))
-            best = Seating("not-found", forces, residual, start, iterations, away)
+            runaway = law.acceleration(
+                rest.state.x / max(float(np.linalg.norm(rest.state.x)), TINY)
+            )
+            best = Seating("not-found", forces, residual, start, iterations, runaway)
         if work.over or start >= starts:
             break
     assert best is not None  # there is at least one start
-    seated: Literal["runs-away", "not-found"] = "runs-away" if gone else "not-found"
+    seated: Literal["runs-away", "not-found"] = "runs-away" if all_run_away else "not-found"
     return Seating(seated, best.forces, best.residual, start, iterations, best.runaway)
 
 
@@ -155,7 +160,7 @@ def _starts(
 
 
 def _squeezed(law: CoulombLaw, rng: np.random.Generator) -> tuple[Array, Array]:
-    """A stiffness a patch, and a first displacement that squeezes what it can, and a little."""
+    """Random stiffness of each patch, and a first displacement that squeezes the patches."""
     from scipy.sparse.linalg import splu
 
     patches = int(law.patch.max(initial=-1)) + 1

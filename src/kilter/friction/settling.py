@@ -1,16 +1,16 @@
-"""Settling: put down loosely, do the parts come to rest, and by their own weight alone?
+"""Settling: do loosely placed parts come to rest by their own weight alone?
 
-Parts begin at rest where they are drawn (x = 0), with a gap at every contact point, at random
-between none and three times the deflection that their weight makes there, and come down along
+Parts begin at rest in their drawn positions (x = 0), with a random gap at every contact point,
+between zero and three times the deflection that their weight causes there. They come down along
 their path in pseudo-time (`kilter.friction.relaxing`) between contacts that give a little
-(`kilter.friction.springs`). They *settle* if every try ends in balance. What settles needs no
-squeeze, and no care in putting it there: on 884 random assemblies every one in which motions
-are excluded settled, and of 166 which a motion refutes one did.
+(`kilter.friction.springs`). They *settle* if every try ends in balance. An assembly that settles
+needs neither squeeze nor careful placement: of 884 random assemblies, every one for which motions
+are excluded settled, and of 166 that a motion refutes, a single one did.
 
-The deflection of a point is the median over the points that press on its parts, of the forces
-of the least elastic energy (`kilter.friction.elastic_forces`); of its two parts the smaller.
+The deflection of a point is the median over the pressed points of its parts, for the forces of the
+least elastic energy (`kilter.friction.elastic_forces`); the smaller of its two parts counts.
 
-The gaps are drawn with a seed of their own a try: the same assembly has the same tries.
+The gaps of each try have a fixed seed: the same assembly has the same tries.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from kilter.work import Work
 __all__ = ["TRIES", "Settling", "find_settling"]
 
 TRIES = 8
-"""Tries that must all come to balance."""
+"""Number of tries that must all come to balance."""
 LOOSE = 3.0
 """Largest gap, over the deflection of its point."""
 
@@ -44,20 +44,20 @@ End = Literal["balance", "runs-away", "not-found"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Settling:
-    """How the tries ended.
+    """Results of the tries.
 
     Attributes
     ----------
     ends : tuple of {"balance", "runs-away", "not-found"}
-        Of each try that was made; the tries end with one that was not found.
+        End of each try; the first try that is not found is the last.
     forces : tuple of ndarray, shape (K, 3)
-        Of each try that ended in balance, on part b of each row, world frame [N].
+        Forces of each try that ended in balance, on part b of each row, world frame [N].
     of : int
-        Tries that were asked for.
+        Number of requested tries.
     iterations : int
         Newton steps of all tries.
     runaway : ndarray, shape (N, 6), or None
-        Where the first try that was not in balance went, as an acceleration.
+        Direction of the first try that was not in balance, as an acceleration.
     """
 
     ends: tuple[End, ...]
@@ -68,17 +68,17 @@ class Settling:
 
     @property
     def passed(self) -> int:
-        """Tries that ended in balance."""
+        """Number of tries that ended in balance."""
         return len(self.forces)
 
     @property
     def settles(self) -> bool:
-        """Whether every try ended in balance."""
+        """True if every try ended in balance."""
         return self.passed == self.of
 
     @property
     def runs_away(self) -> bool:
-        """Whether some try ran away."""
+        """True if at least one try ran away."""
         return "runs-away" in self.ends
 
 
@@ -91,35 +91,36 @@ def find_settling(
     work: Work | float = inf,
     elastic: ElasticForces | None = None,
 ) -> Settling:
-    """Whether parts that are put down loosely come to rest.
+    """Put the parts down loosely several times, and find whether they come to rest.
 
     Parameters
     ----------
     program : Program
         With the friction of its contacts, whose cones hold forces of equilibrium.
     tries : int
+        Number of tries.
     seed : int
-        Of the first try; the next have the next.
+        Seed of the first try; each further try adds 1.
     work : Work or float
-        Or an effort (`kilter.work`); the tries end when it is spent.
+        Work limit, or an effort (`kilter.work`); the tries end when it is spent.
     elastic : ElasticForces, optional
-        Where they are known already.
+        Forces of the least energy, if they are known.
 
     Examples
     --------
     >>> from kilter.contact import contacts
     >>> from kilter.mechanics.program import build_program
     >>> from kilter.scenes import friction, stacks
-    >>> for one in (stacks.block_on_slope(26.0, friction=0.5), friction.bracket()):
-    ...     find_settling(build_program(one, contacts(one))).passed
+    >>> for assembly in (stacks.block_on_slope(26.0, friction=0.5), friction.bracket()):
+    ...     find_settling(build_program(assembly, contacts(assembly))).passed
     8
     0
     """
     law, work = coulomb_law(program), Work.of(work)
     if not len(law.load) or not law.strength:
-        none = (np.zeros((len(law.mu), 3)),) * tries
+        no_forces = (np.zeros((len(law.mu), 3)),) * tries
         ends: list[End] = ["balance"] * tries
-        return Settling(tuple(ends), none, tries, 0)
+        return Settling(tuple(ends), no_forces, tries, 0)
     elastic = elastic or elastic_forces(law, work=work)
     deflection = _deflections(law, elastic)
     size = 1.0 if elastic is None else float(np.abs(elastic.displacement).max())
@@ -129,29 +130,30 @@ def find_settling(
     iterations, runaway = 0, None
     for number in range(tries):
         work.tell(f"putting it down loosely, try {number + 1} of {tries}")
-        share = np.random.default_rng([seed + number, 8]).uniform(0.0, LOOSE, len(law.mu))
-        springs = Springs(system, stiffness, np.where(law.tied, 0.0, share * deflection))
+        gap_share = np.random.default_rng([seed + number, 8]).uniform(0.0, LOOSE, len(law.mu))
+        springs = Springs(system, stiffness, np.where(law.tied, 0.0, gap_share * deflection))
         rest = relaxed(springs, np.zeros(len(law.load)), work=work, size=size)
         iterations += rest.steps
-        own = law.forces(rest.state.forces)
-        balanced = check_balance(program, own) <= BALANCED
-        endings.append("balance" if balanced else _lost(rest.end))
+        world_forces = law.forces(rest.state.forces)
+        balanced = check_balance(program, world_forces) <= BALANCED
+        endings.append("balance" if balanced else _unbalanced_end(rest.end))
         if balanced:
-            forces.append(own)
+            forces.append(world_forces)
         elif runaway is None:
-            away = rest.state.x / max(float(np.linalg.norm(rest.state.x)), TINY)
-            runaway = law.acceleration(away)
+            direction = rest.state.x / max(float(np.linalg.norm(rest.state.x)), TINY)
+            runaway = law.acceleration(direction)
         if endings[-1] == "not-found":
             break
     return Settling(tuple(endings), tuple(forces), tries, iterations, runaway)
 
 
-def _lost(end: End) -> End:
+def _unbalanced_end(end: End) -> End:
+    """The end of a try whose forces do not balance."""
     return "runs-away" if end == "runs-away" else "not-found"
 
 
 def _deflections(law: CoulombLaw, elastic: ElasticForces | None) -> Array:
-    """The deflection of each point, where it is 1 for a force of the weight."""
+    """Deflection of each point by the weight; 1 if no forces are known."""
     program = law.program
     if elastic is None:
         return np.ones(len(law.mu))
@@ -159,11 +161,11 @@ def _deflections(law: CoulombLaw, elastic: ElasticForces | None) -> Array:
     presses = ~law.tied & (depth > PRESSES * max(float(depth.max(initial=0.0)), TINY))
     if not presses.any():
         return np.ones(len(law.mu))
-    own = np.full(len(program.names), np.inf)
+    part_deflection = np.full(len(program.names), np.inf)
     for part in np.flatnonzero(program.free):
-        of_it = presses & ((program.part_a == part) | (program.part_b == part))
-        if of_it.any():
-            own[part] = np.median(depth[of_it])
-    smaller = np.minimum(own[program.part_a], own[program.part_b])
-    found: Array = np.where(np.isfinite(smaller), smaller, np.median(depth[presses]))
-    return found
+        of_part = presses & ((program.part_a == part) | (program.part_b == part))
+        if of_part.any():
+            part_deflection[part] = np.median(depth[of_part])
+    smaller = np.minimum(part_deflection[program.part_a], part_deflection[program.part_b])
+    deflection: Array = np.where(np.isfinite(smaller), smaller, np.median(depth[presses]))
+    return deflection

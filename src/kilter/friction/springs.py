@@ -1,16 +1,16 @@
-"""Contacts that give a little: forces of a displacement, and the balance of the parts.
+"""Contacts that give a little: forces from a displacement, and the balance of the parts.
 
 With a stiffness k along the normal, 0.7 k across it, and a gap g >= 0 at each point, a small
-displacement x of the parts makes the forces
+displacement x of the parts produces the forces
 
     f_n = k max(0, -(u_n + g)),   f_t = -0.7 k u_t, cut to |f_t| <= mu f_n,      u = H x
     r(x) = w + H^T f(H x)
 
 (scaled as in `kilter.friction.law`, x being a displacement here). Each force is exactly in its
-cone, so that where r = 0 the forces are forces of equilibrium. The size of k does not matter.
+cone, so if r = 0 the forces are forces of equilibrium. The magnitude of k has no effect.
 
-Systems (d - dr/dx) dx = y are solved by a band matrix, parts in the order of reverse Cuthill
-and McKee, or as sparse ones where the band is wide.
+Systems (d - dr/dx) dx = y are solved by a band matrix, with parts in reverse Cuthill-McKee order,
+or by a sparse matrix if the band is wide.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ __all__ = ["ACROSS", "SpringState", "SpringSystem", "Springs", "spring_system"]
 ACROSS = 0.7
 """Stiffness across a contact over that along its normal: about that of two elastic bodies."""
 WIDEST_BAND = 400
-"""Half width of a band above which systems are solved as sparse ones."""
+"""Half width of a band above which systems are solved as sparse systems."""
 
 
 @dataclass(slots=True)
 class SpringState:
-    """A displacement with what follows from it: u with gaps counted in, forces (n, u, v), r."""
+    """A displacement x and its consequences: u with gaps, forces (n, u, v), and the imbalance r."""
 
     x: Array
     opening: Array
@@ -44,7 +44,7 @@ class SpringState:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SpringSystem:
-    """Where the entries of -dr/dx are, the same for all stiffnesses, gaps and displacements.
+    """Positions of the entries of -dr/dx, equal for all stiffnesses, gaps and displacements.
 
     Attributes
     ----------
@@ -52,21 +52,21 @@ class SpringSystem:
     transposed : csr_array
         H^T.
     lever : ndarray, shape (K, 3, 2 d)
-        H of each point by its two parts, of d freedoms; points of a pair follow each other.
+        H of each point by its two parts, of d freedoms; points of a pair are consecutive.
     points : ndarray of int, shape (K,)
         The rows in that order.
     pair : ndarray of int, shape (K,)
         The pair of each point in it.
     place : ndarray of int, shape (pairs, 2 d x 2 d)
-        Where each entry of a pair goes: in the band, or among the stored entries.
+        Position of each entry of a pair: in the band, or among the stored entries.
     band : int
-        Half width of the band; 0 where the system is solved as a sparse one.
+        Half width of the band; 0 for a sparse system.
     order : ndarray of int, shape (n,)
-        Where each unknown is in the system.
+        Position of each unknown in the system.
     row, start : ndarray of int
-        Of a sparse system, as in a csc_array; empty else.
+        Row indices and column starts of a sparse system, as in a csc_array; else empty.
     weight : ndarray
-        Weights of the free parts, scaled as r is.
+        Weights of the free parts, in the scale of r.
     """
 
     law: CoulombLaw
@@ -83,15 +83,15 @@ class SpringSystem:
 
 
 def spring_system(law: CoulombLaw) -> SpringSystem:
-    """The places of the entries of a law's systems."""
+    """The positions of the entries of a law's systems."""
     program, per = law.program, law.root.shape[1]
     index = np.full(len(program.names), -1)
     index[program.free] = np.arange(len(law.root))
     ends = np.column_stack([index[program.part_a], index[program.part_b]])
     points = np.lexsort((ends[:, 1], ends[:, 0]))
     pairs, pair = np.unique(ends[points], axis=0, return_inverse=True)
-    lever = _levers(law, ends, per)[points]
-    rank = _ranks(pairs, len(law.root))
+    lever = _pair_levers(law, ends, per)[points]
+    rank = _elimination_ranks(pairs, len(law.root))
     order = (per * rank[:, None] + np.arange(per)).reshape(-1)
     held = pairs < 0
     unknown = per * rank[np.where(held, 0, pairs)][:, :, None] + np.arange(per)
@@ -105,22 +105,23 @@ def spring_system(law: CoulombLaw) -> SpringSystem:
         count = (3 * band + 1) * len(law.load)
         place = np.where(used, (2 * band + i - j) * len(law.load) + j, count)
     else:
-        place, row, start = _stored(i, j, used, len(law.load))
+        place, row, start = _sparse_positions(i, j, used, len(law.load))
         band = 0
     return SpringSystem(
         law, law.matrix.T.tocsr(), lever, points, pair.reshape(-1),
-        place.reshape(len(pairs), 4 * per * per), band, order, row, start, _weights(law),
+        place.reshape(len(pairs), 4 * per * per), band, order, row, start, _scaled_weights(law),
     )  # fmt: skip
 
 
-def _weights(law: CoulombLaw) -> Array:
+def _scaled_weights(law: CoulombLaw) -> Array:
+    """Weights of the free parts, in the scale of r."""
     part = np.flatnonzero(law.program.free)
     weight = law.program.weight[part] / np.sqrt(law.program.mass[part]) / max(law.strength, TINY)
     least: Array = np.maximum(weight, TINY)
     return least
 
 
-def _levers(law: CoulombLaw, ends: Index, per: int) -> Array:
+def _pair_levers(law: CoulombLaw, ends: Index, per: int) -> Array:
     """H of each point by its first and second part, shape (K, 3, 2 d)."""
     entries = law.matrix.tocoo()
     point, line = entries.row // 3, entries.row % 3
@@ -131,9 +132,9 @@ def _levers(law: CoulombLaw, ends: Index, per: int) -> Array:
     return lever
 
 
-def _ranks(pairs: Index, count: int) -> Index:
-    """The place of each part, so that parts that touch are near each other."""
-    from scipy.sparse.csgraph import reverse_cuthill_mckee  # takes its time
+def _elimination_ranks(pairs: Index, count: int) -> Index:
+    """Position of each part in an order that keeps touching parts close."""
+    from scipy.sparse.csgraph import reverse_cuthill_mckee  # slow to import
 
     both = pairs[(pairs >= 0).all(axis=1)]
     ones = np.ones(2 * len(both))
@@ -143,8 +144,10 @@ def _ranks(pairs: Index, count: int) -> Index:
     return rank
 
 
-def _stored(i: Index, j: Index, used: np.ndarray, count: int) -> tuple[Index, Index, Index]:
-    """Places of entries in a csc_array that has the diagonal too; its rows and column starts."""
+def _sparse_positions(
+    i: Index, j: Index, used: np.ndarray, count: int
+) -> tuple[Index, Index, Index]:
+    """Positions of entries in a csc_array with a full diagonal; its rows and column starts."""
     diagonal = np.arange(count) * (count + 1)
     keys, inverse = np.unique(np.concatenate([j[used] * count + i[used], diagonal]),
                               return_inverse=True)  # fmt: skip
@@ -155,14 +158,14 @@ def _stored(i: Index, j: Index, used: np.ndarray, count: int) -> tuple[Index, In
 
 
 class Springs:
-    """The equations r(x) = 0 for one stiffness and gap a point.
+    """The equations r(x) = 0 for given stiffnesses and gaps of the points.
 
     Parameters
     ----------
     system : SpringSystem
     stiffness : ndarray, shape (K,)
     gap : ndarray, shape (K,), optional
-        None where not given.
+        Default: 0.
     """
 
     def __init__(self, system: SpringSystem, stiffness: Array, gap: Array | None = None) -> None:
@@ -174,7 +177,7 @@ class Springs:
         law = self.system.law
         u = (law.matrix @ x).reshape(-1, 3)
         u[:, 0] += self.gap
-        forces = _response(law, self.stiffness, u)
+        forces = _contact_forces(law, self.stiffness, u)
         return SpringState(x, u, forces, law.load + self.system.transposed @ forces.reshape(-1))
 
     def imbalance(self, state: SpringState) -> float:
@@ -184,35 +187,44 @@ class Springs:
         return float((rest / weight).max())
 
     def newton(self, state: SpringState, right: Array, drag: float, work: Work) -> Array:
-        """The step dx of (drag - dr/dx) dx = right; numpy's LinAlgError where there is none."""
+        """The step dx of (drag - dr/dx) dx = right.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError
+            If the system is singular.
+        """
         system, count = self.system, len(right)
-        place, blocks = self._blocks(state)
+        place, blocks = self._pair_blocks(state)
         if system.band:
-            return self._by_band(place, blocks, right, drag, work)
-        values = _summed(place, blocks, len(system.row))
+            return self._solve_band(place, blocks, right, drag, work)
+        values = _sum_entries(place, blocks, len(system.row))
         matrix = csc_array((values, system.row, system.start), shape=(count, count))
         matrix.setdiag(matrix.diagonal() + drag)
-        return _by_factors(matrix, right[np.argsort(system.order)], work)[system.order]
+        return _solve_sparse(matrix, right[np.argsort(system.order)], work)[system.order]
 
-    def _blocks(self, state: SpringState) -> tuple[Index, Array]:
-        """Of the pairs that touch, where the entries of -dr/dx go, and the entries."""
+    def _pair_blocks(self, state: SpringState) -> tuple[Index, Array]:
+        """Positions and entries of -dr/dx of the touching pairs."""
         system, law = self.system, self.system.law
         touching = (state.opening[:, 0] < 0) | law.tied
         used = np.flatnonzero(touching[system.points])
         points, pair, lever = system.points[used], system.pair[used], system.lever[used]
-        slope = _slopes(law, self.stiffness, state.opening, points)
+        slope = _contact_slopes(law, self.stiffness, state.opening, points)
         blocks = np.matmul(np.swapaxes(lever, 1, 2), np.matmul(slope, lever))
         begins = np.flatnonzero(np.diff(pair, prepend=-1))
         if len(begins):
             blocks = np.add.reduceat(blocks, begins, axis=0)
         return system.place[pair[begins]], blocks
 
-    def _by_band(self, place: Index, blocks: Array, right: Array, drag: float, work: Work) -> Array:
+    def _solve_band(
+        self, place: Index, blocks: Array, right: Array, drag: float, work: Work
+    ) -> Array:
+        """Solve the system as a band matrix."""
         from scipy.linalg.lapack import dgbsv
 
         system, count, band = self.system, len(right), self.system.band
         size = (3 * band + 1) * count
-        values = _summed(place, blocks, size)
+        values = _sum_entries(place, blocks, size)
         matrix = values.reshape(3 * band + 1, count)
         matrix[2 * band] += drag
         work.band(count, band, len(system.points))
@@ -225,13 +237,14 @@ class Springs:
         return back
 
 
-def _summed(place: Index, blocks: Array, count: int) -> Array:
-    """Entries summed up by their places; what has no place is left out."""
+def _sum_entries(place: Index, blocks: Array, count: int) -> Array:
+    """Entries summed by their positions; entries without a position are dropped."""
     sums = np.bincount(place.reshape(-1), blocks.reshape(-1), minlength=count + 1)[:count]
     return np.asarray(sums, dtype=np.float64)
 
 
-def _by_factors(matrix: csc_array, right: Array, work: Work) -> Array:
+def _solve_sparse(matrix: csc_array, right: Array, work: Work) -> Array:
+    """Solve a sparse system."""
     from scipy.sparse.linalg import splu
 
     try:
@@ -243,8 +256,8 @@ def _by_factors(matrix: csc_array, right: Array, work: Work) -> Array:
     return step
 
 
-def _response(law: CoulombLaw, stiffness: Array, u: Array) -> Array:
-    """Forces (n, u, v) of displacements of the points, shape (K, 3)."""
+def _contact_forces(law: CoulombLaw, stiffness: Array, u: Array) -> Array:
+    """Forces (n, u, v) from displacements of the points, shape (K, 3)."""
     touching = (u[:, 0] < 0) | law.tied
     forces = u * (-stiffness * touching)[:, None]
     forces[:, 1:] *= ACROSS
@@ -255,19 +268,21 @@ def _response(law: CoulombLaw, stiffness: Array, u: Array) -> Array:
     return forces
 
 
-def _slopes(law: CoulombLaw, stiffness: Array, u: Array, points: Index) -> Array:
-    """-df/du of points that touch, shape (n, 3, 3)."""
+def _contact_slopes(law: CoulombLaw, stiffness: Array, u: Array, points: Index) -> Array:
+    """Derivative -df/du of touching points, shape (n, 3, 3)."""
     k, tied, mu = stiffness[points], law.tied[points], law.mu[points]
     u, across = u[points], ACROSS * k
     pull = -across[:, None] * u[:, 1:]
     drag = np.hypot(pull[:, 0], pull[:, 1])
     limit = np.where(tied, 0.0, -mu * k * u[:, 0])
     slides = (drag > limit) & ~tied
-    share = np.where(drag > limit, limit / np.maximum(drag, TINY), 1.0) * across
+    tangential_stiffness = np.where(drag > limit, limit / np.maximum(drag, TINY), 1.0) * across
     e = pull / np.maximum(drag, TINY)[:, None]
     slope = np.zeros((len(u), 3, 3))
     slope[:, 0, 0] = k
     slope[:, 1:, 0] = (mu * k * slides)[:, None] * e
-    slope[:, 1:, 1:] = share[:, None, None] * np.eye(2)
-    slope[:, 1:, 1:] -= (share * slides)[:, None, None] * e[:, :, None] * e[:, None, :]
+    slope[:, 1:, 1:] = tangential_stiffness[:, None, None] * np.eye(2)
+    slope[:, 1:, 1:] -= (
+        (tangential_stiffness * slides)[:, None, None] * e[:, :, None] * e[:, None, :]
+    )
     return slope

@@ -1,8 +1,8 @@
-"""A sparse matrix of fixed structure, some of whose entries are named and set anew each time.
+"""A sparse matrix of fixed structure, with named entries whose values change.
 
-Branch and bound solves thousands of linear programs that differ in some numbers only. The
-places of all entries are found once; a program then costs one copy of its numbers, and a
-basis of one serves as a start for the next.
+Branch and bound solves thousands of linear programs that differ only in some numbers. The positions
+of all entries are found once. A program then costs a copy of its numbers, and the basis of a
+program can start the next.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ class MatrixTemplate:
     Parameters
     ----------
     lengths : dict
-        How many columns each name has, in their order.
+        Number of columns of each name, in their order.
 
     Attributes
     ----------
     columns : dict
         The slice of the columns of each name.
     width, height : int
-        Columns, and rows so far.
+        Number of columns, and of rows so far.
 
     Examples
     --------
@@ -59,12 +59,12 @@ class MatrixTemplate:
         self._filled = 0
 
     def of(self, name: str) -> Index:
-        """The numbers of the columns of a name."""
+        """Indices of the columns of a name."""
         columns = self.columns[name]
         return np.arange(columns.start, columns.stop)
 
     def rows(self, count: int, kind: Literal["=", ">", "<"]) -> Index:
-        """The numbers of `count` new rows, which are = 0, >= 0 or <= 0."""
+        """Indices of `count` new rows, which are = 0, >= 0 or <= 0."""
         at = self.height + np.arange(count)
         self._lower.append(np.full(count, -np.inf if kind == "<" else 0.0))
         self._upper.append(np.full(count, np.inf if kind == ">" else 0.0))
@@ -72,7 +72,7 @@ class MatrixTemplate:
         return at
 
     def put(self, rows: ArrayLike, columns: ArrayLike, values: ArrayLike, name: str = "") -> None:
-        """Entries, broadcast together; those with a name are set anew in each matrix."""
+        """Add entries, broadcast together; named entries get new values in each matrix."""
         at, across = np.broadcast_arrays(np.asarray(rows), np.asarray(columns))
         data = np.broadcast_to(np.asarray(values, dtype=np.float64), at.shape)
         self._blocks.append((at.ravel(), across.ravel(), data.ravel()))
@@ -81,12 +81,12 @@ class MatrixTemplate:
         self._filled += at.size
 
     def put_matrix(self, rows: Index, columns: str, matrix: sparray, sign: float) -> None:
-        """Times a sign, a matrix over rows and the columns of a name."""
+        """Add a matrix, times a sign, over rows and the columns of a name."""
         coo = matrix.tocoo()
         self.put(rows[coo.row], self.columns[columns].start + coo.col, sign * coo.data)
 
     def finish(self) -> None:
-        """Order the entries by columns: no more rows then."""
+        """Sort the entries by columns; no rows can be added afterwards."""
         row, column, self._data = (
             np.concatenate([block[k] for block in self._blocks]) for k in range(3)
         )
@@ -97,7 +97,7 @@ class MatrixTemplate:
         self.lower, self.upper = np.concatenate(self._lower), np.concatenate(self._upper)
 
     def matrix(self, values: Mapping[str, ArrayLike]) -> csc_array:
-        """The matrix with these values in the places of their names, 0 in all others named."""
+        """The matrix with the given values in its named entries; other named entries are 0."""
         data = self._data.copy()
         for name, value in values.items():
             data[self._places[name]] = np.ravel(np.asarray(value))
