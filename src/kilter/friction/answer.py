@@ -199,7 +199,7 @@ def _seat_and_settle(program: Program, whole: Work) -> tuple[Seating, Settling]:
 
 
 def _verified(program: Program, forces: Sequence[Array]) -> tuple[ForceProof, ...]:
-    """Those of the forces that are a proof of equilibrium."""
+    """The forces that are a proof of equilibrium, as proofs."""
     proofs = []
     for vectors in forces:
         along = np.einsum("ij,ij->i", vectors, program.normal)
