@@ -38,7 +38,7 @@ BatchRow = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class BatchQuestion:
-    """What is asked of every assembly of a batch, and how their files are read.
+    """Options for every assembly of a batch: of the check and of the reader.
 
     `base`: the folder that their paths start from.
     """

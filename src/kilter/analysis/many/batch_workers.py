@@ -20,9 +20,9 @@ from kilter.pipes import end_process, end_with_parent, receive, send, start_proc
 __all__ = ["LocalWorkers", "Task", "Workers", "serve"]
 
 STARTED = "started"
-"""What a worker says first."""
+"""First message of a worker."""
 STILLBORN = 10
-"""Workers that die one after the other, none of them heard, after which the batch is given up."""
+"""Number of consecutive workers that die before their first message, at which a batch stops."""
 Files = tuple[tuple[int, str], ...]
 
 

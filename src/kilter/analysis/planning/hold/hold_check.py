@@ -72,7 +72,7 @@ FALLS = {"held": False, "not fewer": True}
 def _change(
     assembly: Assembly, candidates: Sequence[Support], there: frozenset[int]
 ) -> dict[str, Any]:
-    """What of the file is another with some of the candidates."""
+    """Return the change of the file that applies a subset of the candidates."""
     chosen = [candidates[k] for k in sorted(there)]
     gripped = {one.part for one in chosen if one.kind == "grip"}
     return {

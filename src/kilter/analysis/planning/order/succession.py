@@ -15,7 +15,7 @@ __all__ = ["later_parts", "precedence_pairs"]
 
 
 def later_parts(assembly: Assembly, before: Iterable[tuple[str, str]]) -> list[int]:
-    """Of each part the set of those that come later, by the pairs that were asked for."""
+    """Return for each part the bit set of the parts that must come later, by the given pairs."""
     later = [0] * len(assembly)
     for pair in before:
         if isinstance(pair, str) or len(pair) != 2:

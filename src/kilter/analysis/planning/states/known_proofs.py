@@ -1,4 +1,4 @@
-"""What forces and motions that were found once prove of other states.
+"""Reuse of known forces and motions as proofs of other states.
 
 Forces f that balance the free parts F, on parts of P alone, prove every state (S', H') with
 
