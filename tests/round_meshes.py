@@ -14,7 +14,7 @@ Mesh = tuple[Array, NDArray[np.int64]]
 
 
 def revolved(profile: Sequence[tuple[float, float]], sides: int, phase: float = 0.0) -> Mesh:
-    """A closed outline of (radius, z), turning left, turned about z."""
+    """A solid of revolution about z with a closed, counterclockwise outline of (radius, z)."""
     angle = phase + np.arange(sides) * (2 * np.pi / sides)
     vertices: list[list[float]] = []
     rows = []
@@ -32,7 +32,7 @@ def revolved(profile: Sequence[tuple[float, float]], sides: int, phase: float = 
 
 
 def bar(corners: Array, length: float = 3.0) -> Mesh:
-    """A polygon extruded."""
+    """An extruded polygon."""
     return surface(Prism(corners, length))
 
 
@@ -42,7 +42,7 @@ def circle(sides: int, radius: float = 1.0) -> Array:
 
 
 def rounded_bar(pieces: int, radius: float = 1.0) -> Mesh:
-    """A bar of 4 flats, its edges rounded in so many pieces."""
+    """A bar with 4 flats, and rounded edges of `pieces` facets each."""
     corners = []
     for x, z, start in ((3, 2, 0), (-3, 2, 90), (-3, -2, 180), (3, -2, 270)):
         for t in np.radians(start + np.linspace(0, 90, pieces + 1)):
@@ -51,7 +51,7 @@ def rounded_bar(pieces: int, radius: float = 1.0) -> Mesh:
 
 
 def moved(mesh: Mesh, seed: int, scale: float = 1.0, single: bool = False) -> Mesh:
-    """A mesh turned and moved at random, as float32 where `single`."""
+    """A mesh after a random rigid motion, as float32 if `single`."""
     rng = np.random.default_rng(seed)
     turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     turn *= np.sign(np.linalg.det(turn))

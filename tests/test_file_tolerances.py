@@ -1,4 +1,4 @@
-"""The tolerances of assemblies and files stand in one file each, and as it says to each other."""
+"""The tolerances of assemblies and of files are in a file each, and in the order that it states."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ def test_the_fifth_power_of_the_largest_size_is_a_number() -> None:
 
 @pytest.mark.slow
 def test_no_small_number_goes_without_a_name() -> None:
-    # what bricks weigh, in kg
+    # masses of bricks [kg]
     found = unnamed("assembly", but="assembly_tolerances.py")
     assert {place.split(":")[0] for place in found} == {"assembly/bricks/brick_library.py"}
-    # units: of 3MF, how many millimetres a micron is; of STEP, what prefixes and inches are; and
-    # what MuJoCo takes at the least
+    # units: a micron in millimetres (3MF); prefixes and inches (STEP); and
+    # the least values that MuJoCo accepts
     found = unnamed("files", but="file_tolerances.py")
     places = {place.split(":")[0] for place in found}
     assert places == {"files/mjcf.py", "files/stated_accuracy.py", "files/threemf.py"}

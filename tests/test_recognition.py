@@ -1,4 +1,4 @@
-"""Round faces of meshes: what is taken for round, what stays flat, and how exactly."""
+"""Recognition of round faces in meshes: round faces, flat faces, and the accuracy."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ CAPSULE = [
 
 
 def judged(mesh: Mesh, accuracy: float = 0.0) -> tuple[tuple[Surface, ...], np.ndarray, np.ndarray]:
-    """What is recognised, after what must always hold."""
+    """The surfaces recognised in a mesh, after checks that must always hold."""
     vertices, triangles = mesh
     surfaces, which, sagitta = recognise(vertices, triangles, accuracy)
     assert len(which) == len(triangles)
@@ -78,7 +78,7 @@ def test_a_rounded_edge_has_five_pieces_or_more(pieces: int, cylinders: int) -> 
 
 
 def test_the_flat_of_a_shaft_stays_flat() -> None:
-    angle = np.radians(np.arange(20, 341, 5))  # its corners lie on the circle as well
+    angle = np.radians(np.arange(20, 341, 5))  # the corners lie on the circle as well
     surfaces, which, _ = judged(bar(np.column_stack([np.cos(angle), np.sin(angle)])))
     assert Counter(s.kind for s in surfaces) == {"cylinder": 1, "plane": 3}
     assert (which == 0).sum() == 2 * 64
@@ -108,7 +108,7 @@ def test_nothing_gives_nothing() -> None:
     assert recognise(np.empty((0, 3)), np.empty((0, 3)))[0] == ()
 
 
-# what is found -------------------------------------------------------------------------
+# recognised surfaces --------------------------------------------------------------------
 
 PAN = [(0, -3.5), (4, -3.5), (4, 0), (3, 0), *((3 * np.cos(t), -3 * np.sin(t)) for t in ARC)]
 PARTS = {
@@ -213,7 +213,7 @@ def test_one_corner_off_the_circle_leaves_its_facets_flat() -> None:
     vertices, triangles = bar(circle(60))
     for step, others in ((1e-12, 0), (1e-4, 4)):
         bent = vertices.copy()
-        bent[[0, 60], 0] += step  # both ends of one line of the side
+        bent[[0, 60], 0] += step  # both ends of a line along the side
         surfaces, which, _ = judged((bent, triangles))
         assert Counter(s.kind for s in surfaces) == {"cylinder": 1, "plane": 2 + others // 2}
         assert (which == 0).sum() == 120 - others
@@ -221,7 +221,7 @@ def test_one_corner_off_the_circle_leaves_its_facets_flat() -> None:
 
 @pytest.mark.slow
 def test_a_short_arc_within_a_smooth_face_is_no_evidence() -> None:
-    """A spline of slowly changing curvature is an arc to within rounding, piece by piece."""
+    """Each piece of a spline of slowly changing curvature is an arc to within rounding."""
     t = np.linspace(0, 1, 400)
     top = np.column_stack([t * 4, 1 + 0.1 * t**2 * (1 - t) ** 2])
     there = bar(np.vstack([top[::-1], [[0, 0], [4, 0]]]))

@@ -1,4 +1,4 @@
-"""The tolerances of shapes stand in one file, and to each other as it says."""
+"""The tolerances of shapes are in a single file, and in the order that it states."""
 
 from __future__ import annotations
 

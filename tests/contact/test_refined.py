@@ -47,7 +47,7 @@ def test_finer_triangles_close_in_on_the_exact_body_and_stay_closed(name):
     if exact is not None:
         off = np.abs(np.array(volumes) - exact)
         assert off[2] < off[0] / 12
-    else:  # each round leaves a quarter of what was missing
+    else:  # each round leaves a quarter of the missing volume
         assert volumes[1] - volumes[0] == pytest.approx(4 * (volumes[2] - volumes[1]), rel=0.1)
 
 

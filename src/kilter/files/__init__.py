@@ -2,7 +2,7 @@
 
 Readers: kilter's own JSON (`kilter_json`), COMPAS JSON (`compas`), meshes of several objects
 (`formats`: OBJ, STL, 3MF, GLB, STEP) and folders of meshes (`folder`). The writer writes kilter's
-own JSON. A fault in a file is reported as one `InputError` that names file and part.
+own JSON. A fault in a file raises an `InputError` that names file and part.
 
 Public names are imported at their first use, so that the process that reads STEP starts fast.
 """

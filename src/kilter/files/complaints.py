@@ -1,4 +1,4 @@
-"""Turn the validation errors of pydantic into one `InputError` with place, fault and remedy."""
+"""Turn the validation errors of pydantic into an `InputError` with place, fault and remedy."""
 
 from __future__ import annotations
 

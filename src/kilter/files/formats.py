@@ -126,7 +126,7 @@ def load_bodies(
     without: Sequence[str] = (),
     progress: Callable[[str], None] | None = None,
 ) -> tuple[Assembly, tuple[str, ...]]:
-    """Read the bodies of one file as an assembly.
+    """Read the bodies of a file as an assembly.
 
     `without` and `progress` are those of `read_bodies`.
 

@@ -1,6 +1,6 @@
 """Read GLB (binary glTF 2.0): the meshes of its scene, placed by its nodes.
 
-The primitives of a mesh form one solid (they differ in material only). A solid is named after its
+The primitives of a mesh form a single solid (they differ in material only). A solid is named after its
 node, else after its mesh, with as many parent nodes as needed to make names distinct. The standard
 fixes metres and y up. The reader does not turn the coordinates; gravity along -y is an option of
 `kilter.load`. Coordinates are float32. Compressed meshes are rejected.
@@ -199,7 +199,7 @@ def _triangles(header: Gltf, primitives: list[Primitive]) -> int:
 def _named_mesh(
     header: Gltf, binary: bytes, primitives: list[Primitive], name: str | None
 ) -> Mesh | None:
-    """The triangles of all primitives as one mesh; None without triangles."""
+    """The triangles of all primitives as a mesh; None without triangles."""
     try:
         pieces = [_primitive(header, binary, primitive) for primitive in primitives]
         kept = [piece for piece in pieces if piece is not None]

@@ -399,7 +399,7 @@ def _solid_dict(solid: Solid) -> dict[str, Any]:
 
 
 def _feature_dict(feature: Feature) -> dict[str, Any]:
-    """The entry of a feature; equal curvatures of a face are written as one number."""
+    """The entry of a feature; equal curvatures of a face are written as a single number."""
     k, across = feature.curvature.tolist()
     single = feature.kind == "edge" or k == across
     return _without_none(

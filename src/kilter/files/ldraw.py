@@ -2,7 +2,7 @@
 
 A cell is 20 units of .4 mm wide, a brick is 24 units high, a plate 8. y points down; the origin of
 a part is the centre of its top face. A line may place a model of the file instead of a part.
-A baseplate is held; a model without a baseplate gets one under the lowest layer.
+A baseplate is held; without a baseplate, the reader adds a baseplate under the lowest layer.
 
     0 FILE name          start of a model (.mpd); the first model is built
     1 colour x y z  a b c d e f g h i  part

@@ -1,6 +1,6 @@
 """Detect a file in which an axis other than z points up.
 
-An assembly stands with an axis up if, as one rigid body, its centre of mass is above the support
+An assembly stands with an axis up if, as a rigid body, its centre of mass is above the support
 polygon of its lowest corners: seen from the centre, neighbouring corners are less than half a turn
 apart. A file that does not stand with z up, but does with another axis up, was made for that axis.
 """

@@ -71,7 +71,7 @@ def to_mjcf(assembly: Assembly) -> str:
 def _body(
     world: Element, assets: Element, assembly: Assembly, k: int, part: Part, metres: float
 ) -> None:
-    """Add part k to the world as a body with one geom, and its mesh to the assets."""
+    """Add part k to the world as a body with a geom, and its mesh to the assets."""
     body = ElementTree.SubElement(
         world,
         "body",

@@ -54,7 +54,7 @@ class MeshEntry(_Entry):
 
 
 class StepEntry(_Entry):
-    """One solid of a STEP file."""
+    """A solid of a STEP file."""
 
     path: Name = Field(description="path of the STEP file, relative to this file")
     name: Name | None = Field(

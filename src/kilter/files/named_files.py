@@ -35,7 +35,7 @@ class NamedFiles:
         self._shapes: dict[tuple[str, str, str | None], Mesh | Solid] = {}
 
     def mesh(self, path: str) -> Mesh | Solid:
-        """Read all objects of a mesh file as one mesh."""
+        """Read all objects of a mesh file as a single mesh."""
         key = ("mesh", path, None)
         if key not in self._shapes:
             bodies = self._file("mesh", path, MESHES)

@@ -1,4 +1,4 @@
-"""Combine the shapes of a rigid body into one shape.
+"""Combine the shapes of a rigid body into a single shape.
 
 A single shape keeps its exact faces. The triangles of several shapes are united by manifold3d;
 they may overlap or be separate.
@@ -31,7 +31,7 @@ def compose(outer: Pose, inner: Pose) -> Pose:
 
 
 def one_body(shapes: Sequence[tuple[Shape, Pose]]) -> tuple[Shape, Pose]:
-    """Combine shapes into one shape.
+    """Combine shapes into a single shape.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def one_body(shapes: Sequence[tuple[Shape, Pose]]) -> tuple[Shape, Pose]:
     Raises
     ------
     InputError
-        If there are several shapes and the mesh of one is not closed.
+        If there are several shapes and a mesh is not closed.
     """
     if len(shapes) == 1:
         return shapes[0]

@@ -109,7 +109,7 @@ def scale_mesh(mesh: Mesh, factor: float) -> Mesh:
 
 
 def join_meshes(meshes: Sequence[Mesh]) -> Mesh:
-    """Several meshes as one mesh, with the largest of their coordinate errors."""
+    """Several meshes as a single mesh, with the largest of their coordinate errors."""
     if len(meshes) == 1:
         return meshes[0]
     start = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])

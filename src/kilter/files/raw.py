@@ -1,4 +1,4 @@
-"""Read the bytes of a file or a stream, or raise one `InputError` that states the reason."""
+"""Read the bytes of a file or a stream, or raise an `InputError` that states the reason."""
 
 from __future__ import annotations
 

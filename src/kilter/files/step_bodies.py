@@ -118,7 +118,7 @@ def _read(
 
 
 def _notes(solids: list[Occurrence], read: dict[int, ReadSolid]) -> list[str]:
-    """Notes on solids that differ from the file; parts that share a solid have one note."""
+    """Notes on solids that differ from the file; parts that share a solid share a note."""
     alike: dict[int, list[str]] = {}
     for row in solids:
         alike.setdefault(row.key, []).append(row.name)

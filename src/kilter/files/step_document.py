@@ -1,6 +1,6 @@
 """Read the product tree of a STEP file: its solids with their names and poses.
 
-A product that is used in several places is one shape with several placements. Neighbours with the
+A product that is used in several places is a shape with several placements. Neighbours with the
 same name are numbered. The name of a part has as many products above it as needed to make it
 unique: ``rod``, ``l-bracket-assembly_2/l-bracket``. Shapes that are not solids are ignored and
 listed in a note.
@@ -159,7 +159,7 @@ def _transfer(reader: Any, units: str) -> Any:
 
 
 def _external(reader: Any) -> list[str]:
-    """Paths of the files that the file names; raises `InputError` if one cannot be read."""
+    """Paths of the files that the file names; raises `InputError` if a file cannot be read."""
     from OCP.IFSelect import IFSelect_ReturnStatus
 
     names: list[str] = []
@@ -304,7 +304,7 @@ class _TreeWalk:
         return entity is not None and entity.DynamicType().Name() == "StepShape_ClosedShell"
 
     def _solid_of(self, shells: list[Any], bare: bool) -> Any:
-        """The faces of shells as one solid, which may be open; cached by the first shell.
+        """The faces of shells as a solid, which may be open; cached by the first shell.
 
         `bare`: whether to remove the locations of the shells first.
         """

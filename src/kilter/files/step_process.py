@@ -45,7 +45,7 @@ STALLS_PER_MEGABYTE = 12.0
 
 
 class _Process:
-    """A process that reads STEP files one after the other; `ahead` is a request sent early."""
+    """A process that reads STEP files in sequence; `ahead` is a request sent early."""
 
     def __init__(self) -> None:
         self.process = start_process(__name__)

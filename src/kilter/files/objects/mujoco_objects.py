@@ -270,7 +270,7 @@ class _Model:
         return self.names[parent] if self.names[parent] in parts and parent else "ground"
 
     def _joint(self, ends: tuple[str, str], rows: list[int]) -> Joint:
-        """The joint of a body with its parent: fixed, of one MuJoCo joint, or cylindrical."""
+        """The joint of a body with its parent: fixed, of a MuJoCo joint, or cylindrical."""
         kinds = [int(self.model.jnt_type[k]) for k in rows]
         if not rows:
             return Joint(ends)
@@ -312,7 +312,7 @@ class _Model:
     # friction ------------------------------------------------------------------------
 
     def _friction(self, parts: list[Part]) -> tuple[float, list[FrictionPair]]:
-        """The most frequent coefficient of nearby pairs, and the pairs with another one."""
+        """The most frequent coefficient of nearby pairs, and the pairs with another coefficient."""
         model = self.model
         part_mu = np.array([max(self._mu(geom) for geom in geoms) for geoms in self.rows])
         condim = [max(int(model.geom_condim[geom]) for geom in geoms) for geoms in self.rows]
