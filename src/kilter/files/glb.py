@@ -1,8 +1,8 @@
 """Read GLB (binary glTF 2.0): the meshes of its scene, placed by its nodes.
 
-The primitives of a mesh form a single solid (they differ in material only). A solid is named after its
-node, else after its mesh, with as many parent nodes as needed to make names distinct. The standard
-fixes metres and y up. The reader does not turn the coordinates; gravity along -y is an option of
+The primitives of a mesh form a single solid (they differ in material only). A solid is named after
+its node, else after its mesh, with as many parent nodes as needed to make names distinct. The
+standard fixes metres and y up. The reader does not turn the coordinates; gravity along -y is an option of
 `kilter.load`. Coordinates are float32. Compressed meshes are rejected.
 
 References

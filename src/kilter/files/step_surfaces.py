@@ -67,7 +67,7 @@ def points_of_face(face: Any, parameters: Array) -> Array:
 
 
 def _proposed_surface(face: Any, nodes: Array, within: float) -> Surface | None:
-    """The surface that OCCT recognises in a face to the tolerance `within`; None if it recognises none."""
+    """The surface that OCCT recognises in a face to the tolerance `within`; else None."""
     from OCP.gp import gp_Cone, gp_Cylinder, gp_Pln, gp_Sphere
     from OCP.ShapeAnalysis import ShapeAnalysis_CanonicalRecognition
 
