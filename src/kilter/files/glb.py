@@ -2,8 +2,8 @@
 
 The primitives of a mesh form a single solid (they differ in material only). A solid is named after
 its node, else after its mesh, with as many parent nodes as needed to make names distinct. The
-standard fixes metres and y up. The reader does not turn the coordinates; gravity along -y is an option of
-`kilter.load`. Coordinates are float32. Compressed meshes are rejected.
+standard fixes metres and y up. The reader does not turn the coordinates; gravity along -y is an
+option of `kilter.load`. Coordinates are float32. Compressed meshes are rejected.
 
 References
 ----------
