@@ -191,7 +191,7 @@ def test_w10_nan_in_a_vertex_is_refused_by_number():
 
 def test_w10_open_mesh_is_refused_by_name():
     part = Part("lid", Mesh(CUBE.vertices, CUBE.triangles[:-1]))
-    with pytest.raises(InputError, match=r"part 'lid': mesh is open: 3 edges"):
+    with pytest.raises(InputError, match=r"part 'lid': the mesh is open: 3 edges"):
         _ = Assembly([part]).geometry
 
 
@@ -239,7 +239,7 @@ def test_w10_same_geometry_under_two_names_is_named():
         (lambda: Part("C", "cube"), "shape is of type str"),
         (lambda: Load("C", force=[0, 0, np.nan]), "force"),
         (lambda: FrictionPair(("A", "B"), -0.1), "friction"),
-        (lambda: GivenContact(("A", "B"), [], [0, 0, 1]), "no usable points|n x 3"),
+        (lambda: GivenContact(("A", "B"), [], [0, 0, 1]), "no valid points|n x 3"),
         (lambda: GivenContact(("A", "B"), [[0, 0, 0]], [0, 0, 0]), "normal"),
     ],
 )

@@ -47,7 +47,7 @@ def test_a_file_says_once_what_all_its_proofs_say() -> None:
     assert not set(made["proofs"][0]["proof"]) & set(made["common"])
     assert set(made["proofs"][1]["proof"]) & set(made["common"]) == {"units"}
     assert [entry["about"] for entry in made["proofs"]] == ["a", "b"]
-    with pytest.raises(InputError, match="there is no proof of this hold"):
+    with pytest.raises(InputError, match="this hold has no proof to write"):
         make_bundle("hold", [])
 
 

@@ -263,7 +263,7 @@ def test_w8_hull_of_a_bridge_carries_up_to_its_ends(offset):
 def test_w9_inward_base_is_turned_and_the_verdict_as_if_right():
     verdict = judged(traps.inward_base())
     assert verdict.verdict == "stable"
-    assert any("outwards" in text for text in verdict.warnings)
+    assert any("pointed inwards" in text for text in verdict.warnings)
     assert judged(tilted(traps.inward_base(), [0, 1, 0], 1.0)).verdict == "unstable"
 
 

@@ -216,7 +216,7 @@ def test_a_fault_of_kilter_exits_70_and_says_how_to_report_it(
     def broken(*_: object, **__: object) -> None:
         raise ZeroDivisionError("a fault\nof two lines")
 
-    monkeypatch.setattr("kilter.analysis.check.judge", broken)
+    monkeypatch.setattr("kilter.analysis.decision.cascade.judge", broken)
     assert main(["check", "a.json", "--proof", "p.json"]) == 70
     error = capsys.readouterr().err
     assert error.count("\n") == 1
@@ -233,7 +233,7 @@ def test_an_interrupt_exits_130(
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("kilter.analysis.check.judge", interrupted)
+    monkeypatch.setattr("kilter.analysis.decision.cascade.judge", interrupted)
     assert main(["check", "a.json"]) == 130
     assert capsys.readouterr().err.strip().endswith("kilter: interrupted")
 

@@ -38,7 +38,7 @@ def test_i1_block_between_walls_is_held_by_squeeze_only(planar):
     verdict = judged(friction.h_block(friction=0.01, planar=planar))
     assert (verdict.verdict, verdict.guarantee) == ("potentially-stable", "refuted")
     assert verdict.seated == "runs-away"
-    assert "squeeze" in verdict.sentence
+    assert "preload" in verdict.sentence
     assert verdict.moving == ["block"]
 
 

@@ -164,7 +164,7 @@ def test_loads_are_refused():
     program = program_of(table(0.5))
     applied = program.applied.copy()
     applied[1, 0] = 1.0
-    with pytest.raises(InputError, match="no cone"):
+    with pytest.raises(InputError, match="not a cone"):
         friction_cone(program.with_rows(applied=applied))
 
 

@@ -53,7 +53,7 @@ def test_facets_are_not_claimed_where_friction_may_hold() -> None:
     assembly = rails.railed("-x -z").with_friction(0.5)
     region = kilter.common_region([assembly])
     assert {proof.about for proof in region.proofs()} == {"ray"}
-    assert any("friction left out" in text for text in region.warnings)
+    assert any("left out: friction" in text for text in region.warnings)
 
 
 @pytest.mark.quick("True")

@@ -87,7 +87,7 @@ def test_what_is_left_out_is_said() -> None:
 def test_a_knife_edge_says_what_to_hold() -> None:
     texts = [text for text in kilter.region(stacks.tower(2)).warnings if "knife edge" in text]
     assert len(texts) == 1
-    assert "one direction only" in texts[0]
+    assert "only for one direction" in texts[0]
     assert "'cube-1', 'cube-2'" in texts[0]
     assert not any("knife edge" in t for t in kilter.region(rails.railed("-x -y -z")).warnings)
     flat = kilter.region(rails.railed("-x -z", planar=True))

@@ -88,7 +88,7 @@ def test_the_command_marks_them(
 
 
 def test_friction_is_refused() -> None:
-    with pytest.raises(InputError, match="without friction only"):
+    with pytest.raises(InputError, match="only without friction"):
         kilter.region(corner(0.3), rests=True)
 
 

@@ -309,7 +309,7 @@ def test_the_port_is_free_again_at_the_end() -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "said"), [(["-"], "watched"), (["x", "--port", "70000"], "port")]
+    ("words", "said"), [(["-"], "cannot watch"), (["x", "--port", "70000"], "port")]
 )
 def test_view_refuses(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["view", *words]) == 2
