@@ -31,25 +31,25 @@ __all__ = ["power_not_excluded"]
 def power_not_excluded(
     program: Program, opening: Array | None, steps: Sequence[ExclusionStep]
 ) -> tuple[float, float]:
-    """The power w.a over |w|^2 that the steps of a proof leave, and that which counts as none.
+    """Power w.a over |w|^2 that the steps of a proof leave, and the power that counts as zero.
 
     Raises
     ------
     IndexError, ValueError, numpy.linalg.LinAlgError
-        Where a step speaks of points, rows or quantities that the law does not have.
+        If a step refers to points, rows or quantities that the law does not have.
     """
     if not program.free.any() or not program.load[program.free].any():
         return 0.0, 0.0
     if refusal(program):
         return 1.0, 0.0
     law = reduced_law(program)
-    again = _Repeated(law, opening, no_power(program))
+    again = _ProofState(law, opening, no_power(program))
     for step in steps:
         again.step(step)
     return again.power, again.tolerance
 
 
-class _Repeated:
+class _ProofState:
     """The bounds that the steps so far leave, and the greatest power."""
 
     def __init__(self, law: ReducedLaw, opening: Array | None, tolerance: float) -> None:
@@ -61,7 +61,7 @@ class _Repeated:
         self.patches = range(len(law.twist))
 
     def step(self, step: ExclusionStep) -> None:
-        """What one further step leaves."""
+        """Apply a further step to the bounds and the power."""
         if isinstance(step, MomentStep):
             if step.scale < self.bounds.scale * (1 - 1e-12):
                 raise ValueError("a step at a size to which motions are not bounded")
@@ -79,7 +79,7 @@ class _Repeated:
         self.bounds = rescaled(self.relaxation.fastest, self.bounds, power / self.bounds.scale)
 
     def _closed(self, bounds: Enclosure, root: CaseStep) -> bool:
-        """Whether a case, or all cases that it is divided into, leave nothing."""
+        """True if a case, or all cases into which it is divided, leave no power."""
         ready = [(bounds, root)]
         while ready:
             own, case = ready.pop()
@@ -93,7 +93,7 @@ class _Repeated:
         return True
 
     def _left(self, bounds: Enclosure, case: CaseStep) -> Enclosure | None:
-        """The bounds that the programs of a case leave; None if they leave nothing."""
+        """Bounds that the programs of a case leave; None if they leave no power."""
         for step in case.powers:
             bounds, power = power_by(self.relaxation, bounds, step)
             if bounds.scale * power <= self.tolerance:

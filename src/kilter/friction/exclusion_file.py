@@ -1,4 +1,4 @@
-"""The proof that no motion can start as JSON data, and read again.
+"""The proof that no motion can start as JSON data, written and read.
 
     {"kind", "programs", "assumes",
      "opening": [..],                          the motion that bounds all forces, or null
@@ -7,8 +7,8 @@
                {"shrink": [{"number", "rows", "values"}, ..]},
                {"cases": [{"powers", "point", "patch", "cases"}, ..]}]}
 
-all numbers as they are; of a matrix its upper triangle, column by column. A tree of cases is a
-list, each before those that it is divided into, with how many these are.
+Numbers are unscaled. A matrix is stored as its upper triangle, column by column. A tree of cases is
+a list, each case before the cases into which it is divided, with their number.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ __all__ = ["exclusion_data", "recheck_exclusion"]
 
 
 def exclusion_data(exclusion: Exclusion) -> dict[str, Any]:
-    """A proof as data."""
+    """The proof as JSON data."""
     opening = exclusion.opening
     return {
         "kind": exclusion.kind,
@@ -50,14 +50,14 @@ def exclusion_data(exclusion: Exclusion) -> dict[str, Any]:
 
 
 def recheck_exclusion(program: Program, data: dict[str, Any]) -> tuple[list[str], list[str]]:
-    """Complaints about, and notes on, a proof as data, repeated on a program.
+    """Objections to a proof as data, and notes on it, after its repetition on a program.
 
     Parameters
     ----------
     program : Program
-        Of the assembly, its contacts found anew.
+        Of the assembly, with contacts found anew.
     data : dict
-        Of the form of `exclusion_data`, as far as keys and kinds go; else it is complained of.
+        In the form of `exclusion_data`; malformed data are an objection.
     """
     try:
         opening = None if data["opening"] is None else _floats(data["opening"])
@@ -97,7 +97,7 @@ def _power(step: PowerStep) -> dict[str, Any]:
 
 
 def _tree(root: CaseStep) -> Iterator[dict[str, Any]]:
-    """Every case before those that it is divided into."""
+    """Every case before the cases into which it is divided."""
     ready = [root]
     while ready:
         case = ready.pop()
@@ -140,7 +140,7 @@ def _read_power(data: dict[str, Any]) -> PowerStep:
 
 
 def _read_tree(data: list[dict[str, Any]]) -> CaseStep:
-    """The first case of a list, with those below it."""
+    """The first case of a list, with the cases below it."""
     root = CaseStep()
     ready = [root]
     for own in data:
@@ -155,14 +155,14 @@ def _read_tree(data: list[dict[str, Any]]) -> CaseStep:
 
 
 def _place(value: int) -> int:
-    """A place in a list, which is not counted from its end."""
+    """An index, which is a nonnegative whole number."""
     if value < 0 or int(value) != value:
         raise ValueError("no place")
     return int(value)
 
 
 def _floats(values: list[float]) -> Array:
-    """Finite numbers in a row."""
+    """An array of finite numbers, shape (n,)."""
     array = np.array(values, dtype=np.float64)
     if array.ndim != 1 or not np.isfinite(array).all():
         raise ValueError("no row of numbers")
@@ -170,7 +170,7 @@ def _floats(values: list[float]) -> Array:
 
 
 def _matrix(triangle: Array) -> Array:
-    """The symmetric matrix of an upper triangle."""
+    """Symmetric matrix from its upper triangle."""
     order = round((float(np.sqrt(8.0 * len(triangle) + 1.0)) - 1.0) / 2.0)
     column, row = np.tril_indices(order)
     matrix = np.zeros((order, order))

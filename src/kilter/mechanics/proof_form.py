@@ -1,7 +1,7 @@
-"""The form of a proof file, of one proof or several: which keys it has, and of what kind each is.
+"""The form of a file of proofs: its keys, and the type of each value.
 
-What has this form can be recomputed without further questions: every key that is read is
-there, and every number is one, and so are its square and its product with another.
+Data of this form can be recomputed without further checks: every key that is read exists, and every
+number is finite, and so are its square and its product with another number.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ __all__ = [
 FORMAT = 1
 
 Form = Callable[[Any, str], str]
-"""From a value and its place to what is wrong with it; empty where nothing is."""
+"""From a value and its place to a description of the fault; empty for a valid value."""
 
 
 def instance_of(*kinds: type) -> Form:
@@ -146,19 +146,19 @@ PROOF = keys(
     loads=LOADS,
     joints=list_of(keys(parts=PAIR, kind=WORD, point=VECTOR, axis=nullable(VECTOR))),
 )
-"""What every proof has."""
+"""Keys of every proof."""
 FORCES = keys(
     forces=list_of(VECTOR),
     joints=list_of(keys(wrench=SIX)),
     certificate=keys(residual=NUMBER),
 )
-"""What a proof by forces has besides."""
+"""Further keys of a proof by forces."""
 MOTION = keys(
     motion=named(SIX),
     certificate=keys(power=NUMBER, violation=NUMBER),
     open_pairs=list_of(keys(parts=PAIR, kind=WORD)),
 )
-"""What a proof by a motion has besides."""
+"""Further keys of a proof by a motion."""
 BALANCED = keys(forces=list_of(VECTOR), joints=list_of(NUMBER), residual=NUMBER)
 """Forces that balance every part."""
 FRICTION = keys(
@@ -184,7 +184,7 @@ FRICTION = keys(
         )
     ),
 )
-"""What `friction` is, where the verdict rests on it."""
+"""Keys of `friction`, for a verdict that depends on it."""
 CHANGE = optional_keys(
     down=VECTOR,
     mu=NUMBER,
@@ -194,7 +194,7 @@ CHANGE = optional_keys(
     held=list_of(WORD),
     supports=list_of(keys(kind=WORD, part=WORD)),
 )
-"""What of the file is another for one proof of several."""
+"""Differences from the file for a proof among several."""
 BUNDLE = keys(
     kind=one_of("region", "margin", "plan", "hold"),
     common=keys(),
@@ -205,11 +205,11 @@ BUNDLE = keys(
         )
     ),
 )
-"""What a file of several proofs has beside them."""
+"""Keys of a file of several proofs."""
 
 
 def require_form(proof: Any) -> None:
-    """Refuse what is no proof of this format.
+    """Raise an error if the data are not a proof of this format.
 
     Raises
     ------
@@ -239,7 +239,7 @@ def require_form(proof: Any) -> None:
 
 
 def require_bundle_form(bundle: Any) -> None:
-    """Refuse what is no file of several proofs, whatever each of them is.
+    """Raise an error if the data are not a file of several proofs; does not check each proof.
 
     Raises
     ------
@@ -265,7 +265,7 @@ def require_bundle_form(bundle: Any) -> None:
 
 
 def _require_json(proof: Any) -> None:
-    """Refuse what has no digest: numbers that are not finite, values that JSON does not know."""
+    """Raise an error if the data have no digest: infinite numbers, or values outside JSON."""
     try:
         json.dumps(proof, allow_nan=False)
     except (TypeError, ValueError, RecursionError) as error:

@@ -16,6 +16,9 @@ like the root of their products w. Along
 the solution is smooth up to t = 1, so a few terms of its series about t = 0 reach the end. Every
 term needs a single solve with the factors of the step. The result is checked like any other point.
 
+On a wall of 10,000 bricks with an unsupported brick, the projection needs 3.4 s of CPU time for a
+violation of 2e-9. Clarabel needs 20 s (76 s with its other factorisation) for one of 3e-7.
+
 Otherwise steps of the method of multipliers follow, from its forces f,
 
     b = argmin 1/2 |b|^2 - v.b + 1/(2 rho) |max(0, f - rho R b)|^2,    f <- max(0, f - rho R b)
