@@ -48,7 +48,6 @@ def test_what_is_not_quite_in_contact_is_undecided_and_decides(tolerances: float
     assert judged(joined).verdict == "stable"
 
 
-@pytest.mark.quick(1)
 @pytest.mark.parametrize("gap", [1e-4, -1e-4, -0.3])
 def test_what_no_open_pair_can_hold_is_unstable_and_its_proof_names_them(gap: float) -> None:
     resting_parts = resting(gap).parts

@@ -66,7 +66,7 @@ def test_the_wedge_that_leaves_first_is_the_only_one_that_can() -> None:
     assert kilter.plan(scene("pit-wedges")).steps[-1].part == "wedge-3"
 
 
-@pytest.mark.slow
+@pytest.mark.quick("9-0.3-4")
 @pytest.mark.parametrize(("count", "ratio", "reached"), [(9, 0.3, 4), (20, 0.2, 8)])
 def test_an_arch_needs_one_part_held_and_that_is_proved(
     count: int, ratio: float, reached: int

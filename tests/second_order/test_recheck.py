@@ -164,7 +164,6 @@ DAMAGES = [
 ]  # fmt: skip
 
 
-@pytest.mark.quick(49)
 @pytest.mark.parametrize(("kind", "where", "value", "reason"), DAMAGES)
 def test_what_is_damaged_is_refused(kind: str, where: str, value: Any, reason: str) -> None:
     judge, data = proved(kind)

@@ -127,7 +127,6 @@ def test_the_proof_is_judged_again_and_a_changed_number_refused(seed: int) -> No
         assert not kilter.verify(pair.meshes, changed(proof, place, 0.37)).holds, place
 
 
-@pytest.mark.quick(1)
 @pytest.mark.parametrize(("doubts", "state"), [(-2.0, "free"), (2.0, "balanced")])
 def test_a_proof_for_the_surface_as_recognised_alone_is_refused(
     doubts: float, state: str, monkeypatch: pytest.MonkeyPatch
