@@ -1,7 +1,7 @@
-"""Every verdict of these tests, judged again: `judged` checks an assembly and its proof.
+"""Every verdict of these tests is verified again: `judged` checks an assembly and its proof.
 
-The proof is written, read back as JSON, and verified on a copy of the assembly that went
-through a file: nothing of the answer but the proof itself is used.
+The proof is written, read back as JSON, and verified on a copy of the assembly that went through a
+file: nothing of the answer but the proof itself is used.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def reloaded(assembly: Assembly) -> Assembly:
 
 
 def verified(assembly: Assembly, proof: dict[str, Any]) -> Any:
-    """What `verify_proof` says of a proof and an assembly, contacts found anew."""
+    """Result of `verify_proof` for a proof and an assembly, with contacts found anew."""
     contacts = detect.contacts(assembly, tolerance=proof_tolerance(proof))
     return verify_proof(assembly, contacts, proof)
 
@@ -67,7 +67,7 @@ def _convinces_a_stranger(proof: dict[str, Any], tolerance: float) -> None:
 
 
 def proof_weight(proof: dict[str, Any]) -> float:
-    """Least weight of a free part [N]: no more than that of the parts that move."""
+    """Least weight of a free part [N]: at most that of the moving parts."""
     size = float(np.linalg.norm(proof["gravity"]))
     return size * min(part["mass"] for part in proof["parts"] if not part["grounded"])
 
@@ -104,7 +104,7 @@ def program_of(assembly: Assembly, *, possible: bool = False, sticking: bool = F
 
 
 def z_of(assembly: Assembly) -> float:
-    """Z of LP (9), of an assembly of any verdict."""
+    """Optimum z of the displacement program, for an assembly of any verdict."""
     return judged(assembly).displacement.z
 
 
@@ -114,7 +114,7 @@ def kappa(assembly: Assembly) -> float:
 
 
 def quiet(function: Any, *arguments: Any, **options: Any) -> Any:
-    """A call whose Python warnings do not matter."""
+    """Call a function without its Python warnings."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         return function(*arguments, **options)

@@ -34,7 +34,7 @@ SMALL = 1e-8
 
 @dataclass(frozen=True)
 class OnePart:
-    """Whether every part was found stable, and the parts that were left in loops."""
+    """Result of the method: whether every part is stable, and the parts left in loops."""
 
     stable: bool
     loops: frozenset[int]
@@ -83,7 +83,7 @@ def _balanced(
     alive: set[int],
     load: np.ndarray,
 ) -> bool:
-    """Whether contacts with what is still there, all of it fixed, carry the load of one part."""
+    """True if contacts with the remaining parts, all fixed, carry the load of a part."""
     here = (ends == part).any(axis=1) & np.isin(ends, list(alive)).all(axis=1)
     scale = np.ones(6)
     scale[3:] = program.radius[part]

@@ -1,13 +1,13 @@
-"""Every program of a run, asked of each solver by itself: none may prove the other side.
+"""Every program of a run, solved by each solver separately: none may prove the other side.
 
     pytest --each-solver sides.csv tests/analysis tests/margin
 
-records each program that a test has judged, asks each solver alone when the test is over, and
-fails the test where one has a proof of the other side. The file gets a row a test: how many
-programs there were, and of each solver how many it proved as `judge` does, how many it left
-open, which `judge` asked another for or left open itself, and of how many both sides have a
-proof: within the tolerance of a certificate about a limit there are forces that balance to it,
-and a motion too. Forces that balance to rounding leave no room for that.
+records each program that a test has judged, asks each solver alone when the test is over, and fails
+the test where one has a proof of the other side. The file gets a row a test: how many programs
+there were, and of each solver how many it proved as `judge` does, how many it left open, which
+`judge` asked another for or left open itself, and of how many both sides have a proof: within the
+tolerance of a certificate about a limit there are forces that balance to it, and a motion too.
+Forces that balance to rounding leave no room for that.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def both_hold(one: Judgement, other: Judgement) -> bool:
 
 
 def sides(program: Program) -> dict[Solver, bool | None]:
-    """What each solver proves by itself: stable, unstable, or nothing."""
+    """Side that each solver proves by itself: stable, unstable, or none."""
     return {solver: judge(program, solver=solver).stable for solver in SOLVERS}
 
 

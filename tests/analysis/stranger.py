@@ -1,4 +1,4 @@
-"""A stranger's reading of a proof file: numpy, the file's own numbers, and nothing of kilter.
+"""Independent reader of a proof file: numpy and the numbers of the file, without kilter.
 
     opening of a point   (dr_b + dtheta_b x (x - c_b) - dr_a - dtheta_a x (x - c_a)) . n
     balance of a part    sum of forces and torques about its centre, weight and loads included

@@ -1,4 +1,4 @@
-"""Files of several proofs, by hand: what is in common, what is changed, what a proof is about."""
+"""Files of several proofs, by hand: common data, changes, and subjects of proofs."""
 
 from __future__ import annotations
 
@@ -151,7 +151,7 @@ def test_forces_are_along_the_ray_of_either_sense(sign: int) -> None:
 
 
 def falling(*steps: tuple[float, float, float]) -> dict[str, Any]:
-    """Two parts of masses 1 and 3 beside a held one, each with its step."""
+    """Two parts of masses 1 and 3 beside a held part, each with its step."""
     names = ("a", "b")
     motion = {name: [*step, 9.0, 9.0, 9.0] for name, step in zip(names, steps, strict=False)}
     return {"parts": [part("f", 5.0, grounded=True), part("a", 1), part("b", 3)], "motion": motion}

@@ -1,4 +1,4 @@
-"""Exactly one certificate passes; neither can be had by a small lie. Rows, columns, J."""
+"""Exactly one certificate passes, and neither accepts a small error. Rows, columns, J."""
 
 import dataclasses
 
@@ -276,7 +276,7 @@ def test_no_forces_leave_the_whole_weight():
 
 @pytest.mark.parametrize(("share", "holds"), [(0.9, True), (1.1, False)])
 def test_no_pinch_hides_more_than_a_hundredth_of_a_weight(share, holds):
-    """Two walls press a block so hard that its weight is nothing beside it."""
+    """Two walls press a block so hard that its weight is negligible in comparison."""
     built = program_of(friction.h_block())
     lift = np.zeros((len(built.part_a), 3))
     [k] = np.flatnonzero(built.free)

@@ -1,4 +1,4 @@
-"""Files of several proofs, one thing in them exchanged: an answer or one sentence, no fault."""
+"""Files of several proofs with an exchanged value: an answer or an error message, no fault."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def made(kind: str) -> tuple[Any, Any, Any]:
 
 
 def places(data: Any, at: Path = ()) -> Iterator[Path]:
-    """Every place in a file; of the proofs themselves only where they begin."""
+    """Every place in a file; for the proofs themselves only their first level."""
     for key, value in data.items() if isinstance(data, dict) else enumerate(data):
         yield (*at, key)
         if isinstance(value, dict | list) and not (at[:1] == ("proofs",) and key == "proof"):
@@ -54,7 +54,7 @@ def places(data: Any, at: Path = ()) -> Iterator[Path]:
 
 
 def exchanged(proof: Any, place: Path, value: Any) -> Any:
-    """The file with another value in one place, signed anew."""
+    """The file with another value in a single place, with a new digest."""
     proof = copy.deepcopy(proof)
     inner = proof
     for key in place[:-1]:
@@ -67,7 +67,7 @@ def exchanged(proof: Any, place: Path, value: Any) -> Any:
 
 
 def wrong(assembly: Any, contacts: Any, proof: Any) -> str:
-    """What is said of a file of proofs; empty where they hold."""
+    """Reasons against a file of proofs; empty if they hold."""
     try:
         return "; ".join(verify_bundle(assembly, contacts, proof).reasons)
     except InputError as error:

@@ -1,4 +1,4 @@
-"""Each solver by itself proves the same side; where one has no proof, the next is asked."""
+"""Each solver proves the same side; if a solver has no proof, the next is used."""
 
 from __future__ import annotations
 

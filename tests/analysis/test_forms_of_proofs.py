@@ -1,4 +1,4 @@
-"""What is no proof by its form is refused in the words that name the place."""
+"""Data without the form of a proof are refused, and the message names the place."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Programs above the size of the simplex: HiPO, or what runs in its place, and both verdicts."""
+"""Programs above the size of the simplex: HiPO, or its substitute, and both verdicts."""
 
 from __future__ import annotations
 

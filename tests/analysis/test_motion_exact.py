@@ -1,4 +1,4 @@
-"""Accelerations to 1e-9 g: against Baraff's forces, closed forms, and both own ways of solving."""
+"""Accelerations to 1e-9 g: against Baraff's forces, closed forms, and both own methods."""
 
 from dataclasses import replace
 
@@ -50,7 +50,7 @@ def drawn(number):
 
 
 def both_ways(program, *, enough=0.0):
-    """Accelerations over gravity by the interior point: of the whole, and of the half."""
+    """Accelerations over gravity by the interior point: of the whole problem and of the half."""
     problem = scaled_program(program)
     whole = least_constraint(problem)
     heaviest = program.mass[program.free].max() * np.linalg.norm(program.gravity)
@@ -129,7 +129,7 @@ def test_without_exact_forces_a_wall_is_good_to_a_millionth(size):
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["hangs", "stands"])
 def test_where_slacks_and_forces_both_vanish_it_looks_ahead(monkeypatch, kind):
-    """More terms, fewer steps; the conditions are those of the projection, recomputed here."""
+    """More terms need fewer steps; the conditions of the projection are recomputed here."""
     made = {"hangs": walls.hanging_brick, "stands": walls.wall}[kind](12, 12)
     cone = least_constraint(scaled_program(program_of(made))).cone
     load, enough = np.abs(cone.load).max(), 1e-9

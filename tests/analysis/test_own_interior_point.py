@@ -1,7 +1,7 @@
 """Kilter's own interior point: its parts against dense algebra, its proofs against other solvers.
 
-Every answer is a proof that `check_forces` or `check_motion` has judged; what is compared is
-which of both was found.
+Every answer is a proof that `check_forces` or `check_motion` has checked; the tests compare the
+proved sides.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ def program_of(assembly):
 
 
 def proved(program):
-    """What a proof of kilter's own interior point says, alone; None without one."""
+    """Verdict of kilter's own interior point alone; None without a proof."""
     return judge(program, solver="kilter").stable
 
 
 def by_others(program, monkeypatch):
-    """What HiGHS and Clarabel say."""
+    """Verdict of HiGHS and Clarabel."""
     with monkeypatch.context() as without:
         without.setattr(judging, "_by_own_cones", lambda program, work: iter(()))
         return judge(program).stable

@@ -1,4 +1,4 @@
-"""Proofs are refused when any number of them is changed, whether or not the digest fits."""
+"""Proofs are refused if any of their numbers is changed, whether or not the digest fits."""
 
 import copy
 import json
@@ -61,7 +61,7 @@ def numbers(value, path=()):
 
 
 def changed(proof, path, *, fit):
-    """A proof with one number changed by a thousandth, and its digest made to fit, or not."""
+    """A proof with a number changed by a thousandth, with or without a fitting digest."""
     other = copy.deepcopy(proof)
     place = other
     for key in path[:-1]:

@@ -1,4 +1,4 @@
-"""What is said of a proof that was changed: this reason and no other, beside its limit too."""
+"""Reasons against a changed proof: exactly the expected reason, also near its limit."""
 
 from __future__ import annotations
 
@@ -268,7 +268,7 @@ def test_a_motion_that_breaks_the_law_of_friction() -> None:
 
 
 def settled() -> tuple[Assembly, ContactSet, Proof]:
-    """A proof that says 'settles', of its forces of equilibrium taken for every try."""
+    """A proof that states 'settles', with its forces of equilibrium for every try."""
     assembly, contacts, proof = made("slope")
     proof = copy.deepcopy(proof)
     balanced = {

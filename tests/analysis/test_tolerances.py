@@ -1,4 +1,4 @@
-"""The ladders on which the tolerances of solvers, judges and answers stand."""
+"""The order of the tolerances of solvers, checks and answers."""
 
 from itertools import pairwise
 

@@ -1,4 +1,4 @@
-"""Numbers of proofs on both sides of the rounding that they may be off by, and notes on them."""
+"""Numbers of proofs on both sides of their rounding tolerance, and notes on them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a proof is written with: its verdict, its bonds, joints that hold nothing that moves."""
+"""Contents of written proofs: verdict, bonds, and joints between held parts."""
 
 from __future__ import annotations
 

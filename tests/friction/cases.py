@@ -1,4 +1,4 @@
-"""Programs whose truth is known, from scenes: near their limits, planar or in space."""
+"""Programs with known answers, from scenes: near their limits, in the plane and in space."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def planar(assembly):
 
 
 def slope(share, mu, height):
-    """Case S1 at a share of its limit, tan = min(mu, width / height)."""
+    """Case S1 at a fraction of its limit, tan = min(mu, width / height)."""
     angle = float(np.degrees(np.arctan(share * min(mu, 1.0 / height))))
     return stacks.block_on_incline(angle=angle, friction=mu, height=height)
 
@@ -36,7 +36,7 @@ def tilted(courses, bricks, degrees, mu=0.6):
 
 
 def _with_points(assembly):
-    """Round parts of radius 1: one given point between each pair that touches."""
+    """Round parts of radius 1, with a given contact point between each touching pair."""
     centers = [np.array(part.pose.position) for part in assembly.parts]
     friction = {tuple(sorted(pair.parts)): pair.mu for pair in assembly.friction_pairs}
     names, found = assembly.names, []

@@ -1,8 +1,8 @@
-"""Every contact mode of a tiny planar problem, one linear program each: a second method.
+"""Every contact mode of a tiny planar problem by a linear program: a second method.
 
-In the plane each point parts, sticks, or slides to one of two sides, so that the contact law
-is linear in each of 4^K modes; the greatest power over all of them is zero exactly where no
-motion obeys the law. Written from `Program` alone: nothing here is shared with the search.
+In the plane each point separates, sticks, or slides to either side, so the contact law is linear in
+each of 4^K modes. The greatest power over all modes is zero exactly if no motion obeys the law. The
+module uses `Program` alone and shares nothing with the search.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from kilter.shape.primitives import Box
 
 
 def greatest_power(program) -> float:
-    """Largest w.a / |w|^2 of a motion of the one free part, over all modes."""
+    """Largest w.a / |w|^2 of a motion of the single free part, over all modes."""
     (k,) = np.flatnonzero(program.free)
     assert program.planar
     mass = np.diag([program.mass[k], program.mass[k], program.inertia[k, 1, 1]])
@@ -37,7 +37,7 @@ def greatest_power(program) -> float:
 
 
 def _power(mode, mass, load, normals, tangents, mu) -> float:
-    """Largest power in one mode; unknowns a (3), f_n (K), f_t (K)."""
+    """Largest power in a mode; unknowns a (3), f_n (K), f_t (K)."""
     count = len(mode)
     equal, right = [np.hstack([mass, -np.array(normals).T, -np.array(tangents).T])], [load]
     above = []  # rows that are not negative
@@ -66,7 +66,7 @@ def _power(mode, mass, load, normals, tangents, mu) -> float:
 
 
 def random_block(rng: np.random.Generator, points: int) -> Assembly:
-    """A block in the plane against one held part, at points with normals at random."""
+    """A block in the plane against a held part, at points with random normals."""
     at = rng.uniform(-1, 1, (points, 2))
     angle = rng.uniform(0, 2 * np.pi, points)
     contacts = [

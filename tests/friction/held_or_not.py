@@ -1,4 +1,4 @@
-"""What the tests of friction share: programs, and a stranger's reading of the contact law."""
+"""Shared by the tests of friction: programs, and an independent check of the contact law."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ def compas(name, mu=0.84):
 
 
 def equilibrium(built):
-    """Whether forces of equilibrium exist, by the cone program."""
+    """True if forces of equilibrium exist, by the cone program."""
     return bool(solve_conic(load_factor_in_cones(cone_problem(built))).x[-1] > 0.5)
 
 
 def cylinders(between, ground):
-    """Case R1: one cylinder on two, contacts given: two points along each line of contact."""
+    """Case R1: a cylinder on two others, with two given points on each line of contact."""
     pile = rounds.three_cylinders(friction_between=between, friction_ground=ground)
     center, names = pile.geometry.center, pile.names
     pairs = [(0, 1), (0, 2), (1, 2), (1, 3), (2, 3)]

@@ -1,9 +1,9 @@
-"""Coulomb's law by brute force: every contact mode of every point, tried on its own.
+"""Coulomb's law by brute force: every contact mode of every point, tried separately.
 
-In the plane a mode (apart, at rest, sliding one way, sliding the other) makes the law linear:
-the greatest power over all 4^K modes decides. In space the equations of a mode are solved by
-least squares from random starts: what it finds is a motion; what it does not, says nothing.
-Nothing of the relaxation is used, and points do not share modes.
+In the plane a mode (apart, at rest, sliding either way) makes the law linear: the greatest power
+over all 4^K modes decides. In space the equations of a mode are solved by least squares from random
+starts: each solution is a motion, but a failure proves nothing. The relaxation is not used, and
+points do not share modes.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def _matrices(program):
 
 
 def greatest_power(program):
-    """Largest w.a / |w|^2 over all motions that obey the law, in the plane, and how many modes."""
+    """Largest w.a / |w|^2 over all motions that obey the law in the plane, and the mode count."""
     mass, load, moved = _matrices(program)
     points, n = len(program.part_a), len(load)
     normal = np.einsum("ckj,kj->kc", moved, program.normal)
@@ -106,7 +106,7 @@ def greatest_power(program):
 
 
 def found_in_space(program, rng, starts=6):
-    """The largest power of a motion that obeys the law to 1e-8, of those found; 0 if none."""
+    """Largest power of the motions found that obey the law to 1e-8; 0 without a motion."""
     mass, load, moved = _matrices(program)
     points, n = len(program.part_a), len(load)
     size = np.sqrt(load @ np.linalg.solve(mass, load))

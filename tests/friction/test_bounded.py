@@ -1,4 +1,4 @@
-"""The bound of a linear program holds whatever multipliers it is computed from."""
+"""The bound of a linear program holds for any multipliers."""
 
 import numpy as np
 import pytest

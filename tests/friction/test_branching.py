@@ -1,4 +1,4 @@
-"""The core of branch and bound, on intervals: where is the greatest value of a function?"""
+"""The core of branch and bound on intervals: the greatest value of a function."""
 
 import math
 

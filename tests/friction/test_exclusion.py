@@ -1,4 +1,4 @@
-"""What must be proved is proved, what can move is not; both sides of closed limits."""
+"""True exclusions are proved, possible motions are not; both sides of closed-form limits."""
 
 import numpy as np
 import pytest
@@ -163,7 +163,7 @@ def test_size_changes_nothing():
 
 @pytest.mark.slow
 def test_joined_parts_are_one():
-    """Two cubes side by side on a slope; the joint carries one that has no friction."""
+    """Two cubes side by side on a slope; the joint carries the cube without friction."""
     cubes = program(stacks.tower(2, tilt=10.0, friction=0.5))
     top = cubes.part_b == 2
     slippery = cubes.with_rows(mu=np.where(top, 0.0, cubes.mu))
@@ -181,7 +181,7 @@ def test_refuses_what_is_not_modelled():
 
 @pytest.mark.parametrize("ratio", [1.0, 1e-3, 1e-6])
 def test_a_pebble_does_not_vanish(ratio):
-    """The upper of two cubes, however light, slips where its friction is too low."""
+    """The upper of two cubes, however light, slips if its friction is too low."""
     cubes = program(planar(stacks.tower(2, tilt=10.0, friction=0.5)))
     share = np.where(np.arange(3) == 2, ratio, 1.0)
     light = cubes.with_rows(mass=cubes.mass * share, inertia=cubes.inertia * share[:, None, None])
@@ -205,7 +205,7 @@ def test_the_work_is_kept_to_and_comes_out_the_same_again():
 
 
 def test_cases_that_would_not_do_are_not_gone_through():
-    """Ten cubes: what moments leave is far from nothing, and few cases can be paid."""
+    """Ten cubes: moments leave much power, and few cases are affordable."""
     answer = prove_no_motion(program(stacks.tower(10, tilt=2.5, friction=0.5)), work=1)
     assert not answer.proved
     assert answer.work < 0.3 * units_of(1)
@@ -222,7 +222,7 @@ def test_a_time_limit_ends_it_at_once():
 
 
 def test_says_what_it_assumes_where_parts_can_be_squeezed():
-    """A wedge in a V may be pressed in by any force: those that were thought of are named."""
+    """Any force may press a wedge into a V, so the proof names its assumed bound."""
     answer = asked(friction.v_block(friction=0.5, planar=True))
     assert answer.proved
     assert "1000 times the weight" in answer.assumes

@@ -1,4 +1,4 @@
-"""That no motion can start is repeated without a solver, and refused where a number is changed."""
+"""Proofs that no motion can start: repeated without a solver, refused after a changed number."""
 
 import copy
 import json
@@ -76,7 +76,7 @@ def at(data, path):
 
 
 def last_powers(step):
-    """Paths of the programs on which the closed cases of a step rest."""
+    """Paths of the programs that close the cases of a step."""
     for k, case in enumerate(step.get("cases", ())):
         if not case["cases"]:
             yield ("cases", k, "powers", len(case["powers"]) - 1)

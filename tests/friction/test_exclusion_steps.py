@@ -1,4 +1,4 @@
-"""Steps of proofs that there is no motion: written and read again, one by one, and repeated."""
+"""Steps of proofs that no motion exists: written, read and repeated."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def slope():
 
 
 def again(step):
-    """Written as JSON and read."""
+    """The step after it was written as JSON and read."""
     return exclusion_file._read(json.loads(json.dumps(exclusion_file._step(step))))
 
 
@@ -119,7 +119,7 @@ def test_without_steps_all_power_is_left(slope):
 
 
 def test_each_power_step_leaves_what_its_search_found():
-    """Twice, so that the second speaks of motions that the first has made smaller."""
+    """Repeated, so that a later step refers to motions that an earlier step has bounded."""
     one = program(stacks.tower(3, tilt=15.0, friction=0.5))
     law, whole = reduced_law(one), Work.of(2.0)
     attempt, bounds = start_proof(law, no_power(one), None, whole)

@@ -1,4 +1,4 @@
-"""Known answers with friction, on both sides of every limit; each verdict rechecked."""
+"""Known answers with friction, on both sides of every limit; each verdict is verified again."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Proof files with friction: verified on a fresh copy, and refused when one number is changed."""
+"""Proof files with friction: verified on a fresh copy, and refused if a number is changed."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def proven(request):
 
 
 def numbers(value, path=()):
-    """Paths of all numbers in the data but those of the certificate, and the options."""
+    """Paths of all numbers in the data except those of the certificate and the options."""
     if isinstance(value, dict):
         for key, entry in value.items():
             if key not in ("options", "digest", "kilter_proof", "exclusion", "tolerance"):

@@ -1,4 +1,4 @@
-"""What holds for every assembly with friction, on random ones."""
+"""Properties of every assembly with friction, on random assemblies."""
 
 from __future__ import annotations
 

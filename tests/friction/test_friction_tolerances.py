@@ -1,4 +1,4 @@
-"""The ladders on which the tolerances of friction stand: each rung below the one before."""
+"""The order of the tolerances of friction."""
 
 from itertools import pairwise
 

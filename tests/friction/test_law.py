@@ -1,4 +1,4 @@
-"""The check of the contact law: what it accepts, and each way in which it refuses."""
+"""The check of the contact law: accepted motions, and every kind of refusal."""
 
 import numpy as np
 import pytest

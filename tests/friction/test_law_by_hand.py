@@ -29,7 +29,7 @@ from kilter.scenes.pieces import block, floor
 
 
 def free_first(assembly: Assembly) -> Assembly:
-    """The same with its parts in the other order: the first is free."""
+    """The same program with its parts in the other order: the first is free."""
     return assembly._replace(parts=assembly.parts[::-1])
 
 
@@ -60,7 +60,7 @@ def motion_and_forces(built: Program, seed: int, size: float = 1.0) -> tuple[np.
 
 
 def inverse(built: Program, part: int) -> np.ndarray:
-    """Inverse of mass and inertia of a part, of the freedoms that count; 0 where it is held."""
+    """Inverse of mass and inertia of a part in its counted freedoms; 0 for a held part."""
     whole = np.zeros((6, 6))
     if built.free[part]:
         whole[:3, :3] = built.mass[part] * np.eye(3)
@@ -191,7 +191,7 @@ def test_the_worst_of_the_six_counts(name: str) -> None:
 
 
 def fallen(scale: float, sunk: float = 0.0) -> LawProof:
-    """Parts that nothing touches but a table far below fall at g, times a scale, off by a share."""
+    """Parts above a distant table that fall at g, times a scale, off by a fraction."""
     one = program(stacks.block_on_slope(0.0, friction=0.5))
     lone = one.taking(np.arange(0))
     motion = np.where(lone.free[:, None], scale * np.r_[lone.gravity, 0, 0, 0], 0.0)
@@ -211,7 +211,7 @@ def test_free_fall_obeys_the_law_up_to_its_tolerance() -> None:
 
 @pytest.mark.parametrize("share", [0.9, 1.1])
 def test_what_a_small_motion_may_leave_is_small(share: float) -> None:
-    """A block on a slope just past its friction starts with 6e-5 of g."""
+    """A block on a slope just past its friction limit starts with 6e-5 of g."""
     built, a, forces = sliding(float(np.degrees(np.arctan(0.5))) + 3e-3, 0.5)
     exact = check_law(built, a, forces)
     assert exact.holds
@@ -224,7 +224,7 @@ def test_what_a_small_motion_may_leave_is_small(share: float) -> None:
 
 
 def test_a_motion_without_power_is_none() -> None:
-    """Just past its friction: what obeys the law, but gains less than counts."""
+    """Just past the limit of friction: a lawful motion with too little power."""
     for beyond, holds in ((0.9, False), (1.1, True)):
         tilt = np.arctan(0.5) + beyond * WITNESS_POWER / 0.5  # d(power)/d(tilt) is 1/2 there
         built, a, forces = sliding(float(np.degrees(tilt)), 0.5)
@@ -235,7 +235,7 @@ def test_a_motion_without_power_is_none() -> None:
 
 @pytest.mark.parametrize("share", [0.9, 1.1])
 def test_a_part_counts_as_moving_above_a_millionth_of_the_fastest(share: float) -> None:
-    """Whatever it weighs: the power is taken over what moves."""
+    """At any weight: the power is relative to the moving parts."""
     lone = program(hanging_pair()).taking(np.arange(0))
     parts = np.flatnonzero(lone.free)
     for fast in parts:
@@ -285,7 +285,7 @@ def test_what_does_not_fit_is_no_motion(built: Program) -> None:
 
 
 def resting() -> tuple[Program, np.ndarray]:
-    """A block on a table, by a quarter of its weight at each corner."""
+    """A block on a table, with a quarter of its weight at each corner."""
     one = program(stacks.block_on_slope(0.0, friction=0.5))
     (k,) = np.flatnonzero(one.free)
     up = np.where(one.part_b == k, 1.0, -1.0)[:, None] * np.array([0.0, 0.0, 1.0])

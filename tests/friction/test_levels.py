@@ -1,7 +1,7 @@
-"""The limits of known cases, both sides, in the words of levels: what they reach inside, and out.
+"""Limits of known cases, on both sides, in the words of levels.
 
-A case is built at a share of its limit: inside at .98, outside at 1.02, where no forces
-of equilibrium are left and the level is None. Closed forms are those of each function.
+A case is built at a share of its limit: inside at .98, outside at 1.02, where no forces of
+equilibrium are left and the level is None. Closed forms are those of each function.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ def arch(share):
 
 
 def ring(share):
-    """A2: the same as sectors of a ring, with friction just above what it needs."""
+    """A2: the same as sectors of a ring, with friction just above the least that suffices."""
     return arches.arch(80, ratio=THINNEST / share, friction=0.4, sectors=True, planar=True)
 
 

@@ -96,7 +96,7 @@ def test_no_bound_falls_below_a_true_motion(kind):
 
 
 def test_any_multipliers_give_a_bound():
-    """Those of a solver, spoilt at random, bound less, but never too low."""
+    """Randomly changed multipliers of a solver give worse bounds, but never too low."""
     law, motion, _, _ = next(filter(None, (known(seed, "one part") for seed in range(9))))
     work, rng = Work(), np.random.default_rng(0)
     forces = force_bound(law, opening_motion(law, work=work))

@@ -1,4 +1,4 @@
-"""Candidates are dismissed cheaply only where the exact judgement dismisses them too."""
+"""The cheap test dismisses only candidates that the exact check dismisses too."""
 
 import numpy as np
 import pytest
@@ -44,7 +44,7 @@ def test_a_witness_is_not_dismissed_and_has_no_breach(witnessed):
 
 
 def test_what_is_dismissed_would_not_pass(witnessed):
-    """Errors of all sizes: both judges, and they part by no more than the allowance."""
+    """Errors of all sizes: the two checks differ by at most the allowance."""
     law, x, forces = witnessed
     rng, said = np.random.default_rng(0), []
     for size in np.geomspace(1e-13, 1e-2, 23):
@@ -64,7 +64,7 @@ def test_a_motion_that_loses_power_is_dismissed(witnessed):
 
 
 def test_a_breach_is_the_power_of_a_force_where_it_may_not_push():
-    """A block that falls while its four corners still push with forces f gains their power."""
+    """The breach of a falling block with forces f at its corners is their power."""
     law = coulomb_law(program(stacks.block_on_slope(0.0, friction=0.5)))
     pushes = np.zeros((len(law.mu), 3))
     pushes[:, 0] = 0.25

@@ -1,4 +1,4 @@
-"""Every motion that obeys the law satisfies every row, at the root and in some case."""
+"""Every motion that obeys the law satisfies every row, at the root and in at least one case."""
 
 import dataclasses
 

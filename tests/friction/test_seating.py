@@ -1,4 +1,4 @@
-"""Does the weight itself make the friction that holds? Measured and closed limits."""
+"""Does the weight itself produce the friction that holds? Measured and closed-form limits."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ from kilter.scenes.transform import moved
 
 
 def in_cones_and_balanced(built, seating):
-    """Of the forces, with their formulas written out."""
+    """Check the forces by explicit formulas."""
     along = (built.normal * seating.forces).sum(axis=1)
     across = np.linalg.norm(seating.forces - along[:, None] * built.normal, axis=1)
     inside = (along >= 0) & (across <= built.mu * along * (1 + 1e-12) + 1e-12 * along.max())

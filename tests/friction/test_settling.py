@@ -1,4 +1,4 @@
-"""Put down loosely, does it come to rest? Both sides of limits, and what only jams."""
+"""Loosely placed parts: do they come to rest? Both sides of limits, and parts that jam."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Motions that obey Coulomb's law: found where there is one, exact, and never where none is."""
+"""Motions that obey Coulomb's law: found if any exists, exact, and never found otherwise."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ G = 9.81
 
 
 def found_and_checked(assembly, effort=3):
-    """The motion, checked by hand too."""
+    """The motion, also checked by explicit formulas."""
     built = program(assembly)
     witness = find_coulomb_motion(built, work=effort)
     assert witness is not None

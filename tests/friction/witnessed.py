@@ -1,8 +1,8 @@
-"""Random programs with a motion built in: parts, contacts, motion, forces, then the load.
+"""Random programs with a known motion: parts, contacts, motion, forces, then the load.
 
-Contacts are drawn first, then a motion that keeps some points closed and some at rest, then
-forces that obey Coulomb's law for it; the load is what makes them balance: w = M a - J^T f.
-So (a, f) obeys the contact law exactly, and no proof may exclude it.
+Contacts are drawn first, then a motion that keeps some points closed and some at rest, then forces
+that obey Coulomb's law for it; the load is what makes them balance: w = M a - J^T f. So (a, f)
+obeys the contact law exactly, and no proof may exclude it.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class Witnessed:
 
 
 def bare(rng, parts, points, *, planar):
-    """A program without rows: a held part and free ones, at random places, without load."""
+    """A program without rows: a held part and free parts, at random places, without load."""
     count = parts + 1
     turn = np.linalg.qr(rng.normal(size=(count, 3, 3)))[0]
     inertia = np.einsum("kij,kj,klj->kil", turn, rng.uniform(0.2, 2.0, (count, 3)), turn)
