@@ -97,7 +97,7 @@ def test_no_force_pulls_and_what_is_not_level_carries_nothing() -> None:
     twice = program.taking(np.append(np.arange(4), 0))
     pulls = np.append(forces, -1.0)
     pulls[0] += 1.0
-    none = "a force is none of a level face"
+    none = "a force acts off the level faces"
     assert wrong_forces(twice, all_level(twice), pulls) == none
     assert wrong_forces(twice, all_level(twice), np.append(forces, 0.0)) == ""
     walls: list[Point] = [("base", "0", [0, 0, 0], sense * X) for sense in (1, -1)]
@@ -131,7 +131,7 @@ def test_parts_do_not_bear_one_another_around() -> None:
     points += on_feet("0", "1", 0.5, -0.5) + on_feet("1", "0", 0.5, -0.5)
     program = program_of(points, [1.0, 1.0])
     forces = np.full(16, 9.81 / 4)
-    around = "parts bear one another around"
+    around = "parts support one another in a ring"
     assert wrong_forces(program, all_level(program), forces) == around
     forces[8:] = 0.0
     assert wrong_forces(program, all_level(program), forces) == ""
@@ -202,7 +202,7 @@ def test_a_motion_is_a_level_shift_of_what_is_free() -> None:
     assert wrong_motion(program, level, shift(program)) == ""
     held = shift(program)
     held[0, 1] = 1.0
-    assert wrong_motion(program, level, held) == "its motion moves what is held"
+    assert wrong_motion(program, level, held) == "its motion moves held parts"
     none = "its motion is not a level shift of the parts"
     assert wrong_motion(program, level, np.zeros((2, 6))) == none
     turning = shift(program)

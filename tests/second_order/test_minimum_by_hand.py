@@ -176,12 +176,12 @@ def test_cones_are_a_tree_with_one_leaf_each() -> None:
     none = np.zeros((2, 2))
     assert "cones are left over" in word(splits=(None,), leaves=[none])
     assert "more splits than cones" in word(splits=(None,) * 3, leaves=[none] * 3)
-    assert "one set of forces for each" in word(splits=(None, None), leaves=[none])
-    assert "one set of forces for each" in word(leaves=[none[:0, :0]] * 2)
+    assert "a set of forces for each" in word(splits=(None, None), leaves=[none])
+    assert "a set of forces for each" in word(leaves=[none[:0, :0]] * 2)
     assert word(splits=((0, 1), None, None, None), leaves=[none] * 3) == ""
     assert word(splits=((1, 0), None, None, None), leaves=[none] * 3) == ""
     for pair in ((0, 0), (0, 2), (2, 0), (-1, 1), (1, -1)):
-        assert "rays that are none" in word(splits=(pair, None, None, None), leaves=[none] * 3)
+        assert "rays that do not exist" in word(splits=(pair, None, None, None), leaves=[none] * 3)
     with pytest.raises(ValueError, match="left over"):
         list(leaf_cones(2, (None, None, None), half=False))
 

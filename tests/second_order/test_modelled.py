@@ -71,7 +71,7 @@ def test_of_pairs_that_are_left_open_nothing_is_said_or_proved() -> None:
     more = Assembly([TABLE, CAN, near])
     contacts = kilter.contacts(more)
     assert contacts.open_pairs
-    assert "left open" in why_unmodelled(more, contacts)
+    assert "pairs are open" in why_unmodelled(more, contacts)
     found = kilter.check(more)
     assert found.second_order is not None
     assert found.second_order.state == "open"
@@ -80,7 +80,7 @@ def test_of_pairs_that_are_left_open_nothing_is_said_or_proved() -> None:
     own["digest"] = digest_of(own)
     refused = kilter.verify(more, own)
     assert not refused.holds
-    assert any("left open" in reason for reason in refused.reasons)
+    assert any("pairs are open" in reason for reason in refused.reasons)
 
 
 def test_what_is_possible_out_of_the_plane_of_a_face_is_not_its_rim() -> None:
@@ -122,7 +122,7 @@ def test_pairs_left_open_for_another_reason_than_their_edges_are_not_known() -> 
     unknown = replace(contacts, open_pairs=[replace(contacts.open_pairs[0], kind="curved")])
     none = replace(contacts, possible=contacts.possible.take(np.zeros(0, dtype=np.int64)))
     for changed in (unknown, none):
-        assert "left open" in why_unmodelled(assembly, changed)
+        assert "pairs are open" in why_unmodelled(assembly, changed)
 
 
 def refused(assembly: Assembly, of: Assembly) -> tuple[str, ...]:

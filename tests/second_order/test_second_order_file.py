@@ -223,7 +223,7 @@ def test_only_what_is_balanced_rolls() -> None:
         for state in ("holds", "falls", "open"):
             forged = proof["second_order"] | {"rolling": state}
             (reason,) = kilter.verify(assembly, with_second_order(proof, forged)).reasons
-            assert reason == "what is not balanced does not roll"
+            assert reason == "only a balanced cluster can roll"
 
 
 def test_cones_that_would_be_too_many_to_look_at_are_not() -> None:

@@ -312,7 +312,7 @@ def test_a_path_that_parts_them_later_is_refused(opens_at_once: bool) -> None:
     assert checked.holds == opens_at_once, checked.reasons
     if not opens_at_once:
         assert [*checked.reasons] == [
-            "its second order: its path does not open edges and corners of no one normal"
+            "its second order: its path does not open edges and corners without a unique normal"
         ]
 
 

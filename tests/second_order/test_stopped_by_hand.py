@@ -61,15 +61,15 @@ def test_it_holds_as_it_is() -> None:
 def test_forces_are_of_level_contacts_and_balance() -> None:
     assert "not those of the parts" in word(forces=[1.0, 0.0])
     assert "not those of the parts" in word(opening=[1.0, 0.0, 0.0])
-    assert "none of a level contact" in word(forces=[1.0, 0.0, 1e-12])
-    assert "none of a level contact" in word(forces=[1.0, -1e-12, 0.0])
+    assert "off the level contacts" in word(forces=[1.0, 0.0, 1e-12])
+    assert "off the level contacts" in word(forces=[1.0, -1e-12, 0.0])
     assert "do not balance" in word(forces=[1.0 + 2e-9, 0.0, 0.0])
     assert word(forces=[1.0 + 0.5e-9, 0.0, 0.0]) == ""
     assert word(forces=[1.0 + 2e-9, 0.0, 0.0], blur=3e-9) == ""
     assert "do not balance" in word(forces=[1.0 + 4e-9, 0.0, 0.0], blur=3e-9)
     two = {"stops": (3 * X + Y, 3 * X + Y), "weights": [[0.5], [0.5]]}
     assert word(**two) == ""
-    assert "none of a level contact" in word(**two, forces=[1.0, 0.0, 0.0, 1e-12])
+    assert "off the level contacts" in word(**two, forces=[1.0, 0.0, 0.0, 1e-12])
 
 
 @pytest.mark.parametrize("weight", [1.0, 1e3])
@@ -144,12 +144,12 @@ def test_weights_are_positive_one_of_each_pair() -> None:
 @pytest.mark.parametrize("over", JUST)
 def test_weights_are_those_of_the_energy(over: float) -> None:
     off = 1.0 + over * LEVEL * COUPLED / (3 * 2)
-    assert ("not those of the energy" in word(weights=[[off]])) == (over > 1)
-    assert ("not those of the energy" in word(weights=[[2.0 - off]])) == (over > 1)
+    assert ("not match the curvature" in word(weights=[[off]])) == (over > 1)
+    assert ("not match the curvature" in word(weights=[[2.0 - off]])) == (over > 1)
     off = 1.0 + over * LEVEL / (0.3 * 0.2)  # numbers below 1 are of size 1
     small = ((0, 0.03, 0), (0.03, 0.5, 0), (0, 0, 0))
     found = word(stops=(0.3 * X,), rises=(0.2 * Y,), weights=[[off]], curvature=small)
-    assert ("not those of the energy" in found) == (over > 1)
+    assert ("not match the curvature" in found) == (over > 1)
 
 
 @pytest.mark.parametrize("over", JUST)
@@ -173,12 +173,12 @@ def test_stops_and_rises_are_one_to_one(over: float) -> None:
         stops=(3 * X, 3 * X),
         weights=[[1.0 - reach / (2 * 3 * np.sqrt(2))], [reach / (2 * 3 * np.sqrt(2))]],
     )
-    assert ("do not keep it" in weak) == (over < 1)
+    assert ("do not keep the parts" in weak) == (over < 1)
     off = word(weights=[[reach / 6 * 1.5]])  # far from those of the energy, which counts too
-    assert "do not keep it" in off
+    assert "do not keep the parts" in off
     second = np.eye(4)[[2]].T
     both = np.hstack([X[:, None], second])  # another level motion, that no stop takes
-    assert "do not keep it" in word(motions=both, free=np.zeros((4, 0)))
+    assert "do not keep the parts" in word(motions=both, free=np.zeros((4, 0)))
 
 
 def test_without_tilts_nothing_is_coupled() -> None:

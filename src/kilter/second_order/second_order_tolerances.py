@@ -1,6 +1,6 @@
-"""Tolerances of second order, relative [-] or angles [rad]; energies over weight times length.
+"""Tolerances of second order: relative [-] or angles [rad]; energies are over weight x length.
 
-CURVED, DROPS > FLAT > BALANCED        what curves is far from being flat, and that from rounding
+CURVED, DROPS > FLAT > BALANCED        curved is well above flat, and flat well above rounding
 ACROSS > BALANCED,   CARRIES = BALANCED
 """
 
@@ -30,45 +30,47 @@ __all__ = [
 # gaps ---------------------------------------------------------------------------------------
 
 AGREE = 1e-6
-"""Normals at a point are one, or in one plane, to this share of their squares."""
+"""Normals at a point are equal, or coplanar, if their spread squared is below this [-]."""
 
 CROSSING = 1e-3
-"""Edges that cross at less than this angle have no form of the gap [rad]."""
+"""Least angle between crossing edges whose gap has a form [rad]."""
 
 ROUND = 1e-6
-"""Surfaces whose curvatures cancel to this share of themselves touch along more than a point."""
+"""Surfaces touch in a point if the sum of their curvatures is above this, over the larger [-]."""
 
 # minimum or not ------------------------------------------------------------------------------
 
 CURVED = 2e-8
-"""Least curvature of the energy, over the largest, that a proof must have."""
+"""Least curvature of the energy in a proof, over the largest [-]; larger leaves more open."""
 BALANCED = 1e-9
-"""Imbalance of forces over the load."""
+"""Largest imbalance of forces in a proof, over the load [-]."""
 BEARS = 10.0
-"""In a proof, a row carries where its force is this many times what may be out of balance."""
+"""In a proof a row carries if its force is this many times the tolerated imbalance [-]."""
 CARRIES = 1e-9
-"""A row carries where its force is above this, over the largest."""
+"""A row carries if its force is above this, over the largest [-]."""
 ACROSS = 1e-7
-"""What a motion may open a row that it is to leave as it is."""
+"""A row counts as unchanged by a motion if its gap opens by less than this [-]."""
 LEVEL = 1e-7
-"""Curvature of the energy, over the largest, along a motion that is proved free."""
+"""Largest curvature of the energy along a free motion, over the largest of all [-]."""
 FLAT = 2e-9
-"""Forms below this, over the largest, leave a motion flat."""
+"""A motion is flat if all its gap forms are below this, over the largest [-]."""
 DROPS = 2e-8
-"""Least opening and least power of the second derivative of a path of length 1."""
+"""Least opening and least power of the second derivative of a path of length 1 [-]."""
 SLIPS = 1e-4
-"""What a path enters to first order, over what it opens to second: it is open from there on."""
+"""Largest first-order penetration of a path, over its second-order opening [-]."""
 LASTS = 10.0
-"""What a path opens to first order stays open for this many times as long as it takes to fall."""
+"""Gaps that open to first order stay open for this many times the length of the fall [-]."""
 REACHES = (1.0, 5.0, 30.0, 1000.0)
-"""Bounds of a second derivative, in turn, where the motion has length 1: the nearest first. The
-straighter a path, the farther it is what its derivatives say."""
+"""Bounds of the second derivative, tried in turn, for a motion of length 1 [-].
+
+A straighter path stays closer to its derivatives, so the smallest bound comes first.
+"""
 KEEPS = 1e-12
-"""What a path of length 1 opens a contact that it keeps: rounding."""
+"""Largest opening of a contact that a path of length 1 keeps [-]: rounding."""
 SPLITS = 250
-"""Cones into which the critical motions are split at most."""
+"""Largest number of cones into which the critical motions are split."""
 SPREAD = 1e-10
-"""Points of touch are on no line: least eigenvalue of the sum of their (1, u, v), u and v over the
-size of the part, each times itself."""
+"""Contact points are not collinear if the least eigenvalue of the sum of their outer products of
+(1, u, v), u and v over the size of the part, is above this [-]."""
 APART = 1e-12
-"""What a configuration must be apart, over the length, and lower, over weight and length."""
+"""Least separation over the length, and least loss of energy, of a lower configuration [-]."""

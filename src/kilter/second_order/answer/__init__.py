@@ -1,7 +1,7 @@
 """The answer of second order.
 
 - `whole`: the answer for an assembly, joined from its clusters
-- `one_cluster`: the answer for one cluster
+- `one_cluster`: the answer for a single cluster
 - `second_order_answer`: the answer with its evidence
 - `second_order_file`: its proof as data of a proof file
 - `oscillation`: the rates of oscillation and of growth

@@ -1,8 +1,8 @@
-"""The answer of second order for one cluster.
+"""The answer of second order for a single cluster.
 
 1  contacts without force, or whose gap has no form, are left out: if the rest is a minimum or free,
    so is the cluster
-2  parts that stops keep from sliding to where they would fall (`stopped`)
+2  parts that stops keep from sliding off and falling (`stopped`)
 3  minimum, path down or neither, across the free motions (`decide`)
 4  parts that slide on faces, with everything else locked (`locked`)
 
@@ -56,7 +56,7 @@ def answer_alone(
     work: Work,
     only_if_stays: bool = False,
 ) -> SecondOrder:
-    """The answer for one cluster in equilibrium.
+    """The answer for a cluster in equilibrium.
 
     Parameters
     ----------
@@ -162,8 +162,8 @@ def _without_idle(
 ) -> SecondOrder | None:
     """The answer for a subset of the contacts, shape (K,), extended to all.
 
-    Fewer contacts only admit more motions, so a minimum of the subset is one of all. None if the
-    subset is neither a minimum nor free, or no free motion opens the other contacts.
+    Fewer contacts only admit more motions, so a minimum of the subset is a minimum of all. None
+    if the subset is neither a minimum nor free, or no free motion opens the other contacts.
     """
     answer = answer_alone(facts.taking(kept), critical=critical, work=work, only_if_stays=True)
     return _opening_idle(facts, np.flatnonzero(kept), answer, work)
@@ -281,12 +281,15 @@ def _sliding_by(
 
 
 def _unknown(program: Program, known: Mask) -> str:
-    return f"how the surfaces of {_first(program, ~known)} curve where they touch is not known"
+    """Why a cluster is open if the gaps of some rows have no form."""
+    pair = _first(program, ~known)
+    return f"the curvature of the surfaces of {pair} at their contact is not known"
 
 
 def _sharp(program: Program) -> str:
+    """Why a cluster is open if a motion does not open its sharp points."""
     pair = _first(program, program.kind != CONTACT)
-    return f"edges or corners of {pair} meet, which have no one normal"
+    return f"edges or corners of {pair} meet without a unique normal"
 
 
 def _first(program: Program, rows: Mask) -> str:

@@ -1,4 +1,4 @@
-"""How fast it swings about a minimum, or falls from where it only balances."""
+"""Rates of oscillation about a minimum, and of growth of a push on a balanced assembly."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ __all__ = ["growth_rate", "least_frequency"]
 
 
 def least_frequency(program: Program, problem: Stationary, proof: object) -> float | None:
-    """The least frequency under the forces of a proof by one set of them [rad/s]."""
+    """The least angular frequency under the forces of a proof [rad/s].
+
+    None if the proof has no neutral motions, or has forces for each of several cones.
+    """
     if not isinstance(proof, MinimumProof) or not proof.basis.shape[1] or len(proof.leaves) > 1:
         return None
     curvature = problem.curvature(proof.leaves[0].forces, proof.basis)
@@ -26,7 +29,7 @@ def least_frequency(program: Program, problem: Stationary, proof: object) -> flo
 
 
 def growth_rate(program: Program, problem: Stationary, path: Path) -> float:
-    """The rate at which it leaves along a path that leads down [1/s]."""
+    """The exponential rate of growth along a path that leads down [1/s]."""
     growth = path.power / float(path.first @ _mass(program, problem) @ path.first)
     return float(np.sqrt(growth)) * _per_second(program)
 
@@ -40,11 +43,11 @@ def _mass(program: Program, problem: Stationary) -> Array:
         six = np.zeros((6, 6))
         six[:3, :3] = program.mass[part] * np.eye(3)
         six[3:, 3:] = program.inertia[part]
-        own = slice(per * i, per * (i + 1))
-        total[own, own] = six[np.ix_(program.freedoms, program.freedoms)]
+        block = slice(per * i, per * (i + 1))
+        total[block, block] = six[np.ix_(program.freedoms, program.freedoms)]
     return total * np.outer(problem.scale, problem.scale) / (problem.weight * problem.length)
 
 
 def _per_second(program: Program) -> float:
-    """A square root of N / (kg x length unit) in 1/s."""
+    """The square root of 1 N / (kg x length unit) [1/s]."""
     return float(1.0 / np.sqrt(metres_per_unit(program.units)))

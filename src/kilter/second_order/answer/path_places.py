@@ -1,15 +1,15 @@
-"""Places along which what is balanced falls: each exact, apart, and lower than the one before.
+"""The fall of a balanced assembly as exact configurations, each apart and lower than the last.
 
-From the exact configuration of an answer, step by step in the direction in which the parts would
-start to move from rest there (Gauss's principle): the du of length h in the metric of the masses
-that loses most energy,
+The fall starts at the exact configuration of an answer. Each step has the direction in which the
+parts would start to move from rest (Gauss's principle): the du of length h in the metric of the
+masses that loses most energy,
 
-    max w.du:   bodies apart by a small gap (`parting_planes`),   du.M du <= h^2,
+    max w.du:   bodies apart by a small gap (`parting_planes`),   du.M du <= h^2
 
-linearised anew at each place that it leads to, until the bodies there are apart, by planes and
-distances, and lower; else h is halved. So parts hug one another, without friction, as far as they
-have moved by their own size; what is pressed between planes stays on them. The way is one of
-places, not of times.
+It is linearised again at each configuration that it leads to, until the bodies there are exactly
+apart and lower; otherwise h is halved. So parts slide along each other without friction until a
+part has moved by its size. Parts that are pressed between planes stay on them. The result is a
+sequence of configurations, without times.
 """
 
 from __future__ import annotations
@@ -36,50 +36,49 @@ from kilter.work import PER_EFFORT, Work
 __all__ = ["PathPlaces", "find_path_places"]
 
 STEP = 0.05
-"""How far a part moves in one step, over its size."""
+"""Largest displacement of a part in a step, over its size [-]."""
 FAR, TURNED = 2.0, np.pi / 3
-"""A path ends where a part has moved so far, over its size, or turned [rad]."""
+"""A path ends once a part has shifted by this, over its size [-], or turned by this [rad]."""
 TRIES = 100
-"""Steps that are tried at most."""
+"""Largest number of steps, failed steps included."""
 GAP, SHARE = 1e-4, 0.05
-"""The gap that is left, over the size of the smallest part; and over the height that is lost."""
+"""Largest gap in a step, over the size of the smallest part [-], and over the height lost [-]."""
 AGAIN, HOLDS = 2, 10.0
-"""Times that parts sink, or are pushed apart, after a step, each linearised anew; and what holds
-them where it led, over the load."""
+"""Corrections after a step, and their stiffness over the load [-]."""
 BEYOND = 0.01
-"""Parts farther apart than this, over the size of the smallest, are not measured."""
+"""The separation of parts is not computed above this, over the size of the smallest part [-]."""
 GAINS = 1e-6
-"""Least loss of height of a step, over its length: less is rest."""
+"""Least loss of height in a step, over its length [-]; a smaller loss counts as rest."""
 CRUMB = 1e-3
-"""Steps are not halved below this, over the size of a part."""
+"""Least length of a step, over the size of the smallest part [-]."""
 REACH = 4.0
-"""Bodies that come no nearer than this, over a step, are left out."""
+"""Reach of a body in a program, over the length of the step [-]; pairs out of reach are skipped."""
 TILT = 4.0
-"""Planes tilt by at most this, over a step over the size."""
+"""Largest tilt of a plane [rad], over the length of the step relative to the size [-]."""
 STIFF = 1e-5
-"""What the square of a tilt costs, over the loss of energy: planes turn for a gain alone."""
+"""Cost of a squared tilt, relative to the loss of energy: planes do not tilt without a gain."""
 BLUR = 1e-9
-"""Of what kept planes forbid, rounding."""
+"""Relative rounding of the conditions of planes that are kept [-]."""
 PLANE = 600.0
-"""Units of work of a plane that is sought."""
+"""Units of work for the search of a separating plane."""
 ALLOWED = 4 * PER_EFFORT
-"""Units of work of a path; where they end it is shorter."""
+"""Units of work for a path; a path ends early once they are spent."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PathPlaces:
-    """Parts along a path, the start first; k places after it.
+    """Configurations along a fall: the start and k configurations after it.
 
     Attributes
     ----------
     motions : ndarray, shape (k + 1, N, 6)
         Shift of each centre of mass [length unit] and rotation vector [rad], from the start.
     energies : ndarray, shape (k + 1,)
-        Of the loads, less that at the start [N x length unit].
+        Energy of the loads, relative to the start [N x length unit].
     lengths : ndarray, shape (k + 1,)
-        How far along: the sum of the steps, each as far as a part moves most [length unit].
+        Sum of the steps so far, each measured by the part that moves most [length unit].
     apart : ndarray, shape (k,)
-        Least separation of two parts at each place but the start [length unit].
+        Least separation of two parts in each configuration after the start [length unit].
     """
 
     motions: Array
@@ -89,7 +88,7 @@ class PathPlaces:
 
     @property
     def half_way(self) -> int:
-        """The place that is half as far along as the last, or the next one."""
+        """Index of the first configuration at half of the whole length or beyond."""
         return int(np.searchsorted(self.lengths, self.lengths[-1] / 2))
 
 
@@ -97,49 +96,49 @@ class PathPlaces:
 def find_path_places(
     assembly: Assembly, found: SecondOrder, *, work: Work | None = None
 ) -> PathPlaces | None:
-    """Places along which what is balanced falls without friction.
+    """The fall of a balanced assembly without friction.
 
     Parameters
     ----------
     assembly : Assembly
     found : SecondOrder
-        Its answer; of several clusters all that are balanced fall at once.
+        Answer for the assembly; all balanced clusters fall at once.
     work : Work, optional
-        Where it ends, so does the path.
+        The path ends once the work is over.
 
     Returns
     -------
     PathPlaces or None
-        None where the answer has no exact configuration, where contacts are given, which have no
-        bodies, of what joints or bonds hold, and where no place beyond the configuration is found.
+        None if the answer has no exact configuration, if the assembly has given contacts, joints or
+        bonds, or if no configuration after the first was found.
     """
     falling = [
-        one
-        for one in found.clusters or (found,)
-        if one.state == "balanced" and one.configuration is not None
+        cluster
+        for cluster in found.clusters or (found,)
+        if cluster.state == "balanced" and cluster.configuration is not None
     ]
     if not falling or assembly.contacts or assembly.joints or assembly.bonds:
         return None
-    start = np.sum([one.configuration.motion for one in falling if one.configuration], axis=0)
-    first = np.sum([one.motion for one in falling if one.motion is not None], axis=0)
-    programs = [one.program for one in falling if one.program is not None]
-    planes = np.concatenate([one.problem.planes for one in falling if one.problem is not None])
-    way = _Descent(assembly, _joined(programs), work or Work(ALLOWED))
-    way.keep(planes, start)
-    path = way.followed(start, first)
+    start = np.sum([c.configuration.motion for c in falling if c.configuration], axis=0)
+    first = np.sum([c.motion for c in falling if c.motion is not None], axis=0)
+    programs = [c.program for c in falling if c.program is not None]
+    planes = np.concatenate([c.problem.planes for c in falling if c.problem is not None])
+    descent = _Descent(assembly, _joined_program(programs), work or Work(ALLOWED))
+    descent.keep(planes, start)
+    path = descent.follow(start, first)
     return path if len(path.lengths) > 2 else None
 
 
-def _joined(programs: list[Program]) -> Program:
-    """The free parts and rows of several clusters as one."""
-    rows = ForceRows.join([one.force_rows for one in programs])
-    free = np.any([one.free for one in programs], axis=0)
+def _joined_program(programs: list[Program]) -> Program:
+    """A single program with the free parts and rows of several clusters."""
+    rows = ForceRows.join([program.force_rows for program in programs])
+    free = np.any([program.free for program in programs], axis=0)
     return replace(programs[0].with_force_rows(rows), free=free)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Lower:
-    """A step, shape (N, 6), where it leads, and how far apart bodies are there."""
+    """A step, shape (N, 6), with the places and the least separation after it [length unit]."""
 
     motion: Array
     place: Places
@@ -147,7 +146,7 @@ class _Lower:
 
 
 class _Descent:
-    """A way from place to place, in the metric of the masses."""
+    """The descent from configuration to configuration, in the metric of the masses."""
 
     def __init__(self, assembly: Assembly, program: Program, work: Work) -> None:
         self.assembly, self.program, self.work = assembly, program, work
@@ -158,9 +157,9 @@ class _Descent:
         self.kept = np.zeros(len(program.part_a), dtype=bool)
 
     def keep(self, planes: Mask, start: Array) -> None:
-        """Stay on planes of contact, shape (K,), where a first place is apart only if it does.
+        """Keep contacts with planes, shape (K,), if the start is apart only by keeping them.
 
-        Parts that are pressed between planes shift along them, and turn not at all.
+        Parts that are pressed between planes shift along them and do not turn.
         """
         if self._apart(start) > APART * self.length:
             return
@@ -171,85 +170,91 @@ class _Descent:
         self.kept = planes & (np.abs(opened) <= KEEPS * self.length) & (turned == 0)
         self.planes.kept = set(zip(a[self.kept].tolist(), b[self.kept].tolist(), strict=True))
 
-    def followed(self, start: Array, first: Array) -> PathPlaces:
-        """The places, from rest by way of a first one, and its direction; shapes (N, 6)."""
+    def follow(self, start: Array, first: Array) -> PathPlaces:
+        """The configurations from rest, given the first and its direction, shape (N, 6) each."""
         place, along, h = Places.of(start), first, STEP
         motions, steps, apart = [np.zeros_like(start), start], [start], [self._apart(start)]
         for _ in range(TRIES):
-            found = None if self.work.over else self._step(place, h * self.length, along)
-            moved = 0.0 if found is None else self._moved(found.motion)
-            if found is None or moved > 2 * STEP:
+            step = None if self.work.over else self._step(place, h * self.length, along)
+            moved = 0.0 if step is None else self._largest_move(step.motion)
+            if step is None or moved > 2 * STEP:
                 h /= 2
                 if h < CRUMB or self.work.over:
                     break
                 continue
-            place, along = found.place, found.motion
+            place, along = step.place, step.motion
             motions.append(place.motion)
             steps.append(along)
-            apart.append(found.apart)
+            apart.append(step.apart)
             if self._ends(motions[-1]):
                 break
             h *= min(2.0, STEP / max(moved, CRUMB))
-        lengths = np.append(0.0, np.cumsum([self._length(one) for one in steps]))
+        lengths = np.append(0.0, np.cumsum([self._length(step) for step in steps]))
         path = np.array(motions)
         return PathPlaces(path, self._energy(path), lengths, np.array(apart))
 
     def _energy(self, motion: Array) -> Array:
-        """Of shifts, shape (..., N, 6): the loads are constant, their torques are none."""
+        """Energy of displacements (..., N, 6) under loads without torques [N x length unit]."""
         return np.asarray(0.0 - (motion[..., :3] * self.load[:, :3]).sum(axis=(-2, -1)))
 
     def _length(self, step: Array) -> float:
-        """How far a part moves at most, a turn by its radius [length unit]."""
-        far, turned = (np.linalg.norm(one, axis=1) for one in (step[:, :3], step[:, 3:]))
+        """Largest displacement of a part in a step, turns times the radius [length unit]."""
+        far, turned = (np.linalg.norm(rows, axis=1) for rows in (step[:, :3], step[:, 3:]))
         return float(np.maximum(far, turned * self.program.radius).max())
 
-    def _moved(self, step: Array) -> float:
-        """The same over the size of each part."""
-        far, turned = (np.linalg.norm(one, axis=1) for one in (step[:, :3], step[:, 3:]))
+    def _largest_move(self, step: Array) -> float:
+        """Largest displacement of a part in a step, over the radius of the part [-]."""
+        far, turned = (np.linalg.norm(rows, axis=1) for rows in (step[:, :3], step[:, 3:]))
         return float(np.maximum(far / self.program.radius, turned).max())
 
     def _ends(self, motion: Array) -> bool:
-        """Whether a part has moved by its width, or turned far."""
-        far, turned = (np.linalg.norm(one, axis=1) for one in (motion[:, :3], motion[:, 3:]))
+        """Whether a part has moved far enough to end the path."""
+        far, turned = (np.linalg.norm(rows, axis=1) for rows in (motion[:, :3], motion[:, 3:]))
         return bool((far > FAR * self.program.radius).any() or (turned > TURNED).any())
 
     def _apart(self, motion: Array) -> float:
-        """Least separation, up to a limit; minus infinity where it is not known."""
+        """Least separation [length unit], at most `BEYOND`; minus infinity if it is unknown."""
         beyond = BEYOND * self.length
-        found = least_separation(
+        least = least_separation(
             self.assembly, self.program, motion, beyond=beyond, planes=self.kept
         )
-        return -np.inf if found is None else found
+        return -np.inf if least is None else least
 
     def _step(self, place: Places, h: float, along: Array) -> _Lower | None:
-        """A step of length h to a place that is apart and lower; None where none was found.
+        """A step of length h to a configuration that is apart and lower; None if none was found.
 
-        Down; where the way curves upward sooner, as it does near rest, on along the last step.
+        Steepest descent is tried first, then the direction of the last step: near rest, the
+        steepest direction may curve upward sooner.
         """
         basis = self._basis(place)
-        down = self._solved(place, basis, h, self._gap(place))
+        down = self._steepest_step(place, basis, h, self._gap(place))
         on = np.linalg.lstsq(basis, along.reshape(-1), rcond=None)[0]
-        ways = [on / np.linalg.norm(on)] if down is None else [down, on / np.linalg.norm(on)]
-        for way in ways:
-            step = self._pushed(place, basis, h, way)
+        on = on / np.linalg.norm(on)
+        for direction in [on] if down is None else [down, on]:
+            step = self._corrected_step(place, basis, h, direction)
             if step is not None:
                 return step
         return None
 
     def _gap(self, place: Places) -> float:
-        """The gap that is left on from a place."""
+        """The gap between bodies in the next step [length unit]."""
         fallen = -float(self._energy(place.motion)) / self.weight
         return min(GAP * self.length, SHARE * fallen)
 
-    def _pushed(self, place: Places, basis: Array, h: float, way: Array) -> _Lower | None:
-        """Near the end of a way of length 1, where bodies touch; None if that is no lower."""
-        gap, after = self._gap(place), place.after((h * basis @ way).reshape(-1, 6))
+    def _corrected_step(
+        self, place: Places, basis: Array, h: float, direction: Array
+    ) -> _Lower | None:
+        """The step of length h along a direction, corrected so that the bodies nearly touch.
+
+        None if the configuration after it is not apart, or not lower.
+        """
+        gap, after = self._gap(place), place.after((h * basis @ direction).reshape(-1, 6))
         for _ in range(AGAIN):
-            more = self._solved(after, basis, h, gap, HOLDS)
-            if more is None:
+            correction = self._steepest_step(after, basis, h, gap, HOLDS)
+            if correction is None:
                 return None
-            way = way + more
-            step = (h * basis @ way).reshape(-1, 6)
+            direction = direction + correction
+            step = (h * basis @ direction).reshape(-1, 6)
             after = place.after(step)
         motion = after.motion
         lost = float(self._energy(place.motion) - self._energy(motion))
@@ -259,7 +264,7 @@ class _Descent:
         return _Lower(step, after, apart) if apart > APART * self.length else None
 
     def _basis(self, place: Places) -> Array:
-        """Motions of the free parts of length 1 in the metric of the masses, shape (6 N, n)."""
+        """Orthonormal motions of the free parts in the metric of the masses, shape (6 N, n)."""
         program, per = self.program, self.program.freedoms
         free = np.flatnonzero(program.free)
         mean = float(program.mass[free].mean())
@@ -270,11 +275,11 @@ class _Descent:
             six[3:, 3:] = turn @ program.inertia[part] @ turn.T
             root = np.linalg.cholesky(six[np.ix_(per, per)] / mean)
             basis[part, per, k] = np.linalg.inv(root).T
-        whole = basis.reshape(basis.shape[0] * 6, -1)
-        return whole @ null_space(self._across() @ whole, BLUR)
+        columns = basis.reshape(basis.shape[0] * 6, -1)
+        return columns @ null_space(self._plane_conditions() @ columns, BLUR)
 
-    def _across(self) -> Array:
-        """What kept planes forbid: to shift across them, and to turn, shape (7 K, 6 N)."""
+    def _plane_conditions(self) -> Array:
+        """Rows, shape (7 K, 6 N), that are zero for shifts along kept planes without turns."""
         rows = np.flatnonzero(self.kept)
         program, count = self.program, len(rows)
         across = np.zeros((count, 7, len(self.load), 6))
@@ -285,12 +290,13 @@ class _Descent:
             across[k[:, None], first + np.arange(3), part[:, None], 3 + np.arange(3)] = 1.0
         return across.reshape(7 * count, 6 * len(self.load))
 
-    def _solved(
+    def _steepest_step(
         self, place: Places, basis: Array, h: float, gap: float, holds: float = 0.0
     ) -> Array | None:
-        """The step, over h in a basis, no longer than 1, that loses most energy, shape (n,).
+        """The step that loses most energy, in the basis and over h, of length up to 1, shape (n,).
 
-        `holds` times its square is counted against it.
+        `holds` is a stiffness: this times half the squared length is added to the cost. None if the
+        program was not solved.
         """
         count = basis.shape[1]
         reach = REACH * h * np.abs(basis.reshape(len(self.load), 6, -1)[:, :3]).max(axis=(1, 2))

@@ -1,12 +1,12 @@
-"""What second order says of parts that are stable to first order, with its evidence.
+"""The answer of second order for parts that are stable to first order, with its evidence.
 
-    minimum    a strict minimum of its energy, parts of revolution may spin: small pushes do
-               not move it away, whatever the friction
-    free       the same across motions that keep every gap and the energy: it rolls or slides freely
-    balanced   a path leads down: the slightest push makes it fall, unless friction holds it
-    open       neither is known; `why` says what is missing
+    minimum    a strict minimum of the energy, up to spins of parts of revolution: small pushes do
+               not move the parts away, whatever the friction
+    free       a minimum across motions that keep every gap and the energy: parts roll or slide
+    balanced   a path leads down: the slightest push makes parts fall, unless friction holds them
+    open       unknown; `why` is the reason
 
-That of one cluster is found in `one_cluster`, that of all in `whole`.
+`one_cluster` finds the answer for a cluster, and `whole` that for the assembly.
 """
 
 from __future__ import annotations
@@ -32,44 +32,44 @@ __all__ = ["LATE", "SPENT", "SecondOrder", "answer_of", "open_answer"]
 LATE = "the time limit was met"
 SPENT = "its work is spent; level strict or a higher effort continues"
 NAMED = 3
-"""Parts that a phrase names; more are counted."""
+"""Number of parts that a phrase names; it counts the others."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SecondOrder:
-    """What second order says.
+    """The answer of second order for a cluster or an assembly.
 
     Attributes
     ----------
     state : {"minimum", "free", "balanced", "open"}
     neutral, free, blocked, undecided : int
-        Dimensions of the motions that cost nothing to first order, and of those among them that
-        are proved free, that cost energy or may gain some, and of which neither is known.
+        Dimension of the motions that cost no energy to first order, and of their parts: motions
+        proved free, motions that cost or gain energy, and motions for which neither is known.
     rate : float or None
-        Of a minimum, the least angular frequency of small oscillations that is proved; of a
-        balanced one, the rate of growth along its path [1/s].
+        For a minimum the least proved angular frequency of small oscillations; for a balanced
+        assembly the rate of growth along its path [1/s].
     motion : ndarray or None, shape (N, 6)
-        How it falls, or moves freely: the part that moves most by 1 length unit.
+        Motion of the fall, or a free motion; the part that moves most moves by 1 length unit.
     moving : ndarray of int
-        Parts that move so.
+        Parts that this motion moves.
     why : str
-        Why it is open.
+        Reason for an open answer.
     decision : Decision or None
-        The numbers, with their proof.
+        Decision with its proof.
     problem : Stationary or None
-        What the proof is about.
+        Problem that the proof is about.
     configuration : Configuration or None
-        Of a balanced one, where all contacts are of bodies that can be held apart exactly.
+        Exact configuration on the path of a balanced assembly, if its bodies are known exactly.
     program : Program or None
-        What `problem` and `decision` are about; its free parts are those of one cluster.
+        Program of `problem` and `decision`; its free parts are those of the cluster.
     idle : ndarray of int
-        Contacts of its cluster that carry nothing, and were left out of `program`: without them
-        less keeps it, and it stays.
+        Contacts of the cluster that carry no force and were left out of `program`. The result
+        without them implies the result with them.
     rolling : Rolling or None
-        Of what is balanced with friction at its contacts: whether that holds it.
+        For a balanced answer with friction, whether friction holds the parts.
     clusters : tuple of SecondOrder
-        The answers that this one joins, where there are several clusters; what moves is that of
-        all, the numbers and the configuration are those of the one that decides.
+        Answers of the clusters, if there are several. Then `moving` and the counts are those of all
+        clusters; decision and configuration are those of the cluster that decides.
     """
 
     state: State
@@ -91,7 +91,7 @@ class SecondOrder:
 
     @property
     def proof(self) -> Proof | None:
-        """The proof of one cluster."""
+        """The proof, if the answer is about a single cluster."""
         proof = None if self.decision is None else self.decision.proof
         if isinstance(proof, Path):
             return Fall(proof, None if self.configuration is None else self.configuration.motion)
@@ -99,38 +99,38 @@ class SecondOrder:
 
     @property
     def strict(self) -> bool:
-        """Whether no small push makes it fall, as far as that is proved, friction as it is."""
+        """Whether it is proved that no small push makes parts fall, with the given friction."""
         if self.clusters:
-            return all(one.strict for one in self.clusters)
+            return all(cluster.strict for cluster in self.clusters)
         held = self.rolling is not None and self.rolling.state == "holds"
         return self.state in ("minimum", "free") or (self.state == "balanced" and held)
 
     @property
     def counted(self) -> bool:
-        """Whether its motions were looked at; where not, its counts of 0 say nothing."""
+        """Whether the neutral motions were counted; otherwise counts of 0 have no meaning."""
         if self.clusters:
-            return all(one.counted for one in self.clusters)
+            return all(cluster.counted for cluster in self.clusters)
         return self.decision is not None and (self.state != "open" or self.neutral > 0)
 
     def left_open(self, names: tuple[str, ...]) -> str:
-        """The questions that are open, as one short phrase with the reason; empty if none is.
+        """A short phrase with the open questions and the reason; empty if no question is open.
 
         Parameters
         ----------
         names : tuple of str
             Names of all parts.
         """
-        still = [one for one in self.clusters or (self,) if one.state == "open"]
+        still = [cluster for cluster in self.clusters or (self,) if cluster.state == "open"]
         if still:
-            free = np.any([one.program.free for one in still if one.program is not None], axis=0)
-            whys = " and ".join(dict.fromkeys(one.why for one in still))
+            free = np.any([c.program.free for c in still if c.program is not None], axis=0)
+            whys = " and ".join(dict.fromkeys(cluster.why for cluster in still))
             return f"whether a small push makes {_named(names, np.flatnonzero(free))} fall: {whys}"
         if self.rolling is not None and self.rolling.state == "open":
             return f"whether friction holds {_named(names, self.moving)} against a small push"
         return ""
 
     def to_dict(self, names: tuple[str, ...]) -> dict[str, Any]:
-        """The answer of `kilter check --json`; the motion by part."""
+        """The answer as JSON data of `kilter check --json`, with the motion by part."""
         by_part = None if self.motion is None else {
             names[k]: (self.motion[k] + 0.0).tolist() for k in self.moving.tolist()
         }  # fmt: skip
@@ -157,13 +157,13 @@ def _named(names: tuple[str, ...], parts: Index) -> str:
 
 
 def open_answer(why: str, program: Program) -> SecondOrder:
-    """That nothing is known, and why."""
+    """An open answer with its reason."""
     none = np.zeros(0, dtype=np.int64)
     return SecondOrder("open", 0, 0, 0, 0, None, None, none, why, program=program)
 
 
 def answer_of(program: Program, problem: Stationary, decision: Decision) -> SecondOrder:
-    """A decision without more."""
+    """The answer with the state and the counts of a decision."""
     none = np.zeros(0, dtype=np.int64)
     return SecondOrder(
         decision.state,

@@ -1,11 +1,11 @@
-"""What second order says of a whole assembly: of each of its clusters, joined.
+"""The answer of second order for an assembly, joined from its clusters.
 
-1  what stands on level faces alone is free by proof (`level_rest`), at any size
-2  forces that leave no motion neutral hold a cluster to first order: nothing to ask (`held`)
-3  else, up to a number of parts, its gaps to second order (`one_cluster`)
+1  parts that rest on level faces alone are free, at any size (`level_rest`)
+2  forces that leave no motion neutral hold a cluster to first order (`held`)
+3  otherwise the gaps of the cluster decide, up to a number of parts (`one_cluster`)
 
-An assembly is balanced where one of its clusters is, else open where one is, else free where one
-is, else at a minimum.
+An assembly is balanced if any of its clusters is, else open if any is, else free if any is, else at
+a minimum.
 """
 
 from __future__ import annotations
@@ -50,26 +50,27 @@ from kilter.work import PER_EFFORT, Work
 __all__ = ["MOST_IN_ALL", "MOST_PARTS", "find_second_order", "with_rolling"]
 
 MOST_PARTS = 20
-"""A cluster of up to this many free parts is asked for its second order, ..."""
-MOST_IN_ALL = 120
-"""... and clusters of up to this many together."""
+"""Largest number of free parts in a cluster that is decided by its gaps."""
 MOST_STRICT = 60
-"""Up to this many free parts in a cluster with level strict or a higher effort."""
+"""The same with level strict or a higher effort."""
+MOST_IN_ALL = 120
+"""Largest number of free parts in all clusters that are decided by their gaps."""
 WORK, LEAST_WORK = 1_250_000, 200_000
 """Most and least units of work for the gaps of an assembly at effort 1.
 
-The most is for up to `FEW_ROWS` contact rows and `FEW_PARTS` free parts; with more the work falls
-as one over their number. So second order stays below a fifth of each check of over a second.
+The most is for up to `FEW_ROWS` contact rows and `FEW_PARTS` free parts; with more the work is in
+inverse proportion to their number. So second order takes less than a fifth of each check of over a
+second.
 """
 FEW_ROWS, FEW_PARTS = 100, 40
 CLUSTER_WORK = 15_000
-"""Units of a cluster before its first program: features, surfaces and free motions."""
+"""Units of work for a cluster before its first program: features, surfaces and free motions."""
 STRICT_WORK = 10.0
-"""Factor of the work with level strict."""
+"""Factor of the work if the check requires level strict [-]."""
 MOST_LEVEL = 10_000
-"""Level faces are looked at for up to this many free parts."""
+"""Largest number of free parts for which a rest on level faces is tried."""
 MOST_HELD = 250
-"""Forces are asked whether they leave a motion neutral for up to this many free parts."""
+"""Largest number of free parts for which forces that leave no motion neutral are tried."""
 
 
 def find_second_order(
@@ -81,17 +82,17 @@ def find_second_order(
     work: Work | None = None,
     strict: bool = False,
 ) -> SecondOrder | None:
-    """What second order says of a place of equilibrium; None where no motion is neutral.
+    """The answer of second order for an assembly in equilibrium; None if no motion is neutral.
 
     Parameters
     ----------
     assembly : Assembly
     contacts : ContactSet
-        Found in it.
+        Contacts of the assembly.
     program : Program
-        Of these contacts, without friction; forces of equilibrium are known to exist.
+        These contacts without friction; forces of equilibrium are known to exist.
     forces : ndarray, shape (K,), optional
-        Such forces [N].
+        Forces of equilibrium [N].
     work : Work, optional
         Work of the check: second order takes a fixed amount for its effort, and keeps its time
         limit. Without, there is no limit.
@@ -118,10 +119,10 @@ def find_second_order(
     at_once = None if why_beyond(whole) else search.by_forces(whole, forces)
     if at_once is not None:
         return _of_parts(at_once, groups) if at_once.neutral else None
-    found = tuple(search.answer(one) for one in clusters(whole))
-    if all(one.state == "minimum" and not one.neutral for one in found):
+    answers = tuple(search.answer(cluster) for cluster in clusters(whole))
+    if all(answer.state == "minimum" and not answer.neutral for answer in answers):
         return None
-    return _of_parts(_joined(found), groups)
+    return _of_parts(_joined(answers), groups)
 
 
 def _share(work: Work, program: Program, *, strict: bool) -> Work:
@@ -131,22 +132,22 @@ def _share(work: Work, program: Program, *, strict: bool) -> Work:
     return work.beside(units * (STRICT_WORK if strict else 1.0) * work.allowed / PER_EFFORT)
 
 
-def _of_parts(found: SecondOrder, groups: RigidGroups) -> SecondOrder:
-    """An answer of groups as one of their parts: what moves."""
+def _of_parts(answer: SecondOrder, groups: RigidGroups) -> SecondOrder:
+    """The answer with the motions of all parts in place of those of their rigid groups."""
     if not groups.tied:
-        return found
+        return answer
     return replace(
-        found,
-        motion=None if found.motion is None else groups.spread(found.motion),
-        moving=np.flatnonzero(np.isin(groups.first, found.moving)),
-        clusters=tuple(_of_parts(one, groups) for one in found.clusters),
+        answer,
+        motion=None if answer.motion is None else groups.spread(answer.motion),
+        moving=np.flatnonzero(np.isin(groups.first, answer.moving)),
+        clusters=tuple(_of_parts(cluster, groups) for cluster in answer.clusters),
     )
 
 
 def with_rolling(
     found: SecondOrder, assembly: Assembly, contacts: ContactSet, program: Program
 ) -> SecondOrder:
-    """An answer that is balanced, with what friction makes of it.
+    """A balanced answer with the result about rolling; other answers are returned as they are.
 
     Parameters
     ----------
@@ -154,28 +155,28 @@ def with_rolling(
     assembly : Assembly
     contacts : ContactSet
     program : Program
-        Of these contacts, with friction.
+        These contacts with friction.
     """
-    own = found.clusters or (found,)
+    answers = found.clusters or (found,)
     program = RigidGroups.of(assembly).merged(with_sharp(program, contacts), assembly)
     parted = clusters(program)
-    if found.state != "balanced" or len(parted) != len(own) or not program.mu.any():
+    if found.state != "balanced" or len(parted) != len(answers) or not program.mu.any():
         return found
     features = features_of(program, contacts)
-    asked = tuple(
-        replace(one, rolling=find_rolling(part.program, features.take(part.rows)))
-        if one.state == "balanced"
-        else one
-        for one, part in zip(own, parted, strict=True)
+    answers = tuple(
+        replace(answer, rolling=find_rolling(cluster.program, features.take(cluster.rows)))
+        if answer.state == "balanced"
+        else answer
+        for answer, cluster in zip(answers, parted, strict=True)
     )
-    rolls = [one.rolling for one in asked if one.rolling is not None]
-    state = worst_rolling(one.state for one in rolls)
-    worst = next(one for one in rolls if one.state == state)
-    return replace(found, rolling=worst, clusters=asked if found.clusters else ())
+    rollings = [answer.rolling for answer in answers if answer.rolling is not None]
+    state = worst_rolling(rolling.state for rolling in rollings)
+    worst = next(rolling for rolling in rollings if rolling.state == state)
+    return replace(found, rolling=worst, clusters=answers if found.clusters else ())
 
 
 class _ClusterSearch:
-    """What the clusters of an assembly share."""
+    """The search for the answers of clusters, with the facts and the work that they share."""
 
     def __init__(
         self,
@@ -190,33 +191,34 @@ class _ClusterSearch:
         self.facts = ClusterFacts(
             assembly, contacts, program, lambda: features_of(program, contacts, recognised=True)
         )
-        self.asked = 0
+        self.parts_so_far = 0
         self.off, self.slanted = loads_off_centre(assembly, program)
 
     def answer(self, cluster: Cluster) -> SecondOrder:
-        """Of one cluster, where the whole has no answer at once."""
+        """The answer for a cluster."""
         program, count = cluster.program, int(cluster.program.free.sum())
         why = why_beyond(program)
         if why:
             return open_answer(why, program)
         if count < self.program.free.sum():
             forces = None if self.forces is None else self.forces[cluster.rows]
-            found = self.by_forces(program, forces)
-            if found is not None:
-                return found
+            answer = self.by_forces(program, forces)
+            if answer is not None:
+                return answer
         most = MOST_PARTS if self.work.allowed <= WORK else MOST_STRICT
         if count > most:
             return open_answer(f"more than {most} free parts touch one another", program)
-        self.asked += count
-        if self.asked > MOST_IN_ALL:
-            return open_answer(f"more than {MOST_IN_ALL} parts are to be looked at", program)
-        found = None if self.work.over else self._alone(cluster)
-        if found is None or (found.state == "open" and self.work.over):
+        self.parts_so_far += count
+        if self.parts_so_far > MOST_IN_ALL:
+            why = f"more than {MOST_IN_ALL} parts would have to be decided by their gaps"
+            return open_answer(why, program)
+        answer = None if self.work.over else self._by_gaps(cluster)
+        if answer is None or (answer.state == "open" and self.work.over):
             return open_answer(LATE if self.work.late else SPENT, program)
-        return found
+        return answer
 
     def by_forces(self, program: Program, forces: Array | None) -> SecondOrder | None:
-        """Steps 1 and 2 for a whole assembly or a cluster; None where they do not answer."""
+        """Steps 1 and 2 for an assembly or a cluster; None if they do not decide."""
         count = int(program.free.sum())
         if count <= MOST_LEVEL and not self.slanted[program.free].any():
             level, sharp = level_rows(program, self.contacts), sharp_points(program, self.contacts)
@@ -230,8 +232,8 @@ class _ClusterSearch:
                 return _without_neutral(program, held)
         return None
 
-    def _alone(self, cluster: Cluster) -> SecondOrder:
-        """By the gaps of its contacts, where forces do not leave it without neutral motions."""
+    def _by_gaps(self, cluster: Cluster) -> SecondOrder:
+        """Step 3 for a cluster; critical forces may still leave no motion neutral."""
         program = cluster.program
         certain = program.taking(program.kind == CONTACT)
         first = stationary(certain, np.zeros((len(certain.part_a), 12, 12)))
@@ -247,7 +249,7 @@ class _ClusterSearch:
 
 
 def _on_level(program: Program, rest: LevelRest) -> SecondOrder:
-    """Every part slides and turns freely on level faces."""
+    """The answer for parts that slide and turn freely on level faces."""
     parts = np.flatnonzero(program.free)
     free = len(parts) * (1 if program.planar else 3)
     decision = Decision("minimum", free, free, 0, 0, rest)
@@ -257,36 +259,40 @@ def _on_level(program: Program, rest: LevelRest) -> SecondOrder:
 
 
 def _without_neutral(program: Program, held: Held) -> SecondOrder:
+    """The answer for parts without neutral motions."""
     none = np.zeros(0, dtype=np.int64)
     decision = Decision("minimum", 0, 0, 0, 0, held)
     return SecondOrder("minimum", 0, 0, 0, 0, None, None, none, "", decision, program=program)
 
 
-def _joined(found: tuple[SecondOrder, ...]) -> SecondOrder:
-    """The answer of several clusters; that of one is its own."""
-    if len(found) == 1:
-        return found[0]
-    state = joined_state(one.state for one in found)
-    same = [one for one in found if one.state == state]
-    first = max(same, key=lambda one: one.rate or 0.0) if state == "balanced" else same[0]
-    motions = [one.motion for one in same if one.motion is not None]
-    moving = np.sort(np.concatenate([one.moving for one in same]))
+def _joined(answers: tuple[SecondOrder, ...]) -> SecondOrder:
+    """The answer for an assembly from those of its clusters."""
+    if len(answers) == 1:
+        return answers[0]
+    state = joined_state(answer.state for answer in answers)
+    same = [answer for answer in answers if answer.state == state]
+    first = max(same, key=lambda answer: answer.rate or 0.0) if state == "balanced" else same[0]
+    motions = [answer.motion for answer in same if answer.motion is not None]
+    moving = np.sort(np.concatenate([answer.moving for answer in same]))
     return replace(
         first,
-        neutral=sum(one.neutral for one in found),
-        free=sum(one.free for one in found),
-        blocked=sum(one.blocked for one in found),
-        undecided=sum(one.undecided for one in found),
+        neutral=sum(answer.neutral for answer in answers),
+        free=sum(answer.free for answer in answers),
+        blocked=sum(answer.blocked for answer in answers),
+        undecided=sum(answer.undecided for answer in answers),
         rate=_rate(same),
         motion=np.sum(motions, axis=0) if motions else None,
         moving=moving,
-        clusters=found,
+        clusters=answers,
     )
 
 
 def _rate(same: list[SecondOrder]) -> float | None:
-    """What falls fastest; of minima the slowest to swing, where all are known."""
-    rates = [one.rate for one in same if one.blocked or one.state == "balanced"]
+    """The fastest growth of balanced clusters, or the slowest oscillation of minima [1/s].
+
+    None if the oscillation of a minimum is unknown.
+    """
+    rates = [answer.rate for answer in same if answer.blocked or answer.state == "balanced"]
     known = [rate for rate in rates if rate is not None]
     if same[0].state == "balanced":
         return max(known, default=None)

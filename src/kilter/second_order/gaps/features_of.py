@@ -85,7 +85,7 @@ def _set_given(columns: dict[str, Any], program: Program, contacts: ContactSet) 
 def _set_side(
     columns: dict[str, Any], side: str, rows: Index, feature: Feature, normal: Array
 ) -> None:
-    """Fill in the stated feature of one part at rows with the same normal.
+    """Fill in the stated feature of a part at rows with the same normal.
 
     The component of an edge along the normal is removed.
     """
@@ -155,8 +155,8 @@ def _set_conformal(
     ends = np.isin(contacts.patch_kind[patch], ROUND) & (count == 2)
     for side in "ab":
         across = np.abs(np.einsum("ij,ij->i", columns[f"edge_{side}"][left], line))
-        own = columns[f"kind_{side}"][left]
-        ends &= (own == FACE) | ((own == EDGE) & (across < CROSSING))
+        kind = columns[f"kind_{side}"][left]
+        ends &= (kind == FACE) | ((kind == EDGE) & (across < CROSSING))
     columns["fibre"][left[ends]] = line[ends]
     columns["flush"][left[(flat | ends) & ~faces]] = True
     for side in "ab":

@@ -84,8 +84,8 @@ def part_features(
     kind = np.where(curved.kind == OPEN, flat.kind, curved.kind)
     kind[_within_rim(geometry, near, triangle, point, outward, reach[part])] = FACE
     kind[many | (foreign & (curved.kind == FACE) & ~region[order])] = OPEN
-    own = (curved.kind != OPEN)[:, None]
-    edge = np.where(own, curved.edge, flat.edge)
+    on_curved = (curved.kind != OPEN)[:, None]
+    edge = np.where(on_curved, curved.edge, flat.edge)
     edge[kind != EDGE] = 0.0
     curvature = np.where((kind == OPEN)[:, None, None], 0.0, curved.curvature)
     doubt = np.where(kind == OPEN, 0.0, curved.doubt)
@@ -153,7 +153,7 @@ def _within_rim(
     on = surface[k]
     convex = np.isin(s.kind[on], (CYLINDER, CONE)) & ~s.hollow[on] & (s.doubt[on] == 0)
     side[k] = convex & (s.distance(on, point[near[k]]) < -reach[near[k]])
-    counts = [np.bincount(near, one, minlength=len(point)) for one in (face, side, face | side)]
+    counts = [np.bincount(near, mask, minlength=len(point)) for mask in (face, side, face | side)]
     every = np.bincount(near, minlength=len(point))
     return np.asarray((counts[0] > 0) & (counts[1] > 0) & (counts[2] == every))
 

@@ -180,10 +180,10 @@ def _on_surfaces(touched: Touched, rows: Index, part: int, geometry: Geometry) -
     """
     surfaces, at, out = geometry.surfaces, touched.point[rows], touched.direction[rows]
     near = ON * geometry.size[part]
-    own = np.arange(surfaces.start[part], surfaces.start[part + 1])
-    own = own[surfaces.kind[own] != FREE]
+    candidates = np.arange(surfaces.start[part], surfaces.start[part + 1])
+    candidates = candidates[surfaces.kind[candidates] != FREE]
     curved = np.full(len(rows), -1)
-    for surface in own[::-1]:
+    for surface in candidates[::-1]:
         same = np.full(len(rows), surface)
         agrees = np.einsum("ij,ij->i", surfaces.outward(same, at), out) > 1 - FACES
         curved[(np.abs(surfaces.distance(same, at)) < near) & agrees] = surface

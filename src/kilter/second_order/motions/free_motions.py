@@ -1,25 +1,27 @@
 """Motions that keep every gap and the energy to all orders, each with its proof.
 
-    spin      a part turns about its centre of mass so that each of its own touched surfaces stays
-              where it is: a ball, a top
-    level     a set of parts moves as one by level translations and turns about the vertical that
-              leave the surface of whatever it touches where it is; all of that is held
-    slide     a part moves level and leaves its own touched surfaces where they are; a set moves
-              level over level planes, or over surfaces of one other part; level edges move level
-              over level edges and cylinders that they cross
-    pivot     a part with one contact turns about its normal, vertical through its centre of mass
+    spin      a part turns about its centre of mass and keeps each of its touched surfaces in
+              place: a ball, a top
+    level     a set of parts moves as one by level translations and turns about the vertical, and
+              keeps the touched surfaces of its surroundings in place; all of these are held
+    slide     a part moves level and keeps its own touched surfaces in place; a set moves level over
+              level planes, or over surfaces of a single other part; level edges move level over
+              level edges and cylinders that they cross
+    pivot     a part with a single contact turns about its normal, which is vertical and passes
+              through the centre of mass
     shift     translations of all parts that open no contact of plane faces, straight edges and
-              corners, and leave parts that touch otherwise together: all gaps are affine
+              corners, and that do not move parts in other contacts relative to each other: all gaps
+              are affine
 
-The first two are symmetries: from any place near by, they keep all gaps and the energy, so that
-they may be divided out. So may pivots: after one the only force on the part is at the same place,
-along the same normal and through the centre of mass, which leaves balance and all that is neutral
-as they were. The others keep them from places that they lead to, which need not be
-places of equilibrium (a cylinder across another slides along itself, and tips). They count only
-where every neutral motion is free: then the motions that open nothing are those of the family all
-along it, forces of equilibrium go with it, and the energy is least on all of it.
+The first two are symmetries: from every configuration near by they keep all gaps and the energy, so
+they may be divided out. So may pivots: after a pivot the only force on the part acts at the same
+point, along the same normal and through the centre of mass, so balance and neutral motions stay.
+The others keep gaps and energy only along themselves, and may lead to configurations that are not
+in equilibrium (a cylinder across another slides along itself, and tips). They count only if every
+neutral motion is free. Then the motions that open no contact are those of the family everywhere
+along it, the forces of equilibrium move with it, and the energy is least on all of it.
 
-Shifts are added only where nothing that turns touches a face that is not level.
+Shifts are added only if no part that turns freely touches a face that is not level.
 """
 
 from __future__ import annotations
@@ -41,17 +43,17 @@ from kilter.second_order.motions.null_space import null_space
 __all__ = ["FreeMotions", "find_free_motions"]
 
 EXACT = 1e-9
-"""Singular values below this fraction of the largest leave a surface where it is."""
+"""Singular values below this fraction of the largest count as zero [-]."""
 ALL_SETS = 6
-"""Up to so many free parts every set of them is tried."""
+"""Every set of parts is tried up to this number of free parts; beyond, only connected sets."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FreeMotions:
-    """F motions of all N parts (r, theta) [length unit, rad], and how each is proved.
+    """F free motions of N parts, which may be linearly dependent.
 
-    `motions`, shape (F, N, 6); `kinds`: spin, level, slide, pivot or shift. They may depend on one
-    another.
+    `motions`, shape (F, N, 6): (r, theta) of each part [length unit, rad]; `kinds`: the proof of
+    each (spin, level, slide, pivot or shift).
     """
 
     motions: Array
@@ -59,31 +61,31 @@ class FreeMotions:
 
     @property
     def symmetries(self) -> FreeMotions:
-        """Those that may be divided out wherever they are."""
-        own = [k for k, kind in enumerate(self.kinds) if kind in ("spin", "level", "pivot")]
-        return FreeMotions(self.motions[own], tuple(self.kinds[k] for k in own))
+        """The motions that may always be divided out: spins, level motions and pivots."""
+        chosen = [k for k, kind in enumerate(self.kinds) if kind in ("spin", "level", "pivot")]
+        return FreeMotions(self.motions[chosen], tuple(self.kinds[k] for k in chosen))
 
 
 def find_free_motions(
     program: Program, features: Features, touched: tuple[Touched, Touched]
 ) -> FreeMotions:
-    """All that can be proved free.
+    """The motions that can be proved free.
 
     Parameters
     ----------
     program : Program
         Contacts only, without friction.
     features : Features
-        Of its rows.
+        Features of its rows.
     touched : pair of Touched
-        What its rows touch (`touched_surfaces`).
+        Surfaces of parts a and b at its rows (`touched_surfaces`).
     """
     search = _FreeSearch(program, features, touched)
     return search.planar() if program.planar else search.all()
 
 
 class _FreeSearch:
-    """The surfaces that touch, and what is found."""
+    """The search for free motions, with the surfaces at the contacts."""
 
     def __init__(
         self, program: Program, features: Features, touched: tuple[Touched, Touched]
@@ -98,7 +100,7 @@ class _FreeSearch:
         self.level = level_a | level_b
         level_on_steep = np.where(self.free_a, level_a & ~level_b, level_b & ~level_a)
         self.slides = np.asarray((self.free_a & self.free_b) | level_on_steep)
-        """Rows along which a level motion slides on a free part, or on a surface not level."""
+        # a level motion slides here on a free part, or on a surface that is not level
         self.parts = np.flatnonzero(program.free)
         self.origin = program.center[self.parts].mean(axis=0)
         self.length = float(program.radius[self.parts].max())
@@ -108,7 +110,7 @@ class _FreeSearch:
         self.kinds: list[str] = []
 
     def _level_edges(self) -> Mask:
-        """Rows of a straight edge across one, or a cylinder: both are level, and stay in touch."""
+        """Rows of a level straight edge across another, or across a level cylinder, shape (K,)."""
         program, features = self.program, self.features
         level = np.linalg.norm(np.cross(program.normal, program.down), axis=1) < EXACT
         level &= formed(program, features) & (self.a.kind == LINE) & (self.b.kind == LINE)
@@ -116,6 +118,7 @@ class _FreeSearch:
         return np.asarray(level & edge)
 
     def all(self) -> FreeMotions:
+        """All free motions in space."""
         for part in self.parts:
             self._own(int(part))
             self._pivot(int(part))
@@ -125,17 +128,18 @@ class _FreeSearch:
         return self._found()
 
     def planar(self) -> FreeMotions:
-        """In the plane: translations only."""
+        """All free motions in the plane: translations."""
         self._shifts()
         return self._found()
 
     def _found(self) -> FreeMotions:
+        """The motions found so far."""
         shape = (0, len(self.program.names), 6)
         motions = np.array(self.motions) if self.motions else np.empty(shape)
         return FreeMotions(motions, tuple(self.kinds))
 
     def _add(self, parts: Index | list[int], screw: Array, kind: str) -> None:
-        """A screw (v, L omega) about the origin as a motion of some parts."""
+        """Add a screw (v, L omega) about the origin as a motion of given parts."""
         motion = np.zeros((len(self.program.names), 6))
         turn = screw[3:] / self.length
         arms = self.program.center[parts] - self.origin
@@ -145,9 +149,9 @@ class _FreeSearch:
         self.kinds.append(kind)
 
     def _own(self, part: int) -> None:
-        """Screws that leave the part's touched surfaces, and its height to all orders.
+        """Add screws of a part that keep its touched surfaces in place, and its height.
 
-        A centre of mass keeps its height where it stays, or where the screw is level.
+        A centre of mass keeps its height to all orders if it stays, or if the screw is level.
         """
         rows = []
         for keeps, of in ((self.keeps_a, self.program.part_a), (self.keeps_b, self.program.part_b)):
@@ -159,14 +163,14 @@ class _FreeSearch:
                 self._add([part], screw, kind)
 
     def _upright(self) -> Array:
-        """Conditions of a level screw: no rise, and no turn but about the vertical."""
+        """Conditions of a level screw, shape (3, 6): no rise, and turns only about the vertical."""
         rows = np.zeros((3, 6))
         rows[0, :3] = self.down
         rows[1:, 3:] = null_space(self.down[None], EXACT).T
         return rows
 
     def _pivot(self, part: int) -> None:
-        """The turn about one vertical contact normal through the centre of mass."""
+        """Add the turn about a contact normal that is vertical through the centre of mass."""
         program = self.program
         rows = np.flatnonzero((program.part_a == part) | (program.part_b == part))
         if len(rows) != 1:
@@ -179,12 +183,12 @@ class _FreeSearch:
             self._add([part], self._about(part, down), "pivot")
 
     def _about(self, part: int, axis: Array) -> Array:
-        """The screw of a turn about an axis through a centre of mass."""
+        """The screw of a turn about an axis through the centre of mass of a part, shape (6,)."""
         arm = self.program.center[part] - self.origin
         return np.append(-np.cross(axis, arm), axis * self.length)
 
     def _sets(self) -> Iterator[Index]:
-        """Sets of free parts to move as one."""
+        """Sets of free parts that are tried as a single body."""
         parts, count = self.parts, len(self.program.names)
         if len(parts) <= ALL_SETS:
             for size in range(1, len(parts) + 1):
@@ -197,14 +201,14 @@ class _FreeSearch:
             a, b = self.program.part_a[inner], self.program.part_b[inner]
             keep = (a != without) & (b != without)
             label = connected(count, a[keep], b[keep])
-            for one in np.unique(label[parts]):
-                chosen = parts[label[parts] == one]
+            for number in np.unique(label[parts]):
+                chosen = parts[label[parts] == number]
                 if tuple(chosen) not in seen:
                     seen.add(tuple(chosen))
                     yield chosen
 
     def _level(self, chosen: Index) -> None:
-        """Level screws of a set, in the frame of what is held or of one part."""
+        """Add level screws of a set of parts, relative to held surroundings or to another part."""
         program = self.program
         across = np.isin(program.part_a, chosen) != np.isin(program.part_b, chosen)
         crossing = np.flatnonzero(across & ~self.level)
@@ -214,17 +218,24 @@ class _FreeSearch:
             self._level_across(chosen, across, without, "slide")
 
     def _level_across(self, chosen: Index, across: Mask, crossing: Index, kind: str) -> None:
-        """Level screws of a set that leave some of the surfaces across its border be."""
+        """Add level screws of a set that keep the surfaces across its border in place.
+
+        `across`, shape (K,): rows between the set and its surroundings; `crossing`: indices of the
+        rows whose surfaces count.
+        """
         frames = [-1, *self.parts] if len(crossing) else [-1]
         for frame in frames:
             rows = self._frame_rows(crossing, int(frame))
-            own = kind or ("slide" if frame >= 0 or self.slides[across].any() else "level")
+            proof = kind or ("slide" if frame >= 0 or self.slides[across].any() else "level")
             if rows is not None:
                 for screw in null_space(np.vstack([self._upright(), *rows]), EXACT).T:
-                    self._add(chosen, screw, own)
+                    self._add(chosen, screw, proof)
 
     def _frame_rows(self, crossing: list[int], frame: int) -> list[Array] | None:
-        """Conditions of the surfaces of a frame; None where a contact is not of it."""
+        """Conditions that keep the surfaces of a frame in place; None if a contact has none of it.
+
+        The frame is a part, or the held surroundings (-1).
+        """
         a, b = self.program.part_a[crossing], self.program.part_b[crossing]
         if frame < 0:
             of_a, of_b = ~self.free_a[crossing], ~self.free_b[crossing]
@@ -238,7 +249,7 @@ class _FreeSearch:
         ]
 
     def _shifts(self) -> None:
-        """Translations under which every gap is affine."""
+        """Add translations under which every gap is affine and stays closed."""
         program, sharp = self.program, self._sharp()
         count = len(self.parts)
         place = np.full(len(program.names) + 1, -1)
@@ -262,7 +273,7 @@ class _FreeSearch:
             self.kinds.append("shift")
 
     def _sharp(self) -> Mask:
-        """Rows between planes, straight edges and corners."""
+        """Rows between planes, straight edges and corners, shape (K,)."""
         features = self.features
         straight = np.ones(len(features), dtype=bool)
         for side, curvature in ((self.a, features.curvature_a), (self.b, features.curvature_b)):

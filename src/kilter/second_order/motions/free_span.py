@@ -1,4 +1,4 @@
-"""Free motions as directions in scaled unknowns: their span, and how much of it only spins."""
+"""Free motions in scaled unknowns: their span, and the parts that they move visibly."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["free_span", "moving_free", "scaled_columns"]
 
 
 def free_span(program: Program, problem: Stationary, free: FreeMotions) -> Array:
-    """An orthonormal basis of the free motions, shape (n, f), as the numbers bear them out."""
+    """An orthonormal basis, shape (n, f), of free motions that open no row and cost no energy."""
     columns = scaled_columns(program, problem, free.motions)
     size = np.linalg.norm(columns, axis=0)
     columns = np.asarray(columns[:, size > 0] / size[size > 0], dtype=np.float64)
@@ -33,17 +33,17 @@ def free_span(program: Program, problem: Stationary, free: FreeMotions) -> Array
 
 
 def scaled_columns(program: Program, problem: Stationary, motions: Array) -> Array:
-    """Motions of all parts, shape (F, N, 6), in scaled unknowns, shape (n, F)."""
+    """Motions of all parts, shape (F, N, 6), as columns of scaled unknowns, shape (n, F)."""
     assert problem.scale is not None
     free = np.flatnonzero(program.free)
-    own = motions[:, free][:, :, program.freedoms].reshape(len(motions), len(problem.scale))
-    return np.asarray((own / problem.scale).T)
+    moved = motions[:, free][:, :, program.freedoms].reshape(len(motions), len(problem.scale))
+    return np.asarray((moved / problem.scale).T)
 
 
 def moving_free(assembly: Assembly, free: FreeMotions) -> Index:
-    """Parts that a free motion moves visibly: not what spins about its axis of revolution.
+    """Parts that a free motion moves visibly: not parts that spin about their own axis.
 
-    Of parts that fixed joints tie the first is told, as in the motions.
+    A group of tied parts counts as its first part, as in the motions.
     """
     groups, moving = RigidGroups.of(assembly), np.zeros(len(assembly.parts), dtype=bool)
     for motion in groups.spread(free.motions):
@@ -53,7 +53,7 @@ def moving_free(assembly: Assembly, free: FreeMotions) -> Index:
 
 
 def _spins_unseen(assembly: Assembly, part: int, motion: Array) -> bool:
-    """Whether a motion of a part only turns it about an axis of revolution of its shape."""
+    """Whether a motion, shape (6,), only turns a part about an axis of revolution of its shape."""
     turn, center = motion[3:], assembly.geometry.center[part]
     radius = float(assembly.geometry.radius[part])
     speed = float(np.abs(turn).max()) * radius
@@ -70,19 +70,19 @@ def _spins_unseen(assembly: Assembly, part: int, motion: Array) -> bool:
 
 
 def _of_revolution(geometry: Geometry, part: int, motion: Array, center: Array) -> bool:
-    """Whether every face of a part stays where it is when the part turns."""
+    """Whether every face of a part stays in place when the part turns by a motion, shape (6,)."""
     surfaces, turn = geometry.surfaces, motion[3:] / np.linalg.norm(motion[3:])
     near = ACROSS * float(geometry.radius[part]) + float(geometry.accuracy[part])
-    own = np.arange(surfaces.start[part], surfaces.start[part + 1])
-    if (surfaces.kind[own] == FREE).any():
+    faces = np.arange(surfaces.start[part], surfaces.start[part + 1])
+    if (surfaces.kind[faces] == FREE).any():
         return False
     through = center + np.cross(motion[3:], motion[:3]) / (motion[3:] @ motion[3:])
-    off = np.linalg.norm(np.cross(surfaces.point[own] - through, turn), axis=1)
-    leans = np.linalg.norm(np.cross(surfaces.axis[own], turn), axis=1)
-    if (off > near).any() or (leans[surfaces.kind[own] != SPHERE] > ACROSS).any():
+    off = np.linalg.norm(np.cross(surfaces.point[faces] - through, turn), axis=1)
+    leans = np.linalg.norm(np.cross(surfaces.axis[faces], turn), axis=1)
+    if (off > near).any() or (leans[surfaces.kind[faces] != SPHERE] > ACROSS).any():
         return False
     span = slice(geometry.triangle_start[part], geometry.triangle_start[part + 1])
     corners = geometry.vertices[geometry.triangles[span][geometry.triangle_surface[span] < 0]]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     aside = np.linalg.norm(np.cross(normal, turn), axis=1)
-    return bool(len(own)) and bool((aside <= ACROSS * np.linalg.norm(normal, axis=1)).all())
+    return bool(len(faces)) and bool((aside <= ACROSS * np.linalg.norm(normal, axis=1)).all())

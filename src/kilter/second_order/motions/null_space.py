@@ -10,7 +10,9 @@ __all__ = ["null_space"]
 
 
 def null_space(rows: Array, blur: float) -> Array:
-    """An orthonormal basis, shape (n, d), of what rows of shape (K, n) send to zero.
+    """An orthonormal basis, shape (n, d), of the null space of rows (K, n).
+
+    Singular values below `blur` times the largest count as zero.
 
     Examples
     --------

@@ -1,30 +1,30 @@
-"""What balances, with friction at every contact: does it roll back, or off?
+"""Rolling: whether friction holds a balanced assembly, or it rolls off.
 
-Where nothing slips, all contact points are at rest relative to each other: G z = 0 with three rows
-a contact (two in the plane). Differentiated along such a rolling,
+If no contact slips, all contact points are at rest relative to each other: G z = 0, with three rows
+for each contact (two in the plane). Differentiated along such a rolling z,
 
     G d + g(z) = 0,     g = w_b x (x' - c_b') - w_a x (x' - c_a'),     x' = v_a(x) + s
 
-w the turns, c' the velocities of the centres of mass, and s how the point of touch moves over both:
-s = -(A + B)^-1 n x (w_b - w_a) in the directions in which both features extend. With forces f of
-equilibrium, G^T f + w = 0, the energy curves as
+with the angular velocities w, the velocities c' of the centres of mass, and the velocity s of the
+contact point over both surfaces: s = -(A + B)^-1 n x (w_b - w_a) in the directions in which both
+features extend. With forces f of equilibrium, G^T f + w = 0, the curvature of the energy is
 
     E'' = -sum of f_k . g_k(z)
 
-Said is only what is proved. With rows of G independent, f is unique and rolling has the same
-dimension near by; f strictly within the cones, nothing slips at first. Then
+Only proved results are reported. If the rows of G are independent, f is unique, and rolling has the
+same dimension near by. If f is strictly within the friction cones, no contact slips at first. Then
 
-    holds   E'' > 0 where rolling is holonomic: in the plane, or of one dimension, or none
-    falls   E'' < 0 along some rolling, where the stiffness is symmetric: the same, or one contact
-            with an upright normal (a root of the linear equations of motion grows)
+    holds   E'' > 0, if rolling is holonomic: in the plane, or of dimension 1 or 0
+    falls   E'' < 0 along some rolling, if the stiffness is symmetric: in the same cases, or for a
+            single contact with an upright normal (a root of the linear equations of motion grows)
 
-One body on two points has f up to a squeeze along their line, which does no work. Points of one
-body slip alike along their line; so where one f is within the cones, none makes a point slip: a
+A single body on two points has f up to a squeeze along their line, which does no work. Points of a
+body slip alike along their line, so if an f is within the cones, no other f makes a point slip: a
 slip straight across the line needs the friction across it, which is unique, at its limit, and any
-other slips both points to the same side, each with all the friction that is left of the limit.
+other slip moves both points to the same side, each with all the friction that is left of the limit.
 
-That nothing else begins from rest is asked elsewhere (`guarantee`): what stands without friction,
-as all do that `check` asks this of, has no other start.
+`guarantee` decides whether another motion starts from rest. An assembly that is stable without
+friction, as `check` requires here, has no other start.
 """
 
 from __future__ import annotations
@@ -47,26 +47,26 @@ __all__ = ["Rolling", "Rolls", "find_rolling", "worst_rolling"]
 
 Rolls = Literal["holds", "falls", "open"]
 ORDER: tuple[Rolls, ...] = ("falls", "open", "holds")
-"""Of the rollings of clusters, the first that one of them has is that of all."""
+"""The result for an assembly is the first of these that any of its clusters has."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rolling:
-    """What is proved of rolling.
+    """The proved result about rolling.
 
     Attributes
     ----------
     state : {"holds", "falls", "open"}
     dimension : int
-        Of the rollings.
+        Dimension of the rollings.
     curvature : float
-        Least E'' over weight and length, of rollings of length 1; 0 where there are none.
+        Least E'' over weight and length, for rollings of length 1 [-]; 0 if there are none.
     why : str
-        Why it is open.
+        Reason for an open result.
     forces : ndarray, shape (K, 3)
-        On part b [N].
+        Forces on part b [N].
     motion : ndarray, shape (N, 6)
-        The rolling of least E'', of length 1; 0 where there is none.
+        Rolling with the least E'', of length 1; 0 if there is none.
     """
 
     state: Rolls
@@ -81,19 +81,19 @@ class Rolling:
 
 
 def worst_rolling(states: Iterable[Rolls]) -> Rolls:
-    """Of several clusters that balance."""
+    """The result for an assembly from those of its balanced clusters."""
     return min(states, key=ORDER.index, default="open")
 
 
 def find_rolling(program: Program, features: Features) -> Rolling:
-    """Whether what stands with friction comes back when it rolls.
+    """Whether friction holds a balanced cluster against rolling.
 
     Parameters
     ----------
     program : Program
-        With friction.
+        Contacts of the cluster, with friction.
     features : Features
-        Of its rows.
+        Features of its rows.
     """
     why = _beyond(program, features)
     if why:
@@ -103,21 +103,21 @@ def find_rolling(program: Program, features: Features) -> Rolling:
     load = program.load[np.ix_(program.free, program.freedoms)].reshape(-1) * scale
     sizes = np.linalg.svd(grip, compute_uv=False)
     rank = int((sizes > BALANCED * sizes.max(initial=TINY)).sum())
-    found = np.linalg.lstsq(grip.T, -load, rcond=None)[0]
-    if np.abs(grip.T @ found + load).max() > BALANCED * np.abs(load).max():
+    components = np.linalg.lstsq(grip.T, -load, rcond=None)[0]
+    if np.abs(grip.T @ components + load).max() > BALANCED * np.abs(load).max():
         return _open(program, "no forces balance it")
-    forces = found.reshape(len(program.part_a), -1) @ _directions(program)
+    forces = components.reshape(len(program.part_a), -1) @ _directions(program)
     if not _inside(program, forces):
         return _open(program, "its forces are not within the cones of friction")
     basis = null_space(grip, BALANCED) * scale[:, None]
     stiffness = _stiffness(program, features, forces, basis)
-    return _said(program, basis, stiffness, forces, unique=rank == len(grip))
+    return _result(program, basis, stiffness, forces, unique=rank == len(grip))
 
 
-def _said(
+def _result(
     program: Program, basis: Array, stiffness: Array, forces: Array, *, unique: bool
 ) -> Rolling:
-    """Holds, falls, or open."""
+    """The result from the stiffness on a basis of rollings; `unique`: whether the forces are."""
     dimension = basis.shape[1]
     weight = float(program.weight[program.free].max())
     length = float(program.radius[program.free].max())
@@ -129,7 +129,7 @@ def _said(
     upright = (
         np.abs(np.linalg.norm(np.cross(program.normal, program.down), axis=1)).max() < BALANCED
     )
-    sure = unique or (count == 2 and program.free.sum() == 1)
+    sure = unique or (count == 2 and program.free.sum() == 1)  # a squeeze does no work
     why = "friction is not determined"
     if dimension and least < -CURVED:
         if (holonomic and sure) or (unique and count == 1 and upright):
@@ -148,20 +148,20 @@ def _open(program: Program, why: str) -> Rolling:
 
 
 def _beyond(program: Program, features: Features) -> str:
-    """Why nothing is said."""
+    """Why rolling is not modelled; empty if it is."""
     if (program.kind != CONTACT).any() or program.pull.any() or program.tied.any():
-        return "joints and bonds are not looked at"
+        return "rolling is not modelled with joints and bonds"
     if not (program.mu > 0).all():
-        return "a contact does not rub"
+        return "a contact has no friction"
     if np.abs(program.applied[program.free, 3:]).max(initial=0.0) > 0:
-        return "loads beside a centre of mass are not looked at"
+        return "rolling is not modelled with loads beside a centre of mass"
     if not formed(program, features).all() or features.conformal.any():
-        return "how its surfaces curve where they touch is not known"
+        return "the curvature of its surfaces at a contact is not known"
     return ""
 
 
 def _scale(program: Program) -> Array:
-    """Of displacements: lengths as they are, turns over the radius of the part, shape (n,)."""
+    """Displacement for a unit of each unknown, shape (n,): 1 for shifts, 1 / radius for turns."""
     units = np.where(np.arange(6) < 3, 1.0, 1 / program.radius[program.free, None])
     return np.asarray(units[:, program.freedoms].reshape(-1))
 
@@ -172,26 +172,27 @@ def _directions(program: Program) -> Array:
 
 
 def _grip(program: Program) -> Array:
-    """G, shape (rows of all contacts, freedoms of free parts)."""
+    """The matrix G, shape (rows of all contacts, freedoms of free parts)."""
     columns = np.eye(len(program.columns))
-    moved = [_relative(program, program.full(one)) for one in columns]
-    return np.array([(one @ _directions(program).T).reshape(-1) for one in moved]).T
+    slips = [_slip(program, program.full(column)) for column in columns]
+    return np.array([(slip @ _directions(program).T).reshape(-1) for slip in slips]).T
 
 
 def _velocity(program: Program, motion: Array, part: Index) -> Array:
-    """Of the contact points as points of these parts, shape (K, 3); 0 of the ground."""
+    """Velocities of the contact points as points of these parts, shape (K, 3); 0 for the ground."""
     padded = np.vstack([motion, np.zeros((1, 6))])[part]
     center = np.vstack([program.center, np.zeros((1, 3))])[part]
     return padded[:, :3] + cross(padded[:, 3:], program.point - center)
 
 
-def _relative(program: Program, motion: Array) -> Array:
-    """Velocity of b over a at each contact, shape (K, 3)."""
+def _slip(program: Program, motion: Array) -> Array:
+    """Velocity of part b relative to part a at each contact, shape (K, 3)."""
     over = _velocity(program, motion, program.part_b)
     return over - _velocity(program, motion, program.part_a)
 
 
 def _inside(program: Program, forces: Array) -> bool:
+    """Whether all forces, shape (K, 3), are strictly within their friction cones."""
     along = np.einsum("ki,ki->k", forces, program.normal)
     aside = np.linalg.norm(forces - along[:, None] * program.normal, axis=1)
     weight = float(program.weight[program.free].max())
@@ -199,25 +200,25 @@ def _inside(program: Program, forces: Array) -> bool:
 
 
 def _stiffness(program: Program, features: Features, forces: Array, basis: Array) -> Array:
-    """E'' on the rollings of a basis, shape (d, d)."""
+    """The form E'' on the rollings of a basis, shape (d, d)."""
     dimension = basis.shape[1]
     inverse = _rolls_over(program, features)
 
-    def bent(z: Array) -> float:
+    def curvature(z: Array) -> float:
         motion = program.full(z)
         return -float(np.sum(forces * _turning(program, inverse, motion)))
 
-    single = [bent(one) for one in basis.T]
+    single = [curvature(column) for column in basis.T]
     result = np.diag(single) if dimension else np.zeros((0, 0))
     for i in range(dimension):
         for j in range(i):
-            both = bent(basis[:, i] + basis[:, j]) - single[i] - single[j]
+            both = curvature(basis[:, i] + basis[:, j]) - single[i] - single[j]
             result[i, j] = result[j, i] = both / 2
     return result
 
 
 def _turning(program: Program, inverse: Array, motion: Array) -> Array:
-    """The g of a rolling, shape (K, 3)."""
+    """The term g of a rolling at each contact, shape (K, 3)."""
     padded = np.vstack([motion, np.zeros((1, 6))])
     a, b = padded[program.part_a], padded[program.part_b]
     turn = cross(program.normal, b[:, 3:] - a[:, 3:])
@@ -228,12 +229,12 @@ def _turning(program: Program, inverse: Array, motion: Array) -> Array:
 def _rolls_over(program: Program, features: Features) -> Array:
     """(A + B)^-1 in the directions in which both features extend, shape (K, 3, 3), 0 in others."""
     total = features.curvature_a + features.curvature_b
-    found = np.zeros_like(total)
+    inverse = np.zeros_like(total)
     for k in range(len(total)):
         axes = _common(program, features, k)
         if axes.size:
-            found[k] = axes.T @ np.linalg.inv(axes @ total[k] @ axes.T) @ axes
-    return found
+            inverse[k] = axes.T @ np.linalg.inv(axes @ total[k] @ axes.T) @ axes
+    return inverse
 
 
 def _common(program: Program, features: Features, k: int) -> Array:

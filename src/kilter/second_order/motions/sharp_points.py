@@ -1,14 +1,14 @@
-"""Edges and corners that meet and have no one normal: they push by no form, and may be opened.
+"""Sharp points: edges and corners in contact without a unique normal.
 
-Where four boxes meet in a line, two of them touch by their edges alone. They enter each other to
-first order iff they come nearer along every extreme normal of the planes that separate them there
-(`kilter.mechanics.degenerate`): with such points less is allowed than without. So
+If four boxes meet in a line, two of them touch with their edges only. To first order they
+penetrate each other iff they approach along every extreme normal of the planes that separate them
+there (`kilter.mechanics.degenerate`). Sharp points only forbid motions. So
 
-    what is a minimum by the certain contacts alone is one with them
-    a motion that opens one normal at all points of a pair parts the two: openings are linear along
-    a line from point to point, where the planes of its ends separate them, too
+    a minimum with the certain contacts alone is a minimum with the sharp points
+    a motion that opens a normal at all points of a pair separates the pair: openings are linear
+    from point to point, and the planes of both ends also separate the parts between them
 
-Their rows are of kind POSSIBLE: no force of a proof is theirs.
+Their rows are of kind POSSIBLE: a proof has no forces on them.
 """
 
 from __future__ import annotations
@@ -34,17 +34,17 @@ __all__ = [
 ]
 
 SAME_NORMAL = 9
-"""Decimals of unit normals that are one."""
+"""Unit normals are equal if they agree to this number of decimals."""
 
 
 def sharp_pushes(contacts: ContactSet) -> Mask:
-    """Those of what is possible that are normals of such points, shape (k,)."""
+    """Possible contacts that are normals of sharp points, shape (k,)."""
     pushes: Mask = (contacts.possible.degenerate >= 0) & ~contacts.possible.two_sided
     return pushes
 
 
 def with_sharp(program: Program, contacts: ContactSet) -> Program:
-    """A program of contacts, also with a row for each normal of such points."""
+    """A program of contacts with additional rows for the normals of sharp points."""
     possible = contacts.possible
     moves = program.free[possible.part_a] | program.free[possible.part_b]
     pushes = np.flatnonzero(sharp_pushes(contacts) & moves)
@@ -56,10 +56,10 @@ def with_sharp(program: Program, contacts: ContactSet) -> Program:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SharpPoints(Rows):
-    """Such points by the K rows of a program, each (K,); -1 of other rows.
+    """Sharp points at the K rows of a program; -1 at other rows.
 
-    `pair`: of its two parts; `along`: of the rows of this pair and this normal, where every point
-    of the pair has that normal.
+    `pair`, shape (K,): number of the pair of parts. `along`, shape (K,): number of the pair and the
+    normal, if every sharp point of the pair has that normal, else -1.
     """
 
     pair: Index
@@ -69,15 +69,18 @@ class SharpPoints(Rows):
         read_only(self)
 
     def opened(self, opens: Mask) -> Mask:
-        """Rows that open, shape (K,), or are of a pair of which one normal opens at all points."""
+        """Rows that open, or whose pair has a normal that opens at all its points, shape (K,)."""
         closed = np.isin(self.along, self.along[~opens])
-        parted = np.isin(self.pair, self.pair[(self.along >= 0) & ~closed])
-        found: Mask = opens | ((self.pair >= 0) & parted)
-        return found
+        separated = np.isin(self.pair, self.pair[(self.along >= 0) & ~closed])
+        opened: Mask = opens | ((self.pair >= 0) & separated)
+        return opened
 
 
 def sharp_points(program: Program, contacts: ContactSet) -> SharpPoints:
-    """The points of the rows of a program; of those by and large every row is to be opened."""
+    """The sharp points at the rows of a program.
+
+    Points that are only sharp within tolerance have no number: a motion has to open each row.
+    """
     pair, along = np.full((2, len(program.kind)), -1)
     rows = np.flatnonzero(program.kind == POSSIBLE)
     number = contacts.possible.degenerate[program.source[rows]]
@@ -90,29 +93,29 @@ def sharp_points(program: Program, contacts: ContactSet) -> SharpPoints:
     normal = np.round(program.normal[rows], SAME_NORMAL)
     of_pair = _numbered(pair[rows][:, None])
     of_normal = _numbered(np.column_stack([of_pair, normal]))
-    all_have_it = _different(number, of_normal) == _different(number, of_pair)
-    along[rows] = np.where(all_have_it, of_normal, -1)
+    at_all_points = _different(number, of_normal) == _different(number, of_pair)
+    along[rows] = np.where(at_all_points, of_normal, -1)
     return SharpPoints(pair, along)
 
 
 def _numbered(rows: Array | Index) -> Index:
-    """A number for each row, shape (k, m), the same for those that are equal, shape (k,)."""
+    """Numbers of rows (k, m), equal for equal rows, shape (k,)."""
     return np.asarray(np.unique(rows, axis=0, return_inverse=True)[1]).reshape(-1)
 
 
 def _different(values: Index, group: Index) -> Index:
-    """How many different values the group of each row has, shape (k,)."""
+    """Number of different values in the group of each row, shape (k,)."""
     first = np.unique(_numbered(np.column_stack([group, values])), return_index=True)[1]
     return np.bincount(group[first])[group]
 
 
 def opens_points(program: Program, contacts: ContactSet, motion: Array) -> bool:
-    """Whether a motion of all parts, shape (N, 6), parts every pair at every such point.
+    """Whether a motion of all parts, shape (N, 6), separates every pair at all its sharp points.
 
-    `program`: with their rows.
+    `program` has the rows of the sharp points.
     """
     problem = stationary(program, np.zeros((len(program.kind), 12, 12)))
     columns = scaled_columns(program, problem, motion[None])[:, 0]
     opens = problem.rows @ columns > DROPS * float(np.linalg.norm(columns))
-    found = sharp_points(program, contacts).opened(opens)
-    return bool(found[program.kind == POSSIBLE].all())
+    opened = sharp_points(program, contacts).opened(opens)
+    return bool(opened[program.kind == POSSIBLE].all())

@@ -1,6 +1,6 @@
-"""Parts in groups, on one another, and apart.
+"""Parts in groups, on each other, and apart.
 
-- `rigid_groups`: parts that fixed joints tie, as one body each
+- `rigid_groups`: parts that fixed joints tie, as a single body
 - `clusters`: free parts that contacts join
 - `bearing`: the parts that bear a part
 - `separation`: exact separation of displaced parts

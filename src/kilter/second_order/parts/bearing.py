@@ -1,4 +1,4 @@
-"""Support of parts by one another: contacts by which an upper part stands on a lower part."""
+"""Support of parts by other parts: contacts by which an upper part stands on a lower part."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Clusters of an assembly: sets of free parts that contacts connect.
 
 Parts of different clusters do not touch, and their energies add up, so clusters move independently
-of each other. Hence the assembly is at a minimum iff each cluster is, and a path that leads one
+of each other. Hence the assembly is at a minimum iff each cluster is, and a path that leads a
 cluster down leads the assembly down.
 """
 
@@ -25,7 +25,7 @@ ORDER: tuple[State, ...] = ("balanced", "open", "free", "minimum")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cluster:
-    """The program of one cluster: parts outside of it are not free.
+    """The program of a cluster: parts outside of it are not free.
 
     `rows`, shape (k,): indices of its rows in the program of the assembly.
     """

@@ -129,8 +129,8 @@ def _round_pieces(geometry: Geometry, part: int) -> list[Body] | None:
         if not straight or not (ends[0] | ends[1]).all():
             return None  # an oblique end reaches farther than its corners
         pieces.append(Body(s.point[row] + np.outer([low, high], axis), radius, axis))
-    own = slice(geometry.triangle_start[part], geometry.triangle_start[part + 1])
-    flat = geometry.vertices[geometry.triangles[own][geometry.triangle_surface[own] < 0]]
+    span = slice(geometry.triangle_start[part], geometry.triangle_start[part + 1])
+    flat = geometry.vertices[geometry.triangles[span][geometry.triangle_surface[span] < 0]]
     points = flat.reshape(-1, 3)
     within = [_within(piece, points, near).reshape(-1, 3).all(axis=1) for piece in pieces]
     return pieces if np.any(within, axis=0).all() else None

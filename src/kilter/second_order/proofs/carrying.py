@@ -1,13 +1,13 @@
-"""Which contacts carry, whatever rounding leaves of the load.
+"""Contacts that carry force beyond rounding.
 
-Forces f > 0 on rows J miss r of what they are to balance. With M = sum of f_k J_k J_k^T, positive
-definite across what is neutral, its least eigenvalue m there, and M y = -r, the forces
-f_k (1 + J_k.y) balance to the last digit, and since f_k J_k J_k^T <= M
+Forces f > 0 on rows J leave a residual r of the load. Let M = sum of f_k J_k J_k^T, positive
+definite across the neutral motions with the least eigenvalue m there, and M y = -r. Then the forces
+f_k (1 + J_k.y) balance exactly, and since f_k J_k J_k^T <= M
 
     |J_k.y|^2 <= (J_k.M^-1 J_k) (r.M^-1 r) <= |r|^2 / (f_k m)
 
-so that all of them push where f_k m > |r|^2. A force that next to no torque comes of proves nothing
-of a corner that carries: it may be all rounding.
+so that all of them push if f_k m > |r|^2. A force at a corner that is needed only for a negligible
+torque proves nothing: it may be rounding.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from kilter.second_order.second_order_tolerances import BALANCED, BEARS
 __all__ = ["all_carry", "carry_beyond_doubt", "carrying_rows"]
 
 ROUNDING = 1e-13
-"""An eigenvalue may be off by this share of the largest."""
+"""Error of an eigenvalue, over the largest eigenvalue [-]."""
 
 
 def carrying_rows(problem: Stationary, forces: Array) -> Mask:
-    """Rows whose forces (K,) over the weight are more than what may be out of balance."""
+    """Rows whose forces, shape (K,) over the weight, exceed the imbalance that is tolerated."""
     limit = max(BALANCED, problem.blur)
     return np.asarray(forces > BEARS * limit * forces.max(initial=TINY))
 
@@ -34,17 +34,18 @@ def carrying_rows(problem: Stationary, forces: Array) -> Mask:
 def carry_beyond_doubt(
     problem: Stationary, forces: Array, carries: Mask, neutral: Array, load: Array
 ) -> bool:
-    """Whether some rows carry by forces that balance a load exactly.
+    """Whether forces that balance a load exactly are positive on given rows.
 
     Parameters
     ----------
     forces : ndarray, shape (K,)
-        Over the weight; those of other rows count as missing.
+        Forces over the weight [-]; those on other rows count as residual.
     carries : ndarray of bool, shape (K,)
+        The given rows.
     neutral : ndarray, shape (n, d)
-        Orthonormal motions, all that open none of these rows.
+        Orthonormal basis of the motions that open none of these rows.
     load : ndarray, shape (n,)
-        What they balance: that of the problem, or none.
+        The load of the problem, or zero for self-stress.
     """
     rows, limit = problem.rows[carries], max(BALANCED, problem.blur)
     missing = float(np.linalg.norm(rows.T @ forces[carries] + load))
@@ -53,9 +54,14 @@ def carry_beyond_doubt(
 
 
 def all_carry(rows: csr_array, forces: Array, missing: float, neutral: Array | None = None) -> bool:
-    """Whether forces (k,) on rows (k, n) stay pushes when they make good what is missing.
+    """Whether forces (k,) on rows (k, n) stay positive if they are corrected by a residual.
 
-    True only where the rows hold all that is not in `neutral`, shape (n, d), orthonormal.
+    Parameters
+    ----------
+    missing : float
+        Norm of the residual.
+    neutral : ndarray, shape (n, d), optional
+        Orthonormal motions; the rows have to block all motions across them.
     """
     held = (rows.T @ diags_array(forces) @ rows).toarray()
     size = max(float(held.diagonal().max(initial=0.0)), TINY)

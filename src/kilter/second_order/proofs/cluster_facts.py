@@ -1,4 +1,4 @@
-"""Facts of one cluster, computed from the assembly and never from a proof.
+"""Facts of a cluster, computed from the assembly and never from a proof.
 
 Judges and searches use the same facts; each is computed when it is first used.
 """
@@ -23,17 +23,17 @@ from kilter.second_order.gaps.touched_surfaces import Touched, planes_of, touche
 from kilter.second_order.motions.free_motions import FreeMotions, find_free_motions
 from kilter.second_order.parts.clusters import Cluster
 
-__all__ = ["ClusterFacts", "Outcome"]
+__all__ = ["ClusterFacts", "Judged"]
 
-Outcome = tuple[str, int | None, int | None]
-"""State of a cluster, its number of neutral motions and its number of free motions.
+Judged = str | tuple[str, int | None, int | None]
+"""Why a proof does not hold; or the state, the neutral motions and the free motions that it proves.
 
-The numbers of a balanced cluster are None: a path that leads down does not prove them.
+The counts of a balanced cluster are None: a path that leads down does not prove them.
 """
 
 
 class ClusterFacts:
-    """Geometry and gaps of one cluster.
+    """Geometry and gaps of a cluster.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ class ClusterFacts:
         )
 
     def of_cluster(self, cluster: Cluster) -> ClusterFacts:
-        """The facts of one cluster of this program."""
+        """The facts of a cluster of this program."""
         return ClusterFacts(
             self.assembly,
             self.contacts,

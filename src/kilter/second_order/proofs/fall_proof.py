@@ -1,7 +1,7 @@
 """Proof that parts fall: a path that leads down, and an exact lower place on it.
 
-All parts are apart there. Those that touched at a plane may also have shifted along it, all that
-is on its one side, and all on the other, as far from it as they were.
+All parts are apart at that place. Parts that touch at a plane may also have shifted along it: then
+the plane separates them no less than before.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from kilter.second_order.motions.free_span import scaled_columns
 from kilter.second_order.motions.sharp_points import opens_points
 from kilter.second_order.parts.rigid_groups import RigidGroups
 from kilter.second_order.parts.separation import least_separation
-from kilter.second_order.proofs.cluster_facts import ClusterFacts, Outcome
+from kilter.second_order.proofs.cluster_facts import ClusterFacts, Judged
 from kilter.second_order.proofs.paths import Path, judge_path
 from kilter.second_order.proofs.proof_numbers import (
     by_part,
@@ -34,24 +34,24 @@ from kilter.second_order.second_order_tolerances import ACROSS, APART, KEEPS
 __all__ = ["Configuration", "Fall", "by_path_alone", "find_configuration", "is_on", "separation_at"]
 
 STEPS = (0.004, 0.002, 0.001, 0.01, 0.02, 0.05)
-"""How far along a path of length 1 an exact configuration is sought: near by first."""
+"""Steps t along a path at which a configuration is tried, in this order [-]."""
 BENT = 0.5
-"""Second-order part of a step over its first, above which it is no neighbour of the start."""
+"""Largest second-order part of a step, over its first-order part [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Configuration:
-    """Parts elsewhere: all lower, and apart, but for those that have only shifted along a plane.
+    """An exact configuration with less energy, in which the parts are apart.
 
     Attributes
     ----------
     motion : ndarray, shape (N, 6)
-        Shift of each centre of mass [length unit] and rotation vector [rad]; of parts that fixed
-        joints tie that of all of them, as the motion of the first.
+        Shift of each centre of mass [length unit] and rotation vector [rad]; a rigid group moves as
+        its first part.
     apart : float
-        Least separation of two other parts [length unit].
+        Least separation of two parts that have not only shifted along a plane [length unit].
     energy : float
-        Of the loads, less than that at the start [N x length unit].
+        Energy of the loads, relative to the start [N x length unit].
     """
 
     motion: Array
@@ -93,8 +93,8 @@ class Fall:
             None if place is None else read_motion(program, place),
         )
 
-    def judge(self, facts: ClusterFacts) -> str:
-        """Why the proof does not hold; empty if it holds."""
+    def judge(self, facts: ClusterFacts) -> Judged:
+        """Why the proof does not hold, or what it proves."""
         path, wrong = self.path, []
         if abs(float(np.linalg.norm(path.first)) - 1) > ACROSS or not path.falls:
             wrong.append("its path does not lead down")
@@ -104,8 +104,8 @@ class Fall:
             assert scale is not None
             motion = facts.program.full(path.first * scale)
             if not opens_points(facts.program, facts.contacts, motion):
-                wrong.append("its path does not open edges and corners of no one normal")
-        return "; ".join(wrong)
+                wrong.append("its path does not open edges and corners without a unique normal")
+        return "; ".join(wrong) or ("balanced", None, None)
 
     def _wrong_place(self, facts: ClusterFacts) -> list[str]:
         """Why the place is not on the path, apart and lower; empty if it is."""
@@ -125,15 +125,11 @@ class Fall:
             wrong.append("its configuration is not lower")
         return wrong
 
-    def outcome(self, facts: ClusterFacts) -> Outcome:
-        """Balanced; a path does not prove the counts of motions."""
-        return "balanced", None, None
-
 
 def by_path_alone(facts: ClusterFacts) -> bool:
-    """Whether only contacts are known exactly, and not the bodies that they belong to.
+    """Whether the bodies are not known exactly, so that the path alone is the proof.
 
-    So of contacts that are given, and of surfaces that were recognised in meshes.
+    So it is for given contacts, and for surfaces that were recognised in meshes.
     """
     given = facts.contacts.patch_kind[facts.program.source] == "given"
     return facts.features.doubted or bool(given.all())
@@ -142,9 +138,9 @@ def by_path_alone(facts: ClusterFacts) -> bool:
 def separation_at(
     assembly: Assembly, contacts: ContactSet, program: Program, problem: Stationary, motion: Array
 ) -> float | None:
-    """The least separation where parts have moved, shape (N, 6), groups as their first parts.
+    """The least separation of neighbouring parts after a motion, shape (N, 6) [length unit].
 
-    Of parts that stay near; None where their surfaces cannot be held apart exactly.
+    Rigid groups move as their first parts. None if the separation of some surfaces is unknown.
     """
     groups = RigidGroups.of(assembly)
     return least_separation(
@@ -158,7 +154,7 @@ def separation_at(
 
 
 def is_on(path: Path, columns: Array) -> bool:
-    """Whether a place, shape (n,) scaled unknowns, is on a path, near its start."""
+    """Whether a configuration, shape (n,) in scaled unknowns, is on a path near its start."""
     along, bend = columns @ path.first, path.second @ path.first
     if not (along > 0 and 1 + 2 * along * bend >= 0):
         return False
@@ -172,7 +168,7 @@ def is_on(path: Path, columns: Array) -> bool:
 def find_configuration(
     assembly: Assembly, contacts: ContactSet, program: Program, problem: Stationary, path: Path
 ) -> tuple[Configuration | None, str]:
-    """A place on a path where all parts are apart and lower, or why none is known."""
+    """A configuration on a path that is apart and lower, or None and the reason."""
     assert problem.scale is not None
     for step in STEPS:
         bent = step**2 * path.second / 2
@@ -183,7 +179,10 @@ def find_configuration(
         energy = -float(problem.load @ columns)
         apart = separation_at(assembly, contacts, program, problem, motion)
         if apart is None:
-            return None, "a path leads down, but its surfaces cannot be held apart exactly"
+            return (
+                None,
+                "a path leads down, but the separation of some surfaces is not known exactly",
+            )
         if apart > APART * problem.length and energy < -APART:
             return Configuration(motion, apart, energy * problem.weight * problem.length), ""
     return None, "a path leads down, but no exact configuration on it was found to be apart"

@@ -1,8 +1,8 @@
-"""What is held to first order: forces of equilibrium that leave no motion neutral.
+"""Proof of a hold to first order: forces of equilibrium that leave no motion neutral.
 
-With f >= 0 and J^T f + w = 0, neutral motions are those that keep every contact with f > 0 closed.
-Where the rows of these are of full rank, there are none: a strict minimum, and its energy rises to
-first order along every motion.
+With f >= 0 and J^T f + w = 0, the neutral motions are those that keep every contact with f > 0
+closed. If the rows of these contacts have full rank, there are none: the energy rises to first
+order along every motion, a strict minimum.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from kilter.mechanics.proof_form import NUMBER, Form, keys, list_of
 from kilter.mechanics.rows import CONTACT
 from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.proofs.carrying import all_carry
-from kilter.second_order.proofs.cluster_facts import ClusterFacts, Outcome
+from kilter.second_order.proofs.cluster_facts import ClusterFacts, Judged
 from kilter.second_order.second_order_tolerances import BALANCED, BEARS
 
 __all__ = ["Held", "judge_held", "scaled_rows", "unbalanced"]
@@ -27,7 +27,7 @@ __all__ = ["Held", "judge_held", "scaled_rows", "unbalanced"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Held:
-    """Forces, shape (K,) [N]."""
+    """Forces of equilibrium, shape (K,) [N], that leave no motion neutral."""
 
     FORM: ClassVar[Form] = keys(held=list_of(NUMBER))
     SURFACES: ClassVar[str] = "none"
@@ -45,17 +45,14 @@ class Held:
         """The proof from its data."""
         return cls(np.array(data["held"], dtype=float))
 
-    def judge(self, facts: ClusterFacts) -> str:
-        """Why the proof does not hold; empty if it holds."""
-        return judge_held(facts.program.taking(facts.program.kind == CONTACT), self)
-
-    def outcome(self, facts: ClusterFacts) -> Outcome:
-        """A minimum without neutral motions."""
-        return "minimum", 0, 0
+    def judge(self, facts: ClusterFacts) -> Judged:
+        """Why the proof does not hold, or what it proves."""
+        certain = facts.program.taking(facts.program.kind == CONTACT)
+        return judge_held(certain, self) or ("minimum", 0, 0)
 
 
 def judge_held(program: Program, proof: Held) -> str:
-    """Why a proof about contacts without friction does not hold; empty where it does."""
+    """Why a proof about contacts without friction does not hold; empty if it holds."""
     forces = proof.forces
     if forces.shape != program.part_a.shape or not np.isfinite(forces).all():
         return "its forces are not those of the contacts"
@@ -75,7 +72,7 @@ def judge_held(program: Program, proof: Held) -> str:
 
 
 def unbalanced(program: Program, forces: Array) -> float:
-    """|J^T f + w| of the part where it is most, over its load and forces [-]."""
+    """Largest imbalance |J^T f + w| of a part, over its load and forces [-]."""
     left = np.abs(program.wrenches(forces) + program.load)
     left[:, 3:] /= program.radius[:, None]
     size = np.maximum(program.weight, program.force_sums(forces))
@@ -84,6 +81,6 @@ def unbalanced(program: Program, forces: Array) -> float:
 
 
 def scaled_rows(program: Program) -> csr_array:
-    """J, turns times the radius of the part."""
+    """The rows J, with turns in units of 1 / radius of the part, shape (K, n)."""
     units = np.where(np.arange(6) < 3, 1.0, 1 / program.radius[program.free, None])
     return csr_array(program.jacobian() @ diags_array(units[:, program.freedoms].reshape(-1)))

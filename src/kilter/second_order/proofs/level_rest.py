@@ -1,20 +1,21 @@
-"""What stands on level faces is free by proof, at any size, without a form of a gap.
+"""Proof that parts on level faces are free, at any size and without forms of gaps.
 
-A level motion of a part moves it across gravity and turns it about the vertical. Where a level
-face touches a face, an edge or a corner, no level motion changes the gap, and none changes the
-energy. With forces f of equilibrium on such contacts alone, let S be those with f > 0:
+A level motion shifts a part across gravity and turns it about the vertical. At a contact of a level
+face with a face, an edge or a corner, no level motion changes the gap or the energy. Let f be
+forces of equilibrium on such contacts alone, and S the contacts with f > 0, such that
 
-    every part stands on points of S that are on no line, and no parts bear one another around
+    every part is supported at points of S that are not collinear, and no parts support each
+    other in a ring
 
-Then what bears a part holds its height and its tilts, from below to the top: J_S is one to one.
+Then the supports fix height and tilts of each part, from below to the top: J_S is one to one.
 
-Near the place, at each choice x of level motions of all parts, there are forces f(x) > 0 on
-S that still balance, and with t the heights and tilts
+Near the configuration, for each choice x of level motions of all parts, there are forces f(x) > 0
+on S that still balance. With the heights and tilts t
 
     E - E_0 = sum over S of f_k(x) J_k(x) t,     J_k(x) t >= -O(t^2),     J_S(x) one to one,
 
-so that E > E_0 unless t = 0: the energy is least, and least on the level motions alone. One level
-motion that opens all the other contacts shows that they span what is neutral.
+so that E > E_0 unless t = 0: the energy is least exactly on the level motions. A level motion that
+opens all other contacts shows that the level motions span the neutral ones.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ from kilter.second_order.parts.bearing import (
     level_axes,
     sums_by_part,
 )
-from kilter.second_order.proofs.cluster_facts import ClusterFacts, Outcome
+from kilter.second_order.proofs.cluster_facts import ClusterFacts, Judged
 from kilter.second_order.proofs.held import unbalanced
 from kilter.second_order.proofs.proof_numbers import named_motion, read_motion
 from kilter.second_order.second_order_tolerances import (
@@ -54,16 +55,16 @@ from kilter.second_order.second_order_tolerances import (
 __all__ = ["LevelRest", "judge_level_rest", "level_rows", "wrong_forces", "wrong_motion"]
 
 MOST_CHANGED = 0.5
-"""Share of a force that may be lacking for it to balance the load exactly."""
+"""Largest relative change of a force by the correction that balances the load exactly [-]."""
 OPEN_TILT = "its forces leave the tilt of a part open"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LevelRest:
-    """A proof that the level motions are what is neutral, and free.
+    """A proof that exactly the level motions are neutral, and that they are free.
 
-    `forces`, shape (K,) [N]; `motion`, shape (N, 6): a level one, the part that moves most by 1
-    length unit.
+    `forces`, shape (K,) [N], of equilibrium on level contacts; `motion`, shape (N, 6): a level
+    motion that opens all other contacts, by up to 1 length unit.
     """
 
     FORM: ClassVar[Form] = keys(level=list_of(NUMBER), motion=named(SIX))
@@ -84,20 +85,16 @@ class LevelRest:
         motion = read_motion(facts.program, data["motion"])
         return cls(np.array(data["level"], dtype=float), motion)
 
-    def judge(self, facts: ClusterFacts) -> str:
-        """Why the proof does not hold; empty if it holds."""
+    def judge(self, facts: ClusterFacts) -> Judged:
+        """Why the proof does not hold, or what it proves."""
         program, contacts = facts.program, facts.contacts
         level, sharp = level_rows(program, contacts), sharp_points(program, contacts)
-        return judge_level_rest(program, level, self, sharp)
-
-    def outcome(self, facts: ClusterFacts) -> Outcome:
-        """Every part slides freely on its level faces, and turns about the vertical."""
-        free = int(facts.program.free.sum()) * (1 if facts.program.planar else 3)
-        return "free", free, free
+        free = int(program.free.sum()) * (1 if program.planar else 3)
+        return judge_level_rest(program, level, self, sharp) or ("free", free, free)
 
 
 def level_rows(program: Program, contacts: ContactSet) -> Mask:
-    """Rows of level faces that were found, shape (K,)."""
+    """Detected contact rows with a level face, shape (K,)."""
     flat = [kind for kind in FLAT if kind != "edge-edge"]
     level = np.zeros(len(program.part_a), dtype=bool)
     rows = detected_rows(program, contacts)
@@ -109,7 +106,7 @@ def level_rows(program: Program, contacts: ContactSet) -> Mask:
 def judge_level_rest(
     program: Program, level: Mask, proof: LevelRest, sharp: SharpPoints | None = None
 ) -> str:
-    """Why a proof does not hold; empty where it does.
+    """Why a proof does not hold; empty if it holds.
 
     Parameters
     ----------
@@ -118,7 +115,7 @@ def judge_level_rest(
         Rows of level faces (`level_rows`).
     proof : LevelRest
     sharp : SharpPoints, optional
-        Points of which one row is enough to open (`sharp_points`); without, each row is.
+        Sharp points, which a single normal may open; without them every row has to open.
     """
     if proof.forces.shape != level.shape or proof.motion.shape != (len(program.names), 6):
         return "its numbers are not those of the parts and contacts"
@@ -129,28 +126,28 @@ def judge_level_rest(
 
 
 def wrong_forces(program: Program, level: Mask, forces: Array) -> str:
-    """Why forces, shape (K,) [N], are not those of a rest on level faces; empty where they are."""
+    """Why forces, shape (K,) [N], do not prove a rest on level faces; empty if they do."""
     if not (forces >= 0).all() or forces[~level].any():
-        return "a force is none of a level face"
+        return "a force acts off the level faces"
     if not unbalanced(program, forces) <= BALANCED:
         return "its forces do not balance the load"
     carries = forces > CARRIES * forces.max(initial=TINY)
     bearing = bearing_of(program, level & carries)
     if bearing is None:
-        return "parts bear one another around"
+        return "parts support one another in a ring"
     return _wrong_tilts(program, bearing, forces)
 
 
 def _wrong_tilts(program: Program, bearing: Bearing, forces: Array) -> str:
-    """Why forces that balance to the last digit, f (1 + y . (1, u, v)), do not all push.
+    """Why the exactly balanced forces f (1 + y . (1, u, v)) do not all push; empty if they do.
 
-    y of each part makes good what its own forces miss of its load and of what bears on it, the
-    highest part first. What may be out of balance changes no force by more than that, either.
+    The y of each part corrects the balance of its load and of the parts above it, the highest part
+    first. The imbalance that the tolerance allows changes no force by more than half, either.
     """
     rows, upper, lower = bearing.rows, bearing.upper, bearing.lower
     above, below = bearing.footings(program)
-    count, own = len(program.names), forces[rows, None]
-    grams = sums_by_part(upper, own[:, :, None] * above[:, :, None] * above[:, None, :], count)
+    count, force = len(program.names), forces[rows, None]
+    grams = sums_by_part(upper, force[:, :, None] * above[:, :, None] * above[:, None, :], count)
     size = np.trace(grams, axis1=1, axis2=2)
     spread = np.linalg.eigvalsh(grams[program.free])[:, 0]
     if not (spread > SPREAD * size[program.free]).all():
@@ -162,24 +159,24 @@ def _wrong_tilts(program: Program, bearing: Bearing, forces: Array) -> str:
         return OPEN_TILT
     load = in_footing(program, -program.load)
     miss = np.vstack([load, np.zeros(load.shape[1])])  # the ground is the last
-    miss += sums_by_part(lower % len(miss), own * below, len(miss))
-    miss -= sums_by_part(upper, own * above, len(miss))
-    for some in by_depth(bearing.depth[upper]):
-        y = np.einsum("kij,kj->ki", inverse[upper[some]], miss[upper[some]])
-        change = np.einsum("ki,ki->k", above[some], y)
+    miss += sums_by_part(lower % len(miss), force * below, len(miss))
+    miss -= sums_by_part(upper, force * above, len(miss))
+    for level in by_depth(bearing.depth[upper]):
+        y = np.einsum("kij,kj->ki", inverse[upper[level]], miss[upper[level]])
+        change = np.einsum("ki,ki->k", above[level], y)
         if not (np.abs(change) < MOST_CHANGED).all():
             return OPEN_TILT
-        more = own[some] * change[:, None] * below[some]
-        miss += sums_by_part(lower[some] % len(miss), more, len(miss))
+        more = force[level] * change[:, None] * below[level]
+        miss += sums_by_part(lower[level] % len(miss), more, len(miss))
     return ""
 
 
 def wrong_motion(
     program: Program, level: Mask, motion: Array, sharp: SharpPoints | None = None
 ) -> str:
-    """Why a motion, shape (N, 6), is no level one that opens the other contacts."""
+    """Why a motion, shape (N, 6), is no level motion that opens the other contacts; else empty."""
     if motion[~program.free].any():
-        return "its motion moves what is held"
+        return "its motion moves held parts"
     moved = np.vstack([motion[:, :3], np.zeros(3)])  # the ground is the last
     size = float(np.abs(moved).max(initial=0.0))
     flat = level_axes(program)

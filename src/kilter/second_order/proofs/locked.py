@@ -1,22 +1,22 @@
-"""What only slides: self-stress locks every turn of parts whose faces lie on faces.
+"""Proof that parts only slide: self-stress locks every turn of parts with faces on faces.
 
-Where faces lie on faces at points on no line, a motion that costs nothing to first order turns both
-parts alike but for a turn about the normal, which is the same to first order wherever on the face
-it is asked, and wherever along the normal. Let X be those of them that turn nothing: gaps of faces
-are affine under translations, so that X keeps every gap and the energy for good. Let Y be the rest
-of them, and s > 0 a self-stress on all that carries:
+If faces touch at points that are not collinear, a motion that costs no energy to first order turns
+both parts alike, except for a relative turn about the normal. To first order this turn is the same
+everywhere on the face and along the normal. Let X be the neutral motions without turns: gaps of
+faces are affine under translations, so X keeps every gap and the energy to all orders. Let Y be
+the other neutral motions, and s > 0 a self-stress on all contacts:
 
     J^T s = 0,     -Y^T H(s) Y positive definite,     J^T f + w = 0,  f >= 0
 
-From any place x of X near by, what costs nothing is the same as seen from what is held, and s is a
-self-stress there too, its force on each face at the same place within it. With z = y + m from x, m
-across what is neutral, all gaps open and c, C > 0
+At any configuration x of X near by, the neutral motions are the same, and s is a self-stress there
+too, its force on each face acting at the same point of the face. With z = y + m from x, m across
+the neutral motions, all gaps open, and c, C > 0
 
     0 <= sum of s phi  gives  c |y|^2 <= C |m| (|y| + |m|):  |y| <= C |m|
-    E - E_0 >= c |m| - C |m|^2 - C |x| |y|,  as f + t s > 0 on all that carries,
+    E - E_0 >= c |m| - C |m|^2 - C |x| |y|,  as f + t s > 0 on all contacts,
 
-so that the energy is least on X, and there alone. The weight may push at a y from x (a block of the
-paper's figure 9 that has slid out of line wants to turn): what is locked does not give.
+so that the energy is least exactly on X. The weight may do work along a y from x (a block of the
+paper's figure 9 that has slid out of line tends to turn), but a locked turn does not yield.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from kilter.second_order.gaps.features_of import detected_rows
 from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.motions.null_space import null_space
 from kilter.second_order.proofs.carrying import carry_beyond_doubt
-from kilter.second_order.proofs.cluster_facts import ClusterFacts, Outcome
+from kilter.second_order.proofs.cluster_facts import ClusterFacts, Judged
 from kilter.second_order.proofs.minimum_proof import definite
 from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, BEARS, SPREAD
 
@@ -43,7 +43,11 @@ __all__ = ["Faces", "LockedTurns", "faces_of", "judge_locked", "shifts"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Faces:
-    """Of K rows: the patch (K,), whether faces lie on faces there (K,), where, (K, 3) over L."""
+    """Contacts of faces on faces.
+
+    `patch`, shape (K,): patch of each row; `flat`, shape (K,): rows of faces on faces; `point`,
+    shape (K, 3): contact points over L [-].
+    """
 
     patch: Index
     flat: Mask
@@ -52,7 +56,7 @@ class Faces:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LockedTurns:
-    """Forces of equilibrium over the weight and self-stress, shape (K,) each [-]."""
+    """Forces of equilibrium over the weight, and self-stress, shape (K,) each [-]."""
 
     FORM: ClassVar[Form] = keys(locked=list_of(NUMBER), stress=list_of(NUMBER))
     SURFACES: ClassVar[str] = "exact"
@@ -74,21 +78,17 @@ class LockedTurns:
         forces = np.array(data["locked"], dtype=float) / facts.problem.weight
         return cls(forces, np.array(data["stress"], dtype=float))
 
-    def judge(self, facts: ClusterFacts) -> str:
-        """Why the proof does not hold; empty if it holds."""
+    def judge(self, facts: ClusterFacts) -> Judged:
+        """Why the proof does not hold, or what it proves."""
         if facts.program.planar:
             return "parts in a plane have no turns to lock"
         faces = faces_of(facts.program, facts.contacts, facts.problem)
-        return judge_locked(facts.problem, faces, self)
-
-    def outcome(self, facts: ClusterFacts) -> Outcome:
-        """All shifts are free, and all turns are locked."""
         free, across = (basis.shape[1] for basis in shifts(facts.problem))
-        return "free", free + across, free
+        return judge_locked(facts.problem, faces, self) or ("free", free + across, free)
 
 
 def faces_of(program: Program, contacts: ContactSet, problem: Stationary) -> Faces:
-    """Where faces were found to lie on faces."""
+    """The detected contacts of faces on faces."""
     flat = np.zeros(len(program.source), dtype=bool)
     rows = detected_rows(program, contacts)
     flat[rows] = contacts.patch_kind[program.source[rows]] == "plane"
@@ -96,7 +96,7 @@ def faces_of(program: Program, contacts: ContactSet, problem: Stationary) -> Fac
 
 
 def shifts(problem: Stationary) -> tuple[Array, Array]:
-    """Orthonormal bases of the neutral motions that turn nothing, (n, f), and of the rest."""
+    """Orthonormal bases of the neutral motions without turns, (n, f), and of their complement."""
     neutral = null_space(problem.rows, problem.blur)
     turns = np.arange(neutral.shape[0]) % 6 >= 3
     free = neutral @ null_space(neutral[turns], ACROSS)
@@ -104,14 +104,14 @@ def shifts(problem: Stationary) -> tuple[Array, Array]:
 
 
 def judge_locked(problem: Stationary, faces: Faces, proof: LockedTurns) -> str:
-    """Why a proof does not hold; empty where it does."""
+    """Why a proof does not hold; empty if it holds."""
     count = len(problem.rows)
     if proof.forces.shape != (count,) or proof.stress.shape != (count,):
         return "its forces are not those of the contacts"
     if not (np.isfinite(proof.forces).all() and np.isfinite(proof.stress).all()):
         return "its numbers are not finite"
     if problem.rows.shape[1] % 6 or not faces.flat.all() or not _wide(faces):
-        return "not every contact is of faces that lie on each other"
+        return "not every contact is a contact of faces on faces"
     limit = max(BALANCED, problem.blur)
     if (proof.forces < 0).any() or problem.imbalance(proof.forces) > limit:
         return "its forces do not balance the load"
@@ -133,7 +133,7 @@ def judge_locked(problem: Stationary, faces: Faces, proof: LockedTurns) -> str:
 
 
 def _wide(faces: Faces) -> bool:
-    """Whether the points of each face are on no line."""
+    """Whether the contact points of each face are not collinear."""
     points = [faces.point[faces.patch == patch] for patch in np.unique(faces.patch)]
-    off = [one - one.mean(axis=0) for one in points]
-    return all(np.linalg.eigvalsh(one.T @ one)[1] > SPREAD for one in off)
+    arms = [point - point.mean(axis=0) for point in points]
+    return all(np.linalg.eigvalsh(arm.T @ arm)[1] > SPREAD for arm in arms)

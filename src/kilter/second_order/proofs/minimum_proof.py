@@ -1,18 +1,18 @@
-"""Proofs of a strict minimum, judged without a solver.
+"""Proof of a strict minimum of the energy, judged without a solver.
 
-Forces f >= 0 with J^T f + w = 0 put every critical motion into the null space Z of the rows that
-carry (f_k J_k z >= 0 sum to -w.z = 0). Over cones {z = Z y, R y >= 0} that together cover the
-critical motions, one f and one N >= 0 each:
+Forces f >= 0 with J^T f + w = 0 put every critical motion into the null space Z of the carrying
+rows, because the terms f_k J_k z >= 0 sum to -w.z = 0. For cones {z = Z y, R y >= 0} that together
+cover the critical motions, with separate forces f and weights N >= 0 for each cone,
 
     -Z^T H(f) Z - R^T N R  positive definite        (Cholesky)
 
-proves z.L'' z > 0 for each of them (Ioffe; Ben-Tal): a strict local minimum of the energy over
-all admissible places, under any contact law that makes no energy. Motions that are proved free
-(`kilter.second_order.motions.free_motions`) are divided out first: Z is then across them.
+proves z.L'' z > 0 on the cone (Ioffe; Ben-Tal): a strict local minimum of the energy over all
+admissible configurations, under any contact law that creates no energy. Motions that are proved
+free (`motions.free_motions`) are divided out first: Z is then across them.
 
-The cones are the leaves of a tree: both halves of the space y, the first coordinate positive, are
-orthants; a cone is split in two at the middle of two of its rays. One leaf without rays is the
-whole space.
+The cones are the leaves of a tree. Its roots are the orthants of y, those with positive first
+coordinate if both signs of a motion are critical. A cone is split in two at the middle of two of
+its rays. A single leaf without rays is the whole space.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from kilter.second_order.motions.free_motions import FreeMotions
 from kilter.second_order.motions.free_span import free_span, moving_free
 from kilter.second_order.motions.null_space import null_space
 from kilter.second_order.proofs.carrying import carry_beyond_doubt, carrying_rows
-from kilter.second_order.proofs.cluster_facts import ClusterFacts, Outcome
+from kilter.second_order.proofs.cluster_facts import ClusterFacts, Judged
 from kilter.second_order.proofs.proof_numbers import MalformedProof, by_part, square, stacked
 from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, CURVED, LEVEL
 
@@ -50,7 +50,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Leaf:
-    """Forces (K,), and N over the rows R of its cone and the sides, shape (m, m)."""
+    """Forces of a cone, shape (K,), and weights N for its rows R and the sides, shape (m, m)."""
 
     forces: Array
     weights: Array
@@ -58,18 +58,19 @@ class Leaf:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MinimumProof:
-    """A proof of a strict minimum across `free`, scaled unknowns.
+    """A proof of a strict minimum across free motions, in scaled unknowns.
 
     Attributes
     ----------
     basis : ndarray, shape (n, d)
+        Orthonormal basis Z of the neutral motions across the free ones.
     sides : ndarray, shape (m, d)
-        Rows that critical motions open, at least those: sides y >= 0.
+        Contact rows that bound the critical motions: sides y >= 0.
     free : ndarray, shape (n, f)
-        Motions that are divided out.
+        Orthonormal basis of the free motions that are divided out.
     splits : tuple of (int, int) or None
-        The tree, depth first: a pair of rays is split there, None is a leaf. Empty: one leaf,
-        the whole space.
+        The tree in depth-first order: a pair of rays that is split, or None for a leaf. If empty,
+        the whole space is a single leaf.
     leaves : tuple of Leaf
     """
 
@@ -124,8 +125,8 @@ class MinimumProof:
             ),
         )
 
-    def judge(self, facts: ClusterFacts) -> str:
-        """Why the proof does not hold; empty if it holds."""
+    def judge(self, facts: ClusterFacts) -> Judged:
+        """Why the proof does not hold, or what it proves."""
         known = facts.known
         if not known.all() and self.free.shape[1]:
             return "motions count as free past contacts whose second order is not known"
@@ -134,30 +135,27 @@ class MinimumProof:
             return wrong
         span = free_span(facts.program, facts.problem.taking(known), self._free_motions(facts))
         missing = null_space(span.T, ACROSS).T @ self.free if span.shape[1] else self.free
-        proved = np.abs(missing).max(initial=0.0) <= ACROSS
-        return "" if proved else "a motion that it calls free is not proved to be"
-
-    def outcome(self, facts: ClusterFacts) -> Outcome:
-        """A minimum across its free motions; free if one of these moves a part visibly."""
+        if not np.abs(missing).max(initial=0.0) <= ACROSS:
+            return "a motion that it calls free is not proved to be"
         free = self.free.shape[1]
         moves = free and len(moving_free(facts.assembly, self._free_motions(facts)))
         return "free" if moves else "minimum", self.basis.shape[1] + free, free
 
     def _free_motions(self, facts: ClusterFacts) -> FreeMotions:
-        """Free motions that may be divided out: beside other neutral motions only symmetries."""
+        """Free motions that may be divided out: only symmetries if other neutral motions exist."""
         motions = facts.free_motions
         return motions.symmetries if self.basis.shape[1] else motions
 
 
 def orthants(dimension: int, *, half: bool) -> list[Array]:
-    """Rays, as columns, of the orthants of a space, or of the half of it with y_0 >= 0."""
+    """Rays, as columns, of all orthants, or of the half of them with y_0 >= 0."""
     signs = itertools.product((1.0, -1.0), repeat=dimension - 1)
     first = [np.diag([1.0, *rest]) for rest in signs]
-    return first if half else [*first, *(-one for one in first)]
+    return first if half else [*first, *(-rays for rays in first)]
 
 
 def split(rays: Array, i: int, j: int) -> tuple[Array, Array]:
-    """Both halves of a cone of independent rays, divided in the middle of two of them."""
+    """The two cones that result if a cone is split in the middle of its rays i and j."""
     middle = rays[:, i] + rays[:, j]
     middle = middle / np.linalg.norm(middle)
     first, second = rays.copy(), rays.copy()
@@ -166,45 +164,50 @@ def split(rays: Array, i: int, j: int) -> tuple[Array, Array]:
 
 
 def sides_of_cone(rays: Array) -> Array:
-    """Unit rows R of the cone {y: R y >= 0} of independent rays, given as columns."""
+    """Unit rows R of the cone {y: R y >= 0} spanned by linearly independent rays (columns)."""
     return unit_rows(np.asarray(np.linalg.inv(rays), dtype=np.float64))
 
 
 def leaf_cones(
     dimension: int, splits: Sequence[tuple[int, int] | None], *, half: bool
 ) -> Iterator[Array | None]:
-    """The rays of each leaf in turn; None: the whole space.
+    """The rays of each leaf in turn; None for the whole space.
 
     Raises
     ------
     ValueError
-        If the splits are no tree.
+        If the splits are not a tree.
     """
     if not splits:
         yield None
         return
     todo = orthants(dimension, half=half)[::-1]
-    for one in splits:
+    for pair in splits:
         if not todo:
             raise ValueError("more splits than cones")
         rays = todo.pop()
-        if one is None:
+        if pair is None:
             yield rays
             continue
-        i, j = one
+        i, j = pair
         if not (0 <= i < dimension and 0 <= j < dimension and i != j):
-            raise ValueError("a split of rays that are none")
+            raise ValueError("a split of rays that do not exist")
         todo += split(rays, i, j)[::-1]
     if todo:
         raise ValueError("cones are left over")
 
 
 def judge_minimum(problem: Stationary, proof: MinimumProof, worst: Stationary | None = None) -> str:
-    """Why a proof does not hold; empty where it does.
+    """Why a proof does not hold; empty if it holds.
 
-    Only numbers of the problem and of the proof are used: signs, balance, null space, Cholesky.
-    `worst`: the same place with the gaps that curve the energy least across the free motions,
-    where they are not known exactly.
+    Only the numbers of problem and proof are used: signs, balance, null space, Cholesky.
+
+    Parameters
+    ----------
+    problem : Stationary
+    proof : MinimumProof
+    worst : Stationary, optional
+        The problem with the gaps that curve the energy least, if gaps are only known within bounds.
     """
     worst = worst or problem
     if not proof.leaves:
@@ -226,14 +229,14 @@ def judge_minimum(problem: Stationary, proof: MinimumProof, worst: Stationary | 
     except ValueError as error:
         return f"its cones are no tree: {error}"
     if len(cones) != len(proof.leaves):
-        return "it has not one set of forces for each cone"
-    basis = neutral @ (neutral.T @ proof.basis)  # what it is off by may curve upward
+        return "it does not have a set of forces for each cone"
+    basis = neutral @ (neutral.T @ proof.basis)  # errors of the basis might curve upward
     for rays, leaf in zip(cones, proof.leaves, strict=True):
-        own = proof.sides if rays is None else np.vstack([sides_of_cone(rays), proof.sides])
-        if leaf.weights.shape != (len(own), len(own)) or not _positive(leaf.weights):
+        sides = proof.sides if rays is None else np.vstack([sides_of_cone(rays), proof.sides])
+        if leaf.weights.shape != (len(sides), len(sides)) or not _positive(leaf.weights):
             return "the weights of its sides are not positive"
         curvature = worst.curvature(leaf.forces, basis)
-        if not definite(curvature - own.T @ leaf.weights @ own):
+        if not definite(curvature - sides.T @ leaf.weights @ sides):
             return "the energy does not curve upward under its forces"
     return ""
 
@@ -243,6 +246,7 @@ def _positive(weights: Array) -> bool:
 
 
 def _wrong_forces(problem: Stationary, forces: Array) -> str:
+    """Why forces, shape (K,), are no equilibrium of pushing contacts; empty if they are."""
     if forces.shape != (len(problem.rows),) or not np.isfinite(forces).all():
         return "its forces are not those of the contacts"
     if (forces < 0).any():
@@ -252,9 +256,10 @@ def _wrong_forces(problem: Stationary, forces: Array) -> str:
 
 
 def _wrong_spaces(problem: Stationary, proof: MinimumProof, carries: Mask, neutral: Array) -> str:
-    """Is every critical motion in the cone of the basis and the free motions?
+    """Why basis, free motions and sides may miss a critical motion; empty if they do not.
 
-    `carries`, shape (K,): rows that do on the mean; `neutral`: what they leave, orthonormal.
+    `carries`, shape (K,): rows with force on average over the leaves; `neutral`: orthonormal basis
+    of their null space.
     """
     forces = np.mean([leaf.forces for leaf in proof.leaves], axis=0)
     spanned = np.hstack([proof.basis, proof.free])
@@ -271,7 +276,7 @@ def _wrong_spaces(problem: Stationary, proof: MinimumProof, carries: Mask, neutr
         return "a free motion opens a contact"
     if len(proof.sides):
         other = problem.rows[~carries] @ proof.basis
-        turns = np.linalg.norm(other, axis=1) > ACROSS  # what all but vanishes has no direction
+        turns = np.linalg.norm(other, axis=1) > ACROSS  # a vanishing row has no direction
         apart = proof.sides[:, None] - unit_rows(other[turns])
         if not (np.linalg.norm(apart, axis=2).min(axis=1, initial=np.inf) < ACROSS).all():
             return "a side is not the row of a contact"
@@ -279,7 +284,7 @@ def _wrong_spaces(problem: Stationary, proof: MinimumProof, carries: Mask, neutr
 
 
 def _wrong_free(problem: Stationary, proof: MinimumProof, forces: Array) -> str:
-    """Does the energy stay level to second order along the motions that are divided out?"""
+    """Why the energy is not level to second order along the free motions; empty if it is."""
     both = np.hstack([proof.basis, proof.free])
     curvature = problem.curvature(forces, both)
     size = max(1.0, float(np.abs(curvature).max(initial=0.0)))
@@ -291,13 +296,13 @@ def _wrong_free(problem: Stationary, proof: MinimumProof, forces: Array) -> str:
 
 
 def definite(matrix: Array) -> bool:
-    """Whether the form of a matrix is positive definite by more than rounding.
+    """Whether the symmetric part of a matrix is positive definite by more than rounding.
 
-    Cholesky itself reads one half of a matrix, and lets numbers pass that are none.
+    Cholesky itself reads only one triangle of a matrix, and accepts infinite numbers.
     """
     if not np.isfinite(matrix).all():
         return False
-    form = matrix / 2 + matrix.T / 2  # the sum may be too large
+    form = matrix / 2 + matrix.T / 2  # halved first, because the sum may overflow
     size = max(1.0, float(np.abs(form).max(initial=0.0)))
     try:
         np.linalg.cholesky(form - CURVED * size * np.eye(len(form)))

@@ -1,16 +1,17 @@
 """Paths that lead down: z(t) = t dp + t^2 d2 / 2 with all gaps open and less energy.
 
-    J_k dp >= 0, w.dp = 0;   J_k d2 + dp.H_k dp >= m where J_k dp = 0;   w.d2 >= m,   m > 0
+    J_k dp >= 0, w.dp = 0;   J_k d2 + dp.H_k dp >= m for rows with J_k dp = 0;   w.d2 >= m,   m > 0
 
-Then each gap is at least m t^2 / 2 + O(t^3) or opens to first order, and the energy is
--t^2 w.d2 / 2: no minimum. Of numbers that are not exact both hold from some t on, and a gap that
-opens to first order may have closed again by then: it must not, for some while. What is entered
-at once is the rounding of the data at most: a place in a shallow hollow is a minimum, however much
-the wall of the hollow curves.
+Then each gap is at least m t^2 / 2 + O(t^3), or opens to first order, and the energy is
+-t^2 w.d2 / 2: the configuration is no minimum. With rounded numbers both statements hold only from
+some t on. A gap that opens to first order must not close again too soon after that t. The gaps may
+close at first only by the rounding of the data: a configuration in a shallow hollow is a minimum,
+however strongly the wall of the hollow curves.
 
-What is pressed between planes has no such path: no motion opens both. There contacts may also be
-kept: parts that only shift, along a plane of one of them, leave its gap as it is to all orders.
-`path_search` finds such paths; here they are judged from the numbers of the problem alone.
+Parts that are pressed between planes have no such path, because no motion opens both planes. There
+a path may keep contacts: if both parts only shift along a plane of one of them, the gap stays
+unchanged to all orders. `path_search` finds paths; this module judges them from the numbers of the
+problem alone.
 """
 
 from __future__ import annotations
@@ -33,18 +34,29 @@ from kilter.second_order.second_order_tolerances import (
 __all__ = ["Path", "judge_path"]
 
 FARTHEST = REACHES[-1] * (1 + ACROSS)
-"""A second derivative is at most this in each unknown, with rounding."""
+"""Largest component of a second derivative, with an allowance for rounding [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Path:
-    """A path in scaled unknowns, judged.
+    """A path in scaled unknowns, with the numbers that judge it.
 
-    `first`, `second`, shape (n,): dp, of length 1, and d2; `opens`: least second derivative of a
-    gap that stays closed to first order; `power`: w.d2; `slips`: worst of -J dp and |w.dp|;
-    `lasts`: the t at which the first gap that opens to first order closes again; `rounding`: what
-    of `opens` and `power` may be that of the data, and `slack` what of `slips`; `one_form`: whether
-    no corner that is flush slips off its edge.
+    Attributes
+    ----------
+    first, second : ndarray, shape (n,)
+        dp, of length 1, and d2.
+    opens : float
+        Least second derivative of a gap that stays closed to first order.
+    power : float
+        w.d2.
+    slips : float
+        Largest of -J dp and |w.dp|.
+    lasts : float
+        Least t at which a gap that opens to first order closes again.
+    rounding, slack : float
+        Rounding of the data in `opens` and `power`, and in `slips`.
+    one_form : bool
+        Whether no flush corner slips off its edge.
     """
 
     first: Array
@@ -59,7 +71,7 @@ class Path:
 
     @property
     def falls(self) -> bool:
-        """Whether it proves that the place is no minimum."""
+        """Whether the path proves that the configuration is no minimum."""
         least = min(self.opens, self.power)
         straight = float(np.linalg.norm(self.second)) <= FARTHEST * np.sqrt(len(self.second))
         begins = min(self.slack, SLIPS * least, self.lasts * least / (2 * LASTS))
@@ -67,7 +79,7 @@ class Path:
 
 
 def judge_path(problem: Stationary, first: Array, second: Array) -> Path:
-    """A path judged from the numbers of the problem alone."""
+    """The path with its judging numbers, from the numbers of the problem alone."""
     first_opens = problem.rows @ first
     second_opens = problem.rows @ second + problem.bends(first)
     kept, later = _kept(problem, first, second), first_opens <= DROPS
@@ -84,7 +96,7 @@ def judge_path(problem: Stationary, first: Array, second: Array) -> Path:
 
 
 def _kept(problem: Stationary, first: Array, second: Array) -> Mask:
-    """Rows with a plane along which their parts shift, and turn nothing, shape (K,)."""
+    """Rows with a plane along which both parts shift without turns, shape (K,)."""
     path = np.column_stack([first, second])
     moved = np.abs(problem.rows @ path).max(axis=1, initial=0.0)
     turned = np.append(np.abs(path).max(axis=1), 0.0)[problem.columns[:, [3, 4, 5, 9, 10, 11]]]

@@ -1,4 +1,4 @@
-"""The six kinds of proof of second order, behind one protocol.
+"""The six kinds of proof of second order, behind a common protocol.
 
 Each kind is named in a proof file by a key that no other kind has.
 """
@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Protocol
 from kilter.mechanics.program import Program
 from kilter.mechanics.proof_form import Form
 from kilter.second_order.gaps.stationary import Stationary
-from kilter.second_order.proofs.cluster_facts import ClusterFacts, Outcome
+from kilter.second_order.proofs.cluster_facts import ClusterFacts, Judged
 from kilter.second_order.proofs.fall_proof import Fall
 from kilter.second_order.proofs.held import Held
 from kilter.second_order.proofs.level_rest import LevelRest
@@ -22,7 +22,7 @@ __all__ = ["KINDS", "Proof"]
 
 
 class Proof(Protocol):
-    """A proof of the state of one cluster.
+    """A proof of the state of a cluster.
 
     Attributes
     ----------
@@ -46,14 +46,11 @@ class Proof(Protocol):
         Raises
         ------
         MalformedProof
-            If numbers do not fit one another, or motions do not fit the parts.
+            If numbers do not fit each other, or motions do not fit the parts.
         """
 
-    def judge(self, facts: ClusterFacts) -> str:
-        """Why the proof does not hold; empty if it holds."""
-
-    def outcome(self, facts: ClusterFacts) -> Outcome:
-        """State and counts that the proof establishes."""
+    def judge(self, facts: ClusterFacts) -> Judged:
+        """Why the proof does not hold, or what it proves."""
 
 
 KINDS: dict[str, type[Proof]] = {

@@ -29,7 +29,7 @@ class MalformedProof(ValueError):
 
 
 def counts(entries: Iterable[dict[str, Any] | None]) -> dict[str, int]:
-    """Sums of the counts of motions of several clusters; empty if one of them falls."""
+    """Sums of the counts of motions of several clusters; empty if any of them falls."""
     given = [entry for entry in entries if entry is not None]
     if any(entry["state"] == "balanced" for entry in given):
         return {}

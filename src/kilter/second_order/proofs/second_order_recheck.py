@@ -59,7 +59,7 @@ ENTRY = every(
     keys(state=WORD),
     optional_keys(neutral=COUNT, free=COUNT, rolling=WORD, idle=list_of(COUNT), motion=named(SIX)),
 )
-"""Form of the proof of one cluster, beside that of its kind."""
+"""Form of the proof of a cluster, in addition to that of its kind."""
 JOINED = every(
     keys(state=WORD, clusters=list_of(nullable(keys()))),
     optional_keys(neutral=COUNT, free=COUNT, rolling=WORD),
@@ -70,7 +70,7 @@ JOINED = every(
 def recheck_second_order(
     assembly: Assembly, contacts: ContactSet, program: Program, data: Any
 ) -> list[str]:
-    """Why the proof of second order of a proof file does not hold; empty if it holds.
+    """Reasons why the proof of second order in a proof file does not hold; empty if it holds.
 
     Parameters
     ----------
@@ -95,7 +95,13 @@ def _entries(data: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def _kind_of(entry: Any) -> type[Proof]:
-    """The kind of the proof of one cluster, whose form has been verified."""
+    """The kind of the proof of a cluster, whose form it verifies.
+
+    Raises
+    ------
+    MalformedProof
+        If the entry has no known kind, or not its form.
+    """
     fault = ENTRY(entry, "")
     kind = None if fault else next((KINDS[key] for key in KINDS if key in entry), None)
     if kind is None:
@@ -108,20 +114,20 @@ def _kind_of(entry: Any) -> type[Proof]:
 def _wrong(
     assembly: Assembly, contacts: ContactSet, program: Program, data: dict[str, Any]
 ) -> list[str]:
-    """Why the proof of an assembly does not hold."""
+    """Reasons why the proof of an assembly, of verified form, does not hold."""
     if unmodelled := why_unmodelled(assembly, contacts):
         return [f"its second order: {unmodelled}"]
     for entry in (data, *_entries(data)):
         if "rolling" in entry and entry["state"] != "balanced":
-            return ["what is not balanced does not roll"]
+            return ["only a balanced cluster can roll"]
     program = RigidGroups.of(assembly).merged(with_sharp(program, contacts), assembly)
     parted = clusters(program)
     if "clusters" not in data and _kind_of(data) in (Held, LevelRest):
-        # these proofs are of any number of clusters at once
+        # these kinds may prove any number of clusters at once
         parted = [Cluster(program, np.arange(len(program.kind)))]
     entries = data.get("clusters", [data])
     if len(entries) != len(parted):
-        return ["its second order is not one of each cluster"]
+        return ["its second order does not have a proof for each cluster"]
     whole = ClusterFacts(
         assembly, contacts, program, lambda: features_of(program, contacts, recognised=True)
     )
@@ -139,12 +145,12 @@ def _wrong(
 
 
 def _wrong_entry(facts: ClusterFacts, entry: dict[str, Any], off: Mask, slanted: Mask) -> str:
-    """Why the proof of one cluster does not hold.
+    """Why the proof of a cluster does not hold; empty if it holds.
 
     Parameters
     ----------
     off, slanted : ndarray of bool, shape (N,)
-        Parts with a load off their centre of mass, and with one that is not vertical.
+        Parts with a load off their centre of mass, and with an inclined such load.
     """
     kind, program = _kind_of(entry), facts.program
     word = why_beyond(program)
@@ -159,26 +165,25 @@ def _wrong_entry(facts: ClusterFacts, entry: dict[str, Any], off: Mask, slanted:
 
 
 def _wrong_proof(facts: ClusterFacts, entry: dict[str, Any]) -> str:
-    """Why a proof about all contacts of a cluster does not hold."""
+    """Why a proof about all contacts of a cluster does not hold; empty if it holds."""
     kind = _kind_of(entry)
     if word := _wrong_surfaces(kind.SURFACES, facts):
         return word
-    proof = kind.from_data(facts, entry)
-    if word := proof.judge(facts):
-        return word
+    judged = kind.from_data(facts, entry).judge(facts)
+    if isinstance(judged, str):
+        return judged
     claimed = (entry["state"], entry.get("neutral"), entry.get("free"))
-    own = claimed == proof.outcome(facts)
-    return "" if own else "its state or its counts are not those of its proof"
+    return "" if claimed == judged else "its state or its counts are not those of its proof"
 
 
 def _wrong_surfaces(surfaces: str, facts: ClusterFacts) -> str:
-    """Why the surfaces are not known as well as a kind of proof needs (`Proof.SURFACES`)."""
+    """Why the surfaces are not known well enough for a kind of proof (`Proof.SURFACES`)."""
     if surfaces == "none":
         return ""
     if surfaces == "all":
         facts = facts.certain
     elif (facts.program.kind != CONTACT).any():
-        return "edges and corners of no one normal are not left out"
+        return "edges and corners without a unique normal are not left out"
     known = bool(facts.known.all())
     if facts.features.doubted and not (known and surfaces != "exact"):
         return "its surfaces are known too roughly"
@@ -186,10 +191,10 @@ def _wrong_surfaces(surfaces: str, facts: ClusterFacts) -> str:
 
 
 def _wrong_without_idle(facts: ClusterFacts, entry: dict[str, Any]) -> str:
-    """Why a proof about all but idle contacts does not hold.
+    """Why a proof without the idle contacts of a cluster does not hold; empty if it holds.
 
-    Without these contacts fewer motions are blocked, so a minimum is one with them. A state is free
-    with them if one of its free motions opens them all.
+    Fewer contacts only admit more motions, so a minimum stays a minimum with them. A free state
+    stays free with them if a free motion opens them all.
     """
     program, contacts = facts.program, facts.contacts
     kept = np.ones(len(program.part_a), dtype=bool)
@@ -197,7 +202,7 @@ def _wrong_without_idle(facts: ClusterFacts, entry: dict[str, Any]) -> str:
         raise MalformedProof("its idle contacts do not exist")
     kept[entry["idle"]] = False
     if _kind_of(entry) is not MinimumProof or kept.all():
-        return "contacts are left out of what is no minimum"
+        return "contacts are left out of a proof of no minimum"
     word = _wrong_proof(facts.taking(kept), entry)
     if word or entry["state"] == "minimum":
         return word
@@ -209,18 +214,18 @@ def _wrong_without_idle(facts: ClusterFacts, entry: dict[str, Any]) -> str:
     free, size = stacked(program, problem, entry["across"]), float(np.linalg.norm(columns))
     words = []
     if np.abs(columns - free @ (free.T @ columns)).max(initial=0.0) > ACROSS * size:
-        words.append("its motion is none of those that are free")
+        words.append("its motion is not one of its free motions")
     opens = sharp_points(program, contacts).opened(problem.rows @ columns > DROPS * size)
     opens |= _alike(program, motion)
     if not opens[~kept].all() or size == 0:
-        words.append("its motion does not open the contacts that carry nothing")
+        words.append("its motion does not open the contacts that are left out")
     if not len(moving_free(facts.assembly, FreeMotions(motion[None], ("level",)))):
         words.append("its motion only spins parts of revolution")
     return "; ".join(words)
 
 
 def _alike(program: Program, motion: Array) -> Mask:
-    """Rows between free parts that a motion shifts both alike, and turns neither, shape (K,)."""
+    """Rows between free parts that a motion shifts alike without turns, shape (K,)."""
     a, b, free = program.part_a, program.part_b, program.free
     most = KEEPS * float(np.abs(motion[:, :3]).max())
     shifts = np.abs(motion[a, :3] - motion[b, :3]).max(axis=1)
@@ -231,19 +236,19 @@ def _alike(program: Program, motion: Array) -> Mask:
 
 
 def _wrong_joined(data: dict[str, Any]) -> list[str]:
-    """Why state and counts of an assembly are not those of its clusters."""
+    """A reason if state and counts of an assembly are not those of its clusters."""
     given = _entries(data)
     states = [entry["state"] for entry in given]
     states += ["open"] * (len(data["clusters"]) - len(given))
     claimed = {key: data[key] for key in ("neutral", "free") if key in data}
-    own = data["state"] == joined_state(states) != "open" and claimed == counts(given)
-    return [] if own else ["its state or its counts are not those of its clusters"]
+    agrees = data["state"] == joined_state(states) != "open" and claimed == counts(given)
+    return [] if agrees else ["its state or its counts are not those of its clusters"]
 
 
 def _wrong_rolling(
     assembly: Assembly, contacts: ContactSet, data: dict[str, Any], entries: list[Any]
 ) -> list[str]:
-    """Why friction does not hold balanced clusters as the proof claims."""
+    """A reason if the result about rolling is not the claimed one."""
     program = with_sharp(build_program(assembly, contacts), contacts)
     program = RigidGroups.of(assembly).merged(program, assembly)
     parted, features = clusters(program), features_of(program, contacts)
@@ -252,6 +257,6 @@ def _wrong_rolling(
         if entry is not None and entry["state"] == "balanced":
             states.append(find_rolling(cluster.program, features.take(cluster.rows)).state)
             if entry.get("rolling", "open") != states[-1]:
-                return ["it does not roll as it says"]
-    own = worst_rolling(states) == data.get("rolling", "open")
-    return [] if own else ["it does not roll as it says"]
+                return ["its claim about rolling is wrong"]
+    agrees = worst_rolling(states) == data.get("rolling", "open")
+    return [] if agrees else ["its claim about rolling is wrong"]

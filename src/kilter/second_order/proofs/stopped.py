@@ -1,27 +1,28 @@
-"""What rests on level faces and edges, and would fall if it slid on: stops keep it from that.
+"""Proof that stops keep parts on level faces and edges from sliding to where they would fall.
 
-Level motions F shift parts across gravity and turn them about the vertical. On level contacts, with
-a level plane on one side, or of level edges and corners, they keep every gap and the energy for
-good; the other contacts, the stops, carry nothing. With forces f of equilibrium on level contacts,
-Y what is neutral beside F, K the curvature of the energy under f, and over z = (x, y) in F and Y
+Level motions F shift parts across gravity and turn them about the vertical. At level contacts,
+between a level plane and any feature or between level edges and corners, they keep every gap and
+the energy to all orders. The other contacts, the stops, carry no force. Let f be forces of
+equilibrium on level contacts, Y the neutral motions across F, and K the curvature of the energy
+under f. If, over z = (x, y) in F and Y,
 
-    R_i z >= 0 of the stops,     R_j y >= 0 of the level contacts that carry nothing
+    R_i z >= 0 for the stops,     R_j y >= 0 for level contacts without force
 
-let, with weights W > 0 entrywise and S positive definite,
+and there are weights W > 0 entrywise and S positive definite with
 
     z.K z = y.S y + sum of W_ij (R_i z) (R_j y)
 
-Sliding on, R_i z < 0, is what would make it fall: a box whose centre is above the edge of its table
-may slide in, and not out. Symmetries, level ones and spins, are divided out. Where nothing is left
-of Y, the energy is least on F: a ball on a table is free beside a wall. Else, if the R_i are one to
-one on F and the R_j on Y, the sum is at least c |x| |y| - C |y|^2, and so, with c > 0,
+then only sliding past a stop, R_i z < 0, leads to a fall: a box whose centre is above the edge of
+its table may slide in, but not out. Symmetries (level motions and spins) are divided out. If Y is
+empty, the energy is least on F: a ball on a table is free beside a wall. Otherwise, if the R_i are
+one to one on F and the R_j on Y, the sum is at least c |x| |y| - C |y|^2, and so, with c > 0,
 
-    z.K z >= c (|y|^2 + |x| |y|)        where all R z >= 0
+    z.K z >= c (|y|^2 + |x| |y|)        if all R z >= 0
 
-Gaps and energy are level along F, so that what is left of E is O(|y| |z|^2), less than that. Level
-contacts hold R_j y >= -O(|y| |z|), and stops R_i z >= -O(|z|^2), which a level motion that opens
-all of them makes good by a step of O(|x|^2 + |y| |z|) within F. So E > E_0 unless y = 0, and the
-energy is least on what is level, and there alone.
+Gaps and energy are level along F, so the rest of E is O(|y| |z|^2), which is smaller. Level
+contacts satisfy R_j y >= -O(|y| |z|), and stops R_i z >= -O(|z|^2). A level motion that opens all
+stops makes up for this by a step of O(|x|^2 + |y| |z|) within F. So E > E_0 unless y = 0: the
+energy is least exactly on the level motions.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ from kilter.second_order.motions.free_span import free_span
 from kilter.second_order.motions.null_space import null_space
 from kilter.second_order.parts.bearing import level_axes
 from kilter.second_order.proofs.carrying import carry_beyond_doubt, carrying_rows
-from kilter.second_order.proofs.cluster_facts import ClusterFacts, Outcome
+from kilter.second_order.proofs.cluster_facts import ClusterFacts, Judged
 from kilter.second_order.proofs.minimum_proof import definite
 from kilter.second_order.proofs.proof_numbers import MalformedProof, by_part, read_columns
 from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, DROPS, LEVEL
@@ -60,10 +61,11 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stopped:
-    """Forces over the weight, W, and a level motion that opens all stops; scaled unknowns.
+    """Forces, weights and a level motion that prove that stops prevent the fall.
 
-    `forces`, shape (K,), of the level contacts alone; `weights`, shape (s, m), of s stops and of
-    m level contacts that carry nothing; `opening`, shape (n,).
+    `forces`, shape (K,), on level contacts, over the weight [-]; `weights`, shape (s, m): W for s
+    stops and m level contacts without force; `opening`, shape (n,): a level motion that opens all
+    stops, in scaled unknowns.
     """
 
     FORM: ClassVar[Form] = keys(
@@ -98,25 +100,41 @@ class Stopped:
             read_columns(facts.program, problem, data["motion"]),
         )
 
-    def judge(self, facts: ClusterFacts) -> str:
-        """Why the proof does not hold; empty if it holds."""
-        return judge_stopped(*stop_question(facts), self)
-
-    def outcome(self, facts: ClusterFacts) -> Outcome:
-        """All level motions are free."""
-        forms = stop_forms(*stop_question(facts), self.forces)
+    def judge(self, facts: ClusterFacts) -> Judged:
+        """Why the proof does not hold, or what it proves."""
+        question = stop_question(facts)
+        if word := judge_stopped(*question, self):
+            return word
+        forms = stop_forms(*question, self.forces)
         return "free", forms.neutral, forms.neutral - forms.tilts.shape[1]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StopForms:
-    """What a proof weighs.
+    """The numbers that a proof combines.
 
-    `carried`: whether contacts carry beyond doubt; `one_form`: whether no corner that
-    carries may slip off an edge; `neutral`: dimension of what is; `level`,
-    shape (n, f): F across the symmetries; `tilts`, (n, d): Y; `stops_level`, (s, f), and
-    `stops_tilts`, (s, d): the R_i; `rises`, (m, d): the R_j; `coupling`, (f, d): twice K between
-    F and Y; `curvature`, (d, d): K on Y; `uneven`: the largest number of K where it is to be 0.
+    Attributes
+    ----------
+    carried : bool
+        Whether the forces are positive beyond rounding.
+    one_form : bool
+        Whether no carrying flush corner may slip off its edge.
+    neutral : int
+        Dimension of the neutral motions.
+    level : ndarray, shape (n, f)
+        Basis of F across the symmetries.
+    tilts : ndarray, shape (n, d)
+        Basis of Y.
+    stops_level, stops_tilts : ndarray, shape (s, f) and (s, d)
+        Rows R_i on F and on Y.
+    rises : ndarray, shape (m, d)
+        Rows R_j on Y.
+    coupling : ndarray, shape (f, d)
+        Twice K between F and Y.
+    curvature : ndarray, shape (d, d)
+        K on Y.
+    uneven : float
+        Largest entry of K that has to be 0.
     """
 
     carried: bool
@@ -133,16 +151,16 @@ class StopForms:
 
     @property
     def size(self) -> float:
-        """The greatest curvature, at least 1."""
-        both = (self.coupling, self.curvature)
-        return float(max(np.abs(one).max(initial=1.0) for one in both))
+        """Largest curvature, at least 1 [-]."""
+        blocks = (self.coupling, self.curvature)
+        return float(max(np.abs(block).max(initial=1.0) for block in blocks))
 
 
 def level_contacts(program: Program, features: Features, touched: tuple[Touched, Touched]) -> Mask:
     """Rows whose gap no level motion changes, shape (K,).
 
-    Their normal is upright, and one side is a plane, or both are of planes, straight edges and
-    corners.
+    Their normal is upright. Either a side is a level plane, or both sides are planes, straight
+    edges or corners.
     """
     upright = np.linalg.norm(np.cross(program.normal, program.down), axis=1) < BALANCED
     bent = np.zeros(len(upright))
@@ -159,8 +177,8 @@ def level_motions(program: Program) -> Array:
     axes = level_axes(program)
     six = np.zeros((len(axes) + (not program.planar), 6))
     six[: len(axes), :3], six[len(axes) :, 3:] = axes, program.down
-    one = six[:, program.freedoms].T
-    return np.asarray(np.kron(np.eye(int(program.free.sum())), one), dtype=np.float64)
+    of_part = six[:, program.freedoms].T
+    return np.asarray(np.kron(np.eye(int(program.free.sum())), of_part), dtype=np.float64)
 
 
 def stop_question(facts: ClusterFacts) -> tuple[Stationary, Mask, Array, Array]:
@@ -174,7 +192,10 @@ def stop_question(facts: ClusterFacts) -> tuple[Stationary, Mask, Array, Array]:
 def stop_forms(
     problem: Stationary, level: Mask, motions: Array, free: Array, forces: Array
 ) -> StopForms:
-    """Of forces (K,); `motions` (n, f) are level, `free` (n, g) symmetries."""
+    """The forms for given forces, shape (K,).
+
+    The other arguments are those of `judge_stopped`.
+    """
     carries = carrying_rows(problem, forces)
     neutral = null_space(problem.rows[carries], problem.blur)
     tilts = neutral @ null_space(np.hstack([motions, free]).T @ neutral, ACROSS)
@@ -203,24 +224,24 @@ def stop_forms(
 def judge_stopped(
     problem: Stationary, level: Mask, motions: Array, free: Array, proof: Stopped
 ) -> str:
-    """Why a proof does not hold; empty where it does.
+    """Why a proof does not hold; empty if it holds.
 
     Parameters
     ----------
     level : ndarray of bool, shape (K,)
-        Rows of `level_contacts`.
+        Level contacts (`level_contacts`).
     motions : ndarray, shape (n, f)
         Level motions (`level_motions`).
     free : ndarray, shape (n, g)
-        Orthonormal: symmetries (`kilter.second_order.motions.free_motions`).
+        Orthonormal basis of the symmetries (`FreeMotions.symmetries`).
     """
     if proof.forces.shape != level.shape or proof.opening.shape != problem.load.shape:
         return "its numbers are not those of the parts and contacts"
     given = (proof.forces, proof.weights, proof.opening)
-    if not all(np.isfinite(one).all() for one in given):
+    if not all(np.isfinite(values).all() for values in given):
         return "its numbers are not finite"
     if (proof.forces < 0).any() or proof.forces[~level].any():
-        return "a force is none of a level contact"
+        return "a force acts off the level contacts"
     if problem.imbalance(proof.forces) > max(BALANCED, problem.blur):
         return "its forces do not balance the load"
     kept = max(
@@ -239,7 +260,7 @@ def judge_stopped(
 
 
 def _wrong_forms(forms: StopForms, weights: Array) -> str:
-    """Are the weights positive, and the rest of the curvature?"""
+    """Why forms and weights do not prove the minimum; empty if they do."""
     if not forms.carried:
         return "its forces carry by rounding"
     if not forms.one_form:
@@ -254,17 +275,17 @@ def _wrong_forms(forms: StopForms, weights: Array) -> str:
     missing = float(np.abs(forms.coupling - coupling).max(initial=0.0))
     least = float(weights.min(initial=np.inf)) * _least(forms.stops_level) * _least(forms.rises)
     if forms.level.shape[1] and not least > LEVEL * forms.size + missing:
-        return "its stops do not keep it from where it would fall"
+        return "its stops do not keep the parts from falling"
     if missing > LEVEL * forms.size:
-        return "its weights are not those of the energy"
+        return "its weights do not match the curvature of the energy"
     mixed = forms.stops_tilts.T @ weights @ forms.rises
     if not definite(forms.curvature - (mixed + mixed.T) / 2):
-        return "the energy does not curve upward beside what is level"
+        return "the energy does not curve upward across the level motions"
     return ""
 
 
 def _least(rows: Array) -> float:
-    """How much rows (m, d) are one to one: their least singular value; 0 of fewer than d."""
+    """Least singular value of rows (m, d); 0 if there are fewer than d rows."""
     if len(rows) < rows.shape[1]:
         return 0.0
     return float(np.linalg.svd(rows, compute_uv=False).min(initial=np.inf))

@@ -1,10 +1,10 @@
-"""The critical motions: those that cost nothing to first order.
+"""The critical motions, which cost no energy to first order.
 
     Lambda = {f >= 0, J^T f + w = 0}        C = {J z >= 0, w.z = 0}
 
-A row either carries a force in some equilibrium, or opens in some critical motion (Goldman and
-Tucker). One linear program finds forces that carry on every row that can: C lies in the null
-space of those rows, and is all of it where no other row can open or close there.
+Each row either carries a force in some equilibrium, or opens in some critical motion (Goldman and
+Tucker). A linear program finds forces that are positive on every row that can carry. C lies in the
+null space of these rows, and equals it if no other row opens or closes there.
 """
 
 from __future__ import annotations
@@ -31,12 +31,13 @@ class Critical:
     Attributes
     ----------
     forces : ndarray, shape (K,)
-        An equilibrium that carries wherever one can.
+        Forces of equilibrium, over the weight [-], positive on every row that can carry.
     carries : ndarray of bool, shape (K,)
+        Rows that carry.
     basis : ndarray, shape (n, d)
-        Orthonormal.
+        Orthonormal basis of the null space of these rows.
     sides : ndarray, shape (m, d)
-        Unit rows; none where C is a space.
+        Unit rows; empty if C is a linear space.
     """
 
     forces: Array
@@ -46,26 +47,27 @@ class Critical:
 
 
 def find_critical(problem: Stationary, *, work: Work | None = None) -> Critical | None:
-    """The critical motions; None where there is no equilibrium, or no solver finds one."""
-    forces = carrying_forces(csr_array(problem.rows), problem.load, work=work)
-    if forces is None:
+    """The critical motions; None if no forces of equilibrium were found."""
+    answer = carrying_forces(csr_array(problem.rows), problem.load, work=work)
+    if answer is None:
         return None
-    found, carries = forces
+    forces, carries = answer
     basis = null_space(problem.rows[carries], problem.blur)
     sides = problem.rows[~carries] @ basis
     size = np.linalg.norm(sides, axis=1)
     turns = size > 1e-3 * np.sqrt(problem.blur)
     unit = sides[turns] / size[turns][:, None]
     _, first = np.unique(np.round(unit, 9), axis=0, return_index=True)
-    return Critical(found, carries, basis, unit[np.sort(first)])
+    return Critical(forces, carries, basis, unit[np.sort(first)])
 
 
 def carrying_forces(
     rows: csr_array, load: Array, *, work: Work | None
 ) -> tuple[Array, Mask] | None:
-    """Forces of equilibrium that carry on every row that can, and which do, shape (K,).
+    """Forces of equilibrium that are positive on every row that can carry, and the mask of these.
 
-    Max sum t:  J^T f + s w = 0,  0 <= t <= 1,  f >= t,  s >= 1;  f / s, and where t is 1.
+    Max sum t:  J^T f + s w = 0,  0 <= t <= 1,  f >= t,  s >= 1.  The forces are f / s, shape (K,),
+    and the mask is t = 1. None if there is no equilibrium, or the work is over.
 
     Parameters
     ----------

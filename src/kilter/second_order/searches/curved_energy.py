@@ -1,15 +1,15 @@
 """Forces of equilibrium under which the energy curves upward, by semidefinite programs.
 
-Over the critical motions z = Z y with sides R y >= 0, sum over k of f_k H_k turned to y:
+Over the critical motions z = Z y with sides R y >= 0, and H(f) = sum of f_k H_k:
 
     max e:  -Z^T H(f) Z - R^T N R >= e I,   J^T f + w = 0,  f >= 0,  N >= 0 entrywise
 
-e > 0 proves a strict minimum: each z in C has -z.H(f) z >= e |y|^2 + (R y).N (R y). Without
-sides N is left out. The multiplier X of the matrix says where it fails.
+e > 0 proves a strict minimum: each z in C has -z.H(f) z >= e |y|^2 + (R y).N (R y). Without sides N
+is left out. The multiplier X of the matrix shows the motions along which a proof fails.
 
-Self-stress, s >= 0 with J^T s = 0 and -Z^T H(s) Z >= 0, makes such forces grow without end. It is
-looked for first: motions that it blocks cost energy under f + t s for t large enough (Finsler),
-and are left out of the rest.
+With self-stress, s >= 0 with J^T s = 0 and -Z^T H(s) Z >= 0, these forces are unbounded. So
+self-stress is found first: the motions that it blocks cost energy under f + t s for large t
+(Finsler), and are removed.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ from kilter.work import Work
 __all__ = ["CurvedEnergy", "best_curvature", "blocking_stress"]
 
 MOST_FORCE = 1e4
-"""Sum of the forces, over the weight, up to which they are looked for."""
+"""Largest sum of the forces in a search, over the weight [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CurvedEnergy:
-    """Forces of best curvature, none of them believed.
+    """Forces of the largest least curvature, from a solver and not judged.
 
-    `forces`, shape (K,); `sides`, shape (m, m): N; `motions`, shape (d, d): the multiplier X.
+    `forces`, shape (K,), over the weight [-]; `sides`, shape (m, m): N; `motions`, shape (d, d): X.
     """
 
     forces: Array
@@ -46,24 +46,26 @@ class CurvedEnergy:
 def best_curvature(
     problem: Stationary, basis: Array, sides: Array, *, work: Work
 ) -> CurvedEnergy | None:
-    """Forces that make the least curvature of the energy largest; None where none was found.
+    """Forces that maximise the least curvature of the energy; None if the program is not solved.
 
     Parameters
     ----------
     problem : Stationary
-        Its rows that carry.
+        With the carrying rows only.
     basis : ndarray, shape (n, d)
+        Z.
     sides : ndarray, shape (m, d)
+        R.
     """
     count, size = len(problem.rows), len(sides)
-    one, other = np.tril_indices(size)
-    pairs = sides[one][:, :, None] * sides[other][:, None, :]
+    row, column = np.tril_indices(size)
+    pairs = sides[row][:, :, None] * sides[column][:, None, :]
     pairs = (pairs + np.swapaxes(pairs, 1, 2)) / 2
     forms = np.concatenate([problem.restricted(basis), pairs, np.eye(basis.shape[1])[None]])
     unknowns = 1 + len(forms)
     balance = np.zeros((len(problem.load), unknowns))
     balance[:, 0], balance[:, 1 : 1 + count] = problem.load, problem.rows.T
-    found = _solve(
+    solution = _solve(
         _independent(balance),
         np.eye(unknowns)[1:-1],
         np.concatenate([[0.0], np.ones(count), np.zeros(len(pairs)), [0.0]]),
@@ -71,16 +73,16 @@ def best_curvature(
         (-forms, np.eye(unknowns)[-1]),
         work,
     )
-    if found is None:
+    if solution is None:
         return None
-    point, motions = found
+    point, motions = solution
     weights = np.zeros((size, size))
-    weights[one, other] = np.maximum(point[1 + count : -1], 0.0)
+    weights[row, column] = np.maximum(point[1 + count : -1], 0.0)
     return CurvedEnergy(np.maximum(point[1 : 1 + count], 0.0), (weights + weights.T) / 2, motions)
 
 
 def blocking_stress(problem: Stationary, basis: Array, *, work: Work) -> Array | None:
-    """Self-stress of the largest trace of curvature, shape (K,); None where there is none.
+    """Self-stress of the largest trace of curvature, shape (K,); None if there is none.
 
     s >= 0, sum s = 1, J^T s = 0, -Z^T H(s) Z >= 0.
     """
@@ -92,8 +94,8 @@ def blocking_stress(problem: Stationary, basis: Array, *, work: Work) -> Array |
     balance = np.hstack([np.zeros((len(problem.load), 1)), problem.rows.T])
     gain = np.concatenate([[0.0], np.trace(forms, axis1=1, axis2=2)])
     total = np.concatenate([[0.0], np.ones(count)])
-    found = _solve(_independent(balance), np.eye(unknowns)[1:], total, 1.0, (forms, gain), work)
-    return None if found is None else np.maximum(found[0][1:], 0.0)
+    solution = _solve(_independent(balance), np.eye(unknowns)[1:], total, 1.0, (forms, gain), work)
+    return None if solution is None else np.maximum(solution[0][1:], 0.0)
 
 
 def _solve(
@@ -133,7 +135,7 @@ def _solve(
 
 
 def _independent(rows: Array) -> Array:
-    """Rows of the same null space, linearly independent."""
+    """Linearly independent rows with the same null space."""
     left, values, _ = np.linalg.svd(rows, full_matrices=False)
     rank = int((values > 1e-10 * values.max(initial=1e-300)).sum())
     return np.asarray(left[:, :rank].T @ rows)

@@ -1,15 +1,15 @@
-"""Is a place of equilibrium a strict minimum of its energy, or does a path lead down?
+"""Decision between a strict minimum of the energy and a path that leads down.
 
-1  critical motions C (`critical`): no side opens: a space
-2  motions that are proved free are divided out; those that every contact leaves flat are undecided
-3  self-stress blocks what it curves upward (`curved_energy`)
+1  find the critical motions C (`critical`)
+2  divide out the motions that are proved free; motions that no contact curves stay undecided
+3  remove motions that self-stress blocks by its curvature (`curved_energy`)
 4  forces that curve the energy upward on the rest: minimum
-5  else a path that leads down, from the multiplier of 4 (`paths`), or of one part alone: balanced
-6  else, up to dimension 4, cones with forces of their own each (copositive matrices are sums of a
-   positive and a semidefinite one there): minimum, or a path down
+5  else a path that leads down, from the multiplier of 4 (`paths`), or of a single part: balanced
+6  else, up to dimension 4, cones with separate forces (copositive matrices of this size are sums of
+   an entrywise positive and a semidefinite matrix): minimum, or a path down
 7  else open, with the reason
 
-Every answer but "open" carries a proof that was judged apart from the solver.
+Every decision but "open" has a proof, judged independently of the solver.
 """
 
 from __future__ import annotations
@@ -46,35 +46,35 @@ from kilter.work import Work
 __all__ = ["EXACT_DIMENSION", "Decision", "decide"]
 
 EXACT_DIMENSION = 4
-"""Up to this dimension cones decide."""
+"""Largest dimension in which motions are split into cones."""
 NARROW = 1e-3
-"""Cones of rays nearer to one another than this are not split."""
+"""Cones are not split below this largest distance of their unit rays [-]."""
 MOST_MOTIONS = 24
-"""Neutral motions beside the free ones that are looked at."""
+"""Largest dimension of the neutral motions that are not free."""
 EXACT = 1e-12
-"""Imbalance of forces, over the load, up to which they exclude paths."""
+"""Largest imbalance of forces, over the load, with which they exclude paths [-]."""
 ROUNDS = 4
-"""Times that self-stress is looked for."""
+"""Largest number of searches for self-stress."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Decision:
-    """What is known of a place of equilibrium.
+    """The decision about a configuration in equilibrium, with its proof.
 
     Attributes
     ----------
     state : {"minimum", "balanced", "open"}
-        A minimum is one across the motions that are free.
+        A minimum is a minimum across the free motions.
     neutral, free, blocked, undecided : int
-        Dimensions: of the span of the critical motions, and of its parts: proved free; those
-        that cost energy, or may gain some; those of which neither is known.
+        Dimension of the span of the critical motions, and of its parts: motions proved free,
+        motions that cost or gain energy, and motions for which neither is known.
     proof : MinimumProof or Path or LevelRest or LockedTurns or Stopped or Held or None
     why : str
-        Why it is open.
+        Reason for an open decision.
     others : tuple of Path
-        Paths that lead down as well, less steeply.
+        Further paths that lead down, less steeply.
     opening : ndarray, shape (n,), optional
-        A free motion that opens the contacts that were left out, scaled unknowns.
+        Free motion that opens the contacts that were left out, in scaled unknowns.
     """
 
     state: Literal["minimum", "balanced", "open"]
@@ -96,15 +96,15 @@ def decide(
     only_if_stays: bool = False,
     work: Work | None = None,
 ) -> Decision:
-    """Minimum, balanced or open.
+    """Decide between minimum, balanced and open.
 
     Parameters
     ----------
     problem : Stationary
     free : ndarray, shape (n, f), optional
-        Motions that are proved to keep every gap and the energy, independent of one another.
+        Linearly independent motions that are proved to keep every gap and the energy.
     critical : Critical, optional
-        Of this problem, where it is known already.
+        Critical motions of this problem, if they are known already.
     only_if_stays : bool
         Whether a single path that leads down is enough, however flat.
     """
@@ -118,9 +118,10 @@ def decide(
 
 
 def _even(problem: Stationary, critical: Critical, free: Array) -> Array:
-    """The free motions that the forces leave level: not past the edge of a table.
+    """The free motions along which the energy under the forces stays level to second order.
 
-    Neither where corners that are flush stay on their edges nor where they slip off.
+    This excludes sliding past the edge of a table. The energy must stay level both if flush corners
+    stay on their edges and if they slip off.
     """
     both = np.hstack([critical.basis, free])
     curvature = problem.curvature(critical.forces, both)
@@ -133,7 +134,7 @@ def _even(problem: Stationary, critical: Critical, free: Array) -> Array:
 
 
 class _Question:
-    """One place, its critical motions across the free ones, and what was found on the way."""
+    """A configuration with its critical motions across the free motions."""
 
     def __init__(
         self,
@@ -172,10 +173,11 @@ class _Question:
         return self._strengthened(forces, stress) or self._open("the numbers carry no proof")
 
     def _no_weights(self) -> Array:
+        """Zero weights of the sides."""
         return np.zeros((len(self.sides), len(self.sides)))
 
     def _without_flat(self) -> Array:
-        """Critical motions across those that no contact curves."""
+        """Basis of the critical motions across the motions that no contact curves."""
         forms = self.carrying.restricted(self.across)
         stacked = forms.reshape(-1, forms.shape[2])
         size = float(np.abs(forms).max(initial=0.0))
@@ -184,7 +186,7 @@ class _Question:
         return self.across @ null_space(null_space(stacked, FLAT).T, FLAT)
 
     def _without_blocked(self, basis: Array) -> tuple[Array, Array]:
-        """Motions that no self-stress blocks, and self-stress that blocks the others."""
+        """Basis of motions that no self-stress blocks, and self-stress that blocks the others."""
         total = np.zeros(len(self.carrying.rows))
         for _ in range(ROUNDS):
             if not basis.shape[1]:
@@ -203,7 +205,7 @@ class _Question:
         return basis, total
 
     def _on(self, basis: Array, stress: Array) -> Decision:
-        """Steps 4 to 7 on what is left."""
+        """Steps 4 to 7 on a basis, with the self-stress of step 3."""
         if self._only_forces():
             forces = self.critical.forces[self.critical.carries]
             proved = self._strengthened(forces, stress)
@@ -219,7 +221,7 @@ class _Question:
                 return proved
             candidates += self._from_multiplier(basis, best.motions)
         paths = self._paths(candidates)
-        if not paths or self.carrying.slips is not None:  # flush: the plainest path is a tilt
+        if not paths or self.carrying.slips is not None:  # at flush corners a tilt is simplest
             paths += self._paths_alone()
         if paths:
             return self._decision("balanced", *paths)
@@ -228,23 +230,23 @@ class _Question:
         return self._open("neither forces that prove a minimum nor a path down were found")
 
     def _only_forces(self) -> bool:
-        """Whether no other forces balance, and none need weights of sides."""
+        """Whether the forces of equilibrium are unique, and no side needs a weight."""
         rows = self.carrying.rows
         rank = int(np.linalg.matrix_rank(rows, tol=self.problem.blur))
         return not len(self.sides) and rank == len(rows)
 
     def sides_of(self, basis: Array) -> Array:
-        """The sides over coordinates of a basis within `across`."""
+        """The sides in coordinates of a basis within `across`."""
         return self.sides @ (self.across.T @ basis)
 
     def _from_forces(self, basis: Array) -> list[Array]:
-        """Motions along which the carrying forces curve the energy least."""
+        """Two motions along which the critical forces curve the energy least."""
         forces = self.critical.forces[self.critical.carries]
         _, vectors = np.linalg.eigh(self.carrying.curvature(forces, basis))
         return [basis @ vectors[:, k] for k in range(min(2, vectors.shape[1]))]
 
     def _from_multiplier(self, basis: Array, motions: Array) -> list[Array]:
-        """Motions of a multiplier X: of its largest axes, and sums of them by each sign."""
+        """Motions along the largest axes of a multiplier X, and their sums with all signs."""
         values, vectors = np.linalg.eigh(motions)
         axes = (vectors * np.sqrt(np.maximum(values, 0.0)))[:, ::-1]
         single = [basis @ axes[:, k] for k in range(min(6, axes.shape[1]))]
@@ -253,31 +255,32 @@ class _Question:
         return single + [basis @ (axes[:, :most] @ np.array([1.0, *rest])) for rest in signs]
 
     def _paths(self, candidates: list[Array]) -> list[Path]:
-        """Paths that fall along motions, or along critical ones near by, the steepest first."""
-        found = []
+        """Falling paths along critical motions near to given motions, the steepest first."""
+        paths = []
         about = self._about_edges(np.hstack([self.across, self.free]))
         for motion in candidates:
             senses = (motion, -motion) if len(self.sides) else (motion,)
-            critical_ones = [self._critical(one) for one in senses]
-            for critical in (*self._pivots(about, critical_ones), *critical_ones):
+            nearest = [self._critical(sense) for sense in senses]
+            for critical in (*self._pivots(about, nearest), *nearest):
                 path = None if critical is None else self._path(critical)
                 if path is not None and path.falls:
-                    found.append(path)
+                    paths.append(path)
                     if self.only_if_stays:
-                        return found
-        return self._steepest(found)
+                        return paths
+        return self._steepest(paths)
 
     def _path(self, critical: Array) -> Path | None:
+        """The path along a critical motion, unless known forces exclude it."""
         return find_path(self.problem, critical, balancing=self.balancing, work=self.work)
 
     def _note(self, forces: Array) -> None:
-        """Keep forces on the carrying rows that balance: they exclude paths."""
+        """Keep balanced forces on the carrying rows, because they exclude paths."""
         forces = self._balanced(forces)
         if self.carrying.imbalance(forces) < EXACT:
             self.balancing = np.vstack([self.balancing, self._spread(forces)])
 
     def _paths_alone(self) -> list[Path]:
-        """Paths of one part alone that fall, the steepest first."""
+        """Falling paths of a single part, the steepest first."""
         paths = []
         for motion in self._alone():
             path = self._path(motion)
@@ -287,49 +290,50 @@ class _Question:
                     break
         return self._steepest(paths)
 
-    def _steepest(self, found: Iterable[Path]) -> list[Path]:
-        return sorted(found, key=lambda path: -min(path.opens, path.power))
+    def _steepest(self, paths: Iterable[Path]) -> list[Path]:
+        """The paths in order, the steepest first."""
+        return sorted(paths, key=lambda path: -min(path.opens, path.power))
 
     def _alone(self) -> list[Array]:
-        """Critical motions of one part alone that curve least: what is pressed stays in place."""
+        """Critical motions of a single part that curve least: parts pressed between others stay."""
         whole = np.hstack([self.across, self.free])
         columns = self.problem.columns.reshape(-1, 6)
-        found: list[Array | None] = []
-        for own in np.unique(columns[(columns >= 0).any(axis=1)], axis=0):
+        motions: list[Array | None] = []
+        for places in np.unique(columns[(columns >= 0).any(axis=1)], axis=0):
             still = np.ones(len(whole), dtype=bool)
-            still[own[own >= 0]] = False
+            still[places[places >= 0]] = False
             basis = whole @ null_space(whole[still], self.problem.blur)
             basis[still] = 0.0
             basis, _ = np.linalg.qr(basis)
             for within in (basis, self._about_edges(basis)):
-                motions = self._from_forces(within) if within.shape[1] else []
-                senses = [one for motion in motions for one in (motion, -motion)]
-                found += [self._critical(one, within) for one in senses]
-        return [one for one in found if one is not None]
+                least = self._from_forces(within) if within.shape[1] else []
+                senses = [sense * motion for motion in least for sense in (1.0, -1.0)]
+                motions += [self._critical(motion, within) for motion in senses]
+        return [motion for motion in motions if motion is not None]
 
     def _about_edges(self, basis: Array) -> Array:
-        """Motions in a basis along which no corner that carries slips off an edge of both parts."""
+        """Motions in a basis along which no carrying flush corner slips off its edge."""
         if self.carrying.slips is None:
             return basis[:, :0]
         return basis @ null_space(self.carrying.sliding(basis), self.problem.blur)
 
     def _pivots(self, about: Array, critical: list[Array | None]) -> list[Array]:
-        """Critical motions near to some along which no corner slips off."""
+        """Critical motions near to given motions along which no flush corner slips off."""
         if not about.shape[1]:
             return []
-        near = [about @ (about.T @ one) for one in critical if one is not None]
-        opens = [self.sides @ (self.across.T @ one) for one in near]
+        near = [about @ (about.T @ motion) for motion in critical if motion is not None]
+        opens = [self.sides @ (self.across.T @ motion) for motion in near]
         return [
-            one / np.linalg.norm(one)
-            for one, sides in zip(near, opens, strict=True)
-            if np.linalg.norm(one) > NARROW and (sides > -FLAT).all()
+            motion / np.linalg.norm(motion)
+            for motion, sides in zip(near, opens, strict=True)
+            if np.linalg.norm(motion) > NARROW and (sides > -FLAT).all()
         ]
 
     def _critical(self, motion: Array, basis: Array | None = None) -> Array | None:
-        """The nearest critical motion, in an orthonormal basis; None where that is none."""
+        """The nearest critical motion in an orthonormal basis, of length 1; None if it is zero."""
         basis = self.across if basis is None else basis
         y, sides = basis.T @ motion, self.sides_of(basis)
-        sides = sides[np.linalg.norm(sides, axis=1) > FLAT]  # others it does not open or close
+        sides = sides[np.linalg.norm(sides, axis=1) > FLAT]  # the basis does not open the others
         if len(sides):
             from scipy.optimize import nnls  # takes its time
 
@@ -341,30 +345,31 @@ class _Question:
     def _strengthened(
         self, forces: Array, stress: Array, weights: Array | None = None
     ) -> Decision | None:
-        """A minimum by some forces and enough of the self-stress; None where that is none."""
+        """A minimum proved by given forces plus enough self-stress; None if no share suffices."""
         forces = self._balanced(forces)
         weights = self._no_weights() if weights is None else weights
         for share in (0.0, *np.geomspace(1.0, 1e6, 13)) if stress.any() else (0.0,):
             leaf = Leaf(self._spread(self._balanced(forces + share * stress)), weights)
-            found = self._minimum((), (leaf,))
-            if found.state == "minimum":
-                return found
+            decision = self._minimum((), (leaf,))
+            if decision.state == "minimum":
+                return decision
         return None
 
     def _balanced(self, forces: Array) -> Array:
-        """The nearest forces that balance, cut at 0."""
+        """The nearest forces that balance the load, with negative forces set to 0."""
         rows = self.carrying.rows
         miss = rows.T @ forces + self.carrying.load
         nearest = np.linalg.lstsq(rows.T, miss, rcond=None)[0]
         return np.maximum(forces - nearest, 0.0)
 
     def _spread(self, forces: Array) -> Array:
+        """Forces on the carrying rows as forces on all rows, shape (K,)."""
         total = np.zeros(len(self.problem.rows))
         total[self.critical.carries] = forces
         return total
 
     def _by_cones(self, basis: Array) -> Decision:
-        """Step 6: each cone has forces that curve upward, or a ray that falls, or is split."""
+        """Step 6: prove each cone by its own forces, find a path in it, or split it."""
         dimension, sides = basis.shape[1], self.sides_of(basis)
         todo = orthants(dimension, half=not len(sides))[::-1]
         splits: list[tuple[int, int] | None] = []
@@ -372,11 +377,11 @@ class _Question:
         tried: set[bytes] = set()
         while todo and len(splits) < SPLITS and not self.work.over:
             rays = todo.pop()
-            own = np.vstack([sides_of_cone(rays), sides])
-            best = best_curvature(self.carrying, basis, own, work=self.work)
+            bounds = np.vstack([sides_of_cone(rays), sides])
+            best = best_curvature(self.carrying, basis, bounds, work=self.work)
             if best is not None:
                 self._note(best.forces)
-            if best is not None and self._curves(basis, best.forces, own, best.sides):
+            if best is not None and self._curves(basis, best.forces, bounds, best.sides):
                 splits.append(None)
                 leaves.append(Leaf(self._spread(self._balanced(best.forces)), best.sides))
                 continue
@@ -400,6 +405,7 @@ class _Question:
         return self._open("it is too near a limit, or of a higher order")
 
     def _curves(self, basis: Array, forces: Array, sides: Array, weights: Array) -> bool:
+        """Whether balanced forces curve the energy upward by more than the weighted sides."""
         matrix = self.carrying.curvature(self._balanced(forces), basis) - sides.T @ weights @ sides
         size = max(1.0, float(np.abs(matrix).max(initial=0.0)))
         return bool(np.linalg.eigvalsh(matrix).min(initial=np.inf) > 2 * CURVED * size)
@@ -407,6 +413,7 @@ class _Question:
     def _minimum(
         self, splits: tuple[tuple[int, int] | None, ...], leaves: tuple[Leaf, ...]
     ) -> Decision:
+        """A minimum by the forces of all cones; open if the judge rejects the proof."""
         proof = MinimumProof(self.across, self.sides, self.free, splits, leaves)
         wrong = judge_minimum(self.problem, proof)
         return self._open(wrong) if wrong else self._decision("minimum", proof)
@@ -414,11 +421,13 @@ class _Question:
     def _decision(
         self, state: Literal["minimum", "balanced"], proof: MinimumProof | Path, *others: Path
     ) -> Decision:
+        """A proved decision with the counts of motions."""
         free = self.free.shape[1]
         blocked = self.neutral - free - self.flat
         return Decision(state, self.neutral, free, blocked, self.flat, proof, others=others)
 
     def _open(self, why: str) -> Decision:
+        """An open decision; motions that the critical forces curve upward count as blocked."""
         free = self.free.shape[1]
         forces = self._balanced(self.critical.forces[self.critical.carries])
         values = np.linalg.eigvalsh(self.carrying.curvature(forces, self.across))

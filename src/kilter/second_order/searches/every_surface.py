@@ -1,4 +1,4 @@
-"""A decision as far as it holds for every surface that a mesh may stand for."""
+"""Decisions that hold for every surface that a mesh may represent."""
 
 from __future__ import annotations
 
@@ -28,22 +28,22 @@ def decided_for_all(
     decision: Decision,
     work: Work,
 ) -> tuple[Stationary, Decision]:
-    """A decision as far as it holds for all surfaces within their doubt.
+    """The decision if it holds for all surfaces within their doubt, else an open decision.
 
     Parameters
     ----------
     program : Program
     features : Features
-        Of its rows, all formed for all surfaces.
+        Features of its rows; all gaps have a form for all surfaces.
     problem : Stationary
-        With the surfaces as they were recognised.
+        Problem with the surfaces as they were recognised.
     decision : Decision
-        Of that.
+        Decision about this problem.
 
     Returns
     -------
     Stationary
-        The worst place, which the numbers are about.
+        The problem at the worst bounds, which the proof is about.
     Decision
     """
     proof = decision.proof
@@ -53,8 +53,8 @@ def decided_for_all(
             return worst, decision
     elif isinstance(proof, Path):
         worst = replace(bounded(program, features, -1.0), on_plane=problem.on_plane)
-        for one in (proof, *decision.others):
-            path = find_path(worst, one.first, work=work)
+        for candidate in (proof, *decision.others):
+            path = find_path(worst, candidate.first, work=work)
             if path is not None and path.falls:
                 return worst, replace(decision, proof=path, others=())
     else:

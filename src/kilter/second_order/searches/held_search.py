@@ -1,4 +1,4 @@
-"""The search for forces of equilibrium that leave nothing neutral."""
+"""The search for forces of equilibrium that leave no motion neutral."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from kilter.second_order.proofs.held import Held, judge_held, scaled_rows
 __all__ = ["find_held"]
 
 FULL = 1e-12
-"""Least eigenvalue of J^T J over its largest entry, where rows of full rank are told."""
+"""J has full rank if the least eigenvalue of J^T J over its largest entry is above this [-]."""
 ROUNDS = 50
-"""Of spreading, ..."""
+"""Largest number of rounds in which forces are spread over the contacts."""
 SHARE = 0.02
-"""... until every contact carries this share of the mean force, or half of it."""
+"""Least force of a contact that spreading aims at, over the mean force; half of it is enough."""
 
 
 def find_held(program: Program, forces: Array) -> Held | None:
-    """A proof from forces of equilibrium, shape (K,) [N]; None where none was found."""
+    """A proof from forces of equilibrium, shape (K,) [N]; None if none was found."""
     if not judge_held(program, Held(forces)):
         return Held(forces)
     if not forces.any():
@@ -29,19 +29,19 @@ def find_held(program: Program, forces: Array) -> Held | None:
 
 
 def _spread_out(program: Program, forces: Array) -> Array | None:
-    """Forces of equilibrium on every contact, near to some: projected and cut in turn."""
+    """Positive forces of equilibrium near to given ones, by alternate projection and cutting."""
     rows = scaled_rows(program)
     gram = (rows.T @ rows).toarray()
     try:
         np.linalg.cholesky(gram - FULL * gram.diagonal().max(initial=0.0) * np.eye(len(gram)))
     except np.linalg.LinAlgError:
-        return None  # a motion opens nothing
+        return None  # some motion opens no contact: it stays neutral under all forces
     inverse = np.linalg.inv(gram)
     least = SHARE * float(forces.mean())
-    found = forces
+    spread = forces
     for _ in range(ROUNDS):
-        change = np.maximum(found, least) - forces
-        found = forces + change - rows @ (inverse @ (rows.T @ change))
-        if found.min() > least / 2:
-            return np.asarray(found)
+        change = np.maximum(spread, least) - forces
+        spread = forces + change - rows @ (inverse @ (rows.T @ change))
+        if spread.min() > least / 2:
+            return np.asarray(spread)
     return None

@@ -1,8 +1,8 @@
-"""Forces and motions that prove what stands on level faces (`level_rest`).
+"""The search for proofs that parts rest on level faces (`level_rest`).
 
-Each part's load is spread over what it stands on, from above; where that leaves a part without a
-footing, the forces of the verdict are tried, then those of a linear program. The motion takes all
-parts away from their middle.
+The load of each part is spread over its supports, from the highest part down. If that leaves a part
+without a footing, the forces of the verdict are tried, then those of a linear program. The motion
+of the proof moves all parts away from their middle.
 """
 
 from __future__ import annotations
@@ -32,17 +32,17 @@ from kilter.work import Work
 __all__ = ["find_level_rest", "find_parting"]
 
 MOST_ASKED = 100
-"""A linear program spreads the load of up to this many parts, where all else fails."""
+"""Largest number of free parts for which a linear program spreads the load."""
 MOST_PARTED = 20
-"""One finds the shifts that part this many parts."""
+"""Largest number of free parts for which a linear program finds the motion."""
 POLISHED = 2
-"""Times that its forces are balanced."""
+"""Rounds of refinement that balance the forces of the program."""
 PULLS = 1e-3
-"""Forces of least squares below this share of a part's load are found again so that all push."""
+"""If a least-squares force is below this share of the load of its part, all are recomputed [-]."""
 STEPS = 30
-"""Of Newton's method, ..."""
+"""Largest number of Newton steps."""
 ROUNDING = 1e-13
-"""... until this share of the load is left."""
+"""Relative residual at which Newton's method ends, and relative regularisation [-]."""
 
 
 def find_level_rest(
@@ -53,38 +53,39 @@ def find_level_rest(
     *,
     work: Work | None = None,
 ) -> LevelRest | None:
-    """A proof for a program of contacts without friction; None where none was found.
+    """A proof for a program of contacts without friction; None if none was found.
 
     Parameters
     ----------
     program : Program
     level : ndarray of bool, shape (K,)
+        Rows of level faces (`level_rest.level_rows`).
     forces : ndarray, shape (K,), optional
-        Of some equilibrium [N].
+        Forces of some equilibrium [N].
     sharp : SharpPoints, optional
-        As the judge takes them.
+        Sharp points, which the motion may open by a single normal.
     """
     if not level.any():
         return None
     motion = find_parting(program, level, sharp, work)
     if motion is None:
         return None
-    for offered in _offered(program, level, forces, work):
-        if not wrong_forces(program, level, offered):
-            return LevelRest(offered, motion)
+    for candidate in _candidate_forces(program, level, forces, work):
+        if not wrong_forces(program, level, candidate):
+            return LevelRest(candidate, motion)
     return None
 
 
-def _offered(
+def _candidate_forces(
     program: Program, level: Mask, forces: Array | None, work: Work | None
 ) -> Iterator[Array]:
-    """Forces of equilibrium [N], the cheapest first, where every part has a footing."""
+    """Forces of equilibrium [N], the cheapest first; none if a part has no footing."""
     bearing = bearing_of(program, level)
     if bearing is None:
         return
     above, below = bearing.footings(program)
     grams = _grams(program, bearing.upper, above)
-    if not _spread(grams[program.free]):
+    if not _on_no_line(grams[program.free]):
         return
     from_above = _from_above(program, bearing, (above, below), grams)
     if from_above is not None:
@@ -92,48 +93,49 @@ def _offered(
     if forces is not None:
         yield forces
     if program.free.sum() <= MOST_ASKED:
-        asked = _asked(program, level, work)
-        if asked is not None:
-            yield asked
+        from_program = _from_program(program, level, work)
+        if from_program is not None:
+            yield from_program
 
 
-def _asked(program: Program, level: Mask, work: Work | None) -> Array | None:
-    """Forces on every level row that can carry [N], by a linear program, then balanced."""
+def _from_program(program: Program, level: Mask, work: Work | None) -> Array | None:
+    """Forces on every level row that can carry [N], by a linear program and refinement."""
     units = np.where(np.arange(6) < 3, 1.0, 1 / program.radius[program.free, None])
     units = units[:, program.freedoms].reshape(-1)
     weight = float(program.weight[program.free].max())
     load = program.load[np.ix_(program.free, program.freedoms)].reshape(-1) * units / weight
     rows = csr_array(program.jacobian()[level] @ diags_array(units))
-    found = carrying_forces(rows, load, work=work)
-    if found is None:
+    answer = carrying_forces(rows, load, work=work)
+    if answer is None:
         return None
-    forces, carries = found
-    own = rows[carries]
-    gram = (own.T @ own).toarray() + ROUNDING * np.eye(len(load))
+    forces, carries = answer
+    carrying = rows[carries]
+    gram = (carrying.T @ carrying).toarray() + ROUNDING * np.eye(len(load))
     for _ in range(POLISHED):
-        miss = own.T @ forces[carries] + load
-        forces[carries] -= own @ np.linalg.solve(gram, miss)
-    spread = np.zeros(len(level))
-    spread[level] = forces * weight
-    return spread
+        miss = carrying.T @ forces[carries] + load
+        forces[carries] -= carrying @ np.linalg.solve(gram, miss)
+    on_all_rows = np.zeros(len(level))
+    on_all_rows[level] = forces * weight
+    return on_all_rows
 
 
 def _grams(program: Program, part: Index, footing: Array) -> Array:
-    """Of each part the sum of its footing times itself, shape (N, 3, 3) or (N, 2, 2)."""
+    """Sums by part of the outer products of its footing, shape (N, 3, 3) or (N, 2, 2)."""
     return sums_by_part(part, footing[:, :, None] * footing[:, None, :], len(program.names))
 
 
-def _spread(grams: Array) -> bool:
-    """Whether the points on which each part stands are on no line."""
+def _on_no_line(grams: Array) -> bool:
+    """Whether the support points of each part are not collinear."""
     return bool((np.linalg.eigvalsh(grams)[:, 0] > SPREAD).all())
 
 
 def _from_above(
     program: Program, bearing: Bearing, footings: tuple[Array, Array], grams: Array
 ) -> Array | None:
-    """Forces [N], each part's load spread over what it stands on, the highest part first.
+    """Forces [N] that spread the load of each part over its supports, the highest part first.
 
-    Of all that balance it, the least squares; where one pulls, those of most entropy.
+    They are the forces of least squares, or of the largest entropy if a least-squares force pulls.
+    None if a part is lifted by its load.
     """
     rows, upper, lower = bearing.rows, bearing.upper, bearing.lower
     above, below = footings
@@ -142,56 +144,57 @@ def _from_above(
     share = np.einsum("ki,kij->kj", above, inverse[upper])
     need = np.vstack([in_footing(program, -program.load), np.zeros((1, above.shape[1]))])
     forces = np.zeros(len(program.part_a))
-    for some in by_depth(bearing.depth[upper]):
-        if not (need[upper[some], 0] > 0).all():
-            return None  # a load lifts it
-        force = np.einsum("ki,ki->k", share[some], need[upper[some]])
+    for level in by_depth(bearing.depth[upper]):
+        if not (need[upper[level], 0] > 0).all():
+            return None
+        force = np.einsum("ki,ki->k", share[level], need[upper[level]])
         least = np.full(len(need), np.inf)
-        np.minimum.at(least, upper[some], force)
-        pulls = np.flatnonzero((least <= PULLS * need[:, 0])[upper[some]])
+        np.minimum.at(least, upper[level], force)
+        pulls = np.flatnonzero((least <= PULLS * need[:, 0])[upper[level]])
         if len(pulls):
-            again = some[pulls]
-            force[pulls] = _pushing(upper[again], above[again], need)
-        forces[rows[some]] = force
-        need += sums_by_part(lower[some] % len(need), force[:, None] * below[some], len(need))
+            again = level[pulls]
+            force[pulls] = _pushing_forces(upper[again], above[again], need)
+        forces[rows[level]] = force
+        need += sums_by_part(lower[level] % len(need), force[:, None] * below[level], len(need))
     return forces
 
 
-def _pushing(part: Index, footing: Array, need: Array) -> Array:
-    """Forces exp(y . (1, u, v)), y by part, that bear what each part needs, where any push.
+def _pushing_forces(part: Index, footing: Array, need: Array) -> Array:
+    """Forces exp(y . (1, u, v)) [N], with a y for each part, that balance what each part needs.
 
-    Newton's method on the sum of exp(y . (1, u, v)) less y . need, for each part by itself; a step
+    Newton's method minimises the sum of exp(y . (1, u, v)) minus y . need for each part; a step
     changes no force by more than a factor of e.
     """
-    own, part = np.unique(part, return_inverse=True)
-    weight = need[own, 0]
-    goal = need[own] / weight[:, None]
+    parts, part = np.unique(part, return_inverse=True)
+    weight = need[parts, 0]
+    goal = need[parts] / weight[:, None]
     y = np.zeros_like(goal)
     y[:, 0] = -np.log(np.bincount(part))
     force: Array = np.zeros(len(part))
     for _ in range(STEPS):
         force = np.exp(np.einsum("ki,ki->k", footing, y[part]))
-        gap = goal - sums_by_part(part, force[:, None] * footing, len(own))
+        gap = goal - sums_by_part(part, force[:, None] * footing, len(parts))
         if np.abs(gap).max() < ROUNDING:
             break
         gram = sums_by_part(
-            part, force[:, None, None] * footing[:, :, None] * footing[:, None, :], len(own)
+            part, force[:, None, None] * footing[:, :, None] * footing[:, None, :], len(parts)
         )
         gram += ROUNDING * np.eye(goal.shape[1])
         step = np.linalg.solve(gram, gap[:, :, None])[:, :, 0]
-        change = np.zeros(len(own))
+        change = np.zeros(len(parts))
         np.maximum.at(change, part, np.abs(np.einsum("ki,ki->k", footing, step[part])))
         y += step / np.maximum(change, 1.0)[:, None]
-    found: Array = force * weight[part]
-    return found
+    scaled: Array = force * weight[part]
+    return scaled
 
 
 def find_parting(
     program: Program, level: Mask, sharp: SharpPoints | None, work: Work | None
 ) -> Array | None:
-    """A level shift of each part that opens what is not level; None where none was found.
+    """Level shifts of all parts that open every row that is not level, shape (N, 6).
 
-    All parts away from one place, or what a linear program finds.
+    All parts move away from a common point, or as a linear program finds. The largest shift is 1
+    length unit. None if no such motion was found.
     """
     free = program.free
     middle = program.center[free].mean(axis=0)
@@ -218,9 +221,11 @@ def find_parting(
     shifts[np.arange(len(places)), places, :3] = np.tile(axes, (int(free.sum()), 1))
     rows = program.jacobian() @ shifts[:, free][:, :, program.freedoms].reshape(len(places), -1).T
     for chosen in [~level] if sharp is None else enough_to_open(sharp, ~level):
-        found = opening_motion(rows[chosen], work)
-        motion = np.zeros((len(free), 6)) if found is None else np.tensordot(found, shifts, axes=1)
+        opening = opening_motion(rows[chosen], work)
+        if opening is None:
+            continue
+        motion = np.tensordot(opening, shifts, axes=1)
         motion /= max(float(np.linalg.norm(motion[:, :3], axis=1).max()), TINY)
-        if found is not None and not wrong_motion(program, level, motion, sharp):
+        if not wrong_motion(program, level, motion, sharp):
             return motion
     return None

@@ -1,4 +1,4 @@
-"""Self-stress that locks every turn between faces (`locked` has the theory)."""
+"""The search for self-stress that locks every turn between faces (`locked` has the theory)."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from kilter.work import Work
 __all__ = ["find_locked"]
 
 SHARES = (0.5, 0.1, 0.9, 0.01)
-"""Of self-stress that presses everywhere beside what locks most, in turn."""
+"""Shares of the self-stress that presses on all contacts, tried in turn; the rest locks most."""
 
 
 def find_locked(
     problem: Stationary, faces: Faces, critical: Critical, *, work: Work
 ) -> LockedTurns | None:
-    """A proof that what is neutral slides or is locked; None where none was found."""
+    """A proof that neutral motions are shifts or locked turns; None if none was found."""
     if not faces.flat.all() or not critical.carries.all() or problem.rows.shape[1] % 6:
         return None
     free, across = shifts(problem)
@@ -40,7 +40,7 @@ def find_locked(
 
 
 def _pressing(problem: Stationary, work: Work) -> Array | None:
-    """Self-stress that presses all round.  Max t:  J^T s = 0,  sum of s = 1,  s >= t."""
+    """Self-stress that presses on all contacts.  Max t:  J^T s = 0,  sum of s = 1,  s >= t."""
     count, freedoms = problem.rows.shape
     x = optimum(
         LinearProgram(

@@ -1,4 +1,4 @@
-"""The search for a motion that opens contacts, by a linear program."""
+"""The search for motions that open contacts, by a linear program."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from kilter.work import Work
 __all__ = ["enough_to_open", "opening_motion"]
 
 MOST_CHOICES = 64
-"""Choices of normals that are tried, one of each pair."""
+"""Largest number of choices of a normal for each pair."""
 
 
 def opening_motion(rows: Array, work: Work | None) -> Array | None:
-    """Of motions x, shape (f,), the one that opens rows (s, f) most; None where none opens all.
+    """The motion, shape (f,), that opens rows (s, f) most; None if no motion opens all rows.
 
     Max t:  rows x >= t,  |x| <= 1.
     """
@@ -41,13 +41,14 @@ def opening_motion(rows: Array, work: Work | None) -> Array | None:
 
 
 def enough_to_open(points: SharpPoints, rows: Mask) -> Iterator[Mask]:
-    """Some of these rows that it is enough to open: of each pair at points those of one normal.
+    """Subsets of given rows, shape (K,), whose opening separates every pair.
 
-    Of up to `MOST_CHOICES` such choices.
+    For a pair with sharp points the rows of a single normal suffice. There are at most
+    `MOST_CHOICES` subsets.
     """
-    own = rows & (points.along >= 0)
-    pairs = np.unique(points.pair[own])
-    normals = [np.unique(points.along[own & (points.pair == one)]) for one in pairs]
+    sharp = rows & (points.along >= 0)
+    pairs = np.unique(points.pair[sharp])
+    normals = [np.unique(points.along[sharp & (points.pair == pair)]) for pair in pairs]
     others = rows & ~np.isin(points.pair, pairs)
     for chosen in itertools.islice(itertools.product(*normals), MOST_CHOICES):
         yield others | (rows & np.isin(points.along, chosen))

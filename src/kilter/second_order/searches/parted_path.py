@@ -1,7 +1,8 @@
-"""Paths that lead down and part what touches beside, as boxes that fall from among others.
+"""Paths that lead down and separate the falling parts from their neighbours.
 
-Parts also move level while they fall, away from one place or all alike: what lies on level faces is
-none the higher for it, and what has no one normal, or stays in touch along the path, is opened.
+While they fall, all parts also move level, away from a common point or in a common direction. Parts
+on level faces keep their height, while sharp points and contacts that stay closed along the path
+open: so a box falls from among others.
 """
 
 from __future__ import annotations
@@ -27,9 +28,9 @@ from kilter.work import Work
 __all__ = ["parted_paths"]
 
 SHARES = (0.3, 1.0, 3.0)
-"""Of the motion away, over that of the path."""
+"""Lengths of the level motion, over that of the path [-]."""
 MOST = 4
-"""Paths that are parted, those of fewest parts first."""
+"""Largest number of paths that are tried; paths of few parts come first."""
 
 
 def parted_paths(
@@ -39,15 +40,15 @@ def parted_paths(
     paths: tuple[Path, ...],
     work: Work,
 ) -> Iterator[Path]:
-    """Such paths near to some.
+    """Descending paths near to given paths along which the remaining contacts open.
 
     Parameters
     ----------
     program : Program
-        Also with the rows of points that have no one normal (`with_sharp`).
+        Contacts with the rows of sharp points (`with_sharp`).
     contacts : ContactSet
     problem : Stationary
-        Of the contacts that are certain.
+        Gaps of the contacts that are certain.
     paths : tuple of Path
     """
 
@@ -56,18 +57,18 @@ def parted_paths(
         return int((np.abs(by_part).max(axis=1) > ACROSS).sum())
 
     shifts = _level_shifts(program, contacts, problem, work)
-    for one in sorted(paths, key=moved)[:MOST]:
+    for path in sorted(paths, key=moved)[:MOST]:
         for away in shifts:
             for share in SHARES:
-                found = find_path(problem, one.first + share * away, work=work)
-                if found is not None and found.falls:
-                    yield found
+                parted = find_path(problem, path.first + share * away, work=work)
+                if parted is not None and parted.falls:
+                    yield parted
 
 
 def _level_shifts(
     program: Program, contacts: ContactSet, problem: Stationary, work: Work
 ) -> list[Array]:
-    """All parts away from one place, where that parts what is not level, and all alike."""
+    """Level motions (n,): away from a common point if that opens the steep contacts, and alike."""
     points = sharp_points(program, contacts)
     parting = find_parting(program, level_rows(program, contacts), points, work)
     motions = [] if parting is None else [parting]

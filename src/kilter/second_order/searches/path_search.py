@@ -1,9 +1,10 @@
-"""Search for a path that leads down along a critical motion dp (`paths`): its second derivative.
+"""The search for a path that leads down along a critical motion dp, by its second derivative d2.
 
-    max m:   J_k d2 + dp.H_k dp >= m where J_k dp = 0,   w.d2 >= m,   |d2| <= reach
+    max m:   J_k d2 + dp.H_k dp >= m for rows with J_k dp = 0,   w.d2 >= m,   |d2| <= reach
 
 By duality a d2 with m = 0 exists iff no forces of equilibrium curve the energy upward along dp.
-What is pressed between planes keeps them: d2 is sought among the shifts along all of these.
+Parts that are pressed between planes keep these contacts: then d2 shifts them along the planes.
+`paths` has the theory.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from kilter.work import Work
 __all__ = ["find_path"]
 
 TURNS = [3, 4, 5, 9, 10, 11]
-"""Of the unknowns of a contact, those that are turns."""
+"""Indices of the turns among the 12 unknowns of a contact."""
 
 
 def find_path(
@@ -66,14 +67,14 @@ def _held_up(problem: Stationary, motion: Array, balancing: Array | None) -> boo
 def _along_planes(
     problem: Stationary, motion: Array, balancing: Array | None, work: Work | None
 ) -> Path | None:
-    """The path that keeps every contact with a plane along which a motion shifts its parts."""
+    """The path that keeps every plane along which the motion only shifts the parts."""
     turned = np.append(np.abs(motion), 0.0)[problem.columns[:, TURNS]].max(axis=1, initial=0.0)
     keep = problem.planes & (np.abs(problem.rows @ motion) < ACROSS) & (turned < ACROSS)
     if not keep.any():
         return None
     fixed = _turns_of(problem, keep)
-    held = np.vstack([problem.rows[keep], np.eye(len(motion))[fixed]])
-    within = null_space(held, problem.blur)
+    conditions = np.vstack([problem.rows[keep], np.eye(len(motion))[fixed]])
+    within = null_space(conditions, problem.blur)
     first = within @ (within.T @ motion)
     first[fixed] = 0.0
     size = float(np.linalg.norm(first))
@@ -85,7 +86,7 @@ def _along_planes(
     loose = replace(
         problem.taking(~keep), rows=problem.rows[~keep] @ within, load=problem.load @ within
     )
-    found = None
+    path = None
     for reach in REACHES:
         second = _second_derivative(
             loose, within.T @ first, reach, work, problem.bends(first)[~keep]
@@ -94,14 +95,14 @@ def _along_planes(
             return None
         bent = within @ second
         bent[fixed] = 0.0
-        found = judge_path(problem, first, bent)
-        if found.falls:
+        path = judge_path(problem, first, bent)
+        if path.falls:
             break
-    return found
+    return path
 
 
 def _turns_of(problem: Stationary, rows: Mask) -> Index:
-    """Places of the turns of the parts of some rows."""
+    """Indices of the unknowns that turn the parts of given rows, shape (K,)."""
     places = np.unique(problem.columns[rows][:, TURNS])
     return np.asarray(places[places >= 0], dtype=np.int64)
 
@@ -113,7 +114,10 @@ def _second_derivative(
     work: Work | None,
     bends: Array | None = None,
 ) -> Array | None:
-    """Max m:  J d2 + dp.H dp >= m where dp keeps closed,  w.d2 >= m,  |d2| <= reach."""
+    """The d2 of largest m, shape (n,); None if the program is not solved.
+
+    J d2 + dp.H dp >= m for rows that dp keeps closed,  w.d2 >= m,  |d2| <= reach.
+    """
     closed = problem.rows @ first <= DROPS
     rows = problem.rows[closed]
     bends = (problem.bends(first) if bends is None else bends)[closed]

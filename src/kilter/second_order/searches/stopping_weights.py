@@ -1,4 +1,4 @@
-"""Weights of stops that keep what is level from where it would fall (`stopped` has the theory)."""
+"""The search for weights of stops that limit level motions (`stopped` has the theory)."""
 
 from __future__ import annotations
 
@@ -19,37 +19,37 @@ from kilter.work import Work
 __all__ = ["find_stopped"]
 
 SHARES = (0.1, 1e-3, 1e-5)
-"""Of the most even weights, what each has at least where the curvature is to be great."""
+"""Lower bounds of the weights, over the most even weights, when the curvature is maximised [-]."""
 MOST_WEIGHTS = 2_000
-"""Products of a stop and a level contact that are looked at."""
+"""Largest number of products of a stop and a level contact."""
 
 
 def find_stopped(
     problem: Stationary, level: Mask, motions: Array, free: Array, *, work: Work | None = None
 ) -> Stopped | None:
-    """A proof that what is level is where the energy is least; None where none was found.
+    """A proof that the energy is least on the level motions; None if none was found.
 
     The arguments are those of `judge_stopped`.
     """
     stops, count = int((~level).sum()), int(level.sum())
     if not count or not stops or stops * count > MOST_WEIGHTS:
         return None
-    found = carrying_forces(csr_array(problem.rows[level]), problem.load, work=work)
+    answer = carrying_forces(csr_array(problem.rows[level]), problem.load, work=work)
     opening = opening_motion(problem.rows[~level] @ motions, work)
-    if found is None or opening is None:
+    if answer is None or opening is None:
         return None
     forces = np.zeros(len(level))
-    forces[level] = found[0]
+    forces[level] = answer[0]
     forms = stop_forms(problem, level, motions, free, forces)
-    for weights in _offered(forms, work):
+    for weights in _candidate_weights(forms, work):
         proof = Stopped(forces, weights, motions @ opening)
         if not judge_stopped(problem, level, motions, free, proof):
             return proof
     return None
 
 
-def _offered(forms: StopForms, work: Work | None) -> Iterator[Array]:
-    """Weights, the most even first, then those that leave the most curvature."""
+def _candidate_weights(forms: StopForms, work: Work | None) -> Iterator[Array]:
+    """Weights, shape (s, m): the most even first, then those that leave the most curvature."""
     if not len(forms.stops_level) * len(forms.rises):
         yield np.zeros((len(forms.stops_level), len(forms.rises)))
         return
@@ -58,22 +58,23 @@ def _offered(forms: StopForms, work: Work | None) -> Iterator[Array]:
         return
     yield even
     for share in SHARES:
-        found = _weights(forms, share * float(even.min()), work)
-        if found is not None:
-            yield found
+        weights = _weights(forms, share * float(even.min()), work)
+        if weights is not None:
+            yield weights
 
 
 def _weights(forms: StopForms, least: float | None, work: Work | None) -> Array | None:
-    """W with  sum of W_ij R_i R_j = coupling  and  W >= t.
+    """Weights W with  sum of W_ij R_i R_j = coupling  and  W >= t, shape (s, m).
 
-    With the greatest t; or, t given, such that S has the greatest trace.
+    Without `least`, t is maximised; otherwise t = `least`, and the trace of S is maximised. None if
+    the program is not solved.
     """
     stops, rises = len(forms.stops_level), len(forms.rises)
     count = stops * rises
     products = np.einsum("if,jd->fdij", forms.stops_level, forms.rises).reshape(-1, count)
     above = np.hstack([np.eye(count), -np.ones((count, 1))])
     right = forms.coupling.reshape(-1)
-    taken = (forms.stops_tilts @ forms.rises.T).reshape(-1)  # of the trace of S
+    taken = (forms.stops_tilts @ forms.rises.T).reshape(-1)  # by each weight from the trace of S
     low, high = (0.0, np.inf) if least is None else (least, least)
     x = optimum(
         LinearProgram(
