@@ -231,7 +231,7 @@ class _FreeSearch:
                 for screw in null_space(np.vstack([self._upright(), *rows]), EXACT).T:
                     self._add(chosen, screw, proof)
 
-    def _frame_rows(self, crossing: list[int], frame: int) -> list[Array] | None:
+    def _frame_rows(self, crossing: Index, frame: int) -> list[Array] | None:
         """Conditions that keep the surfaces of a frame in place; None if a contact has none of it.
 
         The frame is a part, or the held surroundings (-1).
