@@ -21,6 +21,7 @@ from kilter.friction.friction_tolerances import COARSEST_NO_POWER, LARGEST_FORCE
 from kilter.friction.reduced_law import ReducedLaw
 from kilter.friction.relaxation import TANGENTS, Relaxation
 from kilter.mechanics.program import Program
+from kilter.mechanics.proof_form import MalformedProof
 from kilter.solvers.problem import LinearProgram
 
 __all__ = [
@@ -66,6 +67,8 @@ def no_power(program: Program) -> float:
 
 def power_by(relaxation: Relaxation, bounds: Enclosure, step: PowerStep) -> tuple[Enclosure, float]:
     """Bound the power w.b by the multipliers of a step, and add its tangent to the enclosure."""
+    if step.tangent is not None and step.tangent.shape != relaxation.law.load.shape:
+        raise MalformedProof("a tangent at another number of freedoms")
     program = relaxation.program(bounds)
     power = -program.safe_bound(step.over(program.matrix.shape[0]))
     return with_tangent(bounds, step.tangent), min(max(power, 0.0), bounds.scale)
@@ -131,6 +134,8 @@ def shrunk_by(
     program = with_one(relaxation, bounds)
     targets = quantities(relaxation, bounds)
     for quantity in step.quantities:
+        if quantity.number >= len(targets.names):
+            raise MalformedProof("a quantity does not exist")
         name, place = targets.names[quantity.number], targets.places[quantity.number]
         cost = -targets.weights[[quantity.number]].toarray()[0]
         bound = replace(program, cost=cost).safe_bound(

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from kilter.arrays import Array
-from kilter.friction.enclosure import Enclosure, cases, rescaled
+from kilter.friction.enclosure import Enclosure, cases, rescaled, width
 from kilter.friction.exclusion_bounds import (
     first_bounds,
     largest_forces,
@@ -18,10 +18,12 @@ from kilter.friction.exclusion_bounds import (
     shrunk_by,
 )
 from kilter.friction.exclusion_steps import CaseStep, ExclusionStep, PowerStep, ShrinkStep
+from kilter.friction.friction_tolerances import NARROWEST_CONE
 from kilter.friction.moment_bound import MomentStep, power_left
 from kilter.friction.reduced_law import ReducedLaw, reduced_law, refusal
 from kilter.friction.relaxation import Relaxation
 from kilter.mechanics.program import Program
+from kilter.mechanics.proof_form import MalformedProof
 from kilter.threads import on_one_thread
 
 __all__ = ["power_not_excluded"]
@@ -35,7 +37,7 @@ def power_not_excluded(
 
     Raises
     ------
-    IndexError, ValueError, numpy.linalg.LinAlgError
+    MalformedProof
         If a step refers to points, rows or quantities that the law does not have.
     """
     if not program.free.any() or not program.load[program.free].any():
@@ -64,7 +66,7 @@ class _ProofState:
         """Apply a further step to the bounds and the power."""
         if isinstance(step, MomentStep):
             if step.scale < self.bounds.scale * (1 - 1e-12):
-                raise ValueError("a step at a size to which motions are not bounded")
+                raise MalformedProof("a step at a size to which motions are not bounded")
             self._leaves(power_left(self.law, step, self.forces))
         elif isinstance(step, PowerStep):
             self.bounds, power = power_by(self.relaxation, self.bounds, step)
@@ -86,11 +88,24 @@ class _ProofState:
             left = self._left(own, case)
             if left is None:
                 continue
-            if not len(self.law.group) > case.point >= 0 and case.patch not in self.patches:
+            if not self._divisible(left, case):
                 return False
             below = cases(self.law, left, case.point, case.patch)
+            if len(below) != len(case.cases):
+                raise MalformedProof(
+                    f"a case is divided into {len(case.cases)} cases, not {len(below)}"
+                )
             ready += zip(below, case.cases, strict=True)
         return True
+
+    def _divisible(self, bounds: Enclosure, case: CaseStep) -> bool:
+        """True if the point or patch of a case exists, and its cone is wide enough to be halved."""
+        if case.point >= 0:
+            return case.point < len(self.law.group)
+        if case.patch not in self.patches:
+            return False
+        cone = bounds.cones[case.patch]
+        return cone is None or width(cone) >= NARROWEST_CONE
 
     def _left(self, bounds: Enclosure, case: CaseStep) -> Enclosure | None:
         """Bounds that the programs of a case leave; None if they leave no power."""

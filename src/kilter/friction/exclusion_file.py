@@ -29,12 +29,26 @@ from kilter.friction.exclusion_steps import (
 )
 from kilter.friction.moment_bound import SQUARES, MomentStep
 from kilter.mechanics.program import Program
+from kilter.mechanics.proof_form import (
+    COUNT,
+    NUMBER,
+    WORD,
+    MalformedProof,
+    every,
+    keys,
+    list_of,
+    nullable,
+    one_of,
+)
 from kilter.solvers.semidefinite import Multipliers
 
 if TYPE_CHECKING:  # who reads a proof needs no solver
     from kilter.friction.exclusion import Exclusion
 
 __all__ = ["exclusion_data", "recheck_exclusion"]
+
+LARGEST_INDEX = 2**31
+"""Number of rows that no program of a proof reaches; larger indices would not fit in an array."""
 
 
 def exclusion_data(exclusion: Exclusion) -> dict[str, Any]:
@@ -59,12 +73,15 @@ def recheck_exclusion(program: Program, data: dict[str, Any]) -> tuple[list[str]
     data : dict
         In the form of `exclusion_data`; malformed data are an objection.
     """
+    fault = EXCLUSION(data, "exclusion")
+    if fault:
+        return [f"the steps that exclude every motion cannot be repeated ({fault})"], []
+    opening = None if data["opening"] is None else _floats(data["opening"])
     try:
-        opening = None if data["opening"] is None else _floats(data["opening"])
         steps = [_read(step) for step in data["steps"]]
         left, none = power_not_excluded(program, opening, steps)
-    except (KeyError, TypeError, ValueError, IndexError, OverflowError, np.linalg.LinAlgError):
-        return ["the steps that exclude every motion cannot be repeated"], []
+    except MalformedProof as error:
+        return [f"the steps that exclude every motion cannot be repeated ({error})"], []
     if not left <= none:
         return [f"its steps leave motions of {left:.3g} of the power of free fall"], []
     note = f"no motion obeys Coulomb's law: {len(steps)} steps by {data['kind']} repeated"
@@ -110,68 +127,102 @@ def _tree(root: CaseStep) -> Iterator[dict[str, Any]]:
         }
 
 
+def _index(value: Any, place: str) -> str:
+    """An index: a whole number that is not negative."""
+    return COUNT(value, place) or ("" if value >= 0 else f"{place} is {value!r:.40}")
+
+
+NUMBERS = list_of(NUMBER)
+POWER = keys(rows=list_of(_index), values=NUMBERS, tangent=nullable(NUMBERS))
+"""Form of the multipliers of a linear program."""
+STEPS = {
+    "moments": keys(
+        scale=NUMBER,
+        squares=one_of(*SQUARES),
+        equal=NUMBERS,
+        positive=NUMBERS,
+        cones=NUMBERS,
+        matrices=list_of(NUMBERS),
+    ),
+    "power": POWER,
+    "shrink": list_of(every(keys(number=_index), POWER)),
+    "cases": list_of(keys(powers=list_of(POWER), point=COUNT, patch=COUNT, cases=_index)),
+}
+"""Form of each kind of step."""
+EXCLUSION = keys(opening=nullable(NUMBERS), steps=list_of(keys()), kind=WORD, assumes=WORD)
+
+
 def _read(data: dict[str, Any]) -> ExclusionStep:
-    ((kind, own),) = data.items()
+    """A step from its data.
+
+    Raises
+    ------
+    MalformedProof
+        If the data do not have the form of a step.
+    """
+    if len(data) != 1 or not STEPS.keys() >= data.keys():
+        raise MalformedProof(f"a step has the keys {sorted(data)!r:.40}")
+    ((kind, content),) = data.items()
+    fault = STEPS[kind](content, kind)
+    if fault:
+        raise MalformedProof(fault)
     if kind == "moments":
-        if own["squares"] not in SQUARES:
-            raise ValueError("unknown matrices")
         multipliers = Multipliers(
-            _floats(own["equal"]),
-            _floats(own["positive"]),
-            _floats(own["cones"]),
-            tuple(_matrix(_floats(one)) for one in own["matrices"]),
+            _floats(content["equal"]),
+            _floats(content["positive"]),
+            _floats(content["cones"]),
+            tuple(_matrix(_floats(triangle)) for triangle in content["matrices"]),
         )
-        return MomentStep(float(own["scale"]), own["squares"], multipliers)
+        return MomentStep(float(content["scale"]), content["squares"], multipliers)
     if kind == "power":
-        return _read_power(own)
+        return _read_power(content)
     if kind == "shrink":
-        return ShrinkStep(tuple(Quantity(_place(one["number"]), _read_power(one)) for one in own))
-    if kind == "cases":
-        return _read_tree(own)
-    raise ValueError("unknown step")
+        return ShrinkStep(tuple(Quantity(entry["number"], _read_power(entry)) for entry in content))
+    return _read_tree(content)
 
 
 def _read_power(data: dict[str, Any]) -> PowerStep:
-    rows = np.array([_place(row) for row in data["rows"]], dtype=np.int64)
-    values = _floats(data["values"])
-    if rows.shape != values.shape:
-        raise ValueError("not one value a row")
-    return PowerStep(rows, values, None if data["tangent"] is None else _floats(data["tangent"]))
+    """Multipliers of a linear program, from data of their form."""
+    rows, values = data["rows"], _floats(data["values"])
+    if len(rows) != len(values):
+        raise MalformedProof("rows and values differ in number")
+    if any(row >= LARGEST_INDEX for row in rows):
+        raise MalformedProof("a row does not exist")
+    tangent = None if data["tangent"] is None else _floats(data["tangent"])
+    return PowerStep(np.array(rows, dtype=np.int64), values, tangent)
 
 
 def _read_tree(data: list[dict[str, Any]]) -> CaseStep:
     """The first case of a list, with the cases below it."""
     root = CaseStep()
     ready = [root]
-    for own in data:
+    count = 1
+    for entry in data:
+        if not ready:
+            raise MalformedProof("a list has more cases than its tree")
+        count += entry["cases"]
+        if count > len(data):
+            raise MalformedProof("cases are missing")
         case = ready.pop()
-        case.powers = [_read_power(one) for one in own["powers"]]
-        case.point, case.patch = int(own["point"]), int(own["patch"])
-        case.cases = [CaseStep() for _ in range(_place(own["cases"]))]
+        case.powers = [_read_power(power) for power in entry["powers"]]
+        case.point, case.patch = entry["point"], entry["patch"]
+        case.cases = [CaseStep() for _ in range(entry["cases"])]
         ready += case.cases[::-1]
     if ready:
-        raise ValueError("cases are missing")
+        raise MalformedProof("cases are missing")
     return root
 
 
-def _place(value: int) -> int:
-    """An index, which is a nonnegative whole number."""
-    if value < 0 or int(value) != value:
-        raise ValueError("no place")
-    return int(value)
-
-
 def _floats(values: list[float]) -> Array:
-    """An array of finite numbers, shape (n,)."""
-    array = np.array(values, dtype=np.float64)
-    if array.ndim != 1 or not np.isfinite(array).all():
-        raise ValueError("no row of numbers")
-    return array
+    """An array of numbers, shape (n,)."""
+    return np.array(values, dtype=np.float64)
 
 
 def _matrix(triangle: Array) -> Array:
     """Symmetric matrix from its upper triangle."""
     order = round((float(np.sqrt(8.0 * len(triangle) + 1.0)) - 1.0) / 2.0)
+    if order * (order + 1) // 2 != len(triangle):
+        raise MalformedProof("a matrix has no triangle of numbers")
     column, row = np.tril_indices(order)
     matrix = np.zeros((order, order))
     matrix[row, column] = triangle

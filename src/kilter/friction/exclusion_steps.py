@@ -18,6 +18,7 @@ import numpy as np
 
 from kilter.arrays import Array, Index
 from kilter.friction.moment_bound import MomentStep
+from kilter.mechanics.proof_form import MalformedProof
 
 __all__ = ["CaseStep", "ExclusionStep", "PowerStep", "Quantity", "ShrinkStep"]
 
@@ -47,7 +48,15 @@ class PowerStep:
         return cls(rows, multipliers[rows], tangent)
 
     def over(self, count: int) -> Array:
-        """The multipliers of all `count` rows."""
+        """The multipliers of all `count` rows.
+
+        Raises
+        ------
+        MalformedProof
+            If a row does not exist.
+        """
+        if self.rows.max(initial=-1) >= count:
+            raise MalformedProof("a row does not exist")
         multipliers = np.zeros(count)
         multipliers[self.rows] = self.values
         return multipliers

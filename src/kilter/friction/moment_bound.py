@@ -122,7 +122,8 @@ def _remainder(forms: MomentForms, step: MomentStep) -> tuple[Array, Array] | No
     total[0, forms.motion] += forms.law.load
     rest: Array = -(total + total.T) / 2
     rounding: Array = ROUNDING * (sizes + sizes.T + 1.0)
-    return rest, rounding
+    # multipliers near the largest number overflow in the products
+    return (rest, rounding) if np.isfinite(rest).all() and np.isfinite(rounding).all() else None
 
 
 def _nearest_positive(matrix: Array) -> Array:

@@ -20,6 +20,7 @@ __all__ = [
     "SIX",
     "WORD",
     "Form",
+    "MalformedProof",
     "every",
     "keys",
     "list_of",
@@ -32,6 +33,11 @@ __all__ = [
 ]
 
 FORMAT = 1
+
+
+class MalformedProof(ValueError):
+    """The data of a proof do not have the form of its kind."""
+
 
 Form = Callable[[Any, str], str]
 """From a value and its place to a description of the fault; empty for a valid value."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from kilter.arrays import Array
 from kilter.mechanics.program import Program
+from kilter.mechanics.proof_form import MalformedProof
 from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.motions.free_span import scaled_columns
 
@@ -22,10 +23,6 @@ __all__ = [
     "square",
     "stacked",
 ]
-
-
-class MalformedProof(ValueError):
-    """The data of a proof do not have the form of its kind."""
 
 
 def counts(entries: Iterable[dict[str, Any] | None]) -> dict[str, int]:
