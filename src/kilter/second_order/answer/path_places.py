@@ -228,8 +228,8 @@ class _Descent:
         """
         basis = self._basis(place)
         down = self._steepest_step(place, basis, h, self._gap(place))
-        on: Array = np.linalg.lstsq(basis, along.reshape(-1), rcond=None)[0]
-        on = np.asarray(on / np.linalg.norm(on))
+        within = np.linalg.lstsq(basis, along.reshape(-1), rcond=None)[0]
+        on = np.asarray(within / np.linalg.norm(within), dtype=np.float64)
         for direction in [on] if down is None else [down, on]:
             step = self._corrected_step(place, basis, h, direction)
             if step is not None:
