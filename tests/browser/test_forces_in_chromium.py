@@ -138,7 +138,7 @@ def test_parts_are_coloured_by_the_bond_that_they_use_most(opened: Callable) -> 
         " s.dispatchEvent(new Event('change')); }"
     )
     page.page.evaluate(choose, "bond")
-    assert page.js("document.getElementById('bond-key').innerText").endswith("9.81 kN a point")
+    assert page.js("document.getElementById('bond-key').innerText").endswith("9.81 kN per point")
     table = np.array([rgb(one) for one in RAMP]) / 255
     shares = [0, 0.75, 0.5, 0.25]  # held parts keep their colour
     painted = np.array(page.js(colour))

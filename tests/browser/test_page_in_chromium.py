@@ -84,7 +84,8 @@ def test_two_hundred_directions_are_judged_as_python_judges_them(
     expected = ["Stable" if inside else "Unstable" for inside in region.contains(downs)]
     given = kilter.check(scene(name)).assembly.down
     assert not np.isclose(downs / np.linalg.norm(downs, axis=1)[:, None], given).all(axis=1).any()
-    assert told == expected
+    # the recommended direction is answered in full: it may be balanced
+    assert ["Stable" if word == "Balanced" else word for word in told] == expected
     if region.kind not in ("all", "none") and region.dimension == 3:
         assert 40 < expected.count("Stable") < 160
 
