@@ -1,4 +1,4 @@
-"""Gaps of pairs of simple bodies at any pose, in closed form: no formula of the second order."""
+"""Gaps of pairs of simple bodies at any pose, in closed form, independent of second order."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ class Pose:
     turn: Array
 
     def at(self, x: Array) -> Array:
-        """Where a point of the part is now."""
+        """A point of the part after the motion."""
         return self.center + self.shift + self.turn @ (x - self.center)
 
     def along(self, d: Array) -> Array:
-        """Where a direction of the part points now."""
+        """A direction of the part after the motion."""
         return self.turn @ d
 
     def back(self, x: Array) -> Array:
-        """The point of the part that is now at x."""
+        """The point of the part that the motion takes to x."""
         return self.center + self.turn.T @ (x - self.center - self.shift)
 
 
@@ -47,11 +47,11 @@ def pose(center: Array, motion: Array) -> Pose:
 
 
 Gap = Callable[[Pose, Pose], float]
-"""Of the poses of a and b."""
+"""The gap as a function of the poses of a and b."""
 
 
 def swapped(gap: Gap) -> Gap:
-    """The gap with the two parts in each other's place."""
+    """The gap with parts a and b exchanged."""
     return lambda a, b: gap(b, a)
 
 

@@ -1,13 +1,13 @@
-"""Parts on a grid: one state in whichever order and place, its proof, and a descent beside it.
+"""Parts on a grid: the state is independent of order and place, and agrees with a descent.
 
     python tests/second_order/grid_rests.py               200 assemblies, counted by state
     python tests/second_order/grid_rests.py 50 --first 1000 --boxes --seconds 30
 
-Of each that is stable to first order the parts are listed backwards, and all is turned, moved and
-scaled: decided states and their counts are the same. Each proof is verified. A descent of the
-energy (`rest_energy.py`) comes no lower than what stays. What is decided in one order alone is
-counted and told. The command ends with 1 where one is not so, or a check takes longer than
-`--seconds` of CPU.
+For each assembly that is stable to first order the parts are listed backwards, and the whole is
+turned, moved and scaled: decided states and their counts stay the same. Each proof is verified. A
+descent of the energy (`rest_energy.py`) finds no place below a minimum or a free state. States that
+are decided in only one order are counted and printed. The command ends with 1 if a rule is broken,
+or if a check takes longer than `--seconds` of CPU.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ Key = tuple[str, int, int]
 
 
 def key_of(verdict: kilter.Verdict) -> Key:
-    """State and counts; those of what nothing moves are 0."""
+    """State and counts; counts are 0 if no motion is neutral."""
     second = verdict.second_order
     if second is None:
         return (str(verdict.verdict), 0, 0)
@@ -35,7 +35,7 @@ def key_of(verdict: kilter.Verdict) -> Key:
 
 
 def differs(one: Key, other: Key) -> str:
-    """What is said of both that cannot be, and what is said of one alone."""
+    """The contradiction between two answers, and the state that only one of them decides."""
     if one == other:
         return ""
     opens = "open" in (one[0], other[0])
@@ -43,7 +43,7 @@ def differs(one: Key, other: Key) -> str:
 
 
 def looked_at(assembly: Assembly, seed: int) -> tuple[Key, list[str], list[str]]:
-    """State and counts, what contradicts them, and what is left open."""
+    """State and counts of an assembly, contradictions to them, and states that are left open."""
     verdict = kilter.check(assembly)
     key = key_of(verdict)
     if verdict.first_order != "stable":

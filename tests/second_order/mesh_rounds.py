@@ -1,11 +1,12 @@
-"""Round assemblies of exact solids, and the same cut into meshes: are their states the same?
+"""Round assemblies of exact solids have the same states as their meshes.
 
     python tests/second_order/mesh_rounds.py               100 assemblies, counted by state
     python tests/second_order/mesh_rounds.py 20 --first 40
 
-Balls, pegs and cups of random sizes and fineness, turned and moved. The state of the exact solids
-is known in closed form, and asked too; that of the meshes may be open, but never another. Ends with
-1 where one is, or where one took more than `LIMIT` seconds of CPU.
+Balls, pegs and cups have random sizes and fineness, and are turned and moved. The state of the
+exact solids is known in closed form, and also computed. That of the meshes may be open, but never
+different. The command ends with 1 if a state differs, or if an assembly takes more than `LIMIT`
+seconds of CPU.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ TABLE = Part("table", Box([9, 9, 1]), Pose([0, 0, -0.5]), grounded=True)
 
 @dataclass(frozen=True)
 class Pair:
-    """An assembly as exact solids and as meshes, and what is true of it."""
+    """An assembly as exact solids and as meshes, with its true state."""
 
     exact: Assembly
     meshes: Assembly
@@ -65,7 +66,7 @@ def ball_on_table(random: Random, fine: int) -> tuple[list[Part], str]:
 
 
 def weeble(random: Random, fine: int) -> tuple[list[Part], str]:
-    """A ball whose centre of mass is off its middle, by .1 % of its radius or more."""
+    """A ball whose centre of mass is off its middle by at least .1 % of its radius."""
     r = random.uniform(0.3, 1.0)
     off = float(random.choice([-1, 1])) * r * 10 ** random.uniform(-3, -0.3)
     return [TABLE, ball(r, fine, [0, 0, r], [0, 0, off])], "balanced" if off > 0 else "free"
@@ -136,14 +137,14 @@ def ball(r: float, fine: int, at: Any, center: Any = None) -> Part:
 
 
 def as_mesh(part: Part) -> Part:
-    """A part without its surfaces."""
+    """A part as a mesh without surfaces."""
     if isinstance(part.shape, Box):
         return part
     return replace(part, shape=solids.mesh_of(part.shape))
 
 
 def random_pair(seed: int) -> Pair:
-    """The same seed gives the same assembly; the kinds take turns."""
+    """The assembly of a seed; the kinds alternate."""
     random = np.random.default_rng(seed)
     parts, state = KINDS[seed % len(KINDS)](random, 4 * int(random.integers(8, 25)))
     rotation, shift = random.normal(size=4), random.normal(size=3)
@@ -153,7 +154,7 @@ def random_pair(seed: int) -> Pair:
 
 
 def state_of(assembly: Assembly) -> tuple[str, str]:
-    """The state, and why it is open."""
+    """The state, and the reason for an open state."""
     verdict = kilter.check(assembly)
     if verdict.second_order is None:
         return verdict.verdict, "not asked"

@@ -1,4 +1,4 @@
-"""Assemblies of the second order elsewhere: turned, moved, scaled, renamed, side by side."""
+"""Cases of second order that are turned, moved, scaled, renamed or put side by side."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def case_of(number: str) -> Case:
 def pieces(
     assembly: Assembly, turn: Pose, factor: float, name: str
 ) -> tuple[list[Part], list[GivenContact]]:
-    """Parts and contacts turned, moved, scaled and renamed by `name`, with a place for the old."""
+    """Parts and contacts, turned, moved, scaled and renamed, with the map of points."""
     parts = [
         Part(
             name.format(part.name),
@@ -53,14 +53,14 @@ def pieces(
 
 
 def moved(assembly: Assembly, turn: Pose, factor: float) -> Assembly:
-    """The assembly turned, moved, scaled and renamed, as it lies to gravity."""
+    """The assembly with gravity, turned, moved, scaled and renamed."""
     parts, contacts = pieces(assembly, turn, factor, "{}'s")
     made = Assembly(parts, contacts=contacts, detect=False)
     return made.with_down(turn.matrix @ np.array([0.0, 0, -1]))
 
 
 def side_by_side(assemblies: Sequence[Assembly], apart: float = 50.0) -> Assembly:
-    """Assemblies in a row, turned about the vertical each by another angle."""
+    """Assemblies in a row, each turned about the vertical by a different angle."""
     parts: list[Part] = []
     contacts: list[GivenContact] = []
     for k, assembly in enumerate(assemblies):

@@ -31,7 +31,7 @@ AROUND = [
 ]
 INSIDE = Pose([0, 0, 0.8])
 HANDLE = GivenContact(("wall", "ball"), [[0, -1, 1]], [1, 0, 0])
-"""Of which nothing is known; a spin of the ball opens it."""
+"""A contact with unknown features; a spin of the ball opens it."""
 POST = Part("post", Box([1, 1, 3]), Pose([-1, 0, 1.5]), grounded=True)
 GIVEN = GivenContact(
     ("post", "top"),
@@ -45,9 +45,9 @@ LYING = GivenContact(
     [0, 0, 1],
     feature=(Feature("face", [0, 1, 0], (0, -0.5)), Feature("face", [1, 0, 0], (1, 0.5))),
 )
-"""A trough and a body that curves by as much or more: what lies level may do so to second order."""
+"""A trough and a body of equal or larger curvature: the energy is level to second order."""
 NEAR = Part("near", Sphere(0.1), Pose([-0.605, 0, 1.5]), grounded=True)
-"""5 mm from the upper ball."""
+"""A ball 5 mm from the upper ball."""
 RIGHT = Pose([2, 0, 1])
 EDGED = [("a", Pose([-0.5, -0.5, 0.5])), ("b", Pose([0.5, 0.5, 0.5]))]
 BLANK = GivenContact(("wall", "b"), [[-1, 0, 1]], [1, 0, 0])
@@ -60,14 +60,14 @@ def in_a_bowl() -> Assembly:
 
 
 def in_a_bowl_at_a_wall() -> Assembly:
-    """Of the wall nothing is known."""
+    """A ball in a bowl at a wall with unknown features."""
     bowl = in_a_bowl()
     touch = GivenContact(("base", "b"), [[-0.7, 0, 0.7]], [1, 0, 0])
     return Assembly(bowl.parts, contacts=[*bowl.contacts, touch], detect=False)
 
 
 def side_by_side_of(known: Assembly, *, unknown: Assembly) -> Assembly:
-    """The second of contacts of which nothing is known."""
+    """Two cases side by side; the contacts of the second have unknown features."""
     row = side_by_side([known, unknown])
     contacts = [
         one if one.parts[1].startswith("0-") else GivenContact(one.parts, one.points, one.normal)

@@ -1,7 +1,7 @@
-"""Random bodies balanced on others, with shapes, and a test of its own whether they are apart.
+"""Random bodies balanced on others, and an independent test of their separation.
 
 A ball, a log, a block or a crystal (the hull of random points with a flat face below) rests on a
-held ball, log or two, so that its centre of mass is above its support; it may carry another.
+held ball, log or two, so that its centre of mass is above its support. It may carry another body.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from kilter.arrays import Array
 
 Random = np.random.Generator
 GON = 1024
-"""Corners of the prisms within and about a cylinder."""
+"""Number of corners of the prisms inside and around a cylinder."""
 
 
 def random_balance(seed: int) -> Assembly:
-    """The same seed gives the same assembly."""
+    """The assembly of a seed."""
     random = np.random.default_rng(seed)
     height, parts = 0.0, []
     count = int(random.integers(2, 4))
@@ -32,7 +32,7 @@ def random_balance(seed: int) -> Assembly:
 
 
 def _body(random: Random, name: str, at: float, *, lowest: bool) -> tuple[Part, float]:
-    """A part whose lowest point, or face, is above the origin at a height; and how tall it is."""
+    """A part with its lowest point or face at a height above the origin, and its own height."""
     size = float(random.uniform(0.6, 1.4)) if lowest else float(random.uniform(0.3, 0.8))
     turn = Rotation.from_euler("z", random.uniform(0, np.pi))
     kind = random.choice(["ball", "log"] if lowest else ["ball", "log", "block", "crystal"])
@@ -52,7 +52,7 @@ def _body(random: Random, name: str, at: float, *, lowest: bool) -> tuple[Part, 
 
 
 def _crystal(random: Random, size: float) -> tuple[Mesh, float]:
-    """A hull about its centre of mass, flat below and above; and its height."""
+    """A hull about its centre of mass with flat faces below and above, and its height."""
     ring = 2 * np.pi * (np.arange(6) + random.uniform(-0.3, 0.3, 6)) / 6
     wide = size * random.uniform(0.6, 1.0, 3)
     half = float(size * random.uniform(0.2, 0.5))
@@ -72,9 +72,10 @@ def _crystal(random: Random, size: float) -> tuple[Mesh, float]:
 
 
 def overlap(assembly: Assembly, motion: Array, *, outside: bool) -> list[tuple[str, str]]:
-    """Pairs of parts that share a point; cylinders as prisms about them, or within them.
+    """Pairs of parts that share a point, with cylinders as prisms around or inside them.
 
-    Balls by distances, the rest by linear programs in weights of corners: nothing of kilter.
+    Balls are compared by distances, other shapes by linear programs in weights of corners, without
+    any code of kilter.
     """
     geometry = assembly.geometry
     clouds = [
@@ -90,7 +91,7 @@ def overlap(assembly: Assembly, motion: Array, *, outside: bool) -> list[tuple[s
 
 
 def _cloud(part: Part, center: Array, motion: Array, outside: bool) -> tuple[Array, float]:
-    """Points whose hull, rounded by a radius, is the part where it is now."""
+    """Points whose hull, rounded by a radius, is the displaced part."""
     shape, radius = part.shape, 0.0
     if isinstance(shape, Sphere):
         points, radius = np.zeros((1, 3)), shape.radius
@@ -111,14 +112,14 @@ def _cloud(part: Part, center: Array, motion: Array, outside: bool) -> tuple[Arr
 
 
 def disjoint(a: Array, ra: float, b: Array, rb: float) -> bool:
-    """Whether a plane parts two rounded hulls: one is sought, and held against every point."""
+    """Whether a plane separates two rounded hulls; it is verified at every point."""
     n = _nearest(a[0], b) if len(a) == 1 else -_nearest(b[0], a) if len(b) == 1 else _widest(a, b)
     length = float(np.linalg.norm(n))
     return length > 0 and bool(((b @ n).min() - (a @ n).max()) / length > ra + rb)
 
 
 def _nearest(point: Array, cloud: Array) -> Array:
-    """From a point to a hull: least squares in weights whose sum, weighed heavily, is 1."""
+    """The vector from a point to a hull, by least squares in weights with sum 1."""
     heavy = 1e4
     rows = np.vstack([(cloud - point).T, np.full(len(cloud), heavy)])
     weights, _ = nnls(rows, np.append(np.zeros(3), heavy), maxiter=100 * len(cloud))
@@ -126,7 +127,7 @@ def _nearest(point: Array, cloud: Array) -> Array:
 
 
 def _widest(a: Array, b: Array) -> Array:
-    """The normal n, no entry above 1, for which n.(b - a) is greatest: a linear program."""
+    """The normal n with entries of at most 1 and the largest n.(b - a), by a linear program."""
     rows = np.vstack(
         [
             np.column_stack([a, -np.ones(len(a)), np.ones(len(a))]),

@@ -1,8 +1,7 @@
-"""Random assemblies on a coarse grid, as CAD is drawn: faces flush, centres over edges.
+"""Random assemblies on a coarse grid, like CAD models: flush faces, centres over edges.
 
-Boxes, cans, logs, balls and outlines (L, T, steps, wedges) of sizes that are halves are let down in
-turn, at places that are halves, until their bounding boxes touch the floor or what is there; some
-are held.
+Boxes, cans, logs, balls and outlines (L, T, steps, wedges) with sizes in halves are lowered in turn
+at places in halves, until their bounding boxes touch the floor or a part below. Some are held.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ LYING = np.array([np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0])
 
 
 def random_grid(seed: int, *, boxes: bool = False) -> Assembly:
-    """One to five parts on a floor; where `boxes`, of boxes alone."""
+    """An assembly of one to five parts on a floor; with `boxes` all parts are boxes."""
     random = np.random.default_rng(seed)
     parts, placed = [FLOOR], [np.zeros((0, 2, 3))]
     for k in range(int(random.integers(1, 6))):
@@ -51,7 +50,7 @@ SHARES = (0.44, 0.08, 0.08, 0.04, 0.1, 0.08, 0.08, 0.05, 0.05)
 
 
 def outline(kind: str, size: Array) -> tuple[Shape, Array, Array]:
-    """A shape, its turn, and where its origin is in its bounding box, over the size of that."""
+    """A shape, its turn, and the place of its origin in its bounding box, over the box size."""
     middle, (x, y, z) = np.full(3, 0.5), size
     if kind == "box":
         return Box(size), UPRIGHT, middle
@@ -73,7 +72,7 @@ def outline(kind: str, size: Array) -> tuple[Shape, Array, Array]:
 
 
 def extent(shape: Shape, turn: Array, size: Array) -> Array:
-    """Of its bounding box."""
+    """The size of its bounding box."""
     if isinstance(shape, Cylinder):
         across, length = 2 * shape.radius, shape.height
         return np.array([across, across, length] if turn is UPRIGHT else [across, length, across])
@@ -81,5 +80,5 @@ def extent(shape: Shape, turn: Array, size: Array) -> Array:
 
 
 def elsewhere(assembly: Assembly) -> Assembly:
-    """The same turned with gravity, moved and scaled."""
+    """The assembly turned with gravity, moved and scaled."""
     return moved(scaled(assembly, 37.0), [0.5, 0.3, -0.7, 0.41], [3, 1, -2])

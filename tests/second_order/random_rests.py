@@ -1,7 +1,7 @@
-"""Random assemblies of boxes, cans, logs and balls at rest, as users make them.
+"""Random assemblies of boxes, cans, logs and balls at rest, like those of users.
 
-Parts are real shapes that kilter finds the contacts of: stacks, planks on supports, what lies in
-grooves, on balls, beside walls and over edges; then the whole is turned, moved and scaled.
+Parts are real shapes, and kilter detects their contacts: stacks, planks on supports, parts in
+grooves, on balls, beside walls and over edges. Then the whole is turned, moved and scaled.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def about(axis: int, angle: float) -> Array:
 
 
 def times(p: Array, q: Array) -> Array:
-    """Of two turns, the second first."""
+    """The quaternion of two turns; the second is applied first."""
     return np.append(
         p[0] * q[0] - p[1:] @ q[1:], p[0] * q[1:] + q[0] * p[1:] + np.cross(p[1:], q[1:])
     )
@@ -43,7 +43,7 @@ def lying(yaw: float) -> Array:
 
 
 def stack(random: Random, at: Array, z: float = 0.0, levels: int = 3) -> Made:
-    """Things on one another; above a ball or a log on its axis, else a little aside."""
+    """A stack: on the axis above a ball or a log, otherwise a little aside."""
     parts: Made = []
     where, flat = at.copy(), True
     for level in range(int(random.integers(1, levels + 1))):
@@ -78,7 +78,7 @@ def stacks(random: Random) -> Made:
 
 
 def plank(random: Random) -> Made:
-    """A box on two supports, held or free, its centre between them or over one."""
+    """A box on two supports, held or free, with its centre between them or over a support."""
     gap, r = random.uniform(1.0, 2.0), random.uniform(0.3, 0.6)
     parts = [FLOOR]
     for name, side in (("left", -1), ("right", 1)):
@@ -98,7 +98,7 @@ def plank(random: Random) -> Made:
 
 
 def groove(random: Random) -> Made:
-    """One or two round things in a groove of two slopes."""
+    """One or two round parts in a groove of two slopes."""
     slope = random.uniform(0.3, 1.2)
     parts: Made = []
     for name, sign in (("left", 1), ("right", -1)):
@@ -132,7 +132,7 @@ def on_balls(random: Random) -> Made:
 
 
 def beside(random: Random) -> Made:
-    """Things on a floor that touch a wall, a corner, or one another."""
+    """Parts on a floor that touch a wall, a corner or each other."""
     parts = [FLOOR, Part("wall", Box([1, 20, 4]), Pose([-0.5, 0, 2]), grounded=True)]
     if random.integers(2):
         parts.append(Part("other wall", Box([20, 1, 4]), Pose([0, -0.5, 2]), grounded=True))
@@ -186,7 +186,7 @@ KINDS: tuple[Callable[[Random], Made], ...] = (
 
 
 def random_rest(seed: int) -> tuple[str, Assembly]:
-    """What kind it is, and the assembly, of units and in a place of its own."""
+    """The kind and the assembly of a seed, with random units and pose."""
     random = np.random.default_rng(seed)
     make = KINDS[seed % len(KINDS)]
     assembly = Assembly(make(random))

@@ -1,8 +1,8 @@
-"""Random bodies on round feet, in balance, with the exact gaps of their contacts.
+"""Random bodies on round feet in equilibrium, with the exact gaps of their contacts.
 
-A body stands with one to three balls or corners on planes, balls, in bowls, on cylinders, in
-troughs and on rings, whose normals meet the z axis: so there are forces that carry it, with its
-centre of mass where they turn nothing. It may carry a ball on a face, a bowl, a ball or a trough.
+A body stands on one to three balls or corners, which touch planes, balls, bowls, cylinders, troughs
+and rings. All normals meet the z axis, so there are forces of equilibrium, with the centre of mass
+at a height without torque. It may carry a ball on a face, in a bowl, on a ball or in a trough.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from kilter.arrays import Array, across
 Random = np.random.Generator
 ANY = ("plane", "ball", "bowl", "cylinder", "trough", "ring")
 HOLLOW = ("bowl", "bowl", "trough")
-"""Surfaces; an assembly has any, or hollow ones alone."""
+"""Hollow surfaces; an assembly has any surfaces, or hollow surfaces only."""
 LEAST_FORCE = 0.05
-"""Every contact carries this share of the weight: what carries less is a well of no depth."""
+"""Least force of a contact, over the weight [-]; with less the energy well is too flat."""
 GROUND = exact.Pose(np.zeros(3), np.zeros(3), np.eye(3))
 
 
 @dataclass
 class Round:
-    """An assembly, its gaps by part (-1: held), and the turns of balls about their centres."""
+    """An assembly with its gaps by part (-1: held) and the spins of balls about their centres."""
 
     assembly: Assembly
     gaps: list[tuple[int, int, exact.Gap]]
@@ -42,7 +42,7 @@ class Round:
         return np.array([gap(poses[a], poses[b]) for a, b, gap in self.gaps])
 
     def weights(self) -> Array:
-        """The energy, over gravity, is this times z."""
+        """The energy over gravity is this vector times z."""
         up = np.zeros(6 * len(self.masses))
         up[2::6] = self.masses
         return up
@@ -75,7 +75,7 @@ def _surface(
 
 
 def random_round(seed: int) -> Round:
-    """The same seed gives the same assembly."""
+    """The assembly of a seed."""
     random = np.random.default_rng(seed)
     while True:
         made = _attempt(random)
@@ -84,7 +84,7 @@ def random_round(seed: int) -> Round:
 
 
 def beside(first: Round, second: Round) -> Round:
-    """Both at once, none touching the other; parts of the second have other names."""
+    """Two assemblies that do not touch; parts of the second are renamed."""
 
     def other(name: str) -> str:
         return name if name == "base" else f"other {name}"

@@ -1,13 +1,13 @@
-"""Random assemblies at rest: their state, their proof, and a descent of the energy beside it.
+"""Random assemblies at rest: their states agree with a descent of the energy.
 
     python tests/second_order/rest_energy.py              210 assemblies, counted by kind and state
     python tests/second_order/rest_energy.py 50 --first 1000 --seconds 30
 
-Each proof is verified. Then the energy is lowered from random places near by, by linear programs
-over planes that part the bodies, within a box; a place counts where the bodies are apart there by
-their exact separation. None may be lower than a minimum, or than what is free; the place that a
-balanced one has must be lower. The command ends with 1 where one is not so, where a proof is
-refused, or where a case takes longer than `--seconds` of CPU.
+Each proof is verified. Then the energy is lowered from random places near by within a box, by
+linear programs over planes that separate the bodies. A place counts if the bodies are exactly apart
+there. No place may be lower than a minimum or a free state; the place of a balanced answer must be
+lower. The command ends with 1 if a rule is broken, a proof is rejected, or a case takes longer than
+`--seconds` of CPU.
 """
 
 from __future__ import annotations
@@ -29,17 +29,17 @@ from kilter.second_order.parts.parting_planes import PartingPlanes, Places
 from kilter.second_order.parts.separation import least_separation
 
 RADII = (0.02, 0.005)
-"""Of the boxes, over the size of the smallest part."""
+"""Half sizes of the boxes, over the size of the smallest part [-]."""
 STARTS, STEPS = 3, 10
-"""Random places in a box, and linear programs from each."""
+"""Number of random places in a box, and of linear programs from each."""
 LOWER = 1e-4
-"""Of the weight and the square of the box, over the size: what is lower by this is lower."""
+"""Energy by which a place is lower, over the weight and the squared box over the size [-]."""
 ROUNDING = 1e-14
-"""Of a separation, over the size."""
+"""Rounding of a separation, over the size [-]."""
 
 
 class Descent:
-    """The energy of an assembly about its place."""
+    """The energy of an assembly near its configuration."""
 
     def __init__(self, assembly: kilter.Assembly, program: Program) -> None:
         self.assembly, self.program = assembly, program
@@ -51,16 +51,16 @@ class Descent:
         self.units = np.where(program.free[:, None], six * self.size, 0.0).reshape(-1)
 
     def energy(self, place: Places) -> float:
-        """Less that at the start, over the weight and the size."""
+        """The energy relative to the start, over the weight and the size [-]."""
         return -float((place.shifts * self.program.load[:, :3]).sum()) / (self.weight * self.size)
 
     def apart(self, place: Places) -> bool:
-        """To rounding, as parts that only shift along a plane stay."""
+        """Whether the bodies are apart, up to the rounding of parts that shift along a plane."""
         found = least_separation(self.assembly, self.program, place.motion, beyond=self.size)
         return found is not None and found >= -ROUNDING * self.size
 
     def least(self, random: np.random.Generator, t: float) -> float:
-        """The least energy that is found within t of the place, bodies apart; 0 where none is."""
+        """The least energy found within t of the place with bodies apart; 0 if none was found."""
         count = len(self.units)
         place = Places.of((t * random.uniform(-1, 1, count) * self.units).reshape(-1, 6))
         best, trust = 0.0, t
@@ -74,7 +74,7 @@ class Descent:
         return best
 
     def _solved(self, place: Places, t: float, trust: float) -> Array | None:
-        """The step that loses most energy in the box; where none is apart, the one least off."""
+        """The step in the box that loses most energy; if none is apart, the least violated step."""
         count = len(self.units)
         rows, bound = self.planes.rows(
             place, np.full(len(self.program.names), 8 * t * self.size), 1e-9 * self.size
@@ -106,7 +106,7 @@ def least_beside(assembly: kilter.Assembly, seed: int, t: float) -> float:
 
 
 def contradicts(assembly: kilter.Assembly, found: SecondOrder, seed: int) -> tuple[str, bool]:
-    """What a descent says against a state, empty where it agrees; and whether it came lower."""
+    """The contradiction of a descent to a state, else empty; whether a lower place was found."""
     least = [least_beside(assembly, seed, t) for t in RADII]
     lower = min(least) < -LOWER
     if found.state == "balanced":

@@ -3,8 +3,9 @@
     python tests/second_order/round_energy.py              500 assemblies, counted by state
     python tests/second_order/round_energy.py 50 --first 0
 
-Spins are divided out. Every minimum must survive at three radii, every balanced one must be beaten,
-and what `check` finds free besides must not be: the command ends with 1 where one does not.
+Spins are divided out. No lower energy may be found at three radii around a minimum or around a free
+state of `check`, and a lower energy must be found for every balanced state: otherwise the command
+ends with 1.
 """
 
 from __future__ import annotations
@@ -29,9 +30,9 @@ from kilter.second_order.searches.critical import find_critical
 from kilter.second_order.searches.decide import Decision, decide
 
 ENTERED = 1e-4
-"""How much lower what is free may seem, over t^2: gaps may be entered by a hundredth of it."""
+"""Largest loss of energy for a free state, over t^2; a hundredth of it is penetration [-]."""
 RADII = (0.02, 0.01, 0.005)
-"""Sizes of the motions over which the least energy is sought."""
+"""Sizes t of the motions over which the energy is minimised."""
 
 
 def decided(made: Round) -> tuple[Decision, Stationary]:
@@ -73,12 +74,12 @@ def least_energy(made: Round, problem: Stationary, starts: Array, t: float) -> f
 
 
 def compared(seed: int, radii: tuple[float, ...] = RADII) -> str:
-    """The state of a random assembly, after its energy has been looked at directly."""
+    """The state of a random assembly; its energy is compared with it."""
     return survived(random_round(seed), seed, radii)
 
 
 def survived(made: Round, seed: int, radii: tuple[float, ...]) -> str:
-    """The state of an assembly, after its energy has been looked at directly."""
+    """The state of an assembly; its energy is compared with it."""
     assert np.abs(made.open(np.zeros(6 * len(made.masses)))).max() < 1e-12
     decision, problem = decided(made)
     second = kilter.check(made.assembly).second_order

@@ -1,4 +1,4 @@
-"""What a check says in second order: the cases of the reference, on both sides of their limits."""
+"""Answers of second order for the reference cases, on both sides of their limits."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def state_of(assembly: Assembly) -> str:
 
 
 def sides(case: Case, off: float) -> list[tuple[float, str]]:
-    """Parameters and their states; on both sides of a limit."""
+    """Parameters on both sides of a limit, with their states."""
     if case.limit is None or case.above is None:
         return [(0.0, case.state)]
     return [(case.limit - off, case.state), (case.limit + off, case.above)]

@@ -1,4 +1,4 @@
-"""The cases of second order: in balance at first order, every gap with its form."""
+"""The cases of second order are in equilibrium, and every gap has a form."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ ALL = [*CASES, *ROLLING]
 
 
 def parameters(case: Case) -> list[float]:
-    """One; on both sides of a limit, two."""
+    """Two parameters on both sides of the limit, or a single one without a limit."""
     return [0.0] if case.limit is None else [case.limit - 0.1, case.limit + 0.1]
 
 
 def lagrangian(case: Case, parameter: float) -> tuple[Array, Array, Array, float]:
-    """Rows J, -lambda . phi'' with forces lambda >= 0, the load, and what is left unbalanced."""
+    """Rows J, -lambda . phi'' with forces lambda >= 0, the load, and the imbalance."""
     given = case.build(parameter)
     contacts = kilter.contacts(given)
     program = build_program(given, contacts)
@@ -58,13 +58,13 @@ def test_a_case_is_in_balance(case: Case) -> None:
 
 
 SINGLE = [case for case in CASES if case.number not in ("11", "13", "14", "24", "24b", "39")]
-"""Where one set of forces and both signs of every neutral motion decide."""
+"""Cases that a single set of forces and both signs of every neutral motion decide."""
 
 
 @pytest.mark.quick(3)
 @pytest.mark.parametrize("case", SINGLE, ids=lambda case: case.number)
 def test_the_energy_falls_where_it_is_known_to(case: Case) -> None:
-    """The least eigenvalue on the neutral motions, and how many are zero."""
+    """The sign of the least eigenvalue on the neutral motions, and the number of zeros."""
     states = [case.state] if case.above is None else [case.state, case.above]
     for parameter, state in zip(parameters(case), states, strict=True):
         rows, second, load, _ = lagrangian(case, parameter)

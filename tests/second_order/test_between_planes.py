@@ -1,4 +1,4 @@
-"""What is pressed between planes: no motion opens both, so that its path keeps them."""
+"""Parts pressed between planes: no motion opens both, so a path keeps them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which contacts carry, whatever rounding leaves of the load: a beam on two supports."""
+"""Contacts that carry force beyond rounding: a beam on two supports."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from kilter.second_order.proofs.carrying import all_carry, carry_beyond_doubt, c
 from kilter.second_order.second_order_tolerances import BEARS
 
 JUST = (0.9, 1.1)
-"""Of a limit, on both sides."""
+"""Factors of a limit, on both sides of it [-]."""
 NOTHING = np.zeros((2, 0))
 
 
 def beam(lever: float, *more: tuple[float, float]) -> np.ndarray:
-    """Rows of (height, tilt): a support under the centre, one beside it."""
+    """Rows of (height, tilt): a support under the centre and a support beside it."""
     return np.array([(1.0, 0.0), (1.0, lever), *more])
 
 
@@ -26,7 +26,7 @@ def beam(lever: float, *more: tuple[float, float]) -> np.ndarray:
 def test_a_support_carries_where_its_torque_is_more_than_what_is_missing(
     lever: float, force: float, over: float
 ) -> None:
-    """The least eigenvalue is f l^2 where f is small beside 1: f m > r^2 is f l > r."""
+    """For f small beside 1 the least eigenvalue is f l^2, so f m > r^2 is f l > r."""
     missing = force * lever / over
     forces = np.array([1.0, force])
     assert all_carry(csr_array(beam(lever)), forces, missing) == (over > 1.0 + force)

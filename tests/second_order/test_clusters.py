@@ -1,4 +1,4 @@
-"""Clusters that do not touch one another: each by itself, and joined."""
+"""Clusters that do not touch each other: each alone, and joined."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def answer(assembly: Assembly) -> SecondOrder:
 
 
 def drawn(seed: int, count: int = 4) -> tuple[list[Assembly], list[str]]:
-    """Some known cases, and the state of each."""
+    """Random known cases with their states."""
     random = np.random.default_rng(seed)
     made, states = [], []
     for number in random.choice(KNOWN, count):
@@ -79,7 +79,7 @@ def test_every_state_is_told_from_the_others() -> None:
 
 
 def bowls(count: int, last: float) -> Assembly:
-    """Balls of radius .7 in bowls of radius 1.3, the last on a surface of this curvature."""
+    """Balls of radius .7 in bowls of radius 1.3, the last ball on a surface of given curvature."""
     parts, contacts = [Part("base", Box([1, 1, 1]), Pose([0, 0, -2]), grounded=True)], []
     for k in range(count):
         at = np.array([3.0 * (k % 10), 3.0 * (k // 10), 0])
@@ -118,7 +118,7 @@ def test_all_that_falls_is_named() -> None:
 
 
 def test_what_falls_falls_beside_what_is_not_known() -> None:
-    """A contact of which nothing is known leaves its own cluster open, and no other."""
+    """A contact with unknown features leaves only its own cluster open."""
     known, unknown = bowls(2, 1 / 1.3), bowls(2, 1 / 1.3)
     first, last = known.contacts
     blank = GivenContact(first.parts, first.points, first.normal)
@@ -163,7 +163,7 @@ def test_a_proof_of_clusters_is_judged_again_and_no_other() -> None:
 
 
 def test_a_cluster_without_a_proof_is_open() -> None:
-    """What is left out may not count for a state that it would have to have."""
+    """A cluster without a proof may not count for the state of the assembly."""
     row = side_by_side([case_of(number).build(0.0) for number in ("02", "03")])
     proof = kilter.check(row).proof()
     assert proof["second_order"]["state"] == "balanced"

@@ -1,4 +1,4 @@
-"""Known answers of second order, by hand: rows, forms and load of one round part each."""
+"""Known answers of second order, by hand: rows, forms and load of a single round part."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from kilter.second_order.searches.decide import Decision, decide
 
 UP = np.array([0.0, 0.0, 1.0])
 BEYOND = 1e-6
-"""How near to a limit both sides of it are told apart."""
+"""Distance from a limit at which both sides are decided [-]."""
 
 
 def point_on_surface(at: Array, surface: Array, center: Array) -> tuple[Array, Array]:
@@ -97,7 +97,7 @@ def test_at_the_limit_it_is_open_and_says_why() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_six_feet_need_forces_of_their_own_for_each_direction(side: float) -> None:
-    """One set of forces leaves a curvature of -shift; the best for each direction, 1/2 - shift."""
+    """A single set of forces has the least curvature -shift; separate forces have 1/2 - shift."""
     shift = 0.5 + side * 1e-3
     problem = six_feet(shift)
     found = decide(problem)
@@ -111,7 +111,7 @@ def test_six_feet_need_forces_of_their_own_for_each_direction(side: float) -> No
 
 @pytest.mark.slow
 def test_a_corner_pressed_between_two_bowls_is_held_by_its_squeeze() -> None:
-    """Self-stress blocks what the weight alone would let fall: a bowl above, a hump below."""
+    """Self-stress between a bowl above and a hump below blocks the fall."""
     row, form = point_on_surface(np.zeros(3), -0.5 * np.eye(2), np.zeros(3))
     ceiling_row, ceiling = point_on_surface(np.zeros(3), -np.eye(2), np.zeros(3))
     turns = np.eye(3)
@@ -138,7 +138,7 @@ SADDLE = np.array([[0.1, 1.0], [1.0, 0.1]])
 
 
 def test_stops_make_a_minimum_of_a_saddle_that_rises_between_them() -> None:
-    """x.S x > 0 for all x, y >= 0: a copositive matrix, that is not positive definite."""
+    """x.S x > 0 for all x, y >= 0: a copositive matrix that is not positive definite."""
     assert decide(corner_on(SADDLE)).state == "balanced"
     assert decide(corner_on(SADDLE, 0, 1)).state == "minimum"
 
@@ -235,7 +235,7 @@ def test_a_changed_path_does_not_fall() -> None:
 
 
 def test_the_path_of_a_pivot_falls_as_its_formula_says() -> None:
-    """Along a turn by t the energy is -h t^2 / 2 at least: half the power of d2, in a margin."""
+    """Along a turn by t the energy is at least -h t^2 / 2, half the power of d2."""
     height = 0.3
     path = decide(pivot(height, BOWL), SPIN).proof
     assert isinstance(path, Path)
@@ -249,12 +249,12 @@ def test_a_leaf_has_forces_and_weights() -> None:
 
 
 def pressed_between_plates() -> Stationary:
-    """A point that shifts and turns, on a hump along y, between planes across x: none may open."""
+    """A point that shifts and turns on a hump along y, between planes across x that stay closed."""
     rows = np.zeros((3, 6))
     rows[0, 2], rows[1, 0], rows[2, 0] = 1.0, 1.0, -1.0
     forms = np.zeros((3, 12, 12))
     forms[0, 7, 7] = 1.0
-    forms[1, 6, 9] = forms[1, 9, 6] = 1.0  # a turn opens the one, and closes the other
+    forms[1, 6, 9] = forms[1, 9, 6] = 1.0  # a turn opens a plane and closes the other
     forms[2] = -forms[1]
     columns = np.tile(np.append(np.full(6, -1), np.arange(6)), (3, 1))
     load = np.array([0.0, 0, -1, 0, 0, 0])

@@ -1,7 +1,7 @@
-"""The paper's figures 1 (b), 11 and 12, turned, in space: the blocks twist on their walls and sink.
+"""The paper's figures 1 (b), 11 and 12, turned, in space: the blocks twist and sink.
 
-As the library's scenes model them: blocks of a depth, without friction. The configurations are
-held apart by a test of separating planes of its own.
+The library's scenes give the blocks a depth, without friction. An independent test by separating
+planes verifies that the configurations are apart.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def problem_of(assembly: Assembly) -> tuple[Program, Stationary]:
 
 
 def near_path(problem: Stationary, path: Path) -> tuple[Array, Array]:
-    """First and second derivative of a path, the second no longer than it need be."""
+    """First and second derivative of a path, the second as short as possible."""
     bends = problem.bends(path.first)
     count = problem.rows.shape[1]
     lower = np.vstack(
@@ -55,7 +55,7 @@ def near_path(problem: Stationary, path: Path) -> tuple[Array, Array]:
 
 @dataclass
 class Moved:
-    """A block elsewhere: its corners, and the directions of its faces and edges."""
+    """A displaced block: its corners, and the directions of its faces and edges."""
 
     corners: Array
     normals: Array
@@ -155,7 +155,7 @@ def test_figure_1_b_in_the_plane_slides_only() -> None:
 
 
 def test_nothing_but_the_contacts_of_the_walls_holds_the_blocks() -> None:
-    """The separating test fails where a block enters a wall or the other block."""
+    """The test of separation fails if a block penetrates a wall or the other block."""
     assembly = scene(TURNED[0])
     program, _ = problem_of(assembly)
     for part, normal in ((int(program.part_b[0]), program.normal[0]),):

@@ -1,4 +1,4 @@
-"""Parts that end together: the answer does not depend on which of them is listed first."""
+"""Parts that end together: the answer does not depend on the order of the parts."""
 
 from __future__ import annotations
 
@@ -18,24 +18,24 @@ from kilter.shape.primitives import Box
 
 Build = Callable[..., list[Part]]
 WIDTHS = (0.9, 1.0, 1.1)
-"""Of the upper part, where the lower one is 1 wide."""
+"""Widths of the upper part, over that of the lower part [-]."""
 
 
 def box_over_the_edge(width: float, off: float = 0.0) -> list[Part]:
-    """A box whose centre is over the edge of the one below, or off it by so much."""
+    """A box with its centre at a given distance from the edge of the box below."""
     low = Part("low", Box([1, 1, 1]), Pose([0, 0, 0.5]), grounded=True)
     return [low, Part("high", Box([1, width, 1]), Pose([0.5 + off, 0, 1.5]))]
 
 
 def leaning(width: float, off: float = 0.0) -> list[Part]:
-    """A block that leans until its centre is over its own edge, or off it by so much."""
+    """A leaning block with its centre at a given distance from its own lower edge."""
     low = Part("low", Box([4, 1, 1]), Pose([0, 0, -0.5]), grounded=True)
     lean = Prism([(-1, 0), (0, 0), (1 + 2 * off, 1), (2 * off, 1)], width)
     return [low, Part("high", lean, Pose([0, 0, 0]))]
 
 
 def answers(parts: list[Part]) -> list[SecondOrder]:
-    """In each order of the parts."""
+    """The answers for each order of the parts."""
     found = []
     for order in itertools.permutations(parts):
         assembly = Assembly(order)
@@ -71,7 +71,7 @@ def test_within_the_edge_it_slides_and_beyond_it_falls(
 
 
 def test_of_no_motions_none_slips() -> None:
-    """As of a part among others that has none of its own."""
+    """So it is for a part without neutral motions of its own."""
     assembly = Assembly(box_over_the_edge(1.0))
     contacts = kilter.contacts(assembly)
     program = build_program(assembly, contacts)

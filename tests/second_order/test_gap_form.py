@@ -1,4 +1,4 @@
-"""The second derivative of gaps against differences of exact gaps, both parts moving."""
+"""The second derivative of gaps against differences of exact gaps, with both parts moving."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from kilter.second_order.gaps.features import EDGE, FACE, OPEN, VERTEX, Features
 from kilter.second_order.gaps.gap_form import corner_slips, formed, gap_forms
 
 Side = tuple[int, Array, Array]
-"""Kind, edge and curvature of one part's feature."""
+"""Kind, edge and curvature of the feature of a part."""
 NONE, FLAT = np.zeros(3), np.zeros((3, 3))
 VERTEX_SIDE: Side = (VERTEX, NONE, FLAT)
 
 
 def program_of(point: Array, normal: Array, center_a: Array, center_b: Array) -> Program:
-    """Two free parts and one contact."""
+    """A program of two free parts and a contact."""
     parts = [Part(name, Box([1, 1, 1]), Pose([4 * k, 0, 0])) for k, name in enumerate("ab")]
     given = GivenContact(("a", "b"), [point], normal)
     assembly = Assembly(parts, contacts=[given], detect=False)
@@ -232,7 +232,7 @@ def test_a_gap_is_its_series_to_second_order(
 
 
 def test_what_has_no_form_has_no_number() -> None:
-    """Not open features, a vertex on a vertex, an edge along an edge, a plane on a plane."""
+    """Open features, vertex on vertex, edge along edge, and plane on plane have no form."""
     x, n = np.zeros(3), np.array([0.0, 0, 1])
     t = np.array([1.0, 0, 0])
     program = program_of(x, n, -n, n)
@@ -252,7 +252,7 @@ def test_what_has_no_form_has_no_number() -> None:
 
 
 def test_a_point_within_a_line_stays_where_it_is_along_it() -> None:
-    """Yaw of a cylinder on a parallel one: (psi s)^2 / (R + r), s along the line."""
+    """Yaw of a cylinder on a parallel cylinder: (psi s)^2 / (R + r), s along the line."""
     n, t = np.array([0.0, 0, 1]), np.array([1.0, 0, 0])
     big, r, s = 1.3, 0.7, 0.4
     program = program_of(s * t, n, -big * n, r * n)

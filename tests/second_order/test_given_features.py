@@ -1,4 +1,4 @@
-"""Features of given contacts: what they are to a program, and what is refused."""
+"""Features of given contacts in a program, and the rejection of wrong features."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ CYLINDER = Feature("face", [0, 3, 0], (0, 0.5))
 
 
 def assembly(*features: tuple[Feature, Feature] | None) -> Assembly:
-    """A part on a held one, a contact for each pair of features."""
+    """A part on a held part, with a contact for each pair of features."""
     base = Part("base", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
     part = Part("part", Box([1, 1, 2]), Pose([0.1, 0.2, 1]))
     given = [
@@ -87,7 +87,7 @@ def test_scaled_parts_have_scaled_forms() -> None:
 
 
 def around(axis: Array, radius: float, up: float, tube: float = np.inf) -> Feature:
-    """A torus above the origin, of which the lowest circle of its tube is there."""
+    """A torus above the origin, with the lowest circle of its tube at the origin."""
     other = np.cross(UP, axis)
     curvature = (1 / radius, 1 / tube if np.isfinite(tube) else 0.0)
     return Feature("face", other, curvature, [0, 0, up], axis)

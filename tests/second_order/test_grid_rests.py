@@ -1,4 +1,4 @@
-"""Parts on a grid: one state in whichever order and place (`grid_rests.py`)."""
+"""Parts on a grid: the state is independent of order and place (`grid_rests.py`)."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def test_some_are_of_one_state_wherever_they_are() -> None:
 @pytest.mark.parametrize("block", range(10))
 @pytest.mark.parametrize("boxes", [True, False])
 def test_a_hundred_and_twenty_without_a_contradiction(block: int, boxes: bool) -> None:
-    """At most one of six boxes, or two of six outlines, is left open."""
+    """At most one of six assemblies of boxes, or two of six of outlines, is open."""
     opens = 0
     for seed in range(5000 + 6 * block, 5006 + 6 * block):
         key, wrong, _ = looked_at(random_grid(seed, boxes=boxes), seed)

@@ -1,4 +1,4 @@
-"""What is held to first order, by its forces alone: nothing else is asked."""
+"""Parts held to first order by their forces alone, without any other computation."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def program_of(assembly: Assembly) -> Program:
 
 
 def test_grooves_towards_the_middle_hold_a_plate() -> None:
-    """Six equal forces of m g / (6 cos 45), and nothing moves."""
+    """Six equal forces of m g / (6 cos 45), and no part can move."""
     program = program_of(coupling(RADIAL))
     force = 2.0 * 9.81 / (6 * np.sqrt(0.5))
     assert judge_held(program, Held(np.full(6, force))) == ""
@@ -73,7 +73,7 @@ def test_parallel_grooves_do_not_and_nearly_parallel_ones_do(turn: float) -> Non
 
 
 def test_forces_that_leave_a_contact_free_are_spread() -> None:
-    """Of a box in a corner, tilted, four rows a face: three forces balance it, all hold it."""
+    """A tilted box in a corner, four rows for each face: three forces balance it, all hold it."""
     program = program_of(coupling(RADIAL))
     given = np.full(6, 2.0 * 9.81 / (6 * np.sqrt(0.5)))
     found = find_held(program, given)
@@ -133,7 +133,7 @@ def test_forces_that_are_none_are_refused(bad: float) -> None:
 
 
 def over_the_edge(foot: float, off: float, *, size: float = 1.0, count: int = 1) -> Assembly:
-    """Blocks on four points, pinned across at their centre, which is `off` within their edge."""
+    """Blocks on four points, pinned at their centre, which is `off` inside of their edge."""
     feet = [([x, y, 0.0], Z) for x in (off, off - foot) for y in (-0.4, 0.4)]
     pins = [([0, 0, 0.5], sense * np.eye(3)[axis]) for axis in (0, 1) for sense in (1, -1)]
     pins += [([3, 0, 0.5], [0, sense, 0]) for sense in (1, -1)]  # against a turn
@@ -146,7 +146,7 @@ def over_the_edge(foot: float, off: float, *, size: float = 1.0, count: int = 1)
 
 
 def forces_over_the_edge(program: Program, far: float, pins: float = 0.1) -> np.ndarray:
-    """Of which the far points have this share of the weight, the near ones the rest."""
+    """Forces with a given share of the weight at the far points, and the rest at the near ones."""
     weight = float(program.weight[program.free][0])
     feet = np.repeat(weight * np.array([1 - far, far]) / 2, 2)
     return np.concatenate([feet, np.full(6, pins * weight)])
@@ -157,7 +157,7 @@ def forces_over_the_edge(program: Program, far: float, pins: float = 0.1) -> np.
 def test_far_points_within_rounding_hold_nothing_that_is_over_an_edge(
     foot: float, far: float
 ) -> None:
-    """The torque of a force at a short lever is soon within what may be out of balance."""
+    """The torque of a force at a short lever is within the tolerated imbalance."""
     program = program_of(over_the_edge(foot, 0.0))
     assert judge_held(program, Held(forces_over_the_edge(program, far)))
     off = 1e-4 * foot
@@ -171,7 +171,7 @@ def test_far_points_within_rounding_hold_nothing_that_is_over_an_edge(
 def test_the_limit_of_what_carries_has_no_unit(
     size: float, count: int, share: float, pins: float
 ) -> None:
-    """Where the forces of the far points, or of the pins, are too few is found again from J."""
+    """The limit of too small forces at far points or pins follows from J."""
     program = program_of(over_the_edge(0.2, 0.2 * share, size=size, count=count))
     forces = np.tile(forces_over_the_edge(program, share, pins), count)
     own = np.flatnonzero(program.free)
@@ -188,7 +188,7 @@ def test_the_limit_of_what_carries_has_no_unit(
 
 
 def test_what_carries_is_above_its_limit(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Far points that carry an eighth of the largest force exactly: at the limit they do not."""
+    """Far points with exactly an eighth of the largest force do not count at the limit."""
     program = program_of(over_the_edge(0.9, 0.1))
     program = replace(program, mass=program.mass * 18 / program.weight[1],
                       tolerance=np.array([0.0, 2.0**-29]))  # fmt: skip
@@ -199,7 +199,7 @@ def test_what_carries_is_above_its_limit(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_what_is_out_of_balance_is_taken_part_by_part() -> None:
-    """Over the weight of a part or the sum of its forces, torques over its radius."""
+    """Over the weight of a part or the sum of its forces, with torques over its radius."""
     program = program_of(side_by_side([coupling(RADIAL), coupling(RADIAL)]))
     force = 2.0 * 9.81 / (6 * np.sqrt(0.5))
     assert unbalanced(program, np.full(12, force)) < 1e-12

@@ -1,4 +1,4 @@
-"""Contacts that carry nothing: less keeps it without them, and if it stays then, it stays."""
+"""Idle contacts: fewer contacts admit more motions, so stability without them is enough."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_two_that_touch_in_a_groove_are_free() -> None:
 
 @pytest.mark.slow
 def test_what_is_idle_and_all_that_keeps_it_is_no_minimum() -> None:
-    """Over the edge of a table only the stop, which carries nothing, keeps a box."""
+    """Over the edge of a table only a stop without force keeps a box."""
     table = Part("table", Box([2, 2, 1]), Pose([-1, 0, -0.5]), grounded=True)
     box = Part("box", Box([2, 1, 1]), Pose([0, 0, 0.5]))
     stop = Part("stop", Box([1, 2, 2]), Pose([1.5, 0, 0]), grounded=True)
@@ -103,7 +103,7 @@ def test_random_rests_are_decided_and_proved(seed: int) -> None:
 
 @pytest.mark.slow
 def test_what_shifts_as_a_whole_is_free_past_contacts_that_it_does_not_open() -> None:
-    """A ball in a box that has walls on all its sides and touches them: they go along."""
+    """A ball in a box whose walls all touch it: the walls move along with it."""
     walls = [
         Part(f"wall {k}", Box([0.2, 3, 1] if k < 2 else [1.6, 0.2, 1]), Pose([*at, 0.5]))
         for k, at in enumerate([(-0.9, 0), (0.9, 0), (0, -0.9), (0, 0.9)])
@@ -118,7 +118,7 @@ def test_what_shifts_as_a_whole_is_free_past_contacts_that_it_does_not_open() ->
 
 
 def test_contacts_of_unknown_features_are_left_out_too() -> None:
-    """A part of given contacts without features on one that stands: all of it slides."""
+    """A part on given contacts without features, on a part at rest: both slide together."""
     touch = kilter.GivenContact(("low", "high"), [[0.3, 0, 1]], [1, 0, 0])
     low = Part("low", Box([1, 1, 1]), Pose([0, 0, 0.5]))
     high = Part("high", Box([1, 1, 1]), Pose([1.0, 0, 0.5]))

@@ -1,4 +1,4 @@
-"""What stands on level faces: free at any size, with a proof that needs no form of a gap."""
+"""Parts on level faces are free at any size, by a proof without forms of gaps."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def table(*parts: Part) -> Assembly:
 
 @pytest.mark.parametrize("bricks", [1, 12, 105, 1000])
 def test_a_wall_is_free_whatever_its_size(bricks: int) -> None:
-    """Three motions a brick, as many as the linear programs count where they do."""
+    """Three motions for each brick, as many as the linear programs count."""
     wall = wall_of(bricks)
     second = answer(wall)
     free = len(wall.parts) - 1
@@ -63,7 +63,7 @@ def test_a_wall_is_free_whatever_its_size(bricks: int) -> None:
 
 @pytest.mark.parametrize("name", ["harmonic-stack", "diamond", "pierced-wall"])
 def test_where_loads_must_be_shared_a_program_shares_them(name: str) -> None:
-    """At its limit, held down by others, over an opening: as many motions as are counted."""
+    """A stack at its limit, held down by others over an opening; the counts of motions agree."""
     verdict = kilter.check(scene(name))
     second = verdict.second_order
     assert second is not None
@@ -74,7 +74,7 @@ def test_where_loads_must_be_shared_a_program_shares_them(name: str) -> None:
 
 
 def stack(seed: int) -> Assembly:
-    """Boxes on one another, each stack of them in balance on the one below."""
+    """Boxes on each other; the boxes above each box balance on it."""
     random = np.random.default_rng(seed)
     count = int(random.integers(2, 30))
     off = random.uniform(-0.45, 0.45, (count, 2)) / np.arange(count, 0, -1)[:, None]
@@ -115,7 +115,7 @@ def test_the_middle_of_a_box_is_above_what_bears_it(off: float, holds: bool) -> 
 
 
 def test_points_on_one_line_hold_no_tilt() -> None:
-    """A board on a lying cylinder rests on a line, a level one: no rest on faces."""
+    """A board on a lying cylinder rests on a level line, which is no rest on faces."""
     round_ = Cylinder(0.5, 2)
     lying = Part("c", round_, Pose([0, 0, 0.5], [np.sqrt(0.5), np.sqrt(0.5), 0, 0]), grounded=True)
     board = Part("b", Box([1, 1, 0.1]), Pose([0, 0, 1.05]))
@@ -126,7 +126,7 @@ def test_points_on_one_line_hold_no_tilt() -> None:
 
 
 def test_between_walls_the_gaps_themselves_are_asked() -> None:
-    """A box that two walls hold along x slides along y alone."""
+    """A box between two walls across x slides only along y."""
     held = [
         Part(name, Box([1, 4, 1]), Pose([x, 0, 0.5]), grounded=True)
         for name, x in (("left", -1), ("right", 1))
@@ -141,7 +141,7 @@ def test_between_walls_the_gaps_themselves_are_asked() -> None:
 
 
 def test_the_motion_opens_every_joint_between_bricks() -> None:
-    """Away from their middle the bricks of a wall part; the exact gaps say so."""
+    """Motions away from their middle separate the bricks of a wall, by their exact gaps."""
     wall = scene("wall", size=(4, 5))
     second = answer(wall)
     assert second.motion is not None
@@ -243,7 +243,7 @@ def test_no_solver_is_loaded_to_judge_it() -> None:
 def test_far_corners_within_rounding_bear_nothing_that_is_over_an_edge(
     foot: float, far: float
 ) -> None:
-    """A box whose centre is over an edge of what it stands on falls: no rest on faces."""
+    """A box with its centre over an edge of its support falls: it is no rest on faces."""
     for off in (0.0, 1e-4):
         low = Part("low", Box([foot, 2, 1]), Pose([-foot / 2, 0, 0.5]), grounded=True)
         high = Part("high", Box([4, 1, 1]), Pose([-off * foot, 0, 1.5]))
@@ -260,7 +260,7 @@ def test_far_corners_within_rounding_bear_nothing_that_is_over_an_edge(
 
 @pytest.mark.parametrize("seed", range(4))
 def test_what_a_part_bears_is_made_good_below(seed: int) -> None:
-    """Forces of a leaning stack, off by rounding, that each only all but balance."""
+    """Forces of a leaning stack, each balanced up to rounding only."""
     program, level = posed(stack(seed))
     proof = find_level_rest(program, level, None)
     assert proof is not None

@@ -1,6 +1,6 @@
-"""The judge of what stands on level faces: forged proofs, and each limit on both sides.
+"""The judge of rests on level faces: forged proofs, and both sides of each limit.
 
-Blocks stand on points that are given, so that each force is known in closed form.
+Blocks stand on given points, so that each force is known in closed form.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ from kilter.shape.primitives import Box
 X, Y, Z = np.eye(3)
 TILT = "its forces leave the tilt of a part open"
 Point = tuple[str, str, Any, Any]
-"""From a, to b, where, and the normal from a to b."""
+"""Part a, part b, the contact point, and the normal from a to b."""
 
 
 def program_of(
     points: Sequence[Point], masses: Sequence[float], *, wide: float = 1.0, planar: bool = False
 ) -> Program:
-    """Blocks "0", "1", ... on a base, each at the origin: points alone say what bears what."""
+    """Blocks "0", "1", ... on a base, all at the origin; only the points define the supports."""
     parts = [Part("base", Box(np.ones(3)), Pose([0, 0, -9]), grounded=True)]
     for k, mass in enumerate(masses):
         side = wide if k else 1.0
@@ -53,7 +53,7 @@ def on_feet(a: str, b: str, near: float, far: float, *, half: float = 0.4) -> li
 
 
 def stands(mass: float = 1.0, share: float = 0.5, *, foot: float = 1.0) -> tuple[Program, Array]:
-    """A block whose far points carry this share of its weight, and its forces."""
+    """A block whose far points carry a given share of its weight, with its forces."""
     program = program_of(on_feet("base", "0", foot * share, foot * (share - 1)), [mass])
     weight = float(program.weight[1])
     return program, np.repeat([(1 - share) * weight / 2, share * weight / 2], 2)
@@ -92,7 +92,7 @@ def test_numbers_are_of_the_parts_and_contacts() -> None:
 
 
 def test_no_force_pulls_and_what_is_not_level_carries_nothing() -> None:
-    """A point that is there twice may push as much as it pulls, and two walls press."""
+    """A point that is listed twice could push as much as it pulls, and two walls could press."""
     program, forces = stands()
     twice = program.taking(np.append(np.arange(4), 0))
     pulls = np.append(forces, -1.0)
@@ -116,7 +116,7 @@ def test_forces_balance_to_the_limit(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_what_carries_is_above_its_limit(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Far points that carry a tenth exactly, and a limit at it: two points are left, on a line."""
+    """With far points that carry exactly the limit of a tenth, two points on a line are left."""
     program = program_of(on_feet("base", "0", 0.1, -1.0), [22 / 9.81])
     forces = np.array([10.0, 10.0, 1.0, 1.0])
     monkeypatch.setattr(level_rest, "CARRIES", 0.1)
@@ -126,7 +126,7 @@ def test_what_carries_is_above_its_limit(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_parts_do_not_bear_one_another_around() -> None:
-    """Each of two stands on the other by half of its points, and on the ground by the rest."""
+    """Each of two blocks stands with half of its points on the other, and else on the ground."""
     points = on_feet("base", "0", 0.5, -0.5) + on_feet("base", "1", 0.5, -0.5)
     points += on_feet("0", "1", 0.5, -0.5) + on_feet("1", "0", 0.5, -0.5)
     program = program_of(points, [1.0, 1.0])
@@ -142,7 +142,7 @@ def test_parts_do_not_bear_one_another_around() -> None:
 def test_no_force_is_within_what_may_be_out_of_balance(
     mass: float, share: float, holds: bool
 ) -> None:
-    """Beside a block that stands well, too. Both balance to the last digit."""
+    """So it is beside a well-supported block. Both balance exactly."""
     program, forces = stands(mass, share)
     assert (wrong_forces(program, all_level(program), forces) == "") == holds
     beside = on_feet("base", "0", share, share - 1) + on_feet("base", "1", 0.5, -0.5)
@@ -154,7 +154,7 @@ def test_no_force_is_within_what_may_be_out_of_balance(
 @pytest.mark.parametrize("mass", [1e-3, 1.0, 1e3])
 @pytest.mark.parametrize(("over", "holds"), [(1.1, True), (0.9, False)])
 def test_points_that_bear_are_on_no_line(mass: float, over: float, holds: bool) -> None:
-    """Two narrow pairs; the spread over the radius, squared, times the share along the axis."""
+    """Two narrow pairs of points: the squared spread over the radius, times the share."""
     radius = np.sqrt(3) / 2
     trace = 1 + (0.4 / radius) ** 2
     half = over * radius * np.sqrt(1e-10 * trace)
@@ -168,10 +168,10 @@ def test_points_that_bear_are_on_no_line(mass: float, over: float, holds: bool) 
 def test_what_a_wide_part_lacks_is_borne_by_the_narrow_one_below(
     mass: float, lacks: float, holds: bool
 ) -> None:
-    """A slab of a hundred lengths on a post: its forces all but balance, as do those of the post.
+    """A slab of a hundred lengths on a post; the forces of both balance within tolerance.
 
-    Made good, they take `lacks` of what the far points of the post carry; with more than all of
-    it the whole tips.
+    The exact correction takes the share `lacks` of the force of the far points of the post; if it
+    takes more than all of it, slab and post tip.
     """
     slab, post = mass, mass * 1e-6
     wide = 140.0
@@ -247,7 +247,7 @@ def test_what_bears_what_is_counted_from_what_is_held() -> None:
 
 
 def test_a_ceiling_may_press_a_little() -> None:
-    """What the block pushes up is no load of it: without that force, too, it stands."""
+    """The force of a block on a ceiling is no load: without this force it also stands."""
     roof: list[Point] = [("base", "0", [0, 0, 1], -Z)]
     program = program_of(on_feet("base", "0", 0.5, -0.5) + roof, [1.0])
     weight = float(program.weight[1])
@@ -258,7 +258,7 @@ def test_a_ceiling_may_press_a_little() -> None:
 
 @pytest.mark.parametrize("side", [1.0, 10.0, 100.0])
 def test_a_torque_is_borne_over_the_size_of_the_part(side: float) -> None:
-    """About y, given: it moves the middle of the forces by the torque over the weight."""
+    """A given torque about y moves the centre of the forces by the torque over the weight."""
     program = program_of(on_feet("base", "1", 0.5, -0.5) + on_feet("base", "0", 0.5, -0.5),
                          [1.0, 1.0], wide=side)  # fmt: skip
     weight = float(program.weight[2])

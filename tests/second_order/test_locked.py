@@ -1,4 +1,4 @@
-"""Figure 9 in space: five shifts are free, the one turn of all four blocks is locked."""
+"""Figure 9 in space: five shifts are free, the common turn of all four blocks is locked."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def test_what_is_locked_is_a_turn_of_all_four_about_the_normals_of_their_walls()
 
 @pytest.mark.parametrize("angle", [-0.01, 0.01])
 def test_the_locked_turn_closes_gaps_in_sum(angle: float) -> None:
-    """Points of one face over the plane of the other, exactly, weighed by the self-stress."""
+    """Exact heights of points of a face over the plane of the other, weighted by self-stress."""
     assembly, problem, faces = asked()
     stress = proved(problem, faces).stress
     contacts = kilter.contacts(assembly)
@@ -117,7 +117,7 @@ def test_what_does_not_lock_is_refused() -> None:
 
 
 def test_in_the_plane_no_proof_is_of_what_is_locked() -> None:
-    """Three unknowns a part: of an even number of parts they could be read as six."""
+    """With three unknowns for each part, two parts could be read as a part in space."""
     flat = kilter.Assembly(figure_9().parts, planar=True)
     rows = len(build_program(flat, kilter.contacts(flat)).kind)
     proof = kilter.check(flat).proof()

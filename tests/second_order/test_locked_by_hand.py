@@ -1,8 +1,8 @@
-"""The judge of what is locked, asked of a plate between two faces: forged proofs and each limit.
+"""The judge of locked turns for a plate between two faces: forged proofs and each limit.
 
-Unknowns are (x, y, z) and the turns about them; the plate is held at pairs of points, from below
-and from above, so that a pair may press by itself. It shifts along x and y; a turn about z is
-neutral, and self-stress locks it by the forms that are given.
+Unknowns are (x, y, z) and the turns about them. The plate is held at pairs of points from below and
+from above, so that a pair may press without a load. It shifts along x and y. A turn about z is
+neutral, and self-stress locks it by the given forms.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from kilter.second_order.second_order_tolerances import ACROSS, BEARS, CURVED
 
 X, Y, Z, TURN = np.eye(6)[[0, 1, 2, 5]]
 JUST = (0.9, 1.1)
-"""Of a limit, on both sides."""
+"""Factors of a limit, on both sides of it [-]."""
 POINTS = ((-1.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 
 
@@ -38,10 +38,10 @@ def word(
     size: float = 1.0,
     at: Any = None,
 ) -> str:
-    """What the judge says, with some of the numbers others; "" where it holds.
+    """The word of the judge, with some numbers replaced; empty if the proof holds.
 
-    Forces and stress of each pair of points, below and above; `at`: where the points are said to
-    be, over the length, if elsewhere.
+    Forces and stress are those of each pair of points, below and above; `at` replaces the places of
+    the points, over the length.
     """
     places = np.array(points, dtype=float)
     below = np.column_stack([np.tile([0.0, 0, 1], (len(places), 1)), places[:, 1], -places[:, 0],
@@ -62,7 +62,7 @@ def word(
 
 
 def test_it_holds_as_it_is() -> None:
-    """Contacts may carry nothing, and self-stress has no size."""
+    """Contacts may be without force, and self-stress has no scale."""
     assert word() == ""
     assert word(size=1e3) == word(size=1e-3) == ""
     assert "every turn" in word(locks=-1.0)
@@ -105,7 +105,7 @@ def test_self_stress_presses_on_every_contact_and_balances(over: float, size: fl
 
 
 def test_limits_themselves() -> None:
-    """Numbers that are exact in binary: out of balance by the limit, and pressing by it."""
+    """Numbers that are exact in binary: an imbalance and a stress at their limits."""
     limit = 2.0**-20
     assert word(forces=np.repeat([0.25 + limit / 4, 0.0], 4), blur=limit) == ""
     uneven = np.repeat([1.0, 1.0 - limit / 4], 4)
@@ -117,7 +117,7 @@ def test_limits_themselves() -> None:
 
 @pytest.mark.parametrize("lever", [0.3, 0.01])
 def test_self_stress_at_short_levers_presses_by_rounding(lever: float) -> None:
-    """Two pairs on a line hold no turn about it; the third hardly presses."""
+    """Two pairs on a line hold no turn about it, and the third presses too little."""
     three = ((-1.0, 0.0), (1.0, 0.0), (0.0, lever))
     for press, holds in ((2e-8, False), (1e-3, True)):
         if press * lever > 3e-9 and not holds:

@@ -1,7 +1,7 @@
-"""The judge of a minimum, asked of problems of a few numbers: forged proofs and each limit.
+"""The judge of a minimum for problems of a few numbers: forged proofs and each limit.
 
 Unknowns are x, y (neutral), g (free) and the height z, which carries the weight. The energy curves
-by a matrix over (x, y, g); another contact, which carries nothing, may open along x or y.
+by a matrix over (x, y, g). Another contact without force may open along x or y.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from kilter.second_order.second_order_tolerances import ACROSS, BEARS, CURVED, L
 X, Y, G, Z = np.eye(4)
 XY = np.column_stack([X, Y])
 JUST = (0.9, 1.1)
-"""Of a limit, on both sides."""
+"""Factors of a limit, on both sides of it [-]."""
 BOWL = ((2.0, 0, 0), (0, 3.0, 0), (0, 0, 0))
 SADDLE = ((1.0, 0, 0), (0, -1.0, 0), (0, 0, 0))
 
@@ -48,7 +48,7 @@ def word(
     blur: float = 1e-9,
     slips: Any = None,
 ) -> str:
-    """What the judge says, with some of the numbers others; "" where it holds."""
+    """The word of the judge, with some numbers replaced; empty if the proof holds."""
     every = np.array([*rows, *others], dtype=float)
     form = np.zeros((len(every), 12, 12))
     form[0, :3, :3] = -np.array(curvature, dtype=float)
@@ -134,7 +134,7 @@ def test_a_side_is_the_row_of_a_contact_that_carries_nothing() -> None:
 
 @pytest.mark.parametrize("over", JUST)
 def test_a_contact_that_all_but_opens_nothing_is_no_side(over: float) -> None:
-    """Rounding has any direction: with y >= 0 and -y >= 0 for sides anything would be a minimum."""
+    """Rounding has any direction: with sides y >= 0 and -y >= 0 every state would be a minimum."""
     rounding = over * ACROSS * Y
     found = word(
         curvature=SADDLE,
@@ -187,7 +187,7 @@ def test_cones_are_a_tree_with_one_leaf_each() -> None:
 
 
 def test_beside_sides_both_halves_are_asked() -> None:
-    """Sides are not the same seen from the other end."""
+    """Sides distinguish a motion from its opposite."""
     none = np.zeros((3, 3))
     wall = {"others": (X,), "sides": (X[:2],)}
     assert "left over" in word(**wall, splits=(None, None), leaves=[none] * 2)
@@ -285,7 +285,7 @@ def test_all_of_the_forces_are_numbers() -> None:
 def test_what_carries_less_than_may_be_out_of_balance_leaves_its_motions(
     over: float, weight: float, blur: float
 ) -> None:
-    """A wall of tilted normal that carries nothing would else take away what it lets go."""
+    """A tilted wall without force would otherwise remove motions that it admits."""
     wall = (X + Y + G) / np.sqrt(3)
     own = over * BEARS * blur * weight
     given = {
@@ -302,7 +302,7 @@ def test_what_carries_less_than_may_be_out_of_balance_leaves_its_motions(
 
 
 def test_forces_beside_which_the_load_is_rounding_balance_nothing() -> None:
-    """A self-stress of any size is no excuse: another contact would count as it likes."""
+    """A self-stress of any size does not hide an imbalance, which could make a contact count."""
     walls = {"others": (G, -G), "free": np.zeros((4, 0))}
     assert "do not balance" in word(**walls, forces=[3.0, 1e12, 1e12])
     assert word(**walls, forces=[1.0, 1e6, 1e6]) == ""
@@ -311,7 +311,7 @@ def test_forces_beside_which_the_load_is_rounding_balance_nothing() -> None:
 @pytest.mark.parametrize("lever", [0.1, 0.01, 1e-4])
 @pytest.mark.parametrize("over", JUST)
 def test_forces_at_short_levers_carry_by_rounding(lever: float, over: float) -> None:
-    """A second contact would keep x closed, by a torque that is lost in what is out of balance."""
+    """A second contact would keep x closed by a torque that is lost in the imbalance."""
     bowl = ((-1.0, 0, 0), (0, 3.0, 0), (0, 0, 0))
     far = over * 2e-9 / lever  # four unknowns may each be out of balance by 1e-9
     found = word(
@@ -327,7 +327,7 @@ def test_forces_at_short_levers_carry_by_rounding(lever: float, over: float) -> 
 
 @pytest.mark.parametrize("over", JUST)
 def test_a_corner_that_carries_neither_turns_nor_slips_where_it_is_flush(over: float) -> None:
-    """Its gap has another form where it slips off its edge: by what is neutral, or free."""
+    """Its gap has another form if a neutral or free motion makes it slip off its edge."""
 
     def slips(turn: int, slip: int, row: int = 0) -> Any:
         both = np.zeros((2, 4, 12))
@@ -348,7 +348,7 @@ def test_a_corner_that_carries_neither_turns_nor_slips_where_it_is_flush(over: f
 def test_what_a_basis_opens_a_little_curves_nothing(
     tilt: float, curves: float, holds: bool
 ) -> None:
-    """Between two walls y is no motion, however much it would curve the energy with x."""
+    """Between two walls y is no motion, however strongly it would curve the energy with x."""
     tilted = (X + tilt * Y)[:, None]
     form = ((curves, 1.0, 0), (1.0, 0, 0), (0, 0, 0))
     found = word(curvature=form, rows=(Z, Y, -Y), forces=(1, 1, 1), basis=tilted)

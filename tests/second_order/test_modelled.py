@@ -1,4 +1,4 @@
-"""Which contacts second order knows: rims of flat faces, and nothing that is left open."""
+"""Contacts that second order models: rims of flat faces, and no open pairs."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ def test_what_is_possible_out_of_the_plane_of_a_face_is_not_its_rim() -> None:
 
 
 def test_each_face_of_a_pair_has_its_own_rim() -> None:
-    """A can that touches one part above and below, and another can."""
+    """A can that touches the same part above and below, and another can."""
     corners, faces = surface(Box([2, 2, 1]))
     both = np.vstack([corners, corners + 2 * np.eye(3)[2]])
     frame = Part("frame", Mesh(both, np.vstack([faces, faces + 8])), Pose([9, 0, 2.5]), True)
@@ -126,7 +126,7 @@ def test_pairs_left_open_for_another_reason_than_their_edges_are_not_known() -> 
 
 
 def refused(assembly: Assembly, of: Assembly) -> tuple[str, ...]:
-    """Why what is proved of one assembly is not proved of another; it says nothing of itself."""
+    """The reasons against the proof of an assembly for another, which has no answer of its own."""
     verdict = kilter.check(assembly)
     second, proof = verdict.second_order, verdict.proof()
     assert second is not None
@@ -160,7 +160,7 @@ def test_of_joints_bonds_and_loads_nothing_is_said_or_proved(
 
 
 def test_a_weight_above_the_centre_may_tip_what_is_a_minimum_without_it() -> None:
-    """The ball in a bowl turns about its centre; the load then has gone down."""
+    """The ball in a bowl turns about its centre, and so its load comes down."""
     bowl = next(case for case in CASES if case.number == "03").build(0.0)
     center = bowl.geometry.center[1]
     above = replace(bowl, loads=[Load("b", DOWN, point=center + DOWN / -1e4)])

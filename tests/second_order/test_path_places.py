@@ -1,4 +1,4 @@
-"""Places along which what is balanced falls: exact, apart, and lower each than the one before."""
+"""The fall of balanced assemblies: each configuration is apart and lower than the last."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def path_of(assembly: Assembly, work: Work | None = None) -> tuple[SecondOrder, 
 @pytest.mark.slow
 @pytest.mark.parametrize("scale", [1.0, 1e-3, 1e3])
 def test_a_ball_slides_down_a_ball(scale: float) -> None:
-    """Its centre stays on a sphere about that of the other: E = m g (R + r)(cos a - 1)."""
+    """Its centre stays on a sphere about the other centre: E = m g (R + r)(cos a - 1)."""
     _, path = path_of(balls(scale))
     centre = path.motions[:, 1, :3] / scale + np.array([0, 0, 1.5])
     angle = np.arctan2(np.linalg.norm(centre[:, :2], axis=1), centre[:, 2])
@@ -74,7 +74,7 @@ def test_a_log_slides_down_a_log_until_it_leaves_it() -> None:
 
 
 def corners(assembly: Assembly, part: int, motion: Array) -> Array:
-    """Of a part where it is now."""
+    """The corners of a displaced part."""
     geometry = assembly.geometry
     points = np.unique(geometry.corners_of(part).reshape(-1, 3), axis=0) - geometry.center[part]
     return Rotation.from_rotvec(motion[3:]).apply(points) + geometry.center[part] + motion[:3]
@@ -85,14 +85,14 @@ def corners(assembly: Assembly, part: int, motion: Array) -> Array:
     "name", [TURNED[0], *(pytest.param(one, marks=pytest.mark.slow) for one in TURNED[1:])]
 )
 def test_blocks_of_the_figures_twist_and_sink(name: str) -> None:
-    """Apart from each triangle of the wall, and each other; near rest by separating planes too."""
+    """They are apart from each triangle of the wall and from each other."""
     assembly = scene(name)
     found, path = path_of(assembly)
     program = found.program
     assert program is not None
     gaps = [least_gap(assembly, program, motion) for motion in path.motions[1:6]]
     np.testing.assert_allclose(gaps, path.apart[:5], rtol=1e-6, atol=1e-12)
-    assert path.apart.max() < 1e-3  # they keep touching, as far as one can see
+    assert path.apart.max() < 1e-3  # they stay in contact, up to gaps too small to see
     held, (one, other) = int(np.flatnonzero(~program.free)[0]), np.flatnonzero(program.free)
     for motion in path.motions[-1:2:-6]:
         first, second = (corners(assembly, k, motion[k]) for k in (one, other))
@@ -137,7 +137,7 @@ def test_a_box_tips_over_the_edge_of_its_table() -> None:
 
 @pytest.mark.slow
 def test_balls_between_walls_fall_along_them() -> None:
-    """No place opens a wall: their centres stay half way between, and they never turn."""
+    """No configuration opens a wall: their centres stay half way between, and they never turn."""
     walls = [Part(f"wall {x}", Box([1, 10, 10]), Pose([x, 0, 5]), grounded=True) for x in (-1, 1)]
     floor = Part("floor", Box([10, 10, 1]), Pose([0, 0, -0.5]), grounded=True)
     upright = [Part(f"ball {k}", Sphere(0.5), Pose([0, 0, 0.5 + k]), mass=1.0) for k in range(2)]
@@ -174,7 +174,7 @@ def test_clusters_fall_at_once_each_as_it_does_alone() -> None:
 
 
 def followed(seed: int) -> float | None:
-    """How far a random one falls [width of the part], no place overlapping; None if it does not."""
+    """Length of the fall of a random assembly without overlaps [width of the part], or None."""
     assembly = random_balance(seed)
     verdict = kilter.check(assembly)
     if verdict.second_order is None or verdict.second_order.state != "balanced":

@@ -1,8 +1,8 @@
-"""The judge of paths that lead down, asked of problems of a few numbers: forged paths, each limit.
+"""The judge of paths that lead down for problems of a few numbers: forged paths, each limit.
 
 Unknowns are x and y (neutral) and the height z, which carries the weight 1. The gap opens by
 
-    z + H x^2 / 2,      H < 0 in a bowl, whose place is a minimum, and H > 0 on a ball
+    z + H x^2 / 2,      H < 0 in a bowl (a minimum), and H > 0 on a ball
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from kilter.second_order.second_order_tolerances import (
 
 X, Y, Z = np.eye(3)
 JUST = (0.9, 1.1)
-"""Of a limit, on both sides."""
+"""Factors of a limit, on both sides of it [-]."""
 BOWL, BALL = -1.0, 1.0
 
 
@@ -41,7 +41,7 @@ def path(
     turns: Any = (),
     slips: Any = None,
 ) -> Path:
-    """What the judge makes of a path."""
+    """The judged path of given derivatives."""
     rows = np.array([Z, *others], dtype=float)
     form = np.zeros((len(rows), 12, 12))
     form[0, 0, 0] = bends
@@ -100,7 +100,7 @@ def test_what_it_enters_at_once_is_rounding_of_the_data_however_much_it_opens(
 @pytest.mark.parametrize("lift", [1.01 * DROPS, 1e-7, 1e-6, 1e-5])
 @pytest.mark.parametrize("drop", [0.1, 1.0, 100.0])
 def test_a_lift_by_next_to_nothing_lets_nothing_fall_in_a_bowl(lift: float, drop: float) -> None:
-    """The gap opens to first order, for a moment: then the second derivative closes it again."""
+    """The gap opens to first order for a moment, then the second derivative closes it."""
     first = (X + lift * Z) / np.hypot(1, lift)
     assert not path(first, -drop * Z, bends=BOWL).falls
 
@@ -124,7 +124,7 @@ def test_what_opens_at_once_stays_open_far_beyond_where_the_path_begins_to_fall(
 def test_second_derivatives_are_those_of_a_path_and_more_than_the_blur_of_the_data(
     over: float,
 ) -> None:
-    """Far enough along what is neutral, rounding of the rows would open anything."""
+    """Far enough along a neutral motion, the rounding of the rows would open any gap."""
     most = REACHES[-1] * np.sqrt(3) * (1 + over * ACROSS)
     assert path(X, -0.5 * Z + np.sqrt(most**2 - 0.25) * Y).falls == (over < 1)
     blurred = path(X, -0.5 * Z + 100 * Y, blur=over * 0.5 / 100)

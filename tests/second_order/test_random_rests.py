@@ -1,4 +1,4 @@
-"""Random assemblies at rest: their states beside a descent of the energy (`rest_energy.py`)."""
+"""Random assemblies at rest: their states agree with a descent of the energy."""
 
 from __future__ import annotations
 

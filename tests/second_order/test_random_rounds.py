@@ -21,7 +21,7 @@ def test_minima_rise_and_balanced_ones_fall() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seeds", [(4, 5), (6, 4)])
 def test_clusters_rise_and_fall_as_their_energy_does_together(seeds: tuple[int, int]) -> None:
-    """Both are asked as one problem, and directly; and each by itself."""
+    """Two clusters as one problem, by direct minimisation, and each alone."""
     made = [random_round(seed) for seed in seeds]
     together = beside(*made)
     alone = [decided(one)[0].state for one in made]

@@ -1,4 +1,4 @@
-"""A true proof of each kind, and each of its entries damaged: refused, for the reason meant."""
+"""A true proof of each kind holds; with a damaged entry it is rejected for the right reason."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def test_a_true_proof_holds(kind: str) -> None:
 
 
 def changed(data: dict[str, Any], where: str, value: Any) -> dict[str, Any]:
-    """An entry exchanged, or made from what it is; "clusters.0.state" is one within."""
+    """The data with an entry replaced or computed from the old; "clusters.0.state" is nested."""
     other = at = copy.deepcopy(data)
     *keys, last = (int(key) if key.isdigit() else key for key in where.split("."))
     for key in keys:
@@ -46,7 +46,7 @@ def changed(data: dict[str, Any], where: str, value: Any) -> dict[str, Any]:
 
 
 def scaled(by: float) -> Callable[[Any], Any]:
-    """A motion, or numbers, times a factor."""
+    """A function that multiplies a motion or numbers by a factor."""
 
     def made(old: Any) -> Any:
         if isinstance(old, dict):
@@ -196,7 +196,7 @@ def test_a_proof_of_another_kind_is_refused(
 
 
 def proof_of_the_middle(assembly: Assembly) -> dict[str, Any]:
-    """A minimum with the surfaces as they were recognised, whatever their doubt."""
+    """The proof of a minimum with the surfaces as recognised, without their doubt."""
     contacts = kilter.contacts(assembly)
     program = build_program(assembly, contacts).frictionless
     features = features_of(program, contacts, recognised=True)
@@ -305,7 +305,7 @@ def test_they_do_not_turn_as_one() -> None:
 
 
 def down_a_ball(step: float, opens: float) -> dict[str, Any]:
-    """A path of the upper ball to the left, its gap opening by so much, and a place on it."""
+    """A path of the upper ball to the left with a given opening of its gap, and a place on it."""
     first = [-0.5, 0, 0, 0, 0, 0]
     second = [0, 0, 0.5 * (opens - 0.5), 0, 0, 0]
     place = step * np.array(first) + step**2 / 2 * np.array(second)

@@ -1,4 +1,4 @@
-"""Surfaces that were recognised in meshes: their states hold for all that a mesh may stand for."""
+"""States with surfaces recognised in meshes hold for all surfaces that a mesh may represent."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def doubt() -> float:
     ],
 )
 def test_near_a_limit_it_is_open(doubts: float, state: str) -> None:
-    """The radius of curvature is known to 4 doubts: up to there it may be on either side."""
+    """The radius of curvature is known within 4 doubts, so within that range the state is open."""
     assert state_of(weeble(doubts * doubt()))[0] == state
 
 
@@ -104,7 +104,7 @@ def test_the_gaps_of_any_surface_within_its_doubt_lie_between_the_bounds(seed: i
 
 
 def test_radii_that_are_nearly_alike_are_open() -> None:
-    """Where the surfaces may not part, the gap has no second derivative."""
+    """If the surfaces may not separate, the gap has no second derivative."""
     cup = mesh_rounds.held(solids.socket(1.004, 2.0, 2.0, -0.1, sides=FINE, rings=FINE // 4))
     nearly = Assembly([as_mesh(one) for one in (cup, ball(1.0, FINE, [0, 0, -0.004]))])
     found, why = state_of(nearly)

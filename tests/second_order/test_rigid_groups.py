@@ -1,4 +1,4 @@
-"""Parts that fixed joints tie are one body to second order."""
+"""Parts that fixed joints tie are a single body to second order."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def second_of(assembly: Assembly) -> SecondOrder:
 
 
 def in_two(assembly: Assembly) -> Assembly:
-    """The free part as two that are tied, with the same mass and centre together."""
+    """The free part as two tied parts with the same total mass and centre."""
     base, body = assembly.parts
     off = np.array([0.3, -0.7, 0.2])
     halves = [
@@ -117,7 +117,7 @@ def test_what_falls_has_a_place_where_the_parts_of_a_group_moved_as_one() -> Non
 
 
 def test_the_program_of_a_group_is_that_of_one_part() -> None:
-    """A box as two halves that are tied, and whole: mass, centre, inertia and loads."""
+    """A box as two tied halves has mass, centre, inertia and loads of the whole box."""
     low = Part("low", Box([1, 2, 1]), Pose([0, 0, 0.5]), mass=1.0)
     high = Part("high", Box([1, 2, 2]), Pose([0, 0, 2]), mass=2.0)
     load = kilter.Load("high", force=[1.0, 2, 3], point=[0.3, 0.1, 2.5])

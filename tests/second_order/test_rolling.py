@@ -1,4 +1,4 @@
-"""What rolls with friction: both sides of each limit, against closed forms; else open."""
+"""Rolling with friction: both sides of each limit against closed forms, otherwise open."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def test_in_space_falling_is_proved_above_a_limit_and_nothing_below(number: str)
 
 @pytest.mark.slow
 def test_a_board_across_a_cylinder_rolls_one_way_in_space_too() -> None:
-    """It is on two points: they may be squeezed along their line, which holds neither less."""
+    """It rests on two points; a squeeze along their line changes neither result."""
     case = rolling_case("R1")
     assert case.limit is not None
     for off, state in ((-OFF, "holds"), (OFF, "falls")):
@@ -77,10 +77,10 @@ def test_a_board_across_a_cylinder_rolls_one_way_in_space_too() -> None:
 
 
 def test_no_squeeze_lets_one_of_two_points_slip() -> None:
-    """Friction (x_1, y_1), (x_2, y_2) within its limits; y_1 + y_2 is all that is known of y.
+    """Friction (x_1, y_1), (x_2, y_2) within its limits; of y only the sum y_1 + y_2 is known.
 
-    Two points of a body have the same velocity along their line. Those that slip have friction
-    against it, at the limit; none of what slips has the same x_1, x_2 and y_1 + y_2.
+    Two points of a body have the same velocity along their line. The friction at a slipping point
+    is at its limit, against the slip. No such friction has the same x_1, x_2 and y_1 + y_2.
     """
     rng = np.random.default_rng(11)
     for _ in range(300):
@@ -98,7 +98,7 @@ def test_no_squeeze_lets_one_of_two_points_slip() -> None:
 
 
 def test_a_hook_falls_over_sideways_in_space() -> None:
-    """Its limit is one of its own plane: across it, it rolls on its wire, a thin one."""
+    """Its limit is for its own plane; across the plane it rolls on its thin wire."""
     case = rolling_case("R8")
     assert case.limit is not None
     assert rolled(case.build(case.limit - 0.1))[1].state == "falls"

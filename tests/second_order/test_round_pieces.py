@@ -1,4 +1,4 @@
-"""Solids of balls and cylinders are held apart exactly: too high on a ball, one is balanced."""
+"""Exact separation of solids of balls and cylinders; such a solid balances high on a ball."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Proofs of second order in proof files: what holds, and that every changed number is refused."""
+"""Proofs of second order in proof files hold, and every changed number is rejected."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Place = tuple[str | int, ...]
 
 
 def numbers(data: Any, place: Place = ()) -> list[Place]:
-    """Where the numbers of a proof are."""
+    """The places of all numbers of a proof."""
     if isinstance(data, dict):
         return [one for key, value in data.items() for one in numbers(value, (*place, key))]
     if isinstance(data, list):
@@ -28,7 +28,7 @@ def numbers(data: Any, place: Place = ()) -> list[Place]:
 
 
 def changed(proof: dict[str, Any], place: Place, by: float) -> dict[str, Any]:
-    """The proof with one number of its second order another, and a digest that fits."""
+    """The proof with a changed number in its second order, and a matching digest."""
     other = copy.deepcopy(proof)
     at = other["second_order"]
     for key in place[:-1]:
@@ -97,7 +97,7 @@ def in_a_hollow(slope: float, count: int) -> kilter.Assembly:
 
 @pytest.mark.slow
 def test_a_small_ball_in_a_hollow_beside_large_blocks_is_not_balanced() -> None:
-    """Beside the size of the blocks its gaps curve much; and far from it there is room below."""
+    """Relative to the blocks its gaps curve strongly, and far from it there is room below."""
     assembly = in_a_hollow(0.01, 5)
     verdict = kilter.check(assembly)
     proof, second = verdict.proof(), verdict.second_order
@@ -165,7 +165,7 @@ def test_a_proof_without_its_parts_is_refused() -> None:
 
 @pytest.mark.parametrize("word", ["nan", "inf", "1.0", True, None])
 def test_words_in_the_place_of_numbers_make_no_ball_on_a_ball_a_minimum(word: Any) -> None:
-    """Two motions are neutral beside the spins: cones of two sides each, whose weights are none."""
+    """Two motions are neutral beside the spins: cones with two sides each, and no valid weights."""
     assembly, proof = proof_of("02")
     bowl = proof_of("03")[1]["second_order"]
     one = [[word, word], [word, word]]
@@ -183,14 +183,14 @@ def test_a_lift_by_next_to_nothing_makes_no_ball_in_a_bowl_balanced() -> None:
 
 
 def with_second_order(proof: dict[str, Any], data: Any) -> dict[str, Any]:
-    """The proof with another second order, and a digest that fits."""
+    """The proof with given data of second order, and a matching digest."""
     other = copy.deepcopy(proof) | {"second_order": data}
     other["digest"] = digest_of(other)
     return other
 
 
 def test_what_falls_counts_no_motions() -> None:
-    """How many motions are neutral needs all forces of equilibrium: a path does not prove it."""
+    """The number of neutral motions depends on all forces of equilibrium, not on a path."""
     assembly, proof = proof_of("02")
     assert kilter.verify(assembly, proof).holds
     for key in ("neutral", "free"):
@@ -227,7 +227,7 @@ def test_only_what_is_balanced_rolls() -> None:
 
 
 def test_cones_that_would_be_too_many_to_look_at_are_not() -> None:
-    """Balls on a table: 24 motions and more are neutral, and have 2^23 orthants."""
+    """Balls on a table: at least 24 motions are neutral, with 2^23 orthants."""
     table = Part("table", Box([20, 20, 1]), Pose([0, 0, -0.5]), grounded=True)
     plate = Part("plate", Box([4, 4, 0.1]), Pose([0, 0, 1.05]))
     at = [(1.5, 0), (-1.5, 0), (0, 1.5), (0, -1.5), (1, 1)]
@@ -244,7 +244,7 @@ def test_cones_that_would_be_too_many_to_look_at_are_not() -> None:
 
 @pytest.mark.parametrize(("mu", "verdict"), [(0.0, "unstable"), (0.5, "stable")])
 def test_of_what_slides_or_only_friction_holds_nothing_is_proved(mu: float, verdict: str) -> None:
-    """A block on a slope: the way along it leads down, which is no balance."""
+    """A block on a slope: the path along the slope leads down, but it is not balanced."""
     floor = Part("floor", Box([20, 20, 1]), Pose([0, 0, -0.5]), grounded=True)
     parts = [floor, Part("block", Box([1, 1, 1]), Pose([0, 0, 0.5]))]
     assembly = Assembly(parts, friction=mu).with_down([0.2, 0, -0.98])

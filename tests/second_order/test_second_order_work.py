@@ -1,4 +1,4 @@
-"""Second order takes a fixed amount of work, and states the questions that it left open."""
+"""Second order takes a fixed amount of work, and names the questions that it leaves open."""
 
 from __future__ import annotations
 

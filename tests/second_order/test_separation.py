@@ -1,4 +1,4 @@
-"""Bodies apart or not: closed forms, and random polyhedra by a linear program."""
+"""Separation of bodies against closed forms, and of random polyhedra against a linear program."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def hull(points: Array) -> Mesh:
 
 
 def disjoint(a: Array, b: Array) -> bool:
-    """Whether no point is in both hulls: a linear program in its weights."""
+    """Whether two hulls have no common point, by a linear program in weights."""
     rows = np.vstack(
         [
             np.hstack([a.T, -b.T]),
@@ -100,7 +100,7 @@ def test_a_point_is_as_far_from_a_box_as_its_nearest_point() -> None:
 
 
 def test_a_block_in_a_notch_that_is_not_convex() -> None:
-    """A U of one mesh: the block within it is apart until it is moved into a wall."""
+    """A U as a mesh: a block inside is apart until it is moved into a wall."""
     profile = np.array([[-2, 0], [2, 0], [2, 3], [1, 3], [1, 1], [-1, 1], [-1, 3], [-2, 3]], float)
     from kilter import Prism
 

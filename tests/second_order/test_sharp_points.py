@@ -1,4 +1,4 @@
-"""Boxes that meet in lines and corners: what has no one normal leaves nothing open that stays."""
+"""Boxes that meet in lines and corners: sharp points leave no stable state open."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ FLOOR = Part("floor", Box([40, 40, 1]), Pose([0, 0, -0.5]), grounded=True)
 
 
 def boxes(nx: int, ny: int, nz: int, *, apart: float = 0.0) -> list[Part]:
-    """Unit boxes in columns and rows, `apart` from one another across."""
+    """Unit boxes in columns and rows at a distance `apart`."""
     return [
         Part(f"{i}-{j}-{k}", Box([1, 1, 1]), Pose([i * (1 + apart), j * (1 + apart), k + 0.5]))
         for k in range(nz)
@@ -55,7 +55,7 @@ def tray(nx: int, ny: int, nz: int) -> list[Part]:
 def test_a_pallet_of_boxes_is_as_free_as_columns_that_stand_apart(
     count: tuple[int, int, int],
 ) -> None:
-    """Each box slides and turns: three motions a box, flush or not."""
+    """Each box slides and turns: three motions for each box, flush or not."""
     found = kilter.check(Assembly([FLOOR, *boxes(*count)]))
     second = found.second_order
     alone = kilter.check(Assembly([FLOOR, *boxes(*count, apart=0.25)])).second_order
@@ -80,7 +80,7 @@ def test_in_a_tray_that_they_fill_nothing_moves(count: tuple[int, int, int]) -> 
 def test_without_a_wall_they_slide_towards_it(
     count: tuple[int, int, int], gone: list[int], each: int
 ) -> None:
-    """Along x or y; without two walls that meet each as it likes."""
+    """Along x or y; without two adjacent walls each box slides on its own."""
     walls = [wall for k, wall in enumerate(tray(*count)) if k not in gone]
     found = kilter.check(Assembly([FLOOR, *walls, *boxes(*count)]))
     second = found.second_order
@@ -107,7 +107,7 @@ def test_listed_backwards_and_turned_it_is_the_same() -> None:
 
 
 def diagonal() -> Assembly:
-    """Two boxes on a floor that touch by one edge each, at x = y = 0."""
+    """Two boxes on a floor that touch by an edge each, at x = y = 0."""
     one = Part("a", Box([1, 1, 1]), Pose([-0.5, -0.5, 0.5]))
     return Assembly([FLOOR, one, Part("b", Box([1, 1, 1]), Pose([0.5, 0.5, 0.5]))])
 
@@ -127,7 +127,7 @@ def damaged(proof: dict[str, Any], **changes: Any) -> dict[str, Any]:
     ],
 )  # fmt: skip
 def test_a_motion_opens_one_of_the_normals(b: list[float], holds: bool) -> None:
-    """X or y, whichever; not neither of them."""
+    """A motion opens x or y; without either it opens none."""
     assembly = diagonal()
     proof = kilter.check(assembly).proof()
     assert kilter.verify(assembly, proof).holds
@@ -195,7 +195,7 @@ def test_what_one_normal_opens_at_all_points_of_a_pair_is_opened() -> None:
 
 
 def test_a_normal_counts_for_a_pair_where_each_of_its_points_has_it() -> None:
-    """Corner on corner, edges on edges, and boxes that meet two others so."""
+    """Corners on corners, edges on edges, and boxes that meet two others in this way."""
     off = Part("off", Box([1, 1, 1]), Pose([-0.5, 1.5, 2.5]))
     program, contacts = program_of(Assembly([FLOOR, *boxes(2, 2, 2), off]))
     rows = np.flatnonzero(program.kind == POSSIBLE)
@@ -228,7 +228,7 @@ def test_a_normal_counts_for_a_pair_where_each_of_its_points_has_it() -> None:
 
 
 def test_one_normal_of_each_pair_is_chosen() -> None:
-    """Of three that one pair has, of one of another; and all of no normal for its whole pair."""
+    """A pair with three normals, a pair with a single normal, and rows without a common normal."""
     points = SharpPoints(
         pair=np.array([-1, 5, 5, 5, 5, 7, 8]),
         along=np.array([-1, 0, 1, 2, 0, 3, -1]),
@@ -244,7 +244,7 @@ def test_one_normal_of_each_pair_is_chosen() -> None:
 
 
 def test_a_box_between_two_corners_goes_between_them() -> None:
-    """Away from both is no way; to one side of each is."""
+    """A motion away from both does not exist; a motion to a side of each does."""
     held = [
         Part(name, Box([1, 1, 1]), Pose([x, y, 0.5]), grounded=True)
         for name, x, y in (("a", 1, 1), ("b", -1, -1))
@@ -260,7 +260,7 @@ def test_a_box_between_two_corners_goes_between_them() -> None:
 
 
 def over_an_edge(*, beside: bool = True) -> list[Part]:
-    """A board whose centre is over the edge of a post, and meets another post by edges."""
+    """A board with its centre over the edge of a post, which meets another post with edges."""
     post = Part("post", Box([1, 2, 2]), Pose([0.5, 0, 1]))
     board = Part("board", Box([2, 2, 0.5]), Pose([1, 0, 2.25]))
     other = Part("other", Box([0.5, 1, 2]), Pose([0.75, -1.5, 1]))
@@ -270,7 +270,7 @@ def over_an_edge(*, beside: bool = True) -> list[Part]:
 @pytest.mark.slow
 @pytest.mark.parametrize("turned", [False, True])
 def test_a_board_over_an_edge_falls_from_among_others(turned: bool) -> None:
-    """As alone; its path parts it from the post that it meets by an edge."""
+    """It falls as it does alone; its path separates it from the post at its edge."""
     parts = over_an_edge()
     assembly = Assembly(parts[::-1] if turned else parts)
     assert any(one.kind == "degenerate" for one in kilter.contacts(assembly).open_pairs)
@@ -284,7 +284,7 @@ def test_a_board_over_an_edge_falls_from_among_others(turned: bool) -> None:
 
 @pytest.mark.parametrize("opens_at_once", [True, False])
 def test_a_path_that_parts_them_later_is_refused(opens_at_once: bool) -> None:
-    """The board tips; the other post goes away with it, or only to second order."""
+    """The board tips, while the other post moves along, or separates only to second order."""
     assembly = Assembly(over_an_edge())
     contacts = kilter.contacts(assembly)
     program = build_program(assembly, contacts).frictionless
@@ -328,7 +328,7 @@ def test_the_post_goes_away_from_the_edge_of_the_board(away: list[float], holds:
 
 
 def test_rows_are_of_such_points_of_what_moves() -> None:
-    """Not of rims, and not between what is held; each edge that is free has two ends."""
+    """Rims and held parts have no such rows; each free edge has two ends."""
     can = Part("can", Cylinder(0.5, 1), Pose([5, 5, 0.5]))
     at = {"a": [-0.5, -0.5], "b": [0.5, 0.5], "c": [1.5, -0.5], "d": [2.5, 0.5]}
     for held, ends in (("", 6), ("a", 6), ("ab", 4), ("ad", 6), ("abc", 2), ("abcd", 0)):

@@ -1,4 +1,4 @@
-"""What would fall if it slid on, and is stopped: a box over the edge of its table."""
+"""Parts that a stop keeps from sliding off and falling: a box over the edge of its table."""
 
 from __future__ import annotations
 
@@ -25,12 +25,13 @@ from kilter.second_order.proofs.stopped import Stopped, judge_stopped, level_con
 from kilter.second_order.searches.stopping_weights import find_stopped
 
 STOP = 0.15
-"""Height of the stop: it also keeps the box from tipping, so that its centre may be twice as high
-(E = STOP t^2 - h t^2 / 2 where it tips by t and stays at the stop)."""
+"""Height of the stop: it also keeps the box from tipping, so its centre may be twice as high
+(E = STOP t^2 - h t^2 / 2 if it tips by t and stays at the stop).
+"""
 
 
 def overhanging(height: float, *, stop: float | None = STOP, slid: float = 0.0) -> Assembly:
-    """A box on a table that ends below its centre of mass, `height` above the table."""
+    """A box on a table that ends below its centre of mass, which is `height` above the table."""
     parts = [
         Part("table", Box([2, 2, 1]), Pose([-1, 0, -0.5]), grounded=True),
         Part("box", Box([2, 1, 1]), Pose([-slid, 0, 0.5]), mass=1.0,
@@ -60,7 +61,7 @@ def test_a_stop_holds_up_to_twice_its_height() -> None:
 
 @pytest.mark.parametrize("height", [-0.4, -0.01, 0.01, 0.4])
 def test_exact_places_of_a_box_over_an_edge_agree(height: float) -> None:
-    """The height of the centre, where the table x <= 0 bears the box, over random places."""
+    """The height of the centre over random places, with the box on the table x <= 0."""
     rng = np.random.default_rng(5)
     bottom = np.array([[x, y, -height] for x, y in ((-1, -0.5), (1, -0.5), (1, 0.5), (-1, 0.5))])
     rises = []
@@ -218,7 +219,7 @@ def test_level_motions_are_across_gravity() -> None:
 
 
 def test_stops_that_leave_a_way_are_no_proof() -> None:
-    """One low stop in the middle: the box turns about it, and comes out at a corner."""
+    """With a low stop in the middle the box turns about it, and a corner slides out."""
     assembly = case_of("24b").build(-0.3)
     table, stops = assembly.contacts[:4], assembly.contacts[4:]
     middle = replace(stops[0], points=[[1, 0, 0]])

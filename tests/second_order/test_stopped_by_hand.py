@@ -1,10 +1,10 @@
-"""The judge of what is stopped, asked of problems of a few numbers on both sides of each limit.
+"""The judge of stops for problems of a few numbers, on both sides of each limit.
 
 Unknowns are x (level), y (a tilt), g (a symmetry) and the height z, which carries the weight. With
 
     K = [[0, COUPLED / 2], [COUPLED / 2, CURVES]] over (x, y),     stop a x + b y,     rise c y
 
-a weight w holds where a w c = COUPLED, and what is left of y is CURVES - b w c.
+a weight w matches if a w c = COUPLED, and the remaining curvature of y is CURVES - b w c.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ COUPLED, CURVES = 6.0, 5.0
 X, Y, G, Z = np.eye(4)
 TWICE = ((0, COUPLED, 0), (COUPLED, 2 * CURVES, 0), (0, 0, 0))
 JUST = (0.9, 1.1)
-"""Of a limit, on both sides."""
+"""Factors of a limit, on both sides of it [-]."""
 
 
 def word(
@@ -40,7 +40,7 @@ def word(
     blur: float = 1e-9,
     slips: Any = None,
 ) -> str:
-    """What the judge says, with some of the numbers others; "" where it holds."""
+    """The word of the judge, with some numbers replaced; empty if the proof holds."""
     rows = np.array([bears, *rises, *stops], dtype=float)
     form = np.zeros((len(rows), 12, 12))
     form[0, :3, :3] = -np.array(curvature, dtype=float)
@@ -75,7 +75,7 @@ def test_forces_are_of_level_contacts_and_balance() -> None:
 @pytest.mark.parametrize("weight", [1.0, 1e3])
 @pytest.mark.parametrize("over", JUST)
 def test_what_carries_less_than_rounding_counts_as_a_rise(over: float, weight: float) -> None:
-    """A second rise that carries takes the tilt away: there is nothing to hold then."""
+    """A second rise with force removes the tilt, so no motion has to be stopped."""
     own = over * BEARS * 1e-9 * weight
     matrix = np.array([[0, 3.0, 0], [3.0, CURVES, 0], [0, 0, 0]]) / weight
     found = word(
@@ -161,7 +161,7 @@ def test_what_is_left_of_the_tilt_curves_upward(over: float) -> None:
 
 @pytest.mark.parametrize("over", JUST)
 def test_stops_and_rises_are_one_to_one(over: float) -> None:
-    """The least weight times what stops and rises take of x and y is more than rounding."""
+    """The least weight times the singular values of stops and rises is above rounding."""
     reach = over * LEVEL * COUPLED
     small = reach / 2
     coupled = ((0, 3.0, 0), (3.0, CURVES, 0), (0, 0, 0))
@@ -202,7 +202,7 @@ def test_a_corner_that_carries_does_not_slip_off_an_edge_of_both_parts(over: flo
 
 
 def test_forces_at_short_levers_carry_by_rounding() -> None:
-    """A second level contact would take the tilt away, by next to no torque."""
+    """A second level contact would remove the tilt by a negligible torque."""
     far, lever = 1.1e-8, 0.01
     found = word(
         rises=(Z + lever * Y, 2 * Y),
