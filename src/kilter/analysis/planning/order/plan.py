@@ -114,7 +114,7 @@ def plan(
     Raises
     ------
     InputError
-        If no part or every part is grounded, the whole does not hold, a name matches no part,
+        If no part or every part is grounded, a name matches no part,
         the precedence has a cycle, no thread joins the parts of a screw, a part is in
         two groups, or the sequence does not name each part exactly once.
 
