@@ -101,7 +101,7 @@ def cell(answer: Verdict | Region | Order, *, height: int = 720, title: str = ""
     if isinstance(answer, Region):
         if len(answer.assemblies) > 1:
             raise InputError(
-                f"the region belongs to {len(answer.assemblies)} assemblies, a page shows only one",
+                f"the region belongs to {len(answer.assemblies)} assemblies, but a page shows one",
                 hint="draw it with kilter.draw(region)",
             )
         page = report(answer.assemblies[0], contacts=answer.contacts[0], title=title)

@@ -160,8 +160,12 @@ ONE_REASON: dict[str, tuple[str, Callable[[Proof], object], str]] = {
         lambda p: p["open_pairs"].append({"parts": ["C1", "C2"], "kind": "overlap"}),
         "its open pairs",
     ),
-    "no part": ("motion", lambda p: p["motion"].pop("C2"), "not one of the free parts"),
-    "held part": ("motion", lambda p: p["motion"].update(C1=[0] * 6), "not one of the free parts"),
+    "no part": ("motion", lambda p: p["motion"].pop("C2"), "does not belong to the free parts"),
+    "held part": (
+        "motion",
+        lambda p: p["motion"].update(C1=[0] * 6),
+        "does not belong to the free parts",
+    ),
     "out of plane": (
         "planar motion",
         in_place("motion", "C2", 1, add=1e-12),
@@ -223,7 +227,7 @@ def test_forces_that_do_not_balance_and_what_else_is_wrong_with_them() -> None:
 
     assert "a contact force pulls" in said("forces", pulls)
     few = said("forces", lambda p: p["forces"].pop())
-    assert "the proof does not have one force per contact point" in few
+    assert "the proof does not have a force for each contact point" in few
     aside = said("forces", lambda p: p["forces"].__setitem__(0, [500.0, 500.0, 500.0]))
     assert "a force leaves its cone: it is not along the normal" in aside
 
@@ -478,9 +482,9 @@ def test_what_seats_it_has_one_force_a_row_of_a_joint() -> None:
     def more(proof: Proof) -> None:
         proof["friction"]["seated"]["joints"].append(1.0)
 
-    assert "seated: the proof does not have one force per row of a joint" in said("slope", more)
+    assert "seated: the proof does not have a force for each row of a joint" in said("slope", more)
 
 
 def test_a_proof_with_friction_has_one_force_a_contact_point_too() -> None:
     few = said("slope", lambda proof: proof["forces"].pop())
-    assert "the proof does not have one force per contact point" in few
+    assert "the proof does not have a force for each contact point" in few

@@ -45,7 +45,7 @@ def test_separate_bodies_of_a_nameless_file_are_one_part(write, obj_box) -> None
     path = write("w/a.obj", obj_box() + obj_box(1, (5, 0, 0), 9))
     assembly = load(path.parent)
     assert assembly.names == ("a",)
-    assert assembly.notes == ("a.obj: 2 separate bodies, read as one part",)
+    assert assembly.notes == ("a.obj: 2 separate bodies, read as a single part",)
 
 
 def test_files_of_other_kinds_are_named_in_a_note(write, obj_box) -> None:

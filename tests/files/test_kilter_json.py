@@ -339,7 +339,7 @@ def test_several_objects_of_a_mesh_file_are_one_part(write, obj_box) -> None:
     write("two.obj", "o a\n" + obj_box() + "o b\n" + obj_box(1, (3, 0, 0), 9))
     assembly = load(write("a.json", {"kilter": 1, "parts": [{"name": "P", "mesh": "two.obj"}]}))
     assert assembly.geometry.volume == pytest.approx([2])
-    assert assembly.notes == ("mesh 'two.obj' holds 2 objects, read as one part",)
+    assert assembly.notes == ("mesh 'two.obj' holds 2 objects, read as a single part",)
 
 
 # writing -------------------------------------------------------------------------------

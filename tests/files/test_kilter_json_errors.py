@@ -144,7 +144,7 @@ FEATURE = [
     ([{"kind": "face", "curvature": "round"}, FACE], 'feature[0].curvature is "round"; give a num'),
     ([{**FACE, "along": [1, 0, 0], "curvature": [0, 1, 2]}, FACE], "curvature is a list; give a n"),
     ([{"kind": "vertex", "curvature": 1}, FACE], "a vertex has a curvature or a direction"),
-    ([{**FACE, "axis": [0, 0, 1]}, FACE], "has only one of point and axis"),
+    ([{**FACE, "axis": [0, 0, 1]}, FACE], "has a point or an axis, but not both"),
     ([{**FACE, "along": [0, 0, 1]}, FACE], "is not across its normal"),
 ]
 
@@ -179,7 +179,7 @@ TEXT = [
     (b" \n", "the file is empty"),
     (b'{"kilter": 1, "parts": "\xff"}', "not UTF-8 at byte 24; save it as UTF-8"),
     ('{"kilter": 1}'.encode("utf-16"), "not UTF-8 at byte 0"),
-    (b'{"kilter": 1, "kilter": 1}', "duplicate key 'kilter' in an object; keep one of them"),
+    (b'{"kilter": 1, "kilter": 1}', "duplicate key 'kilter' in an object; keep a single value"),
     (b'{"kilter": 1, "parts": [{"name": "C1", "box": [1,1,NaN]}]}', "part 'C1': box[2] is NaN; give"),
     (b'{"kilter": 1, "parts": [{"name": "C1", "box": [1,1,1e999]}]}', "box[2] is Infinity; give"),
     (b'{"kilter": 1, "parts": [{"name": "C1", "mass": -Infinity}]}', "mass is -Infinity"),

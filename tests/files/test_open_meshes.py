@@ -111,7 +111,7 @@ def test_a_held_open_mesh_holds() -> None:
     """The hole is far from all contacts: the verdict is that of the closed mesh."""
     assembly = on(Part("base", without_face_at(SIDE), grounded=True))
     (warning,) = assembly.geometry.warnings
-    assert warning.startswith("part 'base': the mesh is open: 3 edges have a face on one side only")
+    assert warning.startswith("part 'base': the mesh is open: 3 edges have a face on a single side")
     assert warning.endswith("a held part needs no closed mesh")
     found = check(assembly)
     assert found.verdict == "stable"

@@ -111,7 +111,7 @@ def test_a_large_wall_does_not_wait() -> None:
     second = kilter.check(Assembly([*wall.parts, ball])).second_order
     assert second is not None
     assert second.state == "open"
-    assert "free parts touch one another" in second.why
+    assert "free parts touch each other" in second.why
 
 
 def test_a_proof_in_an_answer_is_judged_again() -> None:

@@ -62,7 +62,7 @@ def test_a_viewer_without_programs_gets_a_figure() -> None:
 
 def test_what_cannot_be_shown_is_told() -> None:
     towers = [scene("tower"), scene("tower")]
-    with pytest.raises(InputError, match=r"belongs to 2 assemblies, a page shows only one"):
+    with pytest.raises(InputError, match=r"belongs to 2 assemblies, but a page shows one"):
         kilter.common_region(towers).show()
     with pytest.raises(InputError, match="the height is 'tall'; give a whole number of pixels"):
         cell(kilter.check(scene("tower")), height="tall")  # type: ignore[arg-type]

@@ -171,7 +171,7 @@ class Assembly:
             times = Counter(pairs)
             both = next(pair for pair in pairs if times[pair] > 1)
             raise InputError(
-                f"two friction pairs name {some_names(sorted(both))}", hint="remove one of them"
+                f"two friction pairs name {some_names(sorted(both))}", hint="remove a pair"
             )
 
     def _validate_load(self, load: Load) -> None:
@@ -439,9 +439,9 @@ class Assembly:
         raise InputError(
             f"nothing is held; the parts are {some_names(self.names, 8)}, the lowest is {lowest!r}",
             file=self.source or None,
-            hint=f"hold one with assembly.with_grounded({lowest!r}), or put a table under them "
+            hint=f"hold a part with assembly.with_grounded({lowest!r}), or put a table under them "
             "with assembly.with_floor()",
-            option=f"hold one with --ground {lowest!r}, or put a table under them with --floor",
+            option=f"hold a part with --ground {lowest!r}, or put a table under them with --floor",
         )
 
     def _replace(self, **changes: Any) -> Assembly:
@@ -497,9 +497,11 @@ def require_assembly(value: object, verb: str) -> None:
             f"{verb} needs an assembly, got a path",
             hint=f"read it: kilter.load({os.fspath(value)!r:.60})",
         )
-    hint = "make one: kilter.Assembly([kilter.Part(...), ...]), or kilter.load(path or object)"
+    hint = (
+        "make an assembly: kilter.Assembly([kilter.Part(...), ...]), or kilter.load(path or object)"
+    )
     if hasattr(value, "vertices") and hasattr(value, "faces"):
         hint = "convert it: kilter.load(mesh)"
     elif isinstance(value, Part):
-        hint = "put it into one: kilter.Assembly([part, ...])"
+        hint = "put it into an assembly: kilter.Assembly([part, ...])"
     raise InputError(f"{verb} needs an assembly, got {type(value).__name__}", hint=hint)

@@ -92,7 +92,8 @@ class AssemblyArrays:
         gravity = _array(self.gravity, np.float64, (-1,) if np.ndim(self.gravity) == 1 else (-1, 3))
         if gravity.shape not in ((3,), (len(self), 3)):
             raise InputError(
-                "gravity is not a vector", hint="give one vector, or one per assembly, in m/s^2"
+                "gravity is not a vector",
+                hint="give a vector, or a vector for each assembly, in m/s^2",
             )
         self._set("gravity", np.broadcast_to(gravity, (len(self), 3)).copy())
         if self.density is not None:

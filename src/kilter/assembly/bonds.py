@@ -202,7 +202,7 @@ def require_apart(bonds: tuple[Bond, ...]) -> None:
             names = " and ".join(repr(name) for name in bond.parts)
             raise InputError(
                 f"two bonds act at all contacts of {names}",
-                hint="remove one of them, or give the points of each",
+                hint="remove a bond, or give the points of each",
             )
         if bond.points is None:
             seen.add(pair)

@@ -85,7 +85,7 @@ class Feature:
         """Verify and set the axis of revolution."""
         if (self.point is None) != (self.axis is None):
             raise InputError(
-                f"the feature {self.kind!r} has only one of point and axis",
+                f"the feature {self.kind!r} has a point or an axis, but not both",
                 hint='give both "point" and "axis", or neither',
             )
         if self.axis is None:

@@ -146,7 +146,7 @@ def _area(corners: Array) -> float:
 def _open_mesh_warning(part: Part, closure: MeshSurface, edges: Index) -> str:
     """The warning for an open mesh; raises `InputError` if the part needs a closed mesh."""
     place = closure.vertices[edges[0, 0]]
-    what = f"the mesh is open: {len(edges)} edges have a face on one side only, the first at "
+    what = f"the mesh is open: {len(edges)} edges have a face on a single side, the first at "
     what += f"({place[0]:.6g}, {place[1]:.6g}, {place[2]:.6g})"
     if part.grounded:
         return f"part {part.name!r}: {what}; a held part needs no closed mesh"

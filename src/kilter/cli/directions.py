@@ -70,7 +70,7 @@ def region(
     asked: Asked,
     files: Annotated[
         list[str],
-        typer.Argument(metavar="FILE...", help="One assembly; several with --common."),
+        typer.Argument(metavar="FILE...", help="An assembly; several with --common."),
     ],
     common: Annotated[
         bool,
@@ -106,7 +106,9 @@ def region(
             "--rests is not possible with --common", hint="run it for each file by itself"
         )
     if len(files) > 1 and not common:
-        raise InputError(f"{len(files)} files are given", hint="add --common, or give one")
+        raise InputError(
+            f"{len(files)} files are given", hint="add --common, or give a single file"
+        )
     tolerance = asked.tolerance
     with Progress(asked.quiet) as progress:
         given = [asked.of_file(file).read(progress) for file in files]

@@ -42,7 +42,7 @@ def check(
         bool,
         typer.Option(
             "--forces",
-            help="List the contact forces of one equilibrium, the greatest first.",
+            help="List the contact forces of an equilibrium, the greatest first.",
             rich_help_panel=FORM,
         ),
     ] = False,
@@ -74,7 +74,9 @@ def check(
     if len(files) > 1:
         if asked.proof is not None or forces or suggest:
             alone = "--proof" if asked.proof is not None else "--forces and --suggest-joints"
-            raise InputError(f"{len(files)} files are given", hint=f"give one with {alone}")
+            raise InputError(
+                f"{len(files)} files are given", hint=f"give a single file with {alone}"
+            )
         return check_each(asked, files, lambda each: _check_file(each, require, measures)[1])
     asked = asked.of_file(files[0])
     verdict, answer = _check_file(asked, require, measures)

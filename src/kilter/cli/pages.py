@@ -73,7 +73,7 @@ def report(
         )
     if not asked.quiet:
         size = len(page.html.encode("utf-8")) / 1e6
-        words = f"verdict {page.verdict}; {size:.2f} MB in one file that needs no network"
+        words = f"verdict {page.verdict}; {size:.2f} MB in a file that needs no network"
         print(f"{output}: {words}", file=sys.stderr)
     return WRITTEN
 

@@ -90,7 +90,7 @@ class PlanOptions:
         bool,
         typer.Option(
             "--together",
-            help="Parts that block one another may move as a single body if none can leave alone.",
+            help="Parts that block each other may move as a single body if none can leave alone.",
             rich_help_panel=ORDER,
         ),
     ] = False
@@ -109,7 +109,7 @@ class PlanOptions:
         typer.Option(
             "--sequence",
             metavar="FILE",
-            help="Check this order instead of finding one: a name in each line, .csv with a column "
+            help="Check this order without a search: a name in each line, .csv with a column "
             "'part', or .json.",
             rich_help_panel=ORDER,
             show_default=False,

@@ -138,7 +138,7 @@ def _from_rejected(rejected: RejectedPair, size: Array) -> OpenPair | None:
 
 def _from_unsupported(contact: UnsupportedContact) -> OpenPair:
     kind: OpenKind = "free-form" if contact.kind == "curved" else "degenerate"
-    return OpenPair(contact.parts, kind, why=f"{contact.kind} contact without one normal")
+    return OpenPair(contact.parts, kind, why=f"{contact.kind} contact without a definite normal")
 
 
 def rigid_groups(assembly: Assembly) -> Index:

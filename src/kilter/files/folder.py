@@ -111,4 +111,4 @@ def _several_bodies(file: Path, bodies: FileBodies) -> list[str]:
     if bodies.names != (None,) or not isinstance(only, Mesh):
         return []
     count = len(split_bodies(only))
-    return [f"{file.name}: {count} separate bodies, read as one part"] if count > 1 else []
+    return [f"{file.name}: {count} separate bodies, read as a single part"] if count > 1 else []

@@ -126,7 +126,7 @@ def _require_readable(header: Gltf) -> None:
             f"meshes are compressed with {packed[0]}", hint="export without compression"
         )
     if any(buffer.uri is not None for buffer in header.buffers):
-        raise InputError("meshes are in other files", hint="export as one binary GLB")
+        raise InputError("meshes are in other files", hint="export as a binary GLB")
 
 
 def _solids(header: Gltf, binary: bytes) -> tuple[list[tuple[str | None, Mesh]], list[str]]:

@@ -175,7 +175,9 @@ class PartEntry(_Entry):
             Discriminator(_step_kind),
         ]
         | None
-    ) = Field(None, description="a STEP file of one solid, or a file and the name of the solid")
+    ) = Field(
+        None, description="a STEP file with a single solid, or a file and the name of the solid"
+    )
     solid: SolidEntry | None = None
     pose: PoseEntry | None = None
     grounded: Flag = Field(False, description="true: the part is held, it cannot move")

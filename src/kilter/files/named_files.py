@@ -41,7 +41,7 @@ class NamedFiles:
             bodies = self._file("mesh", path, MESHES)
             if len(bodies.shapes) > 1:
                 self.notes.append(
-                    f"mesh {path!r} holds {len(bodies.shapes)} objects, read as one part"
+                    f"mesh {path!r} holds {len(bodies.shapes)} objects, read as a single part"
                 )
             shapes = [shape for shape, _ in bodies.in_units(self.units)]
             self._shapes[key] = join_meshes([shape for shape in shapes if isinstance(shape, Mesh)])
@@ -93,7 +93,7 @@ def _position(names: Sequence[str | None], name: str | None) -> int:
     if name is None and len(known) > 1:
         raise InputError(
             f"it holds {len(known)} solids: {some_names(known)}",
-            hint='name one: {"path": ..., "name": ...}',
+            hint='name a solid: {"path": ..., "name": ...}',
         )
     if name is not None and name not in known:
         near = nearest_name(name, known)

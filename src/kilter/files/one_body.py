@@ -71,7 +71,7 @@ def _manifold(vertices: Array, triangles: Index, pose: Pose) -> object:
     solid = manifold3d.Manifold(mesh)
     if solid.status() != manifold3d.Error.NoError:
         raise InputError(
-            "a mesh among several shapes of one body is not closed",
+            "a mesh among several shapes of a body is not closed",
             hint="close the mesh, or make each shape a body of its own",
         )
     return solid

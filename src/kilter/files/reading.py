@@ -88,7 +88,7 @@ class Reading:
         if self.up is not None and self.up not in UP:
             raise InputError(f"up is {self.up!r:.40}", hint=f"use {', '.join(UP)}")
         if self.up is not None and self.down is not None:
-            raise InputError("up and down are both given", hint="give one of them")
+            raise InputError("up and down are both given", hint="give only up or down")
         if self.contacts is not None and self.contacts not in SOURCES:
             raise InputError(f"contacts are {self.contacts!r:.40}", hint=f"use {_OR.join(SOURCES)}")
 

@@ -50,7 +50,7 @@ def read_step(
         if importlib.util.find_spec("OCP") is None:
             raise InputError(
                 "STEP files need OCCT, which is not installed",
-                hint="pip install 'kilter[step]', or export it as 3MF, or as one STL per part",
+                hint="pip install 'kilter[step]', or export 3MF, or an STL file for each part",
             )
         return read_apart(path, tuple(without), progress or (lambda stage: None))
     except InputError as error:

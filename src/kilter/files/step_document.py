@@ -173,7 +173,7 @@ def _external(reader: Any) -> list[str]:
         if external.GetLoadStatus() != IFSelect_ReturnStatus.IFSelect_RetDone:
             raise InputError(
                 f"it names the file {names[-1]!r}, which cannot be read",
-                hint="put it beside this one, or export all in one file",
+                hint="put it beside this file, or export all in a single file",
             )
     return names
 

@@ -29,7 +29,7 @@ def parse_json(data: bytes) -> Any:
     >>> parse_json(b'{"name": "C1", "mass": 1, "mass": 2}')
     Traceback (most recent call last):
     ...
-    kilter.errors.InputError: part 'C1': duplicate key 'mass' in an object; keep one of them
+    kilter.errors.InputError: part 'C1': duplicate key 'mass' in an object; keep a single value
     """
     try:
         text = data.decode("utf-8-sig")
@@ -60,6 +60,6 @@ def _without_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         raise InputError(
             f"duplicate key {twice!r} in an object",
             part=name if isinstance(name, str) else None,
-            hint="keep one of them",
+            hint="keep a single value",
         )
     return result

@@ -216,11 +216,11 @@ def _given_forces(program: Program, given: Any, joints: Any) -> tuple[Array, Arr
         return (
             zeros,
             np.zeros((len(zeros), 3)),
-            ["the proof does not have one force per contact point"],
+            ["the proof does not have a force for each contact point"],
         )
     forces, friction = program.row_forces(vectors)
     if len(joints) != int((program.kind == JOINT).sum()):
-        return forces, friction, ["the proof does not have one force per row of a joint"]
+        return forces, friction, ["the proof does not have a force for each row of a joint"]
     forces[np.flatnonzero(program.kind == JOINT)] = joints
     tangential = np.linalg.norm(friction[rows], axis=1)
     bond = np.maximum(program.pull[rows], program.tied[rows] * np.linalg.norm(vectors, axis=1))
@@ -297,7 +297,7 @@ def _recheck_friction(
         if law is None:
             return [
                 *reasons,
-                "its motion is not one of the free parts, contacts and joints of the file",
+                "its motion does not belong to the free parts, contacts and joints of the file",
             ], notes
         if not law.holds:
             reasons.append(f"the motion breaks Coulomb's law by {law.residual:.3g}")
@@ -366,7 +366,7 @@ def _recheck_motion(
     """Power of the motion of a proof, and objections."""
     program = build_program(assembly, contacts)
     if set(proof["motion"]) != {n for n, f in zip(program.names, program.free, strict=True) if f}:
-        return float("nan"), ["its motion is not one of the free parts"]
+        return float("nan"), ["its motion does not belong to the free parts"]
     motion = np.zeros((len(program.names), 6))
     for name, six in proof["motion"].items():
         motion[assembly.index[name]] = six

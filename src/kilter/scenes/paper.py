@@ -270,7 +270,7 @@ def figure_10(orientation: str = "a", *, planar: bool = False) -> Assembly:
 )
 @listed(
     "paper-figure-11",
-    "two blocks chamfered 45 degrees in an L: one stable direction",
+    "two blocks chamfered 45 degrees in an L: a single stable direction",
     source="F11(a)",
     answer="unstable",
     planar=True,
@@ -300,7 +300,7 @@ def figure_11(orientation: str = "a", *, planar: bool = False) -> Assembly:
 )
 @listed(
     "paper-figure-12",
-    "two blocks chamfered 60 degrees in an L: one stable direction",
+    "two blocks chamfered 60 degrees in an L: a single stable direction",
     source="F12(a)",
     answer="unstable",
     planar=True,

@@ -97,7 +97,7 @@ def scene(name: str, *, size: tuple[int, int] | None = None) -> Assembly:
     if size is None:
         return build()
     if not {"courses", "per_course"} <= set(inspect.signature(build).parameters):
-        raise InputError(f"{name!r} has only one size", hint="only walls have a size")
+        raise InputError(f"{name!r} has a fixed size", hint="only walls have a size")
     if min(size) < 1:
         raise InputError(f"a wall of size {size}", hint="give whole numbers above 0")
     return build(courses=size[1], per_course=size[0])

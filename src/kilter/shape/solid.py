@@ -141,7 +141,7 @@ class Solid:
             raise InputError(
                 f"a solid has {len(self.triangles)} triangles, but "
                 f"{len(self.triangle_surface)} entries in triangle_surface",
-                hint="give one entry per triangle",
+                hint="give an entry for each triangle",
             )
         if len(self.triangle_surface) and (
             self.triangle_surface.max() >= len(self.surfaces) or self.triangle_surface.min() < -1

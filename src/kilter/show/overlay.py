@@ -205,7 +205,7 @@ def draw_forces(
     dot: dict[str, Any] = {"marker": "o", "markersize": 5.2, "markeredgecolor": PAPER}
     x, y = camera.flat(middle[order]).T
     axes.plot(x, y, linestyle="none", color=FORCE, zorder=5, **dot)
-    words = f"contact forces, one possible set: largest {force(most)}"
+    words = f"contact forces (not unique), largest {force(most)}"
     return [(Line2D([], [], color=FORCE, linewidth=1.9, **dot), words)]
 
 

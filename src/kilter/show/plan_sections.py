@@ -28,7 +28,7 @@ DRAWN = 150
 """The graph is drawn for up to this many steps."""
 PLAYED = (
     "Playing starts no computation: paths, held parts and forces are those of the plan. The forces "
-    "are one possible set, taken from the proof of the step. The turning of a nut is illustration."
+    "are those of the proof of the step, and not unique. The turning of a nut is illustration."
 )
 
 

@@ -70,7 +70,7 @@ def require_level(word: str, *, strict: bool = False) -> str:
         )
     if word not in known:
         raise InputError(
-            "the level 'strict' is available only for the check of one assembly",
+            "the level 'strict' is available only for the check of a single assembly",
             hint="require 'proved'",
             option="give --require proved",
         )

@@ -145,7 +145,7 @@ def _worst_case(worst: Answer | None) -> list[Fact]:
     if not worst["held"]:
         words = "some cases are not held as given"
         if not exact:
-            words = "not proved that all cases are held as given; nor that one of them fails"
+            words = "not proved that all cases are held as given; nor that a case fails"
         words = FAILED if worst["missing"]["held"] == "failed" else words
     elif worst["missing"].get("tilt") == "failed":
         words = f"all cases are held as given; the tilt is {FAILED}"

@@ -71,7 +71,7 @@ def next_step(answer: Answer, name: str, *, bricks: bool = False) -> NextStep | 
         widest = NextStep(("orient",), "finds the direction with the widest margin")
         return HOLD if answer["kind"] == "none" else widest
     if kind == "margin":
-        return NextStep(("report", "-o", f"{name}.html"), "writes all answers to one offline page")
+        return NextStep(("report", "-o", f"{name}.html"), "writes all answers to an offline page")
     if kind == "plan":
         shown = NextStep(("plan", "-o", f"{name}.html"), "writes a page that plays the steps")
         return shown if answer["found"] else None

@@ -247,7 +247,9 @@ def forces_table(answer: Answer) -> Table:
         )
 
     which = "with the least sum of squares" if forces["least"] else "from the proof of the verdict"
-    return Table(f"Contact forces of one equilibrium of many ({which}):", head, patches, row)
+    return Table(
+        f"Contact forces of an equilibrium, which is not unique ({which}):", head, patches, row
+    )
 
 
 def _step_table(answer: Answer) -> Table:
@@ -258,7 +260,7 @@ def _step_table(answer: Answer) -> Table:
         number, step = item
         return str(number), Name(", ".join(step["parts"])), *step_cells(step)
 
-    return Table("Put in, one after the other:", (), numbered, row)
+    return Table("Put in, in this order:", (), numbered, row)
 
 
 def _support_table(answer: Answer) -> Table:

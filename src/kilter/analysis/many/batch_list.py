@@ -52,7 +52,7 @@ def listed_files(source: str | Path) -> tuple[Path, list[str]]:
     if not found:
         hint = "name a file in each line"
         if path.is_dir():
-            hint = "subfolders are not searched; name their files in a list, one in each line"
+            hint = "subfolders are not searched; name their files in a list, a file in each line"
         raise InputError("it contains no assembly", file=str(path), hint=hint)
     return base.resolve(), found
 

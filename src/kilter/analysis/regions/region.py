@@ -423,7 +423,7 @@ def common_region(
     if isinstance(assemblies, Assembly) or not isinstance(assemblies, Sequence):
         raise InputError("common_region wants a list of assemblies", hint="give [one, other, ...]")
     if not assemblies:
-        raise InputError("no assembly is given", hint="give at least one")
+        raise InputError("no assembly is given", hint="give a list that is not empty")
     given = list(contacts) if contacts is not None else [None for _ in assemblies]
     regions = []
     for assembly, own in zip(assemblies, given, strict=True):

@@ -375,7 +375,9 @@ def _open_questions(
         return []
     why = []
     if every.friction:
-        why.append("without friction no orientation is stable, and friction could hold one")
+        why.append(
+            "without friction no orientation is stable, but friction could hold the assembly"
+        )
     if contacts.open_pairs:
         why.append(f"open pairs could hold it: {open_pair_names(assembly, contacts)}")
     return why or ["the polygon in place of a round face could hold it, but the circle might not"]

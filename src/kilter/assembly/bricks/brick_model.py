@@ -74,7 +74,7 @@ class BrickModel(Rows):
         other, line = pairs[k]
         raise InputError(
             f"line {line}: cell ({x}, {y}) is occupied by the brick in line {other}",
-            hint="move one of the two bricks",
+            hint="move either brick",
         )
 
 

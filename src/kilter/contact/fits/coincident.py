@@ -57,7 +57,7 @@ def require_apart(assembly: Assembly, contacts: ContactSet) -> None:
     overlaps = coincident(contacts)
     if not overlaps:
         return
-    more = f", and {len(overlaps) - 1} more pairs lie on one another" if len(overlaps) > 2 else ""
+    more = f", and {len(overlaps) - 1} more pairs coincide" if len(overlaps) > 2 else ""
     if len(overlaps) == 2:
         more = f", and {_describe(contacts, overlaps[1])}"
     reason, hint, option = _cause_and_remedy(contacts, overlaps)
@@ -97,9 +97,9 @@ def _cause_and_remedy(contacts: ContactSet, overlaps: Sequence[Overlap]) -> tupl
         return "the table is too high", how, f"{how}: --floor HEIGHT, or --floor alone"
     if first.why == SAME_BODY and len(overlaps) < MANY:
         return (
-            "a copy or an exploded view, or one file given under two names",
-            f"leave one out with assembly.without({names[1]!r})",
-            f"leave one out with --without {shell_words(names[1:2])}",
+            "a copy or an exploded view, or a file given under two names",
+            f"leave a part out with assembly.without({names[1]!r})",
+            f"leave a part out with --without {shell_words(names[1:2])}",
         )
     join = f"kilter.fastened(assembly, [{names!r}])"
     fasten = f"--fasten {shell_words(names[:2])}"

@@ -174,7 +174,7 @@ def _from_overlap(assembly: Assembly, overlap: Overlap) -> Suggestion:
     unit = assembly.units
     if overlap.why == SAME_BODY:
         option = f"--without {shell_words(parts[1:])}"
-        return Suggestion(parts, "same body", "the same body twice: leave one out", option, None)
+        return Suggestion(parts, "same body", "the same body twice: leave out a copy", option, None)
     why = f"overlap by {overlap.depth:.3g} {unit}"
     if overlap.volume is not None:
         share = overlap.volume / float(assembly.geometry.volume[list(overlap.parts)].min())

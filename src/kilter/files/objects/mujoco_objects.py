@@ -284,7 +284,7 @@ class _Model:
         raise InputError(
             f"it has {len(rows)} joints",
             part=ends[0],
-            hint="give it one hinge, slide, ball or free joint, or a slide along its hinge",
+            hint="give it a single hinge, slide, ball or free joint, or a slide along its hinge",
         )
 
     def _equalities(self, parts: set[str]) -> list[Joint]:

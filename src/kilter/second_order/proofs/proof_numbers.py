@@ -68,7 +68,7 @@ def read_motion(program: Program, named: dict[str, Any]) -> Array:
     """
     free = [program.names[k] for k in np.flatnonzero(program.free)]
     if set(named) != set(free):
-        raise MalformedProof("a motion is not one of the free parts")
+        raise MalformedProof("a motion does not belong to the free parts")
     motion = np.zeros((len(program.names), 6))
     motion[program.free] = np.array([named[name] for name in free], dtype=float).reshape(-1, 6)
     if np.delete(motion, program.freedoms, axis=1).any():

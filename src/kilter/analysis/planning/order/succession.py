@@ -45,7 +45,7 @@ def _require_no_circle(assembly: Assembly, later: list[int]) -> None:
         names = [name for k, name in enumerate(assembly.names) if left >> k & 1]
         raise InputError(
             f"the precedence has a cycle: {some_names(names)}",
-            hint="leave one of the pairs out",
+            hint="leave a pair out",
         )
 
 

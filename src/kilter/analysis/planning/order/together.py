@@ -49,7 +49,9 @@ def units_of_groups(assembly: Assembly, groups: Iterable[str | Iterable[str]]) -
         unit = sum(1 << assembly.index_of(name) for name in names)
         if unit & seen:
             twice = [assembly.names[k] for k in members(unit & seen, len(assembly))]
-            raise InputError(f"{some_names(twice)} is in two groups", hint="name it in one")
+            raise InputError(
+                f"{some_names(twice)} is in two groups", hint="name it in a single group"
+            )
         units.append(unit)
         seen |= unit
     return units + [1 << k for k in np.flatnonzero(~grounded).tolist() if not seen >> k & 1]
