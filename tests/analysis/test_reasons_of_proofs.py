@@ -183,12 +183,12 @@ ONE_REASON: dict[str, tuple[str, Callable[[Proof], object], str]] = {
     "one push": (
         "refuted",
         lambda p: p["friction"]["witness"]["forces"].pop(),
-        "its motion is not one of",
+        "its motion does not belong to",
     ),
     "others move": (
         "refuted",
         lambda p: p["friction"]["witness"]["acceleration"].clear(),
-        "its motion is not one of",
+        "its motion does not belong to",
     ),
     "passed": (
         "refuted",

@@ -325,7 +325,7 @@ def test_a_solid_of_a_file_as_the_shape_of_a_part(tmp_path: Path) -> None:
     assert to_dict(again) == written
     assert again.geometry.inertia.tolist() == assembly.geometry.inertia.tolist()
     for entry, message in (
-        ("two.stp", "part 'B': step 'two.stp': it holds 2 solids: 'peg', 'plate'; name one"),
+        ("two.stp", "part 'B': step 'two.stp': it holds 2 solids: 'peg', 'plate'; name a solid"),
         ({"path": "two.stp", "name": "pge"}, "holds no solid 'pge'; did you mean 'peg'?"),
         ("none.stp", "step 'none.stp': no such file"),
     ):

@@ -143,7 +143,7 @@ def test_what_is_not_counted_is_said() -> None:
                     )
                 )
             ),
-            "part 'b': it has 2 joints; give it one hinge",
+            "part 'b': it has 2 joints; give it a single hinge",
         ),
     ],
 )

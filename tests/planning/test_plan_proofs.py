@@ -181,7 +181,7 @@ CHANGES: list[tuple[str, str, Change]] = [
         "it changes more of the assembly than its parts",
         lambda p: entries(p, "step")[0]["change"].update(mu=5.0),
     ),
-    ("arch", "it is about 'else'", lambda p: entries(p, "step")[0].update(about="else")),
+    ("arch", "of the unknown kind 'else'", lambda p: entries(p, "step")[0].update(about="else")),
     ("no order", "is not proved to fall", lambda p: entries(p, "falls alone")[0]["change"].update(
         without=[])),
     ("no order", "is not proved to fall", lambda p: p["proofs"].pop()),

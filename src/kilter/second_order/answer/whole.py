@@ -207,7 +207,7 @@ class _ClusterSearch:
                 return answer
         most = MOST_PARTS if self.work.allowed <= WORK else MOST_STRICT
         if count > most:
-            return open_answer(f"more than {most} free parts touch one another", program)
+            return open_answer(f"more than {most} free parts touch each other", program)
         self.parts_so_far += count
         if self.parts_so_far > MOST_IN_ALL:
             why = f"more than {MOST_IN_ALL} parts would have to be decided by their gaps"
