@@ -72,7 +72,7 @@ DAMAGES = [
     ("plane", "neutral", 3, OWN),
     ("plane", "free", 3, OWN),
     ("plane", "motion", {"block": [1, 1e-9, 0, 0, 0, 0]}, "leaves the plane"),
-    ("level", "motion", {"block": [0, 1, 0, 0, 0, 0], "floor": [0] * 6}, "belong to the free parts"),
+    ("level", "motion", {"block": [0, 1, 0, 0, 0, 0], "floor": [0] * 6}, "to the free parts"),
     ("level", "state", "minimum", OWN),
     ("level", "neutral", 2, OWN),
     ("level", "free", 2, OWN),
