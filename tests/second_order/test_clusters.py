@@ -129,7 +129,7 @@ def test_what_falls_falls_beside_what_is_not_known() -> None:
     blank = GivenContact(last.parts, last.points, last.normal)
     second = answer(Assembly(known.parts, contacts=[first, blank], detect=False))
     assert second.state == "open"
-    assert "curve" in second.why
+    assert "curvature" in second.why
 
 
 def test_rows_of_the_clusters_are_those_of_the_whole() -> None:
