@@ -124,9 +124,10 @@ def _without_holds(answer: Answer) -> str:
             f"It is proved that with {held} held no order exists, whatever the paths: at some step "
             f"{names} would move."
         )
+    subject = "it" if len(impossible["parts"]) == 1 else "they"
     return (
         "It is proved that with nothing held no order exists, whatever the paths: "
-        f"{names} would fall from the parts on which it can be put."
+        f"{names} would fall from the parts on which {subject} can be put."
     )
 
 
