@@ -134,7 +134,7 @@ def find_remedies(
     if decision.verdict not in ("unstable", "undecided"):
         return ()
     remedies: list[Remedy] = []
-    part = work.fraction_left(1.0 / MOST)
+    share = work.left / MOST
     for change in _changes(assembly, contacts, decision):
         if len(remedies) == MOST or work.late:
             break
@@ -142,9 +142,7 @@ def find_remedies(
             other, touching = change.apply(assembly, contacts)
         except InputError:  # the option is refused, so that it is no remedy
             continue
-        result = decide(
-            other, touching, require=require, work=work.beside(part.allowed), question=False
-        )
+        result = decide(other, touching, require=require, work=work.beside(share), question=False)
         if result.level is None and (
             decision.verdict == result.verdict or result.verdict == "undecided"
         ):

@@ -267,8 +267,12 @@ class Region(InCells):
             "if_joined": None
             if self.joined is None
             else {
-                key: self.joined.to_dict()[key]
-                for key in ("kind", "lines", "rays", "equations", "facets", "half_angle_deg")
+                "kind": self.joined.kind,
+                "lines": self.joined.lines.tolist(),
+                "rays": self.joined.rays.tolist(),
+                "equations": self.joined.equations.tolist(),
+                "facets": self.joined.facets.tolist(),
+                "half_angle_deg": self.joined.half_angle_deg,
             },
             "rests": [rest.to_dict() for rest in self.rests],
             "gap_deg": self.gap_deg,
