@@ -1,0 +1,101 @@
+"""The word of a proof without friction is derived from its second order: balanced or stable."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+import kilter
+from kilter import Assembly, Box, Part, Pose, Sphere
+from kilter.assembly.interactions import FrictionPair
+from kilter.mechanics.proof import digest_of
+from kilter.scenes import scene
+
+
+def ball_on_ball(friction: float) -> Assembly:
+    lower = Part("lower", Sphere(1.0), grounded=True)
+    return Assembly([lower, Part("upper", Sphere(0.5), Pose([0, 0, 1.5]))], friction=friction)
+
+
+def signed_anew(proof: dict[str, Any], **changes: Any) -> dict[str, Any]:
+    """The proof with other entries, signed anew."""
+    changed = {**proof, **changes}
+    changed["digest"] = digest_of(changed)
+    return changed
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.5])
+def test_a_ball_on_a_ball_is_balanced_with_friction_and_without(friction: float) -> None:
+    assembly = ball_on_ball(friction)
+    verdict = kilter.check(assembly)
+    assert (verdict.verdict, verdict.level, verdict.why) == ("balanced", "equilibrium", "balanced")
+    assert (verdict.guarantee, verdict.first_order, verdict.stable) == ("proved", "stable", False)
+    assert (verdict.seated, verdict.tries) == (None, None)
+    assert kilter.check(assembly, require="equilibrium").stable
+    proof = verdict.proof()
+    found = kilter.verify(assembly, proof)
+    assert (found.holds, found.verdict) == (True, "balanced")
+    refused = kilter.verify(assembly, signed_anew(proof, verdict="stable"))
+    assert refused.reasons == ("it states 'stable', but its evidence proves 'balanced'",)
+
+
+def test_a_balanced_proof_with_friction_needs_its_rolling() -> None:
+    assembly = ball_on_ball(0.5)
+    proof = kilter.check(assembly).proof()
+    second = {key: value for key, value in proof["second_order"].items() if key != "rolling"}
+    open_rolling = signed_anew(proof, second_order=second)
+    assert kilter.verify(assembly, open_rolling).reasons == (
+        "it states 'balanced', but its evidence proves 'stable'",
+    )
+    assert kilter.verify(assembly, signed_anew(open_rolling, verdict="stable")).holds
+
+
+@pytest.mark.parametrize("name", ["tower", "paper-figure-9"])
+def test_a_stable_assembly_is_not_balanced(name: str) -> None:
+    assembly = scene(name)
+    proof = kilter.check(assembly).proof()
+    assert kilter.verify(assembly, proof).verdict == "stable"
+    refused = kilter.verify(assembly, signed_anew(proof, verdict="balanced"))
+    assert refused.reasons == ("it states 'balanced', but its evidence proves 'stable'",)
+
+
+def test_forces_without_second_order_are_stable() -> None:
+    assembly = scene("tower")
+    proof = kilter.check(assembly).proof()
+    bare = {key: value for key, value in proof.items() if key != "second_order"}
+    assert kilter.verify(assembly, signed_anew(bare)).holds
+    assert not kilter.verify(assembly, signed_anew(bare, verdict="balanced")).holds
+
+
+def test_second_order_belongs_to_forces_without_friction_only() -> None:
+    second = kilter.check(ball_on_ball(0.0)).proof()["second_order"]
+    for name in ("paper-figure-8", "squeezed-block"):  # a motion; forces by friction
+        assembly = scene(name)
+        proof = kilter.check(assembly, require="equilibrium").proof()
+        assert kilter.verify(assembly, proof).holds
+        refused = kilter.verify(assembly, signed_anew(proof, second_order=second))
+        assert len(refused.reasons) == 1
+        assert "second order" in refused.reasons[0]
+
+
+def test_a_verified_second_order_is_a_note() -> None:
+    assembly = ball_on_ball(0.0)
+    proof = kilter.check(assembly).proof()
+    assert "second order: balanced" in kilter.verify(assembly, proof).notes
+    damaged = kilter.verify(assembly, signed_anew(proof, second_order={"state": "minimum"}))
+    assert not damaged.holds
+    assert not any(note.startswith("second order") for note in damaged.notes)
+
+
+def test_friction_at_some_contacts_leaves_rolling_open() -> None:
+    """A slippery ball beside a rough block: a fall is not proved for rolling, so it is stable."""
+    balls = ball_on_ball(0.0).parts
+    floor = Part("floor", Box([2, 2, 1]), Pose([5, 0, -0.5]), grounded=True)
+    block = Part("block", Box([1, 1, 1]), Pose([5, 0, 0.5]))
+    pair = FrictionPair(("floor", "block"), 0.5)
+    assembly = Assembly([*balls, floor, block], friction_pairs=[pair])
+    verdict = kilter.check(assembly)
+    assert verdict.second_order is not None
+    assert (verdict.verdict, verdict.second_order.state) == ("stable", "balanced")
+    assert kilter.verify(assembly, verdict.proof()).holds
