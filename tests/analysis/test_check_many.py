@@ -145,7 +145,11 @@ def test_thousand_piles_get_the_verdicts_of_check_from_assemblies_and_from_array
     words = [alone(one) for one in given]
     for many in (given, arrays_of(given)):
         found = kilter.check_many(many, proofs=True)
-        assert found.verdict.tolist() == words
+        for k, (word, expected) in enumerate(zip(found.verdict.tolist(), words, strict=True)):
+            # boxes and meshes list their corners in different orders: one order may leave second
+            # order open, which makes "balanced" a "stable"
+            assert word == expected or {word, expected} == {"stable", "balanced"}, k
+            assert word == expected or alone(many[k]) == word, k
         require_proved(found)
 
 

@@ -41,12 +41,12 @@ def test_o1_harmonic_stack_just_balances(count, scale, word):
 
 @pytest.mark.slow
 def test_o2_three_blocks_balance_and_moved_by_a_thousandth_do_not():
-    assert judged(stacks.three_block_overhang()).verdict == "stable"
+    assert judged(stacks.three_block_overhang()).verdict == "balanced"
     assert judged(stacks.three_block_overhang(1e-3)).verdict == "unstable"
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("rows", "word"), [(2, "stable"), *((k, "unstable") for k in (3, 4, 5))])
+@pytest.mark.parametrize(("rows", "word"), [(2, "balanced"), *((k, "unstable") for k in (3, 4, 5))])
 def test_o3_inverted_triangle(rows, word):
     assert judged(stacks.inverted_triangle(rows)).verdict == word
 

@@ -88,7 +88,7 @@ def test_a_bond_on_the_command_line_is_kept_in_the_proof(tmp_path, capsys, monke
         assert main(["verify", "a.kilter.json", f"{pull}.json"]) == 0
     capsys.readouterr()
     assert main(["margin", *words]) == 0
-    assert "of their strength is needed; arm-1 on post gives way first" in capsys.readouterr().out
+    assert "times their strength is needed; arm-1 on post fails first" in capsys.readouterr().out
     for wrong, why in (
         (["--bond", "arm*", "post"], "--bond needs two names and newtons"),
         (["--bond", "arm*", "post", "much"], "give two names and newtons"),

@@ -137,7 +137,7 @@ def test_the_greatest_force_is_one_number_everywhere(
     verdict = kilter.check(arch, effort=0)
     phrase = forces_phrase(verdict.to_dict()["forces"])
     assert phrase is not None
-    number = re.match(r"up to ([\d.]+ kN),", phrase)
+    number = re.match(r"up to ([\d.]+ kN) ", phrase)
     assert number is not None
     monkeypatch.setattr(module, "MAP_PARTS", 0)
     assert f'"force_words":"{phrase}"' in kilter.report(arch, effort=0).html

@@ -41,7 +41,7 @@ NAMED = 2
 SENTENCES = {
     ("stable", None): "Stable{within}: it cannot start to move{slippery}.",
     ("stable", "first order"): (
-        "Stable to first order, as in the paper{within}: it cannot start to move{slippery}."
+        "Stable{within}, to first order as in the paper: it cannot start to move{slippery}."
     ),
     ("stable", "proved"): (
         "Stable{within}: with this friction no motion can start, whatever the initial contact "

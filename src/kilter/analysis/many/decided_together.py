@@ -2,7 +2,9 @@
 
 The methods follow the order of `check`. Equilibrium forces without friction prove stability for
 any friction. A motion that no contact stops proves instability if there is no friction; open pairs
-and degenerate contacts then count as contacts with any force. Other assemblies are left to `check`.
+and degenerate contacts then count as contacts with any force. A stable assembly may be only balanced,
+which second order decides. It is not balanced if forces on level faces fix the height and the tilts
+of every part. Other assemblies are left to `check`.
 """
 
 from __future__ import annotations
@@ -33,7 +35,8 @@ class Together:
     Attributes
     ----------
     stable, unstable : ndarray of bool, shape (M,)
-        Whether an assembly is proved stable or unstable; if neither, `check` must decide.
+        Whether an assembly is proved stable, and not only balanced, or unstable; if neither,
+        `check` must decide.
     certain, outer : pair of ProgramBlocks and BlockProofs
         Programs and proofs with the certain contacts, and with all possible contacts; `outer` is
         None if it was not necessary.
@@ -86,6 +89,7 @@ def decide_together(apart: SideBySide, rough: Mask, tolerance: Tolerance) -> Tog
     certain = program_blocks(apart, contacts)
     proofs = certain.judged(solve_blocks(certain.scaled, np.flatnonzero(asked)))
     stable, falls = proofs.stable & asked, proofs.unstable & asked & ~rough
+    stable &= _rests_level(certain, contacts, proofs, stable)
     outer = program_blocks(apart, contacts, possible=True) if falls.any() else certain
     more = falls & (np.diff(outer.row_start) > np.diff(certain.row_start))
     if not more.any():
@@ -103,3 +107,18 @@ def _odd(apart: SideBySide, contacts: ContactSet) -> Mask:
     odd[owner[parts]] = True
     odd[owner[fitted_pairs(contacts)[:, 0]]] = True
     return odd
+
+
+def _rests_level(
+    blocks: ProgramBlocks, contacts: ContactSet, proofs: BlockProofs, stable: Mask
+) -> Mask:
+    """Return the mask of stable assemblies that rest on level faces, shape (M,)."""
+    from kilter.second_order.proofs.level_rest import level_rows  # takes its time
+    from kilter.second_order.searches.level_rest_search import rests_level
+
+    rests = np.zeros_like(stable)
+    for k in np.flatnonzero(stable):
+        program = blocks.program(k)
+        forces = proofs.forces[slice(*blocks.row_start[k : k + 2])]
+        rests[k] = rests_level(program, level_rows(program, contacts), forces)
+    return rests

@@ -29,7 +29,7 @@ from kilter.second_order.searches.opening_contacts import enough_to_open, openin
 from kilter.second_order.second_order_tolerances import DROPS, SPREAD
 from kilter.work import Work
 
-__all__ = ["find_level_rest", "find_parting"]
+__all__ = ["find_level_rest", "find_parting", "rests_level"]
 
 MOST_ASKED = 100
 """Largest number of free parts for which a linear program spreads the load."""
@@ -76,10 +76,36 @@ def find_level_rest(
     return None
 
 
+def rests_level(program: Program, level: Mask, forces: Array) -> bool:
+    """Whether forces on level faces alone fix the height and the tilts of every part.
+
+    Then no motion lowers the energy to second order, so that the assembly is not only balanced.
+    The condition is that of `level_rest`, without the motion that opens the other contacts.
+
+    Parameters
+    ----------
+    program : Program
+    level : ndarray of bool, shape (K,)
+        Rows of level faces (`level_rest.level_rows`).
+    forces : ndarray, shape (K,)
+        Forces of some equilibrium [N], which are tried if the load cannot be spread from above.
+    """
+    candidates = _candidate_forces(program, level, forces, None, programs=False)
+    return any(not wrong_forces(program, level, candidate) for candidate in candidates)
+
+
 def _candidate_forces(
-    program: Program, level: Mask, forces: Array | None, work: Work | None
+    program: Program,
+    level: Mask,
+    forces: Array | None,
+    work: Work | None,
+    *,
+    programs: bool = True,
 ) -> Iterator[Array]:
-    """Forces of equilibrium [N], the cheapest first; none if a part has no footing."""
+    """Forces of equilibrium [N], the cheapest first; none if a part has no footing.
+
+    `programs`: whether a linear program is the last candidate.
+    """
     bearing = bearing_of(program, level)
     if bearing is None:
         return
@@ -92,7 +118,7 @@ def _candidate_forces(
         yield from_above
     if forces is not None:
         yield forces
-    if program.free.sum() <= MOST_ASKED:
+    if programs and program.free.sum() <= MOST_ASKED:
         from_program = _from_program(program, level, work)
         if from_program is not None:
             yield from_program
