@@ -429,8 +429,10 @@ def judged(scene: Scene) -> list[str]:
     return wrong
 
 
-def _differs(found: str, expected: str) -> list[str]:
-    return [] if expected in (found, "unsure") else [f"{found}, not {expected}"]
+def _differs(verdict: str, expected: str) -> list[str]:
+    """Contradiction between a verdict and the existence of forces, to first order."""
+    first_order = "stable" if verdict == "balanced" else verdict
+    return [] if expected in (first_order, "unsure") else [f"{verdict}, not {expected}"]
 
 
 def asked(seed: int) -> tuple[str, str, list[str]]:

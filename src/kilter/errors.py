@@ -16,6 +16,7 @@ __all__ = [
     "InputError",
     "KilterError",
     "SolverError",
+    "TimeLimitReached",
     "nearest_name",
     "shell_words",
     "some",
@@ -30,6 +31,20 @@ LIKE = 0.6
 
 class KilterError(Exception):
     """Base class of the exceptions that kilter raises deliberately."""
+
+
+class TimeLimitReached(KilterError):
+    """The time limit ended a computation before its answer was complete.
+
+    Parameters
+    ----------
+    known : str
+        A sentence with the facts that are known; empty if the caller adds them.
+    """
+
+    def __init__(self, known: str = "") -> None:
+        super().__init__(f"the time limit was reached. {known}".rstrip())
+        self.known = known
 
 
 class InputError(KilterError):

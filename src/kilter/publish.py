@@ -492,7 +492,13 @@ def answer_to_draw(
         return subject
     require_assembly(subject, "draw")
     if what == "region":
-        return region(subject, contacts=contacts, tolerance=tolerance, progress=progress)
+        return region(
+            subject,
+            contacts=contacts,
+            tolerance=tolerance,
+            time_limit=time_limit,
+            progress=progress,
+        )
     if what != "assembly":
         raise InputError(f"there is no figure {what!r}", hint="give 'assembly' or 'region'")
     return check(

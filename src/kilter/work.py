@@ -1,4 +1,4 @@
-"""Work budget of a computation, counted instead of timed, and progress messages.
+"""Work budget of a computation, counted instead of timed, time limits, and progress messages.
 
 A `Work` object is passed from a public function down to the steps of its computation. A step that
 may use only a fraction gets a share. Every solver call and every factorisation is *charged* by
@@ -7,7 +7,9 @@ half a microsecond of one core, but no clock is read. The same computation costs
 machine, however busy, and therefore ends with the same answer.
 
 A time limit may be set in addition; by default there is none. It is the only part that reads a
-clock. An answer that it cuts short reports this (`Work.cut`).
+clock. An answer that it cuts short reports this (`Work.cut`). `stop_after` limits a whole
+computation: every `Work` that is made inside shares its deadline, and a solver call without a
+`Work` raises `TimeLimitReached`.
 
 An exhausted budget only decides when a search *ends*. It never decides the answer: whatever was
 not searched remains open.
@@ -15,14 +17,17 @@ not searched remains open.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from math import inf, isfinite
 from time import perf_counter
 
 from kilter.arrays import TINY
+from kilter.errors import TimeLimitReached
 
-__all__ = ["EFFORT", "PER_EFFORT", "Work", "units_of"]
+__all__ = ["EFFORT", "PER_EFFORT", "Work", "seconds_left", "stop_after", "units_of"]
 
 EFFORT = 1.0
 """Default effort of every search."""
@@ -115,7 +120,8 @@ class Work:
         self._count = [0.0]  # a list, so that shares count into the same number
         self._from = 0.0
         now = perf_counter()
-        self._clock = _Clock(inf if time_limit is None else now + time_limit, now)
+        own = inf if time_limit is None else now + time_limit
+        self._clock = _Clock(min(own, _DEADLINE.get()), now)
 
     @classmethod
     def of(cls, given: Work | float) -> Work:
@@ -229,3 +235,53 @@ class Work:
         if self._progress is not None and now - self._clock.said >= BETWEEN_WORDS:
             self._clock.said = now
             self._progress(word)
+
+
+_DEADLINE: ContextVar[float] = ContextVar("deadline", default=inf)
+
+
+@contextmanager
+def stop_after(time_limit: float | None) -> Iterator[None]:
+    """Limit the time of every computation in this context.
+
+    Parameters
+    ----------
+    time_limit : float or None
+        Time from now [s]; None changes nothing. A limit of an outer context stays in force.
+
+    Raises
+    ------
+    TimeLimitReached
+        By the first solver call without a `Work` after the limit.
+
+    Examples
+    --------
+    >>> with stop_after(0.0):
+    ...     Work().late
+    True
+    """
+    deadline = inf if time_limit is None else perf_counter() + time_limit
+    token = _DEADLINE.set(min(deadline, _DEADLINE.get()))
+    try:
+        yield
+    finally:
+        _DEADLINE.reset(token)
+
+
+def seconds_left(work: Work | None) -> float | None:
+    """Time that a solver call may take [s]; None without a limit.
+
+    Raises
+    ------
+    TimeLimitReached
+        If no `Work` is given, which could report the cut, and the limit of `stop_after` is reached.
+    """
+    if work is not None:
+        return work.seconds
+    deadline = _DEADLINE.get()
+    if not isfinite(deadline):
+        return None
+    left = deadline - perf_counter()
+    if left <= 0:
+        raise TimeLimitReached
+    return max(left, LEAST)

@@ -38,6 +38,9 @@ from kilter.work import EFFORT, Work, units_of
 
 __all__ = ["check"]
 
+CUT = "stopped at the time limit: the answer is what was proved until then"
+"""Warning of an answer that the time limit cut short."""
+
 FAR_APART = 1e9
 """Ratio of masses above which accelerations lose their digits."""
 
@@ -115,7 +118,7 @@ def check(
     sentence = _sentence(decision, assembly, contacts)
     warnings = _warnings(assembly, contacts, decision)
     if work.cut:
-        warnings.append(_late(time_limit))
+        warnings.append(CUT)
     return Verdict(
         decision.verdict,
         sentence,
@@ -143,12 +146,6 @@ def _work(effort: float, time_limit: float | None, progress: Callable[[str], Non
     if time_limit is not None:
         time_limit = number(time_limit, "time_limit", lowest=0)
     return Work(units_of(effort), progress, time_limit=time_limit)
-
-
-def _late(time_limit: float | None) -> str:
-    return (
-        f"stopped at the time limit of {time_limit:g} s: the answer is what was proved until then"
-    )
 
 
 def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> str:

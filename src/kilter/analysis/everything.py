@@ -7,9 +7,10 @@ ray) only where the assembly is small, and `notes` says what was left out.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -26,14 +27,15 @@ from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array, Index
 from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance, detect
-from kilter.errors import InputError, SolverError
+from kilter.errors import InputError, SolverError, TimeLimitReached
 from kilter.mechanics.program import Program, build_program
 from kilter.second_order.answer.path_places import PathPlaces, find_path_places
 from kilter.threads import on_one_thread
-from kilter.work import EFFORT
+from kilter.work import EFFORT, stop_after
 
 __all__ = ["Answered", "Balance", "Everything", "MapMotions", "everything"]
 
+T = TypeVar("T")
 Tell = Callable[[str], None]
 
 REGION_PARTS = 3000
@@ -205,6 +207,7 @@ def everything(
     Everything('stable', 6 parts)
     """
     tell = progress or (lambda stage: None)
+    started = time.perf_counter()
     require_assembly(assembly, "report")
     assembly.require_grounded()
     if contacts is None:
@@ -215,19 +218,37 @@ def everything(
     tell("motion")
     given = _answered(verdict)
     notes: list[str] = []
-    found, recommended, none = _turned(assembly, contacts, effort, tell, notes)
+    deadline = None if time_limit is None else started + time_limit
+
+    def in_time(name: str, step: Callable[..., T], *arguments: Any) -> T | None:
+        """The result of a step; None, with a note, if the time limit ends it."""
+        left = None if deadline is None else max(deadline - time.perf_counter(), 0.0)
+        try:
+            with stop_after(left):
+                return step(*arguments)
+        except TimeLimitReached:
+            notes.append(f"{name} left out, because the time limit was reached")
+            return None
+
+    turned = in_time("the stable region is", _turned, assembly, contacts, effort, tell, notes)
+    found, recommended, none = turned or (None, None, False)
+    rests = rays = vertex_map = None
+    if found is not None:
+        rests = in_time("the states of rest are", _with_rests, found, assembly, contacts) or found
+        rays = in_time("the forces of the region are", _rays, assembly, contacts, found)
+        vertex_map = in_time("the stability map is", _map, assembly, contacts, tell, notes)
     return Everything(
         assembly=assembly,
         contacts=contacts,
         given=given,
         recommended=recommended,
-        region=None if found is None else _with_rests(found, assembly, contacts).to_dict(),
+        region=None if rests is None else rests.to_dict(),
         inner=None if found is None or found.gap_deg is None else found.cone,
         none=none,
-        rays=() if found is None else _rays(assembly, contacts, found),
-        map=None if found is None else _map(assembly, contacts, tell, notes),
-        margin=_margin(assembly, contacts, margins, tell, notes),
-        change=_change(assembly, margins, tell, notes),
+        rays=rays or (),
+        map=vertex_map,
+        margin=in_time("the margins are", _margin, assembly, contacts, margins, tell, notes),
+        change=in_time("the changes are", _change, assembly, margins, tell, notes),
         notes=tuple(notes),
     )
 

@@ -6,12 +6,14 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from kilter.cli.arguments import contact_tolerance, reading_of
 from kilter.cli.colour import in_colour
+from kilter.cli.exit_codes import VERDICT
 from kilter.cli.output import as_json, emit, keep_apart, tell_warnings, write_whole
-from kilter.errors import InputError, shell_words
+from kilter.errors import InputError, TimeLimitReached, shell_words
 from kilter.files.formats import EXACT
 from kilter.files.reading import LOWEST, Reading
 
@@ -41,8 +43,10 @@ class Asked:
         Options of the tolerance, as they are typed.
     effort : float
         Limit of the work of searches with friction.
-    time_limit : float or None
-        Limit of the time [s].
+    limit : float or None
+        Limit of the time for a file, its reading included [s].
+    begun : float
+        Time at which the command, or the work on this file, began [s].
     json, quiet, verbose : bool
         Options of these names.
     output, proof : Path or None
@@ -54,7 +58,8 @@ class Asked:
     tolerance: Tolerance
     touch: tuple[str, ...]
     effort: float
-    time_limit: float | None
+    limit: float | None
+    begun: float
     json: bool
     output: Path | None
     proof: Path | None
@@ -92,7 +97,8 @@ class Asked:
             tolerance=contact_tolerance(gap, angle, given["loose"], clearance),
             touch=(*words, *(["--loose"] if given["loose"] else [])),
             effort=effort,
-            time_limit=None if limit is None else _not_negative(limit, "--time-limit", "SECONDS"),
+            limit=None if limit is None else _not_negative(limit, "--time-limit", "SECONDS"),
+            begun=perf_counter(),
             json=given.get("json", False),
             output=given.get("output"),
             proof=given.get("proof"),
@@ -102,9 +108,34 @@ class Asked:
         asked.apart()
         return asked
 
+    @property
+    def time_limit(self) -> float | None:
+        """Time that is left to the command [s]; None without a limit."""
+        return None if self.limit is None else max(self.limit - (perf_counter() - self.begun), 0.0)
+
+    def tell_cut(self, reached: TimeLimitReached) -> int:
+        """Print the facts that are known at the time limit, and return the exit code.
+
+        Parameters
+        ----------
+        reached : TimeLimitReached
+            The error that ended the computation.
+        """
+        limit = "the time limit" if self.limit is None else f"the time limit of {self.limit:g} s"
+        sentence = f"Undecided: {limit} was reached before the answer was complete."
+        sentence = f"{sentence} {reached.known}".rstrip()
+        answer: dict[str, Any] = {
+            "verdict": "undecided",
+            "sentence": sentence,
+            "time_limit": self.limit,
+            "warnings": [],
+        }
+        emit(as_json(answer) if self.json else sentence, self.output)
+        return VERDICT["undecided"]
+
     def of_file(self, file: str) -> Asked:
-        """Return the same request for another file."""
-        asked = replace(self, file=file)
+        """Return the same request for another file, whose time begins now."""
+        asked = replace(self, file=file, begun=perf_counter())
         asked.apart()
         return asked
 

@@ -12,6 +12,7 @@ from kilter.cli.exit_codes import ORIENT, VERDICT, WRITTEN
 from kilter.cli.options import FORM, Require, asks
 from kilter.cli.output import Progress
 from kilter.errors import InputError
+from kilter.work import stop_after
 
 if TYPE_CHECKING:
     from kilter.analysis.margins.uncertainty import Ranges
@@ -29,7 +30,7 @@ class Method(StrEnum):
     WALK = "walk"
 
 
-@asks()
+@asks(timed=True)
 def orient(
     asked: Asked,
     method: Annotated[
@@ -59,13 +60,14 @@ def orient(
             contacts=contacts,
             tolerance=asked.tolerance,
             method=method.value,
+            time_limit=asked.time_limit,
             progress=progress,
         )
     asked.tell(answer.to_dict())
     return ORIENT[answer.verdict]
 
 
-@asks(proves=True)
+@asks(timed=True, proves=True)
 def region(
     asked: Asked,
     files: Annotated[
@@ -114,11 +116,17 @@ def region(
         given = [asked.of_file(file).read(progress) for file in files]
         if common:
             assemblies = [assembly for assembly, _ in given]
-            answer = common_region(assemblies, tolerance=tolerance, progress=progress)
+            with stop_after(asked.time_limit):
+                answer = common_region(assemblies, tolerance=tolerance, progress=progress)
         else:
             [(assembly, contacts)] = given
             answer = find(
-                assembly, contacts=contacts, rests=rests, tolerance=tolerance, progress=progress
+                assembly,
+                contacts=contacts,
+                rests=rests,
+                tolerance=tolerance,
+                time_limit=asked.time_limit,
+                progress=progress,
             )
     data, request = answer.to_dict(), asked if common else asked.of_file(files[0])
     request.tell(data, after=request.keep_proof(answer.proof, data))

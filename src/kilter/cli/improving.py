@@ -11,11 +11,12 @@ from kilter.cli.asked import Asked
 from kilter.cli.exit_codes import IMPROVE
 from kilter.cli.options import FORM, asks
 from kilter.cli.output import Progress
+from kilter.work import stop_after
 
 __all__ = ["improve"]
 
 
-@asks()
+@asks(timed=True)
 def improve(
     asked: Asked,
     write: Annotated[
@@ -42,7 +43,8 @@ def improve(
     asked.apart(write)
     with Progress(asked.quiet) as progress:
         assembly, _ = asked.read(progress)
-        improvement = find(assembly, progress=progress)
+        with stop_after(asked.time_limit):
+            improvement = find(assembly, progress=progress)
     after = ""
     if write is not None and improvement.best is not None:
         dump(improvement.best.assembly, write)

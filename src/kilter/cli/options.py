@@ -15,6 +15,7 @@ from typing import Annotated, Any, get_type_hints
 import typer
 
 from kilter.cli.asked import Asked
+from kilter.errors import TimeLimitReached
 from kilter.work import EFFORT
 
 __all__ = ["FORM", "File", "Files", "Json", "Output", "Quiet", "Require", "asks"]
@@ -375,7 +376,7 @@ FORMS: dict[str, tuple[Any, Any]] = {
 
 
 def asks(
-    *, searches: bool = False, proves: bool = False, answers: bool = True
+    *, searches: bool = False, timed: bool = False, proves: bool = False, answers: bool = True
 ) -> Callable[[Callable[..., int]], Callable[..., int]]:
     """Return a decorator that adds the shared options to a command ``act(asked, **own)``.
 
@@ -385,6 +386,8 @@ def asks(
     ----------
     searches : bool
         Whether to add ``--effort`` and ``--time-limit``, for commands that search with friction.
+    timed : bool
+        Whether to add ``--time-limit`` only, for commands without a search.
     proves : bool
         Whether to add ``--proof``, for answers with a proof.
     answers : bool
@@ -395,7 +398,8 @@ def asks(
     def decorate(act: Callable[..., int]) -> Callable[..., int]:
         _, *declared = inspect.signature(act, eval_str=True).parameters.values()
         own = [field for parameter in declared for field in _own_options(parameter)]
-        shared = READING | (SEARCHING if searches else {})
+        limits = {"time_limit": (TimeLimit, None)} if timed else {}
+        shared = READING | (SEARCHING if searches else limits)
         kept = {"proof": (Proof, None)} if proves else {}
         last = kept | (FORMS if answers else {}) | {"quiet": (Quiet, False)}
         several = any(parameter.name == "files" for parameter in own)
@@ -411,7 +415,10 @@ def asks(
 
         def command(**given: Any) -> int:
             asked = Asked.of({k: v for k, v in given.items() if k not in names})
-            return act(asked, **{entry.name: _value(entry, given) for entry in declared})
+            try:
+                return act(asked, **{entry.name: _value(entry, given) for entry in declared})
+            except TimeLimitReached as reached:
+                return asked.tell_cut(reached)
 
         # the parser of options reads the signature and the annotations of the command
         signature = inspect.Signature(parameters, return_annotation=int)

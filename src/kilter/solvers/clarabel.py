@@ -35,7 +35,7 @@ from kilter.solvers.problem import ConicProgram
 from kilter.solvers.semidefinite import Multipliers, SemidefiniteProgram
 from kilter.solvers.solution import Outcome, Solution
 from kilter.solvers.solver_tolerances import CONIC, CONIC_FIRST, QUADRATIC_GOOD
-from kilter.work import Work
+from kilter.work import Work, seconds_left
 
 __all__ = ["solve_conic", "solve_quadratic", "solve_semidefinite"]
 
@@ -101,7 +101,7 @@ def solve_conic(
     ('infeasible', True)
     """
     entries = program.matrix.nnz
-    seconds = None if work is None else work.seconds
+    seconds = seconds_left(work)
     arguments = program, tolerance, seconds
     try:
         # the set-up of a large program holds the interpreter lock: another process stays responsive
@@ -114,6 +114,8 @@ def solve_conic(
         return Solution(program, "failed", np.empty(0), np.empty(0), "clarabel", 0)
     if work is not None:
         work.conic(answer.iterations, entries)
+    elif answer.status not in _OUTCOMES:
+        seconds_left(work)  # a failure for lack of time is no failure of the solver
     x, outcome = answer.x, _OUTCOMES.get(answer.status, "failed")
     # Clarabel also returns a point for infeasible programs; it is meaningless
     if outcome in ("infeasible", "unbounded") or not np.isfinite(x).all():

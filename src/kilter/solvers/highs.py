@@ -48,7 +48,7 @@ from kilter.solvers.solver_tolerances import (
     NEGLIGIBLE_ENTRY,
     WIDE,
 )
-from kilter.work import Work
+from kilter.work import Work, seconds_left
 
 __all__ = [
     "KeptProgram",
@@ -126,15 +126,19 @@ def solve_linear(
     if forces_only:
         highs.setOptionValue("dual_feasibility_tolerance", WIDE)
     highs.setOptionValue("simplex_iteration_limit", _steps(program))
-    if work is not None and work.seconds is not None:
-        highs.setOptionValue("time_limit", work.seconds)
+    limit = seconds_left(work)
+    if limit is not None:
+        highs.setOptionValue("time_limit", limit)
     _pass_program(highs, program)
     _run(highs, program)
     if highs.getModelStatus() == highspy.HighsModelStatus.kUnboundedOrInfeasible:
         # presolve cannot tell which of the two applies; the simplex can
         highs.setOptionValue("presolve", "off")
         _run(highs, program)
-    return _read_solution(highs, program, solver)
+    answer = _read_solution(highs, program, solver)
+    if answer.outcome == "failed":
+        seconds_left(work)  # a failure for lack of time is no failure of the solver
+    return answer
 
 
 def find_optimum(
@@ -274,7 +278,7 @@ class KeptProgram:
         if cost is not None:
             self.change_cost(np.arange(len(cost)), cost)
         self.solves += 1
-        limit = None if work is None else work.seconds
+        limit = seconds_left(work)
         self._set("time_limit", np.inf if limit is None else self._highs.getRunTime() + limit)
         attempts = []
         if self._based:
@@ -292,6 +296,8 @@ class KeptProgram:
         self._set("simplex_scale_strategy", SCALINGS[0])
         if self._goal != "bound" and all(attempt.outcome == "failed" for attempt in attempts):
             attempts.append(self._solve_by_interior(work))
+        if all(attempt.outcome == "failed" for attempt in attempts):
+            seconds_left(work)  # a failure for lack of time is no failure of the solver
         best = attempts[0]
         if len(attempts) > 1:
             bound = self._goal == "bound"

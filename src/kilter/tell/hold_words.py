@@ -36,7 +36,7 @@ def hold_sentence(answer: Answer) -> str:
     if answer["interrupted"]:
         why = "the search was interrupted"
     elif answer["time_limit"] is not None:
-        why = f"the time limit of {answer['time_limit']:g} s was reached"
+        why = "the time limit was reached"
     elif answer["exhausted"] and answer["most"] is not None and least > answer["most"]:
         return f"{proved}, but no more than {answer['most']} are allowed."
     elif answer["exhausted"]:

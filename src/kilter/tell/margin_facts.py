@@ -10,7 +10,10 @@ from kilter.tell.shared_facts import Answer, Fact, joint_facts
 
 __all__ = ["margin_facts"]
 
-FAILED = "not known: the solver failed"
+UNKNOWN = {
+    "failed": "not known: the solver failed",
+    "time": "not known: the time limit was reached",
+}
 """Words of a limit whose program no solver finished."""
 
 
@@ -28,9 +31,8 @@ def margin_facts(answer: Answer) -> list[Fact]:
     limits = answer["load_limits"]
     if limits is not None:
         ends = answer["load_factor"]
-        words = FAILED
-        if answer["missing"].get("load_factor") != "failed":
-            words = "none: no load factor is held, however small or large"
+        none = "none: no load factor is held, however small or large"
+        words = UNKNOWN.get(answer["missing"].get("load_factor"), none + _as_drawn(answer))
         words = words if ends is None else _interval(ends) + _starting(limits[1])
         found.append(("load factor", words))
     if answer["load_factor_bracket"] is not None:
@@ -40,6 +42,11 @@ def margin_facts(answer: Answer) -> list[Fact]:
     found += _worst_case(answer["uncertainty"])
     helps = [remedy["sentence"] for remedy in answer["helps"]]
     return found + [("" if k else "helps", words) for k, words in enumerate(helps)]
+
+
+def _as_drawn(answer: Answer) -> str:
+    """Return the condition of a limit that open pairs could change; empty without open pairs."""
+    return " as drawn, without its open pairs" if answer["open_pairs"] else ""
 
 
 def _interval(ends: Sequence[float | None]) -> str:
@@ -62,9 +69,8 @@ def _tilt(answer: Answer) -> str:
         why = answer["missing"].get("tilt")
         if why is None:
             return "not defined: given loads and bond forces do not turn with gravity"
-        if why == "failed":
-            return FAILED
-        return "none: not held as given, nor with gravity in any direction within 90 deg of it"
+        none = "none: not held as given, nor with gravity in any direction within 90 deg of it"
+        return UNKNOWN.get(why, none + _as_drawn(answer))
     if answer["tilt_down"] is None:
         held = "forces that hold it exist" if answer["level"] == "equilibrium" else "it holds"
         return f"more than 90 deg: {held} after every tilt up to 90 deg"
@@ -96,8 +102,8 @@ def _least_friction(answer: Answer) -> str:
     """Return the words of the least friction coefficient and of its lower bound."""
     least = answer["friction"]
     if least is None:
-        failed = answer["missing"].get("friction") == "failed"
-        return FAILED if failed else "no friction coefficient is enough to hold it"
+        none = "no friction coefficient is enough to hold it" + _as_drawn(answer)
+        return UNKNOWN.get(answer["missing"].get("friction"), none)
     if least == 0.0:
         attained = answer["friction_limit"]["attained"]
         return (
@@ -116,7 +122,7 @@ def _bonds(answer: Answer) -> str:
     """Return the share of their strength that bonds need, and the bonds that fail first."""
     why, limit, share = answer["missing"].get("bond"), answer["bond_limit"], answer["bond"]
     if why is not None:
-        return FAILED if why == "failed" else "no bond strength is enough"
+        return UNKNOWN.get(why, "no bond strength is enough" + _as_drawn(answer))
     if share is None:
         return "no bond strength is needed: it holds without bonds"
     words = f"{number(share)} times their strength is needed"
@@ -146,17 +152,17 @@ def _worst_case(worst: Answer | None) -> list[Fact]:
         words = "some cases are not held as given"
         if not exact:
             words = "not proved that all cases are held as given; nor that a case fails"
-        words = FAILED if worst["missing"]["held"] == "failed" else words
-    elif worst["missing"].get("tilt") == "failed":
-        words = f"all cases are held as given; the tilt is {FAILED}"
+        words = UNKNOWN.get(worst["missing"]["held"], words)
+    elif worst["missing"].get("tilt") in UNKNOWN:
+        words = f"all cases are held as given; the tilt is {UNKNOWN[worst['missing']['tilt']]}"
     else:
         words = "all cases are held as given"
         if tilt is not None:
             words = f"{'' if exact else 'at least '}{angle(tilt)} of tilt"
         words += " (exact)" if exact else " (a bound: it may be more)"
     found = [("worst case", words)]
-    if worst["missing"].get("load_factor") == "failed":
-        found.append(("", f"load factor {FAILED}"))
+    if worst["missing"].get("load_factor") in UNKNOWN:
+        found.append(("", f"load factor {UNKNOWN[worst['missing']['load_factor']]}"))
     if worst["load_factor"] is not None:
         found.append(("", f"load factor {_interval(worst['load_factor'])}"))
     return found

@@ -50,7 +50,7 @@ def order_sentence(answer: Answer) -> str:
     elif answer["interrupted"]:
         why = "the search was interrupted"
     elif answer["time_limit"] is not None:
-        why = f"the time limit of {answer['time_limit']:g} s was reached"
+        why = "the time limit was reached"
     most = count(answer["search"]["hold"], "part")
     first = (
         f"No order was found with up to {most} held: {why}. This does not prove that none exists."

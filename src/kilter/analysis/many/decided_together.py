@@ -1,10 +1,10 @@
 """Joint verdicts of many assemblies by frictionless forces or motions.
 
 The methods follow the order of `check`. Equilibrium forces without friction prove stability for
-any friction. A motion that no contact stops proves instability if there is no friction; open pairs
-and degenerate contacts then count as contacts with any force. A stable assembly may be only balanced,
-which second order decides. It is not balanced if forces on level faces fix the height and the tilts
-of every part. Other assemblies are left to `check`.
+any friction. A motion that no contact stops proves instability if there is no friction; open
+pairs and degenerate contacts then count as contacts with any force. A stable assembly may be only
+balanced, which second order decides. It is not balanced if forces on level faces fix the height
+and the tilts of every part. Other assemblies are left to `check`.
 """
 
 from __future__ import annotations
@@ -117,7 +117,7 @@ def _rests_level(
     from kilter.second_order.searches.level_rest_search import rests_level
 
     rests = np.zeros_like(stable)
-    for k in np.flatnonzero(stable):
+    for k in np.flatnonzero(stable).tolist():
         program = blocks.program(k)
         forces = proofs.forces[slice(*blocks.row_start[k : k + 2])]
         rests[k] = rests_level(program, level_rows(program, contacts), forces)

@@ -75,7 +75,7 @@ being judged, and that ends the steps where their proofs meet."""
 MODEST = 10.0
 """Shares up to which it is asked first."""
 
-Why = Literal["none", "failed"]
+Why = Literal["none", "failed", "time"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -118,7 +118,11 @@ class Limit:
 
 @dataclass(frozen=True, slots=True)
 class NoLimit:
-    """No limit is known, and why: "none", no share is held, proved; "failed", the numbers did."""
+    """No limit is known.
+
+    The reason `why` is "none" if it is proved that no share is held, "failed" if the solvers
+    failed, and "time" if the time limit was reached.
+    """
 
     why: Why
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -49,7 +50,7 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly, require_assembly
 from kilter.assembly.bonds import NO_CONE, NOT_RANGED, require_no_bonds
 from kilter.contact import ContactSet, Tolerance
-from kilter.errors import InputError, some_names
+from kilter.errors import InputError, TimeLimitReached, some_names
 from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.opening import Opening
@@ -57,7 +58,7 @@ from kilter.mechanics.program import Program, build_program
 from kilter.rigid import unit
 from kilter.tell.levels import level_of, require_level
 from kilter.threads import on_one_thread
-from kilter.work import EFFORT, Work, units_of
+from kilter.work import EFFORT, Work, stop_after, units_of
 
 __all__ = ["PUSHED", "Margin", "margin"]
 
@@ -328,27 +329,42 @@ def margin(
     warnings += fits_left_out(assembly, verdict.contacts, program)
     tell("tilt")
     missing: dict[str, Why] = {}
-    gravity = _tilt(program, warnings, missing)
+    limit = None if time_limit is None else time_limit - (time.perf_counter() - started)
+    work = Work(units_of(effort), progress, time_limit=limit)
+
+    def in_time(step: Callable[..., T], *arguments: Any) -> T | NoLimit:
+        """The result of a step, or the reason that the time limit was reached."""
+        try:
+            with stop_after(work.seconds):
+                return step(*arguments)
+        except TimeLimitReached:
+            return NoLimit("time")
+
+    gravity = in_time(_tilt, program, warnings, missing)
+    if isinstance(gravity, NoLimit):
+        missing["tilt"], gravity = gravity.why, None
     tilt = gravity if isinstance(gravity, TiltMargin) else None
     nearest = gravity if isinstance(gravity, NearestHeld) else None
     degrees, down = _boundary(gravity)
-    turned = None if axis is None else tilt_about(program, axis)
+    turned = None if axis is None else in_time(tilt_about, program, axis)
     tell("friction" if degrees is None else f"tilt {degrees:.6g} deg; friction")
-    friction = find_least_friction(build_program(assembly, verdict.contacts, fitted=True))
+    fitted = build_program(assembly, verdict.contacts, fitted=True)
+    friction = in_time(find_least_friction, fitted)
     least = "" if isinstance(friction, NoLimit) else f"friction {friction.value:.6g}; "
-    bond = find_bond_factor(program, verdict.contacts) if assembly.bonds else None
+    bond = in_time(find_bond_factor, program, verdict.contacts) if assembly.bonds else None
     tell(f"{least}load factor")
-    factor = _load_factor(assembly, program, direction)
-    sure = _load_factor(assembly, program.frictionless, direction) if bracket else None
+    factor = _both_ends(in_time(_load_factor, assembly, program, direction))
+    smooth = program.frictionless
+    sure = _both_ends(in_time(_load_factor, assembly, smooth, direction)) if bracket else None
     tell("pushes")
     opening = Opening(cone_problem(program))
     pushes = {}
     for part in parts:
-        pushes[part] = find_weakest_push(program, part, opening=opening)
+        pushes[part] = in_time(partial(find_weakest_push, opening=opening), program, part)
         tell(f"pushes: {len(pushes)} of {len(parts)}")
     taken, loaded = {}, _pushed(assembly, pushed, most=None) if loads else []
     for part in loaded:
-        taken[part] = find_part_load(program, part, opening=opening)
+        taken[part] = in_time(partial(find_part_load, opening=opening), program, part)
         tell(f"loads: {len(taken)} of {len(loaded)}")
     asked: dict[str, object] = {"about": turned, "friction": friction, "bond": bond}
     asked |= {f"push of {program.names[part]}": push for part, push in pushes.items()}
@@ -357,23 +373,28 @@ def margin(
     for what, ends in (("load_factor", factor), ("bracket", sure)):
         whys = [end.why for end in ends or () if isinstance(end, NoLimit)]
         if whys:
-            missing[what] = "failed" if "failed" in whys else "none"
+            missing[what] = next(why for why in ("time", "failed", "none") if why in whys)
     warnings += _missing_words(missing)
     if pushed is None and int(program.free.sum()) > PUSHED:
         warnings.append(
             f"the pushes, and the gain of holding a part, are left out above {PUSHED} free parts;"
             " --part NAME computes those of a part"
         )
-    worst = _worst(program, ranges, direction, warnings, tell)
+    worst = in_time(_worst, program, ranges, direction, warnings, tell)
+    if isinstance(worst, NoLimit):
+        missing["uncertainty"], worst = worst.why, None
     greatest = None if factor is None else _known(factor[1])
     outside, level_tilt = None, None
     if tilt is not None and down is not None:
-        work = Work(units_of(effort), progress, time_limit=time_limit)
-        outside = verdict_outside(assembly, verdict.contacts, down, work)
+        outside = _known(in_time(verdict_outside, assembly, verdict.contacts, down, work))
         if require != "equilibrium" and level_of(verdict.verdict) not in (None, "equilibrium"):
             tell(f"tilt at the level {require}")
-            level_tilt = find_level_tilt(assembly, verdict.contacts, down, require, work)
-    helps = what_helps(program, tilt, greatest, direction, held=parts)
+            level_tilt = _known(
+                in_time(find_level_tilt, assembly, verdict.contacts, down, require, work)
+            )
+    helps = in_time(partial(what_helps, held=parts), program, tilt, greatest, direction)
+    if isinstance(helps, NoLimit):
+        missing["what helps"], helps = helps.why, ()
     seconds = {**verdict.seconds, "total": time.perf_counter() - started}
     return Margin(
         assembly=assembly,
@@ -408,10 +429,19 @@ def _known(found: T | NoLimit | None) -> T | None:
     return None if isinstance(found, NoLimit) else found
 
 
+def _both_ends(
+    ends: tuple[Limit | NoLimit, Limit | NoLimit] | NoLimit | None,
+) -> tuple[Limit | NoLimit, Limit | NoLimit] | None:
+    """Both ends of a load factor, each with the same reason if neither is known."""
+    return (ends, ends) if isinstance(ends, NoLimit) else ends
+
+
 def _missing_words(missing: dict[str, Why]) -> list[str]:
     """Warnings: what the numbers failed to give, and that nothing resists a push."""
     failed = [what for what, why in missing.items() if why == "failed"]
     words = [f"not known, because the solver failed: {some_names(failed)}"] if failed else []
+    late = [what for what, why in missing.items() if why == "time"]
+    words += [f"not known, because the time limit was reached: {some_names(late)}"] if late else []
     if any(
         what.startswith(("push of", "load on")) and why == "none" for what, why in missing.items()
     ):

@@ -28,6 +28,7 @@ from kilter.analysis.regions.region_proofs import RegionProof, common_proofs, re
 from kilter.analysis.regions.region_words import further_forces, warnings_of
 from kilter.analysis.regions.rests import PlaceOfRest, find_rests
 from kilter.analysis.regions.stable_cone import StableCone, stable_cone
+from kilter.analysis.time_limits import given_direction_known
 from kilter.analysis.turning_tolerances import GAP_DEG
 from kilter.analysis.verdict.answers import joints_answer
 from kilter.arrays import Array, Mask
@@ -301,6 +302,7 @@ def region(
     gap_deg: float = GAP_DEG,
     rests: bool = False,
     tolerance: Tolerance | None = None,
+    time_limit: float | None = None,
     progress: Tell | None = None,
 ) -> Region:
     """Every direction of gravity for which the assembly stays together.
@@ -317,11 +319,15 @@ def region(
         Also which of its axis, lines and rays are strict minima of energy (`Region.rests`).
     tolerance : Tolerance, optional
         When faces count as touching.
+    time_limit : float, optional
+        Limit of the time [s].
     progress : callable, optional
         Called with a word at each stage.
 
     Raises
     ------
+    TimeLimitReached
+        At the time limit, with the verdict of the given direction.
     InputError
         If nothing is held, loads are given, the geometry is not usable, or `rests` are asked
         of parts that rub.
@@ -347,17 +353,19 @@ def region(
     rubs = bool((contacts.patch_mu > 0).any())
     if rests and rubs:
         raise InputError("rests are available only without friction", hint="leave friction out")
-    found = _region(assembly, contacts, rubs, gap_deg, started, progress)
-    pairs = still_open(contacts.open_pairs, assembly)
-    if pairs:
-        names = assembly.names
-        joints = [Joint((names[pair.parts[0]], names[pair.parts[1]])) for pair in pairs]
-        joined = assembly.with_joints(joints)
-        other = _region(joined, contacts, rubs, gap_deg, time.perf_counter(), progress)
-        found = replace(found, joined=other)
-    if not rests:
-        return found
-    return replace(found, rests=find_rests(found.cone, assembly, contacts))
+    limit = None if time_limit is None else time_limit - (time.perf_counter() - started)
+    with given_direction_known(assembly, contacts, limit):
+        found = _region(assembly, contacts, rubs, gap_deg, started, progress)
+        pairs = still_open(contacts.open_pairs, assembly)
+        if pairs:
+            names = assembly.names
+            joints = [Joint((names[pair.parts[0]], names[pair.parts[1]])) for pair in pairs]
+            joined = assembly.with_joints(joints)
+            other = _region(joined, contacts, rubs, gap_deg, time.perf_counter(), progress)
+            found = replace(found, joined=other)
+        if not rests:
+            return found
+        return replace(found, rests=find_rests(found.cone, assembly, contacts))
 
 
 def _region(

@@ -18,6 +18,7 @@ Mattikalli, Baraff, Khosla and Repetto (1993), sections 2.3 and 3.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -30,6 +31,7 @@ from kilter.analysis.open_pairs.open_question import open_pair_names, open_pairs
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.region import Region, region
 from kilter.analysis.regions.stable_cone import stable_cone
+from kilter.analysis.time_limits import given_direction_known
 from kilter.analysis.turning.facet_program import DiamondOptimum, joint
 from kilter.analysis.turning.nearest import Method, Nearest, nearest
 from kilter.analysis.turning_tolerances import (
@@ -51,6 +53,7 @@ from kilter.tell.numbers import vector
 from kilter.tell.words import found_sentence
 from kilter.threads import on_one_thread
 from kilter.validate import frozen
+from kilter.work import seconds_left
 
 __all__ = ["Orientation", "orient"]
 
@@ -176,6 +179,7 @@ def orient(
     contacts: ContactSet | None = None,
     tolerance: Tolerance | None = None,
     method: Method = "joint",
+    time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Orientation:
     """How could the assembly be turned so that it stays together?
@@ -192,11 +196,15 @@ def orient(
         When faces count as touching.
     method : {"joint", "walk"}
         For the nearest direction on the paper's diamond.
+    time_limit : float, optional
+        Limit of the time [s].
     progress : callable, optional
         Called with a word at each stage.
 
     Raises
     ------
+    TimeLimitReached
+        At the time limit, with the verdict of the given direction.
     InputError
         If nothing is held, loads are given, or the geometry is not usable.
 
@@ -208,10 +216,23 @@ def orient(
     >>> round(orient(stacks.block_on_slope(40.0, friction=0.5)).tilt_margin_deg, 1)
     26.6
     """
-    tell = progress or (lambda stage: None)
+    started = time.perf_counter()
     _require_turnable(assembly, method)
     if contacts is None:
         contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
+    limit = None if time_limit is None else time_limit - (time.perf_counter() - started)
+    with given_direction_known(assembly, contacts, limit):
+        return _orient(assembly, contacts, method, progress)
+
+
+def _orient(
+    assembly: Assembly,
+    contacts: ContactSet,
+    method: Method,
+    progress: Callable[[str], None] | None,
+) -> Orientation:
+    """The answer of `orient` for an assembly with its contacts."""
+    tell = progress or (lambda stage: None)
     program = build_program(assembly, contacts)
     tell("stable region")
     every = region(assembly, contacts=contacts, progress=progress if program.mu.any() else None)
@@ -229,7 +250,9 @@ def orient(
     tell("nearest to stable")
     near = nearest(smooth, method=method, solved=best)
     why = [] if every.friction and every.none else _open_questions(contacts, every, smooth, best)
-    return _not_found(every, judgement, near, method, why)
+    answer = _not_found(every, judgement, near, method, why)
+    seconds_left(None)  # an answer whose last steps were cut short is no answer
+    return answer
 
 
 def _require_turnable(assembly: Assembly, method: str) -> None:

@@ -1,0 +1,49 @@
+"""Time limits of the analyses of all directions of gravity: what is known if the time ends."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from kilter.analysis.check import check
+from kilter.assembly import Assembly
+from kilter.contact import ContactSet
+from kilter.errors import TimeLimitReached
+from kilter.work import stop_after
+
+__all__ = ["given_direction_known"]
+
+AFTERWARDS = 0.4
+"""Time after the limit for the verdict of the given direction of gravity [s]."""
+
+
+@contextmanager
+def given_direction_known(
+    assembly: Assembly, contacts: ContactSet, time_limit: float | None
+) -> Iterator[None]:
+    """Limit the time of an analysis, whose error then states the verdict of the given direction.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    contacts : ContactSet
+        The contacts of this assembly.
+    time_limit : float or None
+        Time from now [s]; None for no limit.
+
+    Raises
+    ------
+    TimeLimitReached
+        At the limit. `TimeLimitReached.known` has the verdict of the given direction of gravity,
+        if it is known or found within the following 0.4 s.
+    """
+    try:
+        with stop_after(time_limit):
+            yield
+    except TimeLimitReached:
+        if time_limit is None:
+            raise  # the limit of an outer computation
+        verdict = check(
+            assembly, contacts=contacts, require="equilibrium", effort=0, time_limit=AFTERWARDS
+        )
+        raise TimeLimitReached(f"For the given direction of gravity: {verdict.sentence}") from None

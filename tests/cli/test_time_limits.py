@@ -1,0 +1,104 @@
+"""--time-limit has the same meaning in every command: an answer within a second of the limit."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+import kilter
+from kilter.cli import main
+from kilter.errors import TimeLimitReached
+from kilter.scenes import scene, stacks
+from kilter.work import Work, seconds_left, stop_after
+
+SHARED = Path(__file__).parents[3] / "shared" / "data"
+VAULT = SHARED / "compas_assembly" / "crossvault.json"
+ROBOT = SHARED / "cax-if" / "as1-oc-214.stp"
+LIMIT = 2.0
+LATEST = 3.5
+"""Largest time of a whole command with a limit of 2 s [s], on a machine that is not busy."""
+COMMANDS = [
+    ["check"],
+    ["hold"],
+    ["margin"],
+    ["orient"],
+    ["region"],
+    ["plan"],
+    ["report", "-o", "answer.html"],
+    ["draw", "-o", "answer.svg"],
+    ["draw", "--what", "region", "-o", "answer.svg"],
+]
+
+
+def test_a_solver_call_after_the_limit_raises() -> None:
+    with stop_after(0.0), pytest.raises(TimeLimitReached):
+        seconds_left(None)
+    assert seconds_left(None) is None
+
+
+def test_an_inner_limit_does_not_extend_an_outer_one() -> None:
+    with stop_after(0.0), stop_after(100.0):
+        assert Work(time_limit=100.0).late
+        with pytest.raises(TimeLimitReached):
+            seconds_left(None)
+
+
+@pytest.mark.parametrize("analysis", [kilter.region, kilter.orient])
+def test_all_directions_at_limit_zero_state_the_verdict_of_the_given_direction(analysis) -> None:
+    with pytest.raises(TimeLimitReached) as caught:
+        analysis(stacks.block_on_slope(10.0, friction=0.5), time_limit=0.0)
+    assert caught.value.known.startswith("For the given direction of gravity: Potentially stable")
+
+
+def test_the_margin_at_limit_zero_names_the_limits_that_are_not_known() -> None:
+    answer = kilter.margin(stacks.block_on_slope(10.0, friction=0.5), time_limit=0.0)
+    assert answer.missing["tilt"] == answer.missing["friction"] == "time"
+    assert any("because the time limit was reached" in text for text in answer.warnings)
+
+
+def test_the_page_at_limit_zero_states_what_is_left_out() -> None:
+    html = kilter.report(scene("arch"), time_limit=0.0).html
+    assert "left out, because the time limit was reached" in html
+
+
+@pytest.mark.parametrize("words", [["region"], ["orient"]])
+def test_a_command_at_its_limit_answers_undecided(
+    words: list[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    kilter.dump(stacks.block_on_slope(10.0, friction=0.5), "slope.kilter.json")
+    command = [*words, "slope.kilter.json", "--time-limit", "0"]
+    assert main(command) == 4
+    assert capsys.readouterr().out.startswith("Undecided: the time limit of 0 s was reached")
+    assert main([*command, "--json"]) == 4
+    answer = json.loads(capsys.readouterr().out)
+    assert (answer["verdict"], answer["time_limit"]) == ("undecided", 0)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not VAULT.exists(), reason="the assemblies of others are not here")
+@pytest.mark.parametrize(
+    "file",
+    [[str(VAULT), "--friction", "0.84"], [str(ROBOT), "--ground", "plate", "--friction", "0.3"]],
+    ids=["vault", "solids"],
+)
+@pytest.mark.parametrize("words", COMMANDS, ids=[" ".join(words[:3]) for words in COMMANDS])
+def test_every_command_ends_in_time_with_an_answer(
+    words: list[str], file: list[str], tmp_path: Path
+) -> None:
+    name, *rest = words
+    command = [sys.executable, "-m", "kilter", name, *file, *rest, "--time-limit", str(LIMIT)]
+    began = time.perf_counter()
+    ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    seconds = time.perf_counter() - began
+    assert ended.returncode in (0, 1, 3, 4), ended.stderr
+    assert ended.stdout or "answer." in ended.stderr
+    if os.getloadavg()[0] < 1.5:  # another program on the machine takes time from this one
+        assert seconds < LATEST
