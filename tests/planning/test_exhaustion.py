@@ -39,7 +39,7 @@ def test_an_arch_from_both_sides_needs_two() -> None:
     one = from_both_sides(1)
     assert (one.verdict, one.to_dict()["impossible"]["kind"]) == ("impossible", "exhaustion")
     assert not wrong(one)
-    assert "With up to 1 part held there is no order" in one.to_dict()["sentence"]
+    assert "with up to 1 part held no order exists" in one.to_dict()["sentence"]
     assert from_both_sides(2).verdict == "found"
 
 

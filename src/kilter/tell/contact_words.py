@@ -11,7 +11,7 @@ from typing import Any
 from kilter.errors import some, some_names
 from kilter.tell.numbers import number
 
-__all__ = ["copy_warnings", "gap_words", "lone_warnings", "overlap_warnings"]
+__all__ = ["copy_warnings", "gap_words", "group_warnings", "lone_warnings", "overlap_warnings"]
 
 Entry = Mapping[str, Any]
 FEW = 3
@@ -83,6 +83,18 @@ def lone_warnings(nearest: Sequence[Entry], units: str) -> list[str]:
         if alone:
             warnings.append(f"{words}: {some(alone)}")
     return warnings
+
+
+def group_warnings(groups: Sequence[Sequence[str]]) -> list[str]:
+    """Return a warning about groups of parts that touch only each other, or nothing.
+
+    Examples
+    --------
+    >>> group_warnings([["nut", "bolt"], ["cap", "pin"]])
+    ["touch no other part: the group ('nut', 'bolt'), the group ('cap', 'pin')"]
+    """
+    named = [f"the group ({some_names(names)})" for names in groups]
+    return [f"touch no other part: {some(named, FEW)}"] if named else []
 
 
 def _lone_part(entry: Entry, units: str) -> str:

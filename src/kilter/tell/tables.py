@@ -192,13 +192,21 @@ def moving_table(answer: Answer) -> Table | None:
     known = all(part["relative"] is not None for part in answer["parts"])
     if not known and not any(part["moves"] for part in answer["parts"]):
         return None
-    parts = sorted(answer["parts"], key=lambda part: -max(part["relative"] or (0.0,)))
+    parts = sorted(
+        answer["parts"],
+        key=lambda part: (not part.get("moved_by_proof"), -max(part["relative"] or (0.0,))),
+    )
     free = sum(not part["grounded"] for part in parts)
     moving = [part for part in parts if part["moves"]]
     left_out = bool(answer["open_pairs"])
     if verdict == "undecided" or (left_out and moving):
         counted = "certain contacts" if left_out else "modelled, frictionless contacts"
-        title = f"With its {counted} alone, {len(moving)} of {free} free parts move:"
+        title = f"With its {counted} alone, {len(moving)} of {free} free parts move"
+        proved = sum(bool(part.get("moved_by_proof")) for part in moving)
+        if 0 < proved < len(moving):
+            which = "the first" if proved == 1 else f"the first {proved}"
+            title += f"; whatever the open pairs do, the proof moves {which}"
+        title += ":"
     elif verdict == "potentially-stable":
         title = f"{len(moving)} of {free} free parts could move:"
     elif moving or not parts:

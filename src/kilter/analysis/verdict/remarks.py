@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import numpy as np
+
+from kilter.arrays import connected
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
-from kilter.tell.contact_words import lone_warnings
+from kilter.tell.contact_words import group_warnings, lone_warnings
 
-__all__ = ["loose_parts", "remarks", "touching_nothing"]
+__all__ = ["floating_groups", "loose_parts", "remarks", "touching_nothing"]
 
 
 def remarks(assembly: Assembly, contacts: ContactSet) -> list[str]:
@@ -18,8 +21,36 @@ def remarks(assembly: Assembly, contacts: ContactSet) -> list[str]:
 
 
 def loose_parts(assembly: Assembly, contacts: ContactSet) -> list[str]:
-    """Parts that touch nothing, with what comes nearest to them; held ones apart."""
-    return lone_warnings(contacts.of(assembly).nearest(), assembly.units)
+    """Parts and groups of parts that touch no other part, with the nearest part of each."""
+    alone = lone_warnings(contacts.of(assembly).nearest(), assembly.units)
+    return alone + group_warnings(floating_groups(assembly, contacts))
+
+
+def floating_groups(assembly: Assembly, contacts: ContactSet) -> list[list[str]]:
+    """Names of the parts of each group that touches no other part and has no held part.
+
+    The parts of a group are connected by contacts, open pairs, joints or bonds. Single parts are
+    no groups.
+    """
+    possible = contacts.possible
+    named = [joint.parts for joint in assembly.joints] + [bond.parts for bond in assembly.bonds]
+    index = assembly.index
+    linked = [[index[a], index[b]] for a, b in named if a in index and b in index]
+    opened = [pair.parts for pair in contacts.open_pairs]
+    pairs = [
+        contacts.patch_parts,
+        np.column_stack([possible.part_a, possible.part_b]),
+        np.array(opened, dtype=np.int64).reshape(-1, 2),
+        np.array(linked, dtype=np.int64).reshape(-1, 2),
+    ]
+    first, second = np.concatenate(pairs).T
+    count = len(assembly.parts)
+    # the ground, index -1, is a further node, which is held
+    label = connected(count + 1, first % (count + 1), second % (count + 1))
+    held = np.append(assembly.geometry.grounded, True)
+    floats = ~np.isin(label, label[held])
+    groups = [np.flatnonzero(label == group) for group in np.unique(label[floats])]
+    return [[assembly.names[k] for k in group] for group in groups if len(group) > 1]
 
 
 def touching_nothing(assembly: Assembly, contacts: ContactSet) -> list[str]:

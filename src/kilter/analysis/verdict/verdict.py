@@ -42,11 +42,11 @@ from kilter.analysis.verdict.verdict_answer import (
     forces_answer,
     friction_answer,
 )
-from kilter.arrays import sealed
+from kilter.arrays import Mask, sealed
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
-from kilter.mechanics.certificate import ForceProof, MotionProof
-from kilter.mechanics.mechanics_tolerances import TOLERANCE
+from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
+from kilter.mechanics.mechanics_tolerances import STILL, TOLERANCE
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import digest_of, make_proof
 from kilter.mechanics.rows import POSSIBLE
@@ -308,6 +308,19 @@ class Verdict(InCells):
         )
 
     @property
+    def moved_by_proof(self) -> Mask:
+        """Whether the motion of the proof moves each part, shape (N,); False without a motion.
+
+        The proof counts every force that open pairs could transmit. `motion` counts the certain
+        contacts only.
+        """
+        proof = self.certificate
+        if not isinstance(proof, MotionProof):
+            return np.zeros(len(self.program.names), dtype=bool)
+        sizes = part_sizes(self.program, proof.motion, per_radius=False)
+        return np.asarray(sizes > STILL * sizes.max(initial=0.0))
+
+    @property
     def moving(self) -> list[str]:
         """Names of the parts that start to move."""
         return [n for n, m in zip(self.program.names, self.motion.moves, strict=True) if m]
@@ -348,7 +361,8 @@ class Verdict(InCells):
         which = np.flatnonzero(motion.moves)
         if not (motion.known or len(which)):
             return "the moving parts are not known"
-        order = which[np.argsort(-motion.relative[which].max(axis=1), kind="stable")]
+        speed = motion.relative[which].max(axis=1)
+        order = which[np.lexsort([-speed, ~self.moved_by_proof[which]])]
         names = self.program.names
         fastest = [f"{names[k]} {self.words(int(k))}" for k in order[:NAMED]]
         return motion_summary(fastest, len(which))
@@ -379,7 +393,7 @@ class Verdict(InCells):
     def to_dict(self) -> dict[str, Any]:
         """The answer of `kilter check --json`, and every fact that its text tells."""
         assembly, contacts, neutral = self.assembly, self.contacts, self.neutral
-        tries = self.tries
+        tries, moved_by_proof = self.tries, self.moved_by_proof
         return {
             "verdict": self.verdict,
             "level": self.level,
@@ -403,7 +417,7 @@ class Verdict(InCells):
             "density": density_answer(assembly),
             "instability": self.instability if self.measured else None,
             "z": self.displacement.z if self.measured else None,
-            "parts": [self._part(k) for k in range(len(assembly.parts))],
+            "parts": [self._part(k, moved_by_proof) for k in range(len(assembly.parts))],
             "contacts": {
                 "pairs": contacts.pairs,
                 "patches": len(contacts),
@@ -438,7 +452,7 @@ class Verdict(InCells):
         open_motion = [] if self.motion.known else [NO_MOTION]
         return [*filter(None, [self.barely]), *([unfinished] if failed else []), *open_motion]
 
-    def _part(self, k: int) -> dict[str, Any]:
+    def _part(self, k: int, moved_by_proof: Mask) -> dict[str, Any]:
         """A part of the answer: its mass, and how it starts to move."""
         part, motion = self.assembly.parts[k], self.motion
         shift = self.displacement.displacement if self.measured else None
@@ -451,6 +465,7 @@ class Verdict(InCells):
             "acceleration": (motion.acceleration[k] + 0.0).tolist() if motion.known else None,
             "relative": (motion.relative[k] + 0.0).tolist() if motion.known else None,
             "moves": bool(motion.moves[k]),
+            "moved_by_proof": bool(moved_by_proof[k]),
             "motion": self.words(k),
             # told where no part is above the threshold of `moves`
             "slow_motion": self.words(k, slow=True) if slow and not part.grounded else None,
