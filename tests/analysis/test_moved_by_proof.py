@@ -24,7 +24,8 @@ def test_the_parts_of_the_proof_are_listed_first() -> None:
     verdict = kilter.check(two_groups())
     assert verdict.verdict == "unstable"
     proved = [verdict.program.names[k] for k in np.flatnonzero(verdict.moved_by_proof)]
-    assert proved and set(proved) <= {"upper", "lower"}  # joined to the base, "sunk" stays
+    assert proved
+    assert set(proved) <= {"upper", "lower"}  # joined to the base, "sunk" stays
     assert set(verdict.moving) == {"sunk", "upper", "lower"}
     text = text_of(verdict.to_dict())
     which = "the first:" if len(proved) == 1 else "the first 2:"

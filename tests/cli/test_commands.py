@@ -86,7 +86,17 @@ def test_check_says_everything_that_its_users_rely_on(capsys: pytest.CaptureFixt
             "certificate",
             "tolerance",
         ),
-        *("nearest", "joints", "bonds", "friction", "forces", "warnings", "time_limit", "seconds"),
+        *(
+            "nearest",
+            "joints",
+            "bonds",
+            "bonds_needed",
+            "friction",
+            "forces",
+            "warnings",
+            "time_limit",
+            "seconds",
+        ),
     }
     assert set(answer["seconds"]) == {"read", "contacts", "solve", "total"}
     assert set(answer["tolerance"]) == {"gap", "angle_deg", "clearance", "verdict", "moves"}
@@ -97,7 +107,7 @@ def test_check_says_everything_that_its_users_rely_on(capsys: pytest.CaptureFixt
     assert part["motion"] == "drops at 0.75 g"
     assert set(part) == {
         *("name", "grounded", "mass", "displacement", "acceleration", "relative"),
-        *("moves", "motion", "slow_motion"),
+        *("moves", "moved_by_proof", "motion", "slow_motion"),
     }
 
 

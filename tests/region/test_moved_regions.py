@@ -47,7 +47,7 @@ def test_float32_keeps_the_kind(name: str, pose: int | None) -> None:
     blur = rounded.cone.blur
     assert blur < 2e-3
     assert same_span(rounded.lines, list(exact.lines), blur)
-    warned = any("accuracy of the coordinates" in text for text in rounded.warnings)
+    warned = any("coordinates have limited accuracy" in text for text in rounded.warnings)
     assert warned == (name != "aside")  # which touches nothing
     # rays closer than the blur are one ray
     for ray in rounded.rays:

@@ -12,6 +12,7 @@ from kilter.tell.shared_facts import (
     Answer,
     Fact,
     balance_phrase,
+    bond_words,
     gravity_phrase,
     instability_phrase,
     joint_facts,
@@ -68,6 +69,8 @@ def check_facts(answer: Answer) -> list[Fact]:
     forces = forces_phrase(answer["forces"])
     if forces is not None:
         found.append(("forces", forces))
+    if answer["bonds_needed"] is not None:
+        found.append(("bonds", bond_words(**answer["bonds_needed"])))
     if answer["z"] is not None and answer["verdict"] != "stable":
         found.append(("instability", instability_phrase(answer)))
     second = answer.get("second_order")
@@ -151,10 +154,7 @@ def _guarantee(guarantee: str, friction: Answer) -> str:
 
 
 def forces_phrase(forces: Answer | None) -> str | None:
-    """Return the largest contact force and the largest use of friction and of bonds.
-
-    None without contact forces.
-    """
+    """Return the largest contact force and the largest use of friction; None without forces."""
     patches = [] if forces is None else forces["patches"]
     if not patches:
         return None
@@ -164,10 +164,6 @@ def forces_phrase(forces: Answer | None) -> str | None:
     if rubs:
         most = max(rubs, key=lambda patch: float(patch["utilisation"]))
         words += f"; friction used up to {percent(most['utilisation'])} ({_pair(most)})"
-    bonded = [patch for patch in patches if patch.get("bond_utilisation")]
-    if bonded:
-        most = max(bonded, key=lambda patch: float(patch["bond_utilisation"]))
-        words += f"; bonds used up to {percent(most['bond_utilisation'])} ({_pair(most)})"
     return words
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from kilter.errors import some
 from kilter.tell.numbers import angle, number, plain, vector
-from kilter.tell.shared_facts import Answer, Fact, joint_facts
+from kilter.tell.shared_facts import Answer, Fact, bond_words, joint_facts
 
 __all__ = ["margin_facts"]
 
@@ -124,13 +124,8 @@ def _bonds(answer: Answer) -> str:
     if why is not None:
         return UNKNOWN.get(why, "no bond strength is enough" + _as_drawn(answer))
     if share is None:
-        return "no bond strength is needed: it holds without bonds"
-    words = f"{number(share)} times their strength is needed"
-    opens = limit["opens"]
-    if not opens:
-        return words
-    names = some([f"{plain(a)} on {plain(b)}" for a, b in (patch["parts"] for patch in opens)], 3)
-    return f"{words}; {names} fail{'s' if len(opens) == 1 else ''} first"
+        return bond_words(0.0, ())
+    return bond_words(share, [patch["parts"] for patch in limit["opens"]])
 
 
 def _bracket(greatest: Sequence[float | None] | None) -> str:

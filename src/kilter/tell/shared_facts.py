@@ -13,6 +13,7 @@ __all__ = [
     "Answer",
     "Fact",
     "balance_phrase",
+    "bond_words",
     "gravity_phrase",
     "instability_phrase",
     "joint_facts",
@@ -35,6 +36,23 @@ def gravity_phrase(answer: Answer) -> str:
     size = math.hypot(*answer["gravity"])
     along = [component / size for component in answer["gravity"]]
     return f"{number(size)} m/s^2 along {vector(along)}"
+
+
+def bond_words(share: float, fail: Sequence[Sequence[str]]) -> str:
+    """Return the share of the bond strength that is needed, and the pairs whose bonds fail first.
+
+    Examples
+    --------
+    >>> bond_words(0.75, [("arm", "post")])
+    '0.75 times their strength is needed; arm on post fails first'
+    """
+    if share == 0.0:
+        return "no bond strength is needed: it holds without bonds"
+    words = f"{number(share)} times their strength is needed"
+    if not fail:
+        return words
+    names = some([f"{plain(a)} on {plain(b)}" for a, b in fail], 3)
+    return f"{words}; {names} fail{'s' if len(fail) == 1 else ''} first"
 
 
 def joint_facts(answer: Answer) -> list[Fact]:

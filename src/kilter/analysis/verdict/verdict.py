@@ -65,6 +65,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Verdict", "Word"]
 
+BONDED_PARTS = 300
+"""Above this number of free parts the least share of bond strength is left to `margin`."""
+
 BARELY = 1e-3
 """Instability below which the accuracy of the coordinates is asked about."""
 ROUNDING = 1e-15
@@ -430,6 +433,7 @@ class Verdict(InCells):
             "nearest": contacts.of(assembly).nearest(),
             "joints": joints_answer(assembly),
             "bonds": assembly.bonds_data(),
+            "bonds_needed": self._bonds_needed(),
             "certificate": certificate_answer(self.certificate, self.judgement),
             "friction": friction_answer(self.friction, self.effort),
             "forces": forces_answer(self.forces, contacts, self.program),
@@ -444,6 +448,24 @@ class Verdict(InCells):
             "time_limit": self.time_limit,
             "seconds": dict(self.seconds),
         }
+
+    def _bonds_needed(self) -> dict[str, Any] | None:
+        """The least share of the bond strength with which it holds, and the pairs that fail first.
+
+        None without bonds, if it does not hold, or if it has more than `BONDED_PARTS` free parts.
+        The contact forces of the answer are only one equilibrium of many, and their use of bonds
+        may be larger.
+        """
+        from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
+
+        large = int(self.program.free.sum()) > BONDED_PARTS
+        if not self.assembly.bonds or self.level is None or large:
+            return None
+        factor = find_bond_factor(self.program, self.contacts)
+        if not isinstance(factor, BondFactor):
+            return None
+        pairs = [list(self.assembly.bonds[k].parts) for k, _ in factor.opens]
+        return {"share": factor.value, "fail": pairs}
 
     def _cautions(self) -> list[str]:
         """Warnings that only the motions bring."""
