@@ -241,3 +241,47 @@ def test_the_drawing_is_that_of_the_contract() -> None:
     exec(compile(source, "build_architecture.py", "exec"), space)
     picture = ROOT / "docs" / "images" / "architecture.svg"
     assert space["drawing"]() == picture.read_text(encoding="utf-8")  # type: ignore[operator]
+
+
+DOUBT_MARKS = {"degenerate", "patch_doubt", "possible"}
+"""Attributes of a contact set that mark doubts."""
+DOUBT_STEPS = {
+    "decide_degenerate",
+    "explained_by_accuracy",
+    "rests_on_fits",
+    "why_fits_leave_it_open",
+}
+"""Steps of the decision that act on doubts."""
+
+
+def doubt_readers(source: str) -> set[str]:
+    """Marks of doubts that a module reads, and steps of the decision that it imports."""
+    read = set()
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Load):
+            read |= {node.attr} & DOUBT_MARKS
+        if isinstance(node, ast.ImportFrom):
+            read |= {alias.name for alias in node.names} & DOUBT_STEPS
+    return read
+
+
+def test_doubt_readers_finds_a_mark_and_a_step() -> None:
+    assert doubt_readers("x = contacts.patch_doubt > 0") == {"patch_doubt"}
+    assert doubt_readers("from a import decide_degenerate") == {"decide_degenerate"}
+    assert doubt_readers("doubts.degenerate_points") == set()
+
+
+def test_only_the_decision_reads_doubts() -> None:
+    """One cascade: every other analysis calls `decide`, or `Doubts` for the mask of its arrays."""
+    # the joined contacts of open pairs are built without the marks, on behalf of the decision
+    exempt = {"kilter.analysis.open_pairs.ordinary_contacts"}
+    readers = {
+        module: doubt_readers(path.read_text(encoding="utf-8"))
+        for module, path in FILES.items()
+        if module.startswith(("kilter.analysis.", "kilter.cli.", "kilter.publish"))
+        and not module.startswith("kilter.analysis.decision.")
+        and module not in exempt
+    }
+    # Doubts offers its own columns under the name of the mark
+    readers["kilter.analysis.planning.states.states"] -= {"degenerate"}
+    assert {module: found for module, found in readers.items() if found} == {}

@@ -94,7 +94,7 @@ def test_tries_that_were_not_made_are_told_with_the_effort_that_makes_them():
     told["friction"]["settling"] = {"ends": ["balance"] * 3 + ["not-found"], "of": 8}
     words = dict(facts(told))
     assert words["settles"] == (
-        "3 of 8 loose tries came to rest; 5 were not finished (--effort 2 may finish them)"
+        "3 of 3 loose tries came to rest; 5 more were not finished for lack of effort: --effort 2"
     )
     assert words["level"].startswith("equilibrium: not every loose try was finished")
 

@@ -203,7 +203,7 @@ def _warnings(assembly: Assembly, contacts: ContactSet, decision: Decision) -> l
         warnings.append(trial_words(decision.trial, assembly, len(left_open)))
     elif friction is not None and left_open:
         warnings.append("open pairs could add further motions or prevent the motions found")
-    if decision.verdict == "stable":
+    if decision.verdict in ("stable", "balanced"):
         return warnings + loose_parts(assembly, contacts)
     if left_open:
         warnings.append("z, displacements and motions count only the certain contacts")

@@ -339,6 +339,22 @@ class ContactSet:
             return 0
         return len(np.unique(np.sort(self.patch_parts, axis=1), axis=0))
 
+    @property
+    def adjacent(self) -> Index:
+        """Pairs of parts that touch or might touch, one row for each reason, shape (n, 2).
+
+        The reasons are patches, forces that are not modelled, and open pairs. The ground is -1.
+        """
+        possible = self.possible
+        opened = [pair.parts for pair in self.open_pairs]
+        return np.concatenate(
+            [
+                self.patch_parts,
+                np.column_stack([possible.part_a, possible.part_b]),
+                np.array(opened, dtype=np.int64).reshape(-1, 2),
+            ]
+        )
+
     def of(self, assembly: Assembly) -> ContactSet:
         """The same contacts for an assembly of the same parts with other joints or held parts."""
         return self if assembly is self.assembly else replace(self, assembly=assembly)

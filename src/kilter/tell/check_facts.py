@@ -41,7 +41,7 @@ WHY = {
     "not-asked": "settling and other motions were not examined",
     "not-found": "whether its own weight can hold it was not determined",
 }
-UNDONE = "not every loose try was finished"
+UNDONE = "not every loose try was finished for lack of effort"
 """Reason of the level if a seat was found but the tries were not finished."""
 
 
@@ -93,12 +93,13 @@ def _level(answer: Answer) -> str:
 def _settles(tries: Answer, friction: Answer) -> str:
     """Return how many loose tries came to rest, and the effort that may finish the others."""
     settling, more = friction["settling"], math.floor(max(friction["effort"], 1.0)) + 1
-    words = f"{tries['passed']} of {settling['of']} loose tries came to rest"
     undone = settling["of"] - len(settling["ends"]) + settling["ends"].count("not-found")
-    if not undone:
-        return words
-    left, them = ("1 was", "it") if undone == 1 else (f"{undone} were", "them")
-    return f"{words}; {left} not finished (--effort {more} may finish {them})"
+    finished = settling["of"] - undone
+    if not finished:
+        return f"not tried for lack of effort: --effort {more}"
+    words = f"{tries['passed']} of {finished} loose tries came to rest"
+    left = f"{undone} more {'was' if undone == 1 else 'were'} not finished for lack of effort"
+    return f"{words}; {left}: --effort {more}" if undone else words
 
 
 def _free_mass(parts: Iterable[Answer]) -> float:

@@ -49,6 +49,11 @@ class Doubts:
         """Whether a choice of normals may decide among the present parts, mask of shape (N,)."""
         return bool(present[self.degenerate].all(axis=1).any())
 
+    @property
+    def further_forces(self) -> bool:
+        """Whether open pairs, or contacts that are not modelled, may exert further forces."""
+        return len(self.contacts.possible) > 0 or len(self.contacts.open_pairs) > 0
+
     def explain_motion(self, program: Program) -> str:
         """Why a proved motion of a program does not decide; empty if the motion decides.
 

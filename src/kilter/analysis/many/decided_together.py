@@ -23,6 +23,8 @@ from kilter.contact.gaps import Tolerance
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
 from kilter.mechanics.program import Program
 from kilter.mechanics.program_blocks import BlockProofs, ProgramBlocks, program_blocks
+from kilter.second_order.proofs.level_rest import level_rows
+from kilter.second_order.searches.level_rest_search import rests_level
 from kilter.solvers.blocks import solve_blocks
 
 __all__ = ["Together", "decide_together"]
@@ -113,9 +115,6 @@ def _rests_level(
     blocks: ProgramBlocks, contacts: ContactSet, proofs: BlockProofs, stable: Mask
 ) -> Mask:
     """Return the mask of stable assemblies that rest on level faces, shape (M,)."""
-    from kilter.second_order.proofs.level_rest import level_rows  # takes its time
-    from kilter.second_order.searches.level_rest_search import rests_level
-
     rests = np.zeros_like(stable)
     for k in np.flatnonzero(stable).tolist():
         program = blocks.program(k)

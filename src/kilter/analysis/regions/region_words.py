@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from kilter.analysis.decision.doubts import doubts_of
 from kilter.analysis.decision.fitted_normals import fits_left_out
 from kilter.analysis.open_pairs.open_question import open_pair_names
 from kilter.analysis.regions.stable_cone import Proof, StableCone
@@ -70,7 +71,7 @@ def warnings_of(
 def further_forces(contacts: ContactSet, rubs: bool) -> bool:
     """Whether contacts not modelled, or friction unless it is counted (`rubs`), may hold more."""
     friction = not rubs and bool((contacts.patch_mu > 0).any())
-    return friction or len(contacts.possible) > 0 or len(contacts.open_pairs) > 0
+    return friction or doubts_of(contacts.assembly, contacts).further_forces
 
 
 def _inner(assembly: Assembly, contacts: ContactSet, rubs: bool) -> list[str]:

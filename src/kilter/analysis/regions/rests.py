@@ -122,7 +122,7 @@ def _rest(down: Array, cone: Cone, assembly: Assembly, contacts: ContactSet) -> 
     tilt = _tilt(down, cone)
     turned = assembly.with_down(down)
     verdict = check(turned, contacts=contacts)
-    if verdict.verdict != "stable":
+    if verdict.first_order != "stable":
         why = f"so near the boundary of the region its verdict is {verdict.verdict}"
         return PlaceOfRest(down, "open", tilt, None, (), why)
     second = verdict.to_dict()["second_order"]

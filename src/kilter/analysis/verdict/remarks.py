@@ -32,18 +32,11 @@ def floating_groups(assembly: Assembly, contacts: ContactSet) -> list[list[str]]
     The parts of a group are connected by contacts, open pairs, joints or bonds. Single parts are
     no groups.
     """
-    possible = contacts.possible
     named = [joint.parts for joint in assembly.joints] + [bond.parts for bond in assembly.bonds]
     index = assembly.index
     linked = [[index[a], index[b]] for a, b in named if a in index and b in index]
-    opened = [pair.parts for pair in contacts.open_pairs]
-    pairs = [
-        contacts.patch_parts,
-        np.column_stack([possible.part_a, possible.part_b]),
-        np.array(opened, dtype=np.int64).reshape(-1, 2),
-        np.array(linked, dtype=np.int64).reshape(-1, 2),
-    ]
-    first, second = np.concatenate(pairs).T
+    links = np.array(linked, dtype=np.int64).reshape(-1, 2)
+    first, second = np.concatenate([contacts.adjacent, links]).T
     count = len(assembly.parts)
     # the ground, index -1, is a further node, which is held
     label = connected(count + 1, first % (count + 1), second % (count + 1))

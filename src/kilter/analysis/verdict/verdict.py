@@ -18,6 +18,7 @@ import numpy as np
 from kilter.analysis.analysis_tolerances import MOVES
 from kilter.analysis.decision.decision import Decision, Word
 from kilter.analysis.decision.judge import Judgement
+from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
 from kilter.analysis.open_pairs.open_question import OpenQuestion, open_pairs_answer
 from kilter.analysis.open_pairs.remedies import Remedy, find_remedies
 from kilter.analysis.verdict.answers import joints_answer, unsupported_answer
@@ -456,8 +457,6 @@ class Verdict(InCells):
         The contact forces of the answer are only one equilibrium of many, and their use of bonds
         may be larger.
         """
-        from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
-
         large = int(self.program.free.sum()) > BONDED_PARTS
         if not self.assembly.bonds or self.level is None or large:
             return None

@@ -30,7 +30,6 @@ from numpy.typing import ArrayLike
 from kilter.analysis.check import check
 from kilter.analysis.decision.cascade import decide
 from kilter.analysis.decision.decision import Decision
-from kilter.analysis.decision.degenerate_branches import decide_degenerate
 from kilter.analysis.decision.doubts import doubts_of
 from kilter.analysis.decision.judge import Judgement, judge
 from kilter.analysis.planning.states.holds import Holds, find_fewest_holds
@@ -363,8 +362,14 @@ class States:
         if not self._doubts.normals_open(state.present):
             return state
         assembly = self.sub_assembly(state)
-        sharp = decide_degenerate(assembly, contacts_among(self.contacts, assembly))
-        return state if sharp.program is None else self._checked(state)
+        decision = decide(
+            assembly,
+            contacts_among(self.contacts, assembly),
+            require="equilibrium",
+            second_order=False,
+            question=False,
+        )
+        return state if decision.verdict == "undecided" else self._checked(state)
 
     def _checked(self, state: State) -> State:
         """Return the state with the verdict of `kilter.check`."""
