@@ -111,7 +111,7 @@ def test_blocks_twist_and_sink_with_every_gap_open(name: str) -> None:
     assert least_gap(assembly, program, np.zeros((len(program.names), 6))) > -1e-12
     assert problem.scale is not None
     energies = []
-    for t in (0.02, 0.01, 0.005):
+    for t in (0.005, 0.0025, 0.00125):
         step = t * first + t**2 * second / 2
         motion = program.full(step * problem.scale)
         assert least_gap(assembly, program, motion) > 0

@@ -40,7 +40,7 @@ def answers(parts: list[Part]) -> list[SecondOrder]:
     for order in itertools.permutations(parts):
         assembly = Assembly(order)
         verdict = kilter.check(assembly)
-        assert verdict.stable
+        assert verdict.verdict in ("stable", "balanced")
         assert kilter.verify(assembly, verdict.proof()).holds
         assert verdict.second_order is not None
         found.append(verdict.second_order)

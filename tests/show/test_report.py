@@ -42,7 +42,7 @@ def test_report_writes_one_page_and_says_so(capsys: pytest.CaptureFixture[str]) 
     assert page.rstrip().endswith("</html>")
     said = capsys.readouterr()
     assert said.out == ""
-    assert "out.html: stable" in said.err
+    assert "out.html: verdict stable" in said.err
 
 
 @pytest.mark.slow
