@@ -1,0 +1,445 @@
+"""Census of agreement: every command reports the findings of `check`.
+
+    python benchmarks/agreement.py                       600 assemblies, 2 processes
+    python benchmarks/agreement.py 50 --first 100        seeds 100 to 149
+    python benchmarks/agreement.py 60 --family voronoi   a single family
+    python benchmarks/agreement.py --real ../shared/data real files too, in place of a tenth
+
+Families: arch, pile, wedge, round, voronoi (3D cells with shared faces), squeezed (blocks between
+walls, troughs, ladders), bricks, bonded, open (parts pushed into overlap or out of contact), real.
+Each command has a limit of 20 CPU s; a command that reaches it is counted as cut.
+
+Rules, each counted as tests and contradictions:
+
+plan        the verdict of the finished assembly in a plan = the verdict of check
+hold        with the supports of `hold --require L`, check reaches level L
+limit       just inside a limit check holds at the level of the limit, just outside it does not:
+            tilt, least friction, load factor of a body force, tilt at level settles or proved
+region      a direction is in the region iff check holds there at equilibrium; directions between
+            the inner and the outer cone, and regions that open pairs decide, are left out
+orient      check holds at the recommended direction, at the reported level
+report      the page and the notebook show the verdict and the sentence of check
+many        check_many and batch give the verdict of check
+remedy      each printed remedy, typed as a command, has the verdict that its line states
+verify      the proof of check passes `verify`
+
+Balanced assemblies are counted. They hold to first order: the rules compare `first_order`.
+Exit code 1 if there is a contradiction.
+"""
+
+from __future__ import annotations
+
+import argparse
+import collections
+import contextlib
+import html
+import io
+import json
+import os
+import shlex
+import signal
+import sys
+import tempfile
+import time
+import traceback
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))
+
+import numpy as np
+from random_bonded import random_bonded
+from random_friction import random_assembly
+from random_pushed import pushed_assembly
+from random_turned import random_turned
+from random_voronoi import random_voronoi
+
+import kilter
+from kilter.analysis.everything import everything
+from kilter.assembly import Assembly
+from kilter.assembly.bricks.brick_assembly import assembly_of_bricks
+from kilter.cli import main as command_line
+from kilter.contact import contacts
+from kilter.contact.contact_tolerances import GAP
+from kilter.errors import InputError
+from kilter.mechanics.bundle import apply_change
+from kilter.scenes.random_bricks import random_bricks
+from kilter.tell.levels import holds
+
+LIMIT = 20.0
+"""Limit of each command [CPU s]."""
+NEAR = 1e-3
+"""Distance of the tests from a limit: relative, or of a direction [rad]."""
+DIRECTIONS = 6
+"""Random directions that are compared with the region."""
+FAMILIES = (
+    *("arch", "pile", "wedge", "round", "voronoi"),
+    *("squeezed", "bricks", "bonded", "open", "real"),
+)
+REAL = {
+    "compas_cra/A.json": {},
+    "compas_cra/H.json": {},
+    "compas_cra/bridge.json": {},
+    "compas_cra/cubes.json": {},
+    "compas_cra/curve-3-blocks.json": {"ground": ["0"]},
+    "compas_cra/shelf-stable.json": {},
+    "compas_cra/type-a.json": {},
+    "compas_cra/type-c.json": {},
+    "stablelego/stair_19.json": {},
+    "stablelego/stair_20.json": {},
+    "stablelego/external_weight_good.json": {},
+    "stablelego/external_weight_fail.json": {},
+    "learn2assemble/tetris-2": {"ground": ["0"]},
+    "cad/flange_coupling.step": {"floor": True},
+    "cad/one_plate.step": {"floor": True},
+    "cax-if/dm1-id-214.stp": {"floor": True},
+    "cax-if/as1-oc-214.stp": {"ground": ["plate"]},
+}
+"""Real files and the options of reading them."""
+LEVELS = ("equilibrium", "settles", "proved")
+
+
+class Cut(Exception):
+    """A command reached its limit."""
+
+
+@dataclass
+class Case:
+    """Counts of a case: tests and contradictions of each rule, cut commands, CPU seconds."""
+
+    family: str
+    seed: int
+    verdict: str = "error"
+    tests: collections.Counter[str] = field(default_factory=collections.Counter)
+    wrong: list[str] = field(default_factory=list)
+    cut: list[str] = field(default_factory=list)
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    def test(self, rule: str, agrees: bool, words: str) -> None:
+        """Count a test of a rule, and note the contradiction."""
+        self.tests[rule] += 1
+        if not agrees:
+            self.wrong.append(f"{self.family} {self.seed}: {rule}: {words}")
+
+    def run(self, name: str, command: Callable[[], Any]) -> Any:
+        """The answer of a command; None if it reaches its limit or rejects the assembly."""
+        began = time.process_time()
+        signal.setitimer(signal.ITIMER_PROF, LIMIT)
+        try:
+            return command()
+        except Cut:
+            self.cut.append(name)
+        except InputError as error:
+            self.tests[f"{name} rejects: {str(error)[:70]}"] += 1
+            if "fault" in str(error):
+                self.wrong.append(f"{self.family} {self.seed}: {name}: {error}")
+        finally:
+            signal.setitimer(signal.ITIMER_PROF, 0)
+            taken = time.process_time() - began
+            self.seconds[name] = max(self.seconds.get(name, 0.0), taken)
+        return None
+
+
+def _cut(*_: object) -> None:
+    raise Cut
+
+
+def build(family: str, seed: int, real: Path | None) -> Assembly | None:
+    """The assembly of a family and a seed; None without the folder of real files."""
+    random = np.random.default_rng([seed, 17])
+    if family in ("arch", "pile", "wedge", "round"):
+        return random_turned(family, seed)
+    if family == "voronoi":
+        return random_voronoi(seed)
+    if family == "squeezed":
+        return random_assembly(seed)[1]
+    if family == "bricks":
+        return assembly_of_bricks(random_bricks(int(random.integers(3, 14)), seed=seed))
+    if family == "bonded":
+        return random_bonded(seed).assembly
+    if family == "open":
+        return pushed_assembly(seed, _touching).drawn
+    return None if real is None else _real(random, real)
+
+
+def _touching(assembly: Assembly) -> tuple[Any, Any, Any]:
+    found = contacts(assembly)
+    gap = GAP * assembly.geometry.size[found.patch_parts].min(axis=1)
+    return found.patch_parts, found.patch_normal, gap
+
+
+def _real(random: np.random.Generator, folder: Path) -> Assembly:
+    """A real file with a random friction coefficient, tilted by up to 20 deg in half of cases."""
+    names = sorted(REAL)
+    name = names[int(random.integers(len(names)))]
+    options = dict(REAL[name])
+    options["friction"] = float(random.choice([0.0, 0.05, 0.3, 0.84]))
+    assembly = kilter.load(folder / name, **options)
+    if random.random() < 0.5 or assembly.bonds:
+        return assembly
+    across = np.cross(assembly.down, random.normal(size=3))
+    tilt = np.radians(random.uniform(0, 20))
+    down = np.cos(tilt) * assembly.down + np.sin(tilt) * across / np.linalg.norm(across)
+    return assembly.with_down(down)
+
+
+def judge(family: str, seed: int, real: Path | None) -> Case | None:
+    """Run every command on a case and compare the answers."""
+    signal.signal(signal.SIGPROF, _cut)
+    case = Case(family, seed)
+    try:
+        assembly = build(family, seed, real)
+        if assembly is None:
+            return None
+        verdict = case.run("check", lambda: kilter.check(assembly))
+        if verdict is None:
+            return case
+        case.verdict = verdict.verdict
+        for rule in (_verify, _plan, _hold, _limits, _region, _orient, _report, _many, _remedies):
+            rule(case, assembly, verdict)
+    except Exception as error:
+        last = traceback.extract_tb(error.__traceback__)[-1]
+        place = f"{Path(last.filename).name}:{last.lineno}"
+        case.wrong.append(f"{family} {seed}: fault: {type(error).__name__}: {error} ({place})")
+    return case
+
+
+def _verify(case: Case, assembly: Assembly, verdict: Any) -> None:
+    if verdict.certificate is None:
+        return
+    held = case.run("verify", lambda: kilter.verify(assembly, verdict.proof()))
+    if held is not None:
+        case.test("verify", held.holds, f"{held}")
+
+
+def _plan(case: Case, assembly: Assembly, verdict: Any) -> None:
+    order = case.run(
+        "plan",
+        lambda: kilter.plan(assembly, contacts=verdict.contacts, require=verdict.require),
+    )
+    if order is None or order.interrupted:
+        return
+    finished = order.finished
+    case.test(
+        "plan",
+        (finished.verdict, finished.level) == (verdict.verdict, verdict.level),
+        f"finished {finished.verdict}, check {verdict.verdict}",
+    )
+    if verdict.verdict == "unstable":
+        case.test("plan", order.verdict == "impossible", f"{order.verdict} of a falling assembly")
+    if order.found:
+        case.test("plan", LEVELS.index(order.level) <= LEVELS.index(verdict.level), "level")
+
+
+def _hold(case: Case, assembly: Assembly, verdict: Any) -> None:
+    for level in ("equilibrium", "settles"):
+        fixture = case.run(
+            f"hold {level}",
+            lambda level=level: kilter.hold(
+                assembly, contacts=verdict.contacts, require=level, most=3
+            ),
+        )
+        if fixture is None or not fixture.holds:
+            continue
+        if fixture.supports:
+            entry = next(e for e in fixture.proof()["proofs"] if e["about"] == "held")
+            held, touching = apply_change(assembly, verdict.contacts, entry["change"])
+            other = case.run("check", partial(kilter.check, held, contacts=touching))
+        else:
+            other = verdict
+        if other is not None:
+            reached = holds(other.level, level)
+            case.test("hold", reached, f"{fixture.supports} for {level}: {other.verdict}")
+
+
+def _limits(case: Case, assembly: Assembly, verdict: Any) -> None:
+    push = np.random.default_rng(case.seed).normal(size=3)
+    push /= np.linalg.norm(push)
+    if assembly.planar:
+        push = np.array([1.0, 0.0, 0.0])
+    margin = case.run(
+        "margin",
+        lambda: kilter.margin(
+            assembly, contacts=verdict.contacts, push=push, pushed=[], require="settles"
+        ),
+    )
+    if margin is None:
+        return
+    for words, other, level, expected in _beside_limits(assembly, margin, push):
+        answer = case.run("check", lambda other=other, level=level: _decide(other, verdict, level))
+        if answer is None:
+            continue
+        # open pairs, or a time limit, may leave either side undecided: this is no "holds"
+        case.test("limit", holds(answer.level, level) is expected, f"{words}: {answer.verdict}")
+
+
+def _decide(assembly: Assembly, verdict: Any, level: str) -> Any:
+    touching = verdict.contacts
+    if assembly.friction != verdict.assembly.friction:
+        touching = touching.with_friction(assembly.friction)
+    touching = touching.of(assembly)
+    return kilter.check(assembly, contacts=touching, require=level)
+
+
+def _beside_limits(
+    assembly: Assembly, margin: Any, push: Any
+) -> Iterator[tuple[str, Assembly, str, bool]]:
+    """Words, an assembly beside a limit, the level of the limit, and whether it must hold."""
+    if margin.tilt is not None and margin.tilt_down is not None:
+        lower = float(margin.tilt.lower)
+        for angle, expected in ((lower - NEAR, True), (np.radians(margin.tilt_deg) + NEAR, False)):
+            if angle > 0:
+                down = _toward(assembly.down, margin.tilt_down, angle)
+                yield f"tilt {angle:.6f}", assembly.with_down(down), "equilibrium", expected
+    at_level = margin.level_tilt
+    if at_level is not None:
+        for degrees, expected in (
+            (at_level.lower * (1 - NEAR), True),
+            (at_level.upper * (1 + NEAR) + 1e-3, False),
+        ):
+            down = _toward(assembly.down, margin.tilt_down, np.radians(degrees))
+            yield f"tilt at settles {degrees:.6f}", assembly.with_down(down), "settles", expected
+    if margin.friction is not None and margin.friction.value > 0 and not assembly.friction_pairs:
+        least = float(margin.friction.value)
+        for mu, expected in ((least * (1 + NEAR), True), (least * (1 - NEAR), False)):
+            if expected or mu < margin.friction.lower:
+                rough = assembly.with_friction(mu)
+                yield f"mu {mu:.6f}", rough, "equilibrium", expected
+    ends = margin.load_factor
+    if ends is not None and ends[1] is not None and np.isfinite(ends[1].value):
+        most = float(ends[1].value)
+        for factor, expected in ((most * (1 - NEAR), True), (most * (1 + NEAR) + 1e-6, False)):
+            if most > NEAR and margin.verdict.level is not None:
+                gravity = assembly.gravity + factor * np.linalg.norm(assembly.gravity) * push
+                loaded = replace(assembly, gravity=gravity)
+                yield f"load factor {factor:.6f}", loaded, "equilibrium", expected
+
+
+def _toward(down: Any, boundary: Any, angle: float) -> Any:
+    """The direction at an angle [rad] from `down` in the plane with `boundary`."""
+    across = boundary - (boundary @ down) * down
+    size = float(np.linalg.norm(across))
+    if size < 1e-9:
+        return down
+    return np.cos(angle) * down + np.sin(angle) * across / size
+
+
+def _region(case: Case, assembly: Assembly, verdict: Any) -> None:
+    region = case.run("region", lambda: kilter.region(assembly, contacts=verdict.contacts))
+    if region is None or region.pairs_decide:
+        return
+    random = np.random.default_rng(case.seed)
+    directions = [assembly.down, *random.normal(size=(DIRECTIONS, 3))]
+    for down in directions:
+        unit = np.array(down) / np.linalg.norm(down)
+        if assembly.planar:
+            unit = np.array([unit[0], 0.0, unit[2]]) / np.hypot(unit[0], unit[2])
+        inside = bool(region.contains(unit, NEAR if region.dimension == 3 else 0.0))
+        outside = bool((region.facets @ unit < -NEAR).any()) and region.complete
+        if not (inside or outside):
+            continue
+        turned = assembly.with_down(unit)
+        answer = case.run("check", lambda turned=turned: _decide(turned, verdict, "equilibrium"))
+        if answer is not None:
+            words = f"{unit.tolist()} is {'in' if inside else 'out'}side: {answer.verdict}"
+            case.test("region", (answer.level is not None) is inside, words)
+
+
+def _orient(case: Case, assembly: Assembly, verdict: Any) -> None:
+    answer = case.run("orient", lambda: kilter.orient(assembly, contacts=verdict.contacts))
+    if answer is None or answer.verdict != "found":
+        return
+    turned = assembly.with_down(answer.down)
+    there = case.run("check", lambda: _decide(turned, verdict, "equilibrium"))
+    if there is not None:
+        words = f"{answer.level} at {answer.down.tolist()}: {there.verdict} {there.level}"
+        case.test("orient", there.level is not None and there.level == answer.level, words)
+
+
+def _report(case: Case, assembly: Assembly, verdict: Any) -> None:
+    shown = case.run("report", lambda: everything(assembly, contacts=verdict.contacts))
+    if shown is not None:
+        same = shown.given.check["verdict"] == verdict.verdict
+        case.test("report", same, f"page {shown.given.check['verdict']}")
+    cell = html.unescape(verdict._repr_html_())
+    case.test("report", verdict.sentence in cell, "the notebook has another sentence")
+
+
+def _many(case: Case, assembly: Assembly, verdict: Any) -> None:
+    many = case.run("check_many", lambda: kilter.check_many([assembly]).verdict.tolist())
+    if many is not None:
+        case.test("many", many == [verdict.verdict], f"check_many {many}, check {verdict.verdict}")
+
+
+def _remedies(case: Case, assembly: Assembly, verdict: Any) -> None:
+    remedies = case.run("remedies", lambda: verdict.to_dict()["remedies"])
+    if not remedies:
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "a.kilter.json"
+        kilter.dump(assembly, path)
+        for remedy in remedies:
+            words = ["check", str(path), *shlex.split(remedy["option"]), "--json", "--quiet"]
+            out = io.StringIO()
+
+            def typed(words: list[str] = words, out: io.StringIO = out) -> int:
+                with contextlib.redirect_stdout(out), contextlib.redirect_stderr(io.StringIO()):
+                    return command_line(words)
+
+            if case.run("remedy", typed) is None:
+                continue
+            result = json.loads(out.getvalue() or "{}").get("verdict")
+            stated = remedy["leads_to"]
+            case.test("remedy", result == stated, f"{remedy['option']}: {result}, not {stated}")
+
+
+def main() -> int:
+    """Run the census and print its counts; return 1 if there is a contradiction."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("count", type=int, nargs="?", default=600)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--family", choices=FAMILIES, action="append")
+    parser.add_argument("--real", type=Path, help="folder of real assemblies")
+    parser.add_argument("--processes", type=int, default=2)
+    given = parser.parse_args()
+    families = given.family or FAMILIES
+    seeds = range(given.first, given.first + given.count)
+    jobs = [(families[seed % len(families)], seed, given.real) for seed in seeds]
+    tests: collections.Counter[str] = collections.Counter()
+    words: collections.Counter[str] = collections.Counter()
+    commands, cuts = 0, collections.Counter[str]()
+    wrong: list[str] = []
+    slowest: dict[str, tuple[float, str]] = {}
+    with ProcessPoolExecutor(given.processes) as pool:
+        for case in pool.map(judge, *zip(*jobs, strict=True)):
+            if case is None:
+                continue
+            tests += case.tests
+            words[f"{case.family} {case.verdict}"] += 1
+            commands += len(case.seconds)
+            cuts.update(case.cut)
+            wrong += case.wrong
+            for text in case.wrong:
+                print(text, flush=True)
+            for name, taken in case.seconds.items():
+                slowest[name] = max(
+                    slowest.get(name, (0.0, "")), (taken, f"{case.family} {case.seed}")
+                )
+    for title, counter in (("verdicts", words), ("tests", tests), ("cut at 20 CPU s", cuts)):
+        print(title)
+        for name, number in sorted(counter.items()):
+            print(f"  {number:6d}  {name}")
+    print("slowest of each command [CPU s]")
+    for name, (taken, place) in sorted(slowest.items(), key=lambda item: -item[1][0]):
+        print(f"  {taken:6.1f}  {name}: {place}")
+    print(f"{sum(cuts.values())} of {commands} commands cut, {len(wrong)} contradictions")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
