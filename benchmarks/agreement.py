@@ -294,7 +294,7 @@ def _beside_limits(
         lower = float(margin.tilt.lower)
         for angle, expected in ((lower - NEAR, True), (np.radians(margin.tilt_deg) + NEAR, False)):
             if angle > 0:
-                down = _toward(assembly.down, margin.tilt_down, angle)
+                down = _toward(assembly.down, margin.tilt.toward, angle)
                 yield f"tilt {angle:.6f}", assembly.with_down(down), "equilibrium", expected
     at_level = margin.level_tilt
     if at_level is not None:
@@ -302,7 +302,7 @@ def _beside_limits(
             (at_level.lower * (1 - NEAR), True),
             (at_level.upper * (1 + NEAR) + 1e-3, False),
         ):
-            down = _toward(assembly.down, margin.tilt_down, np.radians(degrees))
+            down = _toward(assembly.down, margin.tilt.toward, np.radians(degrees))
             yield f"tilt at settles {degrees:.6f}", assembly.with_down(down), "settles", expected
     if margin.friction is not None and margin.friction.value > 0 and not assembly.friction_pairs:
         least = float(margin.friction.value)
@@ -320,13 +320,9 @@ def _beside_limits(
                 yield f"load factor {factor:.6f}", loaded, "equilibrium", expected
 
 
-def _toward(down: Any, boundary: Any, angle: float) -> Any:
-    """The direction at an angle [rad] from `down` in the plane with `boundary`."""
-    across = boundary - (boundary @ down) * down
-    size = float(np.linalg.norm(across))
-    if size < 1e-9:
-        return down
-    return np.cos(angle) * down + np.sin(angle) * across / size
+def _toward(down: Any, across: Any, angle: float) -> Any:
+    """The direction `down` turned by an angle [rad] toward a direction across it."""
+    return np.cos(angle) * down + np.sin(angle) * across
 
 
 def _region(case: Case, assembly: Assembly, verdict: Any) -> None:

@@ -32,7 +32,7 @@ from kilter.contact.smooth.smooth_joints import find_smooth
 from kilter.contact.unknown import unknown_contacts
 from kilter.errors import InputError
 
-__all__ = ["contacts", "contacts_side_by_side"]
+__all__ = ["contacts", "contacts_side_by_side", "detected_with_friction"]
 
 
 def contacts(
@@ -230,6 +230,33 @@ def _own_friction(contact: GivenContact | Bond) -> float:
     """Friction coefficient that the file gives for a contact [-]; NaN: none, as for every bond."""
     mu = contact.mu if isinstance(contact, GivenContact) else None
     return np.nan if mu is None else mu
+
+
+def detected_with_friction(detected: ContactSet, mu: float) -> ContactSet:
+    """Detected contacts with a single friction coefficient, equal to those of a new detection.
+
+    Parameters
+    ----------
+    detected : ContactSet
+        All contacts of an assembly, as `contacts` returns them.
+    mu : float
+        Friction coefficient of all pairs [-].
+    """
+    assembly = detected.assembly.with_friction(mu)
+    # forces beside a fitted normal depend on friction, and listed contacts may have their own
+    if detected.patch_doubt.any() or assembly.contacts:
+        return contacts(assembly, tolerance=detected.tolerance)
+    possible = detected.possible
+    # the last rows are forces of open pairs in any direction, which have no friction
+    wrenches = len(open_forces(detected.open_pairs, assembly.geometry))
+    rubbing = len(possible) - wrenches
+    of_pairs = np.where(np.arange(len(possible)) < rubbing, mu, possible.mu)
+    return dataclasses.replace(
+        detected,
+        assembly=assembly,
+        patch_mu=certain_friction(mu, detected.patch_doubt),
+        possible=dataclasses.replace(possible, mu=of_pairs),
+    )
 
 
 def _with_friction(assembly: Assembly, possible: PossibleContacts) -> PossibleContacts:

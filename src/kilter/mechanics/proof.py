@@ -24,7 +24,7 @@ from kilter.mechanics.joints import joint_wrench, reference_point
 from kilter.mechanics.law_check import LawProof
 from kilter.mechanics.program import Program
 from kilter.mechanics.proof_form import FORMAT
-from kilter.mechanics.rows import CONTACT, JOINT
+from kilter.mechanics.rows import BONDED, CONTACT, JOINT
 
 __all__ = [
     "Evidence",
@@ -215,6 +215,7 @@ def _friction_data(program: Program, evidence: Evidence, rows: Index) -> dict[st
         },
         "forces": witness.forces[rows].tolist(),
         "joints": witness.forces[joints].tolist(),
+        "bonds": witness.forces[program.kind == BONDED].tolist(),
         "power": witness.power,
         "residual": witness.residual,
     }  # fmt: skip

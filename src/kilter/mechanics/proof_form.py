@@ -185,6 +185,7 @@ FRICTION = keys(
             acceleration=named(SIX),
             forces=list_of(VECTOR),
             joints=list_of(VECTOR),
+            bonds=list_of(VECTOR),
             power=NUMBER,
             residual=NUMBER,
         )

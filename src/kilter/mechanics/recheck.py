@@ -28,7 +28,7 @@ from kilter.mechanics.proof import (
     open_pairs_of,
     rows_of,
 )
-from kilter.mechanics.rows import CONTACT, JOINT
+from kilter.mechanics.rows import BONDED, CONTACT, JOINT
 
 __all__ = ["RecheckResult", "recheck"]
 
@@ -339,7 +339,8 @@ def _witness_check(
 ) -> LawProof | None:
     """Check of the motion of a proof; None if its parts, contacts or joints are not the file's."""
     free = {n for n, f in zip(program.names, program.free, strict=True) if f}
-    rows = {"forces": program.kind == CONTACT, "joints": program.kind == JOINT}
+    kinds = {"forces": CONTACT, "joints": JOINT, "bonds": BONDED}
+    rows = {key: program.kind == kind for key, kind in kinds.items()}
     if set(witness["acceleration"]) != free or any(
         len(witness[key]) != int(mask.sum()) for key, mask in rows.items()
     ):

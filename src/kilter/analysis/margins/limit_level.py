@@ -8,6 +8,7 @@ bisection. Both ends of the bracket are decided.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,6 +27,10 @@ __all__ = ["LevelTilt", "find_level_tilt", "verdict_outside"]
 OUTSIDE = 1e-4
 """Turn beyond a tilt limit at which the verdict is decided [rad]; a larger turn may miss a thin
 sector of another verdict."""
+BELOW = (0.5, 0.75, 0.9, 0.97, 0.99, 0.999)
+"""Shares of a limit at which its level is decided again; more shares find more gaps [-]."""
+ROUNDS = 3
+"""Largest number of bisections, each below the tilt at which the level was missed."""
 STEPS = 12
 """Bisections of a tilt; each further one halves the bracket and costs one decision."""
 
@@ -51,20 +56,23 @@ class LevelTilt:
         return {"level": self.level, "tilt_deg": self.lower, "tilt_upper_deg": self.upper}
 
 
-def verdict_outside(assembly: Assembly, contacts: ContactSet, down: Array, work: Work) -> str:
-    """The verdict of `kilter.check` just beyond a tilt limit with gravity along `down`.
+def verdict_outside(
+    assembly: Assembly, contacts: ContactSet, angle: float, toward: Array, work: Work
+) -> str:
+    """The verdict of `kilter.check` just beyond a tilt limit.
 
     Parameters
     ----------
     assembly : Assembly
     contacts : ContactSet
-    down : ndarray, shape (3,)
-        Direction of gravity at the limit, unit, world frame.
+    angle : float
+        The limit [rad].
+    toward : ndarray, shape (3,)
+        Horizontal direction of the tilt, unit, world frame.
     work : Work
         Work whose time limit is kept.
     """
-    angle = _angle(assembly.down, down)
-    beyond = _toward(assembly.down, down, angle + OUTSIDE)
+    beyond = _toward(assembly.down, toward, angle + OUTSIDE)
     return _decision(assembly, contacts, beyond, "equilibrium", work).verdict
 
 
@@ -91,14 +99,30 @@ def find_level_tilt(
 
     if not reaches(lower):
         return None
-    if upper <= OUTSIDE or reaches(upper - OUTSIDE):
-        return LevelTilt(level, float(np.degrees(upper)), float(np.degrees(upper)))
-    for _ in range(STEPS):
-        if work.late:
+    limit = upper
+    if upper <= OUTSIDE or (reaches(upper - OUTSIDE) and _first_miss(reaches, upper) is None):
+        return LevelTilt(level, float(np.degrees(limit)), float(np.degrees(limit)))
+    for _ in range(ROUNDS):
+        for _ in range(STEPS):
+            if work.late:
+                break
+            middle = 0.5 * (lower + upper)
+            lower, upper = (middle, upper) if reaches(middle) else (lower, middle)
+        miss = None if work.late else _first_miss(reaches, lower)
+        if miss is None:
             break
-        middle = 0.5 * (lower + upper)
-        lower, upper = (middle, upper) if reaches(middle) else (lower, middle)
+        lower, upper = 0.0, miss
     return LevelTilt(level, float(np.degrees(lower)), float(np.degrees(upper)))
+
+
+def _first_miss(reaches: Callable[[float], bool], angle: float) -> float | None:
+    """The least of some angles below a limit [rad] at which the level is not reached; or None.
+
+    A motion that refutes the level may be found at a smaller tilt although it was not found at a
+    larger tilt: the search for motions is not exhaustive.
+    """
+    missed = [share * angle for share in BELOW if not reaches(share * angle)]
+    return missed[0] if missed else None
 
 
 def _decision(

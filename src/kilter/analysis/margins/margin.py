@@ -386,7 +386,8 @@ def margin(
     greatest = None if factor is None else _known(factor[1])
     outside, level_tilt = None, None
     if tilt is not None and down is not None:
-        outside = _known(in_time(verdict_outside, assembly, verdict.contacts, down, work))
+        touching, toward = verdict.contacts, tilt.toward
+        outside = _known(in_time(verdict_outside, assembly, touching, tilt.angle, toward, work))
         if require != "equilibrium" and level_of(verdict.verdict) not in (None, "equilibrium"):
             tell(f"tilt at the level {require}")
             level_tilt = _known(

@@ -97,6 +97,9 @@ class TiltMargin:
         An angle up to which every turn is held [rad], less what forces may leave.
     down : ndarray, shape (3,)
         Direction of gravity at the limit, unit; as given where a right angle is not enough.
+    toward : ndarray, shape (3,)
+        Horizontal direction toward which the tilt fails first, unit; zero if a right angle is not
+        enough.
     limit : Limit
         Forces and mechanism there.
     programs : int
@@ -105,6 +108,7 @@ class TiltMargin:
     angle: float
     lower: float
     down: Array
+    toward: Array
     limit: Limit
     programs: int
 
@@ -183,14 +187,16 @@ def find_tilt_margin(program: Program) -> TiltMargin | NoLimit:
     if least < -TOLERANCE and judge(program).stable is False:
         return NoLimit("none")
     if face.outer >= STEEPEST * (1 - TILT_AGREES):  # unlimited in every direction
-        return TiltMargin(np.pi / 2, np.pi / 2, program.down, limit, face.asked)
+        return TiltMargin(np.pi / 2, np.pi / 2, program.down, np.zeros(3), limit, face.asked)
+    toward = face.normal @ basis
     if face.outer < TOLERANCE:
-        return TiltMargin(0.0, 0.0, program.down, limit, face.asked)
-    down = program.down + face.outer * (face.normal @ basis)
+        return TiltMargin(0.0, 0.0, program.down, toward, limit, face.asked)
+    down = program.down + face.outer * toward
     return TiltMargin(
         float(np.arctan(face.outer)),
         max(float(np.arctan(face.inner)) - TOLERANCE, 0.0),
         down / float(np.linalg.norm(down)),
+        toward,
         limit,
         face.asked,
     )

@@ -54,6 +54,10 @@ class Remedy:
         return {"option": self.option, "leads_to": self.leads_to, "level": self.level}
 
 
+_Detection = tuple[float | None, Tolerance]
+"""Friction coefficient and tolerance of a detection of contacts."""
+
+
 @dataclass(frozen=True, slots=True)
 class _Change:
     """Options of the command line as values."""
@@ -78,13 +82,25 @@ class _Change:
         words += [] if self.friction is None else [f"--friction {self.friction:g}"]
         return " ".join(words)
 
-    def apply(self, assembly: Assembly, contacts: ContactSet) -> tuple[Assembly, ContactSet]:
-        """The assembly with these options, and its contacts."""
+    def apply(
+        self, assembly: Assembly, contacts: ContactSet, detected: dict[_Detection, ContactSet]
+    ) -> tuple[Assembly, ContactSet]:
+        """The assembly with these options, and its contacts.
+
+        `detected`: contacts by friction coefficient and tolerance, which later changes share.
+        """
         tolerance = self._tolerance(contacts.tolerance)
         if self.friction is not None:
             assembly = assembly.with_friction(self.friction)
         if self.friction is not None or tolerance != contacts.tolerance:
-            contacts = detect.contacts(assembly, tolerance=tolerance)
+            key = self.friction, tolerance
+            if key not in detected:
+                detected[key] = (
+                    detect.detected_with_friction(contacts, self.friction)
+                    if self.friction is not None and tolerance == contacts.tolerance
+                    else detect.contacts(assembly, tolerance=tolerance)
+                )
+            contacts = detected[key]
         if self.fasten or self.suggested or self.overlaps:
             assembly = fastened(
                 assembly,
@@ -124,7 +140,7 @@ def find_remedies(
         The decision about these.
     require : {"equilibrium", "settles", "proved", "strict"}
     work : Work
-        Work of all remedies together; its time limit is kept.
+        Work of each remedy, that of the verdict; its time limit is kept.
 
     Returns
     -------
@@ -134,15 +150,17 @@ def find_remedies(
     if decision.verdict not in ("unstable", "undecided"):
         return ()
     remedies: list[Remedy] = []
-    share = work.left / MOST
+    detected: dict[_Detection, ContactSet] = {}
     for change in _changes(assembly, contacts, decision):
         if len(remedies) == MOST or work.late:
             break
         try:
-            other, touching = change.apply(assembly, contacts)
+            other, touching = change.apply(assembly, contacts, detected)
         except InputError:  # the option is refused, so that it is no remedy
             continue
-        result = decide(other, touching, require=require, work=work.beside(share), question=False)
+        # the effort of a check: with less, a motion that refutes the guarantee may stay unknown
+        effort = work.beside(work.allowed)
+        result = decide(other, touching, require=require, work=effort, question=False)
         if result.level is None and (
             decision.verdict == result.verdict or result.verdict == "undecided"
         ):
