@@ -140,6 +140,9 @@ def order_facts(answer: Answer) -> list[tuple[str, str]]:
     rows = [("base", some_names(answer["base"]))]
     if answer["level"] is not None:
         words = f"{answer['level']}, the lowest level of its states"
+        finished = answer["finished"]["level"]
+        if any(step["level"] != finished for step in answer["steps"]):
+            words += f"; finished assembly: {finished}"
         if answer["found"] and not answer["holds"]:
             words += f" (required: {answer['require']})"
         rows.append(("level", words))

@@ -1,0 +1,198 @@
+"""Every command reports the level of `check`: the cases in which commands contradicted each other.
+
+Each test runs the named commands on a built-in scene of the same kind. The last tests use
+assemblies of others, and are skipped without them.
+"""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kilter
+from kilter import Assembly, Bond, Box, Part, Pose, Sphere
+from kilter.cli import main
+from kilter.scenes import arches, friction, scene
+from kilter.tell.text import text_of
+
+SHARED = Path(__file__).parents[3] / "shared" / "data"
+needs_shared = pytest.mark.skipif(
+    not SHARED.exists(), reason="the assemblies of others are not here"
+)
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
+    """Run a command on an assembly; returns the exit code and the answer as JSON data."""
+    monkeypatch.chdir(tmp_path)
+
+    def command(name: str, assembly: Assembly, *words: str) -> tuple[int, dict]:
+        kilter.dump(assembly, "a.kilter.json")
+        capsys.readouterr()
+        code = main([name, "a.kilter.json", *words, "--json", "--quiet"])
+        return code, json.loads(capsys.readouterr().out)
+
+    return command
+
+
+def sunk() -> Assembly:
+    """A cube on a table that it enters by 5 cm; whether the table holds it is open."""
+    table = Part("table", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
+    return Assembly([table, Part("cube", Box([1, 1, 1]), Pose([0, 0, 0.45]))], friction=0.84)
+
+
+def test_the_level_of_a_plan_is_at_most_that_of_the_finished_assembly(run) -> None:
+    squeezed = scene("squeezed-block")
+    assert run("check", squeezed)[0] == 3
+    code, plan = run("plan", squeezed, "--require", "proved", "--proof", "p.json")
+    assert (code, plan["level"], plan["finished"]["level"]) == (3, "equilibrium", "equilibrium")
+    assert "finished assembly: equilibrium" in text_of(plan)
+    assert main(["verify", "a.kilter.json", "p.json"]) == 0
+
+
+def test_hold_finds_the_supports_that_raise_the_level(run) -> None:
+    squeezed = scene("squeezed-block")
+    code, fixture = run("hold", squeezed, "--require", "settles")
+    assert (code, fixture["level"], len(fixture["supports"])) == (0, "proved", 1)
+    code, alone = run("hold", squeezed, "--require", "equilibrium")
+    assert (code, alone["level"], alone["supports"]) == (0, "equilibrium", [])
+
+
+def test_a_limit_states_its_level(run) -> None:
+    _, margin = run("margin", scene("squeezed-block"))
+    assert (margin["level"], margin["verdict"]) == ("equilibrium", "potentially-stable")
+    assert "forces that hold it exist" in text_of(margin)
+    _, region = run("region", scene("squeezed-block"))
+    assert region["level"] == "equilibrium"
+    assert "forces that hold it exist" in text_of(region)
+
+
+def test_the_region_of_an_assembly_with_open_pairs_names_them(run) -> None:
+    assert run("check", sunk())[0] == 4
+    code, region = run("region", sunk())
+    assert (code, region["kind"], region["pairs_decide"]) == (4, "none", True)
+    assert region["if_joined"]["kind"] == "all"
+    assert [pair["parts"] for pair in region["open_pairs"]] == [["table", "cube"]]
+    assert "table" in text_of(region)
+
+
+def test_the_margin_of_an_assembly_with_open_pairs_is_that_of_the_drawing(run) -> None:
+    _, margin = run("margin", sunk())
+    text = text_of(margin)
+    assert "no friction coefficient is enough to hold it as drawn, without its open pairs" in text
+    assert [pair["parts"] for pair in margin["open_pairs"]] == [["table", "cube"]]
+
+
+@pytest.mark.parametrize("name", ["slope-with-friction", "tower", "wall", "keystone"])
+def test_the_word_outside_a_limit_is_the_verdict_of_check_there(name: str) -> None:
+    assembly = scene(name)
+    margin = kilter.margin(assembly)
+    assert margin.tilt is not None
+    angle = margin.tilt.angle + 1e-4
+    down = np.cos(angle) * assembly.down + np.sin(angle) * margin.tilt.toward
+    assert margin.outside == kilter.check(assembly.with_down(down)).first_order
+
+
+def test_a_ball_on_a_ball_is_balanced_in_every_command(run) -> None:
+    balls = Assembly(
+        [
+            Part("low", Sphere(1.0), grounded=True),
+            Part("top", Sphere(0.5), Pose([0, 0, 1.5])),
+        ]
+    )
+    verdict = kilter.check(balls)
+    assert (verdict.verdict, verdict.stable, verdict.level) == ("balanced", False, "equilibrium")
+    assert kilter.check(balls, require="equilibrium").stable
+    assert kilter.check_many([balls]).verdict.tolist() == ["balanced"]
+    code, answer = run("check", balls, "--proof", "p.json")
+    assert (code, answer["why"], answer["first_order"]) == (3, "balanced", "stable")
+    assert main(["verify", "a.kilter.json", "p.json"]) == 0
+    assert run("plan", balls)[1]["finished"]["verdict"] == "balanced"
+    code, oriented = run("orient", balls)
+    assert (code, "balanced" in oriented["sentence"]) == (0, True)
+
+
+def test_bonds_report_the_share_that_is_needed_not_that_of_one_equilibrium() -> None:
+    top = Part("top", Box([1, 1, 1]), Pose([0, 0, 1]), grounded=True)
+    hung = Assembly([top, Part("low", Box([1, 1, 1]))], bonds=[Bond(("low", "top"), pull=9810)])
+    answer = kilter.check(hung).to_dict()
+    assert answer["bonds_needed"]["share"] == pytest.approx(0.25, abs=1e-6)
+    assert kilter.margin(hung).bond.value == pytest.approx(0.25, abs=1e-6)
+    assert "0.25 times their strength is needed" in text_of(answer)
+
+
+@pytest.mark.slow
+def test_the_size_of_an_arch_does_not_decide_its_level_without_a_word() -> None:
+    answer = kilter.check(arches.arch(1000), effort=0).to_dict()
+    text = text_of(answer)
+    assert "0 of 8" not in text
+    assert "not tried for lack of effort: --effort" in text
+
+
+def test_the_plan_of_an_assembly_that_falls_is_an_answer(run) -> None:
+    code, plan = run("plan", scene("paper-figure-8"), "--proof", "p.json")
+    assert (code, plan["found"], plan["impossible"]["kind"]) == (1, False, "falls")
+    assert main(["verify", "a.kilter.json", "p.json"]) == 0
+
+
+def test_a_proof_for_bounded_forces_states_both_facts_in_one_sentence() -> None:
+    verdicts = [kilter.check(friction.trough(30, tilt=tilt, friction=0.9)) for tilt in (5, 20, 35)]
+    bounded = [v for v in verdicts if v.friction.exclusion and v.friction.exclusion.assumes]
+    for verdict in bounded:
+        assert verdict.sentence.count(".") == 1
+        assert f"(up to {verdict.friction.exclusion.assumes})" in verdict.sentence
+
+
+def test_without_friction_the_sentence_states_it_and_mu_is_a_remedy() -> None:
+    slope = scene("slope")
+    verdict = kilter.check(slope)
+    assert verdict.sentence.startswith("Unstable: without friction")
+    options = {remedy.option: remedy.leads_to for remedy in verdict.remedies}
+    assert options == {}  # mu .3 is not enough at 20 deg
+    gentle = kilter.check(slope.with_down([0.2, 0, -1.0]))
+    for remedy in gentle.remedies:
+        rough = slope.with_down([0.2, 0, -1.0]).with_friction(0.3)
+        assert (remedy.option, remedy.leads_to) == (
+            "--friction 0.3",
+            kilter.check(rough).verdict,
+        )
+
+
+@needs_shared
+@pytest.mark.slow
+def test_the_vault_of_others_is_undecided_in_every_command(run) -> None:
+    vault = kilter.load(SHARED / "compas_assembly" / "crossvault.json", friction=0.84)
+    code, answer = run("check", vault)
+    assert (code, answer["verdict"]) == (4, "undecided")
+    for name in ("region", "orient"):
+        code, _ = run(name, vault, "--time-limit", "5")
+        assert code == 4
+
+
+@needs_shared
+@pytest.mark.parametrize("name", ["H.json"])
+def test_a_squeezed_block_of_others_keeps_its_level_in_a_plan(run, name: str) -> None:
+    held = kilter.load(SHARED / "compas_cra" / name, friction=0.84, ground=["0", "1"])
+    check, plan = run("check", held), run("plan", held, "--require", "proved")
+    assert (check[0], plan[0]) == (3, 3)
+    assert plan[1]["finished"]["level"] == check[1]["level"] == plan[1]["level"]
+
+
+@needs_shared
+def test_the_bonds_of_external_weight_good() -> None:
+    model = kilter.load(SHARED / "stablelego" / "external_weight_good.json")
+    share = kilter.check(model).to_dict()["bonds_needed"]["share"]
+    assert share == pytest.approx(kilter.margin(model).bond.value, rel=1e-6)
+    assert share == pytest.approx(0.6413, abs=1e-4)
+
+
+@needs_shared
+@pytest.mark.slow
+def test_a_printed_remedy_of_a_flange_has_the_result_that_it_states(run) -> None:
+    pytest.importorskip("OCP")
+    flange = kilter.load(SHARED / "cad" / "flange_coupling.step", floor=True, up="y")
+    _, answer = run("check", flange)
+    assert answer["remedies"]
+    for remedy in answer["remedies"]:
+        assert run("check", flange, *remedy["option"].split())[1]["verdict"] == remedy["leads_to"]
