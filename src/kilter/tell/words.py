@@ -186,7 +186,7 @@ def verdict_sentence(
         within=(" within the accuracy of the coordinates" if coarse else "") + counting,
         slippery="" if counted else ", even without friction",
         smooth="without friction " if frictionless else "",
-        assumed=f" (up to {assumed})" if assumed else "",
+        assumed=f" ({assumed})" if assumed else "",
         beyond=" beyond the accuracy of its coordinates" if coarse else "",
         passed=passed,
         tried=tried,
