@@ -1,10 +1,10 @@
-"""Which share of their strength bonds need: the least with which forces hold the assembly.
+"""Required share of the bond strength: the least share with which forces hold the assembly.
 
     min s:  J^T f' + w + s c = 0,  f' in the cones          c: the clamps of all bonds
 
-below 1 it stands, above 1 it falls; the bond that takes up most work in the motion that starts
-there is the one that breaks first. Where no share is enough, bonds that hold whatever they are
-asked do not either: then forces have both signs along the normals of all bonded points, and with
+Below 1 the assembly stands, above 1 it falls. The bond that takes up most work in the motion that
+starts there breaks first. If no share is enough, bonds of unlimited strength do not hold
+either: then forces have both signs along the normals of all bonded points, and with
 friction any size across them.
 """
 
@@ -44,7 +44,7 @@ class BondFactor:
     Attributes
     ----------
     value : float
-        s [-]; 0 where none is needed.
+        s [-]; 0 if no strength is needed.
     limit : Limit
         Forces and mechanism there.
     opens : tuple of pairs (int, float)
@@ -117,7 +117,7 @@ def _by_weight(program: Program) -> Limit | NoLimit:
 
 
 def unbreakable(program: Program) -> Program:
-    """The program as if bonds held whatever they are asked: the limit of ever stronger ones."""
+    """The program with bonds of unlimited strength: the limit of ever stronger bonds."""
     held = program.pull > 0
     rows = replace(
         program.force_rows,
@@ -132,7 +132,7 @@ def unbreakable(program: Program) -> Program:
 
 
 def _by_strength(program: Program, contacts: ContactSet) -> BondFactor | NoLimit:
-    """The same where bonds bear shear up to a force, which is a share of the strength, too."""
+    """The same if bonds carry shear up to a force, which is a share of the strength, too."""
     wide = cone_problem(program)
     found = find_strength(wide)
     if found is None or np.isinf(found.share):

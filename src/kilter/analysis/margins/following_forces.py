@@ -1,7 +1,7 @@
 """Limits that hold for all masses and centres within intervals: forces that follow them.
 
 The forces are affine in the masses and the moments (`kilter.mechanics.affine`), so one linear
-program bounds what all of them hold: an inner limit.
+program bounds the values that all of them hold: an inner limit.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ class FollowingForces:
         self.moment = center * mass[1]
 
     def _sides(self, direction: Array) -> Array:
-        """What each unknown adds to the load of a body force along a direction, (K, rows)."""
+        """Contribution of each unknown to the load of a body force along a direction, (K, rows)."""
         program = self.program
         size = program.mass * program.g
         sides = []

@@ -1,9 +1,9 @@
-"""What to change in a model of bricks: the weakest stud, the brick to add or to take away.
+"""Changes of a model of bricks: the weakest stud, the brick to add or to take away.
 
-At the least share s of the strength of all studs with which it holds, a mechanism starts. A brick
-whose weight drives it is worth taking away; one that spans studs which the mechanism moves apart
-is worth adding. The mechanism only says which bricks to try: of each kind the best few are put in,
-or taken out, and s is found anew. Where no strength is enough it is the motion of the fall.
+At the least share s of the strength of all studs with which it holds, a mechanism starts. To
+remove a brick whose weight drives it may help, and so may a further brick that spans studs which
+the mechanism moves apart. The mechanism only names candidates: the best of each kind are added or
+removed, and s is computed again. If no strength is enough, the mechanism is the motion of the fall.
 """
 
 from __future__ import annotations
@@ -43,13 +43,13 @@ Cell = tuple[int, int, int]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BrickChange:
-    """One brick put in or taken out, and the share of strength that is then needed.
+    """A brick that is added or removed, and the share of strength that is needed afterwards.
 
     Attributes
     ----------
     what : {"add", "remove"}
     name : str
-        Of the brick in the changed assembly, or in the given one where it is taken out.
+        Name of the brick in the changed assembly, or in the given assembly if it is removed.
     corner : tuple of int
         Its lowest cell: x, y [cells], z [plates].
     cells : tuple of int
@@ -86,15 +86,15 @@ class Improvement:
     Attributes
     ----------
     assembly : Assembly
-        What was asked about.
+        The given assembly.
     verdict : str
         Of `kilter.check` as it is.
     share : float
-        Of the strength of studs that is needed [-]; infinite where no strength is enough.
+        Share of the strength of the studs that is needed [-]; infinite if no strength is enough.
     weakest : tuple of str or None
         The two bricks whose studs give way first.
     best : BrickChange or None
-        None where nothing that was tried helps.
+        None if no tried change helps.
     tried : tuple of BrickChange
         All that were tried, the best first.
     warnings : tuple of str
@@ -116,7 +116,7 @@ class Improvement:
 
     @property
     def sentence(self) -> str:
-        """What to change, in a sentence."""
+        """The recommended change, in a sentence."""
         return improve_sentence(self.to_dict())
 
     def to_dict(self) -> dict[str, Any]:
@@ -139,7 +139,7 @@ class Improvement:
 
 @on_one_thread
 def improve(assembly: Assembly, *, progress: Callable[[str], None] | None = None) -> Improvement:
-    """The one brick whose addition or removal helps most.
+    """Find the brick whose addition or removal helps most.
 
     Parameters
     ----------
@@ -219,7 +219,7 @@ Try = tuple[str, int, BrickModel]
 def _trials(
     model: BrickModel, program: Program, cell: float, motion: Array, near: list[int]
 ) -> list[Try]:
-    """What is worth trying, by the motion."""
+    """Candidates for a change, from the motion."""
     return [*_with(model, cell, motion, near), *_without(model, program, motion)]
 
 

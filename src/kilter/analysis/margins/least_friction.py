@@ -1,11 +1,11 @@
 """The least friction coefficient, the same at every contact, with which forces hold it.
 
-Equilibrium with mu implies equilibrium with more, so the least one is enclosed from both sides:
+Equilibrium with mu implies equilibrium with more, so the least mu is enclosed from both sides:
 forces in the cones of `upper`, a motion in the dual cones of `lower`. Forces say how much
-friction they use, once they balance to rounding (`kilter.mechanics.balanced_forces`): what a
-certificate lets them leave, 1e-9 of the weights, is much of a tiny coefficient. The least
-cohesion (`kilter.analysis.decision.cohesion`) gives both, and by its slope where to ask next, so
-that a dozen conic programs do. Where the least is approached but not attained (a block squeezed
+friction they use, once they balance to rounding (`kilter.mechanics.balanced_forces`): the
+imbalance that a certificate permits, 1e-9 of the weights, is much of a tiny coefficient. The least
+cohesion (`kilter.analysis.decision.cohesion`) gives both, and its slope predicts the root, so
+that a dozen conic programs are enough. If the least is not attained (a block squeezed
 between two walls), it is zero, with forces that grow without bound
 (`kilter.analysis.margins.squeeze`).
 """
@@ -59,16 +59,16 @@ class LeastFriction:
     ----------
     value : float
         The least coefficient that is proved to hold [-], by forces that balance to rounding
-        where the data are that good; 0 where none is needed.
+        if the data are that good; 0 if no friction is needed.
     lower : float
         A coefficient that is proved not to hold [-]: no nearer than a motion can gain 1e-9 of
         the weights, which of a tiny coefficient may be seen.
     attained : bool
-        False where every mu above zero holds, but zero does not.
+        False if every mu above zero holds, but zero does not.
     forces : ForceProof
         Forces at `value`.
     mechanism : MotionProof or None
-        The motion at `lower`; None where no friction is needed.
+        The motion at `lower`; None if no friction is needed.
     programs : int
     """
 
@@ -80,7 +80,7 @@ class LeastFriction:
     programs: int
 
     def to_dict(self, program: Program) -> dict[str, Any]:
-        """What lies around the least coefficient, as JSON data."""
+        """The bounds of the least coefficient and their evidence, as JSON data."""
         return {
             "lower": float(self.lower),
             "attained": self.attained,
@@ -128,11 +128,11 @@ def find_least_friction(program: Program) -> LeastFriction | NoLimit:
 
 
 class _Sides:
-    """A coefficient that is proved to hold and one that is proved not to, brought together.
+    """A coefficient that is proved to hold and a coefficient that is proved not to hold.
 
-    The sign of the least cohesion decides most, and its slope says where it is 0: next to that,
-    on the side that is farther off, is asked next. Nearest to the limit neither proof may hold:
-    from the one end of `open` to the other it could not be decided.
+    The sign of the least cohesion decides most coefficients, and its slope predicts the root. The
+    next coefficient lies beside that root, on the side that is farther off. Close to the limit
+    neither proof may hold: the coefficients between the ends of `open` could not be decided.
     """
 
     def __init__(self, program: Program, motion: MotionProof | None) -> None:
@@ -155,9 +155,9 @@ class _Sides:
         return max(agree * self.upper, unseen if self._off <= unseen < np.inf else 0.0)
 
     def narrow(self, *, surely: bool) -> None:
-        """Ask of one coefficient after another until both sides, or both and what is open, agree.
+        """Decide further coefficients until both sides agree, or both sides and the open interval.
 
-        `surely`: where the cohesion does not decide, by every other way, but only a few times.
+        `surely`: whether coefficients that the cohesion leaves open are decided by all other methods.
         """
         self._open = None
         widths, undecided = [np.inf] * PATIENT, 0
@@ -174,7 +174,7 @@ class _Sides:
             undecided += surely and not decided
 
     def _next(self, *, by_root: bool) -> float:
-        """The coefficient that is asked of next."""
+        """The next coefficient to decide."""
         least = self._apart(MU_AGREES) / 3
         if self._open is not None:  # out of what is open, twice as far each time
             low, high = self._open
@@ -191,7 +191,7 @@ class _Sides:
         return _between(self.lower, self.upper)
 
     def ask(self, mu: float, *, surely: bool) -> bool:
-        """Whether it could be decided of a coefficient, and what follows."""
+        """Decide a coefficient and update the sides; return whether it was decided."""
         program = self.program.with_friction(mu)
         wide = cone_problem(program)
         forces, motion = self._by_cohesion(wide, mu)
@@ -240,14 +240,14 @@ class _Sides:
 
 
 def _between(low: float, high: float) -> float:
-    """The middle, or where they are far apart that of their logarithms."""
+    """The middle of an interval, or its geometric mean if the ends are far apart."""
     if high < 2 * low:
         return 0.5 * (low + high)
     return float(np.sqrt(max(low, MU_NOTHING / 10) * high))
 
 
 def _sticks(program: Program) -> bool | None:
-    """Whether forces balance where friction has no limit, not even without a push."""
+    """Whether forces balance if friction has no limit, not even without a normal force."""
     wide = cone_problem(program.with_friction(LARGEST)).problem.program
     across = np.arange(len(wide.part_a)) >= len(program.part_a)
     return judge(wide.with_rows(two_sided=wide.two_sided | across)).stable
@@ -269,7 +269,7 @@ def _used(wide: ConeProblem, proof: ForceProof) -> tuple[float, ForceProof]:
 
 
 def _greatest(program: Program, proof: ForceProof) -> float:
-    """The greatest |f_t| / f_n of friction, and what their normals may be off."""
+    """The greatest ratio |f_t| / f_n that friction uses, and the error of the normal forces."""
     rows = np.flatnonzero(program.kind == CONTACT)
     along, across = proof.forces[rows], np.linalg.norm(proof.friction[rows], axis=1)
     doubt = program.doubt[rows]

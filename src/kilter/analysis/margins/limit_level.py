@@ -89,7 +89,7 @@ def find_level_tilt(
         Direction of gravity at the limit of equilibrium, unit, world frame.
     level : {"settles", "proved"}
     work : Work
-        Work of one decision; its time limit ends the bisection.
+        Budget of a single decision; its time limit ends the bisection.
     """
     lower, upper = 0.0, _angle(assembly.down, down)
 

@@ -4,10 +4,10 @@
     beyond     the same on pyramids whose sides touch the cones; its multipliers are a motion
                that no force in the cones can stop, exactly
 
-A simplex ends at a corner, so both are exact to rounding also where the set of equilibria has
-no inside, and an interior point stops short. Rays and sides lie at even angles and where the
-forces and slips of the solutions before have them; the error of t is the square of what they
-miss an angle by. In a plane a cone has two rays, and one round is exact.
+A simplex ends at a corner, so both are exact to rounding even if the set of equilibria has
+no interior, where an interior point stops short. Rays and sides lie at even angles and along the
+forces and slips of earlier solutions; the error of t is the square of their error of
+an angle. In a plane a cone has two rays, and a single round is exact.
 """
 
 from __future__ import annotations
@@ -40,9 +40,9 @@ LARGEST = 20_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LimitSides:
-    """A share that is proved to be held, one that is proved not to be, and their proofs.
+    """A share that is proved to be held, a share that is proved not to be held, and their proofs.
 
-    `held` is -inf, `start` and `beyond` inf where nothing is known. The motion gains power from
+    `held` is -inf, `start` and `beyond` inf if they are unknown. The motion gains power from
     `start` on, enough to count as a proof at `beyond`. `none`: it is proved that no share is
     held.
     """
@@ -62,7 +62,7 @@ class LimitSides:
 
     @property
     def gap(self) -> float:
-        """From the share that is held to the one that is proved not to be, over 1 and it."""
+        """Relative gap (beyond - held) / max(abs(held), 1) between the proved bounds."""
         apart = self.beyond - self.held
         return max(apart / max(abs(self.held), 1.0), 0.0) if np.isfinite(apart) else np.inf
 
@@ -86,7 +86,7 @@ def limit_sides(
     wrench : ndarray, shape (N, 6)
         Force [N] and torque about the centre of mass [N x length unit] on each part.
     most : float
-        Shares looked at: where this one is held, `beyond` is infinite.
+        Largest examined share: if it is held, `beyond` is infinite.
     across : list of ndarray, shape (K, 3), optional
         Friction as it is guessed to point, for the first rays and sides.
 
@@ -134,7 +134,7 @@ def _angles(program: Program, guesses: list[Array]) -> Array:
 def _round(
     program: Program, wrench: Array, most: float, angles: Array
 ) -> Iterator[tuple[LimitSides, list[Array]]]:
-    """One pair of programs: what each proves, and friction as its solution has it."""
+    """Solve a pair of programs: the result that each proves, and its directions of friction."""
     for outer in (True, False):
         rays = pyramid(program, outer=outer, angles=angles)
         answer = _solved(rays, wrench, most)
@@ -185,7 +185,7 @@ def beyond_at(program: Program, wrench: Array, share: float, motion: Array) -> L
 
 
 def motion_share(program: Program, wrench: Array, motion: Array) -> float:
-    """The share of further wrenches from which on a motion gains power; inf where it never does."""
+    """The share of further wrenches from which on a motion gains power; inf if it never does."""
     free = program.free[:, None]
     gain = float((np.where(free, wrench, 0.0) * motion).sum())
     return -program.power(motion) / gain if gain > 0 else np.inf
@@ -200,7 +200,7 @@ def _of_patches(program: Program, aside: Array) -> Array:
 
 
 def slips_of(program: Program, motion: Array) -> Array:
-    """Slip of every row, shape (K, 3); 0 where there is no friction."""
+    """Slip of every row, shape (K, 3); 0 without friction."""
     slips = np.zeros((len(program.part_a), 3))
     slips[program.rough] = program.slips(motion, program.rough)
     return slips

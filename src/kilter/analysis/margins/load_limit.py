@@ -1,11 +1,11 @@
-"""How much more of a load it takes: a limit, with the forces and the mechanism at it.
+"""Limit of a load: its greatest factor, with the forces and the mechanism at the limit.
 
     max t:  J^T f + w + t d = 0,  f in Coulomb's cones
 
-One conic program; its multipliers are the motion that starts at the limit. Where it stops
+A conic program gives both; its multipliers are the motion that starts at the limit. If it stops
 short of a proof, linear programs in fitted pyramids take over (`limit_sides`). This is the
-associative limit: equilibrium forces exist up to it. Above it nothing holds. Below it what
-holds is subject to what friction guarantees (`kilter.friction.answer`).
+associative limit: equilibrium forces exist up to it, and none beyond it. Friction decides the
+level below it (`kilter.friction.answer`).
 
 References
 ----------
@@ -85,14 +85,14 @@ class Limit:
     Attributes
     ----------
     value : float
-        t; infinite where unlimited, negative where only shares below 0 are held.
+        t; infinite if unlimited, negative if only shares below 0 are held.
     forces : ForceProof
         Forces at the limit.
     mechanism : MotionProof or None
-        The motion that starts there; None where unlimited, or where none was found.
+        The motion that starts there; None if the load is unlimited, or no motion was found.
     gap : float
         Distance from `value`, which is proved to be held, to a share that is proved not to
-        be, over 1 and the value; infinite where that proof is missing.
+        be, over 1 and the value; infinite if that proof is missing.
     """
 
     value: float
@@ -101,7 +101,7 @@ class Limit:
     gap: float
 
     def to_dict(self, program: Program) -> dict[str, Any]:
-        """The evidence as JSON data: how well forces balance, what moves, what lies between."""
+        """The evidence as JSON data: imbalance of the forces, moving parts, open interval."""
         return {
             "residual": self.forces.residual,
             "gap": finite(self.gap),
@@ -135,7 +135,7 @@ def gravity_wrench(program: Program, direction: Array) -> Array:
 
 
 def finite(number: float) -> float | None:
-    """A number for JSON: null where it is infinite, never -0."""
+    """A number for JSON: null instead of infinity, and never -0."""
     return float(number) + 0.0 if np.isfinite(number) else None
 
 
@@ -164,7 +164,7 @@ def find_limit(
 ) -> Limit | NoLimit:
     """The largest share of further wrenches that contacts can hold.
 
-    It may be negative, and where it is not, a share of 0 need not be held: the shares that are
+    It may be negative. If it is positive, a share of 0 need not be held: the shares that are
     held are an interval, of which this is the upper end.
 
     Parameters
@@ -174,13 +174,13 @@ def find_limit(
     wrench : ndarray, shape (N, 6)
         Force [N] and torque about the centre of mass [N x length unit] on each part.
     opening : Opening, optional
-        ``Opening(spread(program))``, where it is at hand.
+        ``Opening(spread(program))``, if the caller has it.
     most : float
         Shares looked at.
     shared : SharedCones, optional
-        ``SharedCones(program)``, where several limits of it are asked for.
+        ``SharedCones(program)``, if the caller computes several limits of the program.
     from_none : bool
-        A share of 0 has to be held, so that where small ones are not no larger one is asked.
+        Whether a share of 0 must be held: if small shares are not held, no larger share is tried.
 
     Examples
     --------
@@ -223,7 +223,7 @@ def find_limit(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Conic:
-    """What the conic program proves, and where friction points in its solution."""
+    """The bounds that the conic program proves, and the directions of friction in its solution."""
 
     sides: LimitSides
     across: list[Array]
@@ -231,7 +231,7 @@ class _Conic:
 
 @dataclass(frozen=True, eq=False)
 class SharedCones:
-    """What limits of one program under different wrenches share: its cones, and where they begin.
+    """Data that limits of a program under different wrenches share: its cones and a start.
 
     Attributes
     ----------
@@ -255,7 +255,7 @@ class SharedCones:
 def _by_own_cones(
     program: Program, wrench: Array, most: float, shared: SharedCones | None
 ) -> LimitSides:
-    """Both sides by kilter's own interior point, where a share of 0 is held; as far as it goes."""
+    """Both sides by kilter's own interior point, as far as it goes, if a share of 0 is held."""
     balance = (shared or SharedCones(program)).balance.with_more(wrench, most)
     if shared is not None:
         sides = _stepwise(balance, wrench, shared.start)
@@ -291,7 +291,7 @@ def _in_cones(
     most: float,
     tolerance: float = CONIC,
 ) -> _Conic:
-    """Both sides as one conic program has them."""
+    """Both sides from a single conic program."""
     from kilter.solvers.clarabel import solve_conic
 
     wide = opening.wide

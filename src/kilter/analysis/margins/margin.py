@@ -1,6 +1,6 @@
-"""By how much: tilt, friction, load factor and pushes, with what starts at each limit.
+"""Margins: tilt, friction, load factor and pushes, with the motion that starts at each limit.
 
-Every limit is that of equilibrium forces: above it nothing holds. Where friction is what
+Every limit is that of equilibrium forces: beyond it no forces hold. If the assembly rests on
 holds, whether it must hold below the limit is another question (`kilter.friction.answer`).
 Contacts that are not modelled are left out; more contacts only raise a margin.
 """
@@ -77,50 +77,50 @@ class Margin:
     ----------
     assembly : Assembly
     contacts : ContactSet
-        What was asked about.
+        Contacts of the assembly.
     verdict : Verdict
     program : Program
         The modelled contacts, with friction.
     tilt : TiltMargin or None
-        None where gravity as given is not held, or where there are loads, or it is thinner
+        None if gravity as given is not held, with loads, or if the region is thinner
         than a cone.
     tilt_deg : float or None
         Least turn of gravity to the boundary; negative when outside.
     tilt_down : ndarray, shape (3,), or None
-        Direction of gravity there; None where no tilt up to a right angle fails.
+        Direction of gravity there; None if no tilt up to a right angle fails.
     nearest : NearestHeld or None
-        Where gravity as given is not held: the least turn that is, from both sides.
+        Least turn that is held, from both sides, if gravity as given is not held.
     outside : str or None
         The verdict of `kilter.check` just beyond the tilt limit, at the level "equilibrium".
     level_tilt : LevelTilt or None
         The tilt up to which the level `require` is reached, if it is above "equilibrium".
     require : str
     about : tuple of (float, Limit), or None
-        Angle [rad] about the axis that was asked for, and the limit.
+        Angle [rad] about the given axis, and the limit.
     friction : LeastFriction or None
-        None where none is enough.
+        None if no coefficient is enough.
     bond : BondFactor or None
-        Which share of their strength bonds need; None where there are no bonds, or none is
+        Least share of their strength that bonds need; None without bonds, or if no share is
         enough.
     load_factor : tuple of Limit or None, or None
-        Least and greatest; None where no loads were asked about.
+        Least and greatest factor; None without loads.
     guaranteed : tuple of Limit or None, or None
         Least and greatest factor that are held however slippery the parts: with sliding that
         does not dilate (not associative) the limits lie between these and `load_factor`.
-        None where it was not asked for.
+        None if it was not requested.
     pushes : tuple of Push
     loads : tuple of PartLoad
-        What parts take straight down; none where that was not asked for.
+        Additional load straight down of each part; empty if it was not requested.
     push : ndarray, shape (3,), or None
-        The direction that `load_factor` was asked of; None: of the given loads.
+        Direction of the body force of `load_factor`; None if the factor is that of the loads.
     missing : dict
-        What was asked for and is not there, "tilt", "about", "friction", "load_factor",
+        Requested limits without a value, "tilt", "about", "friction", "load_factor",
         "bracket", "push of NAME" or "load on NAME", and why: "none", proved that there is none (it
         is not held as given, or no friction or factor is enough); "failed", the numbers did.
     uncertainty : Uncertainty or None
-        The worst case over `ranges`; None where none were given, or it is too large.
+        The worst case over `ranges`; None without ranges, or if there are too many cases.
     helps : tuple of Help
-        What would raise the tilt margin, or else the greatest load factor, most.
+        Changes that raise the tilt margin, or else the greatest load factor, most.
     warnings : tuple of str
     seconds : dict
     """
@@ -209,7 +209,7 @@ class Margin:
         return make_bundle("margin", margin_proofs(self, options=options or {}))
 
     def _bracket(self) -> dict[str, list[float | None] | None] | None:
-        """Where the limits with sliding that does not dilate lie; None: it was not asked."""
+        """Bounds of the limits without dilation; None if they were not requested."""
         if self.guaranteed is None or self.load_factor is None:
             return None
         sure, most = _interval(self.guaranteed), _interval(self.load_factor)
@@ -229,7 +229,7 @@ class Margin:
 
 
 def _interval(factor: tuple[Limit | None, Limit | None]) -> list[float | None] | None:
-    """Least and greatest load factor; None where none is held."""
+    """Least and greatest load factor; None if no factor is held."""
     least, greatest = factor
     return (
         None
@@ -271,8 +271,8 @@ def margin(
     about : array_like, shape (3,), optional
         Also the tilt about this axis, across gravity, by the right-hand rule.
     pushed : list of str, optional
-        Parts whose weakest push is sought, and which are held in turn to see what that adds;
-        where not given all, up to `PUSHED` free parts.
+        Parts for which the weakest push, and the gain of holding them, are computed;
+        by default all, up to `PUSHED` free parts.
     loads : bool
         Also the load straight down that each free part takes, or each of `pushed`.
     ranges : Ranges, optional
@@ -284,7 +284,7 @@ def margin(
     tolerance : Tolerance, optional
         When faces count as touching.
     effort, time_limit : float
-        As of `kilter.check`, for what friction guarantees.
+        As in `kilter.check`, for the guarantee of friction.
     progress : callable, optional
 
     Raises
@@ -426,7 +426,7 @@ def margin(
 
 
 def _known(found: T | NoLimit | None) -> T | None:
-    """What was found; None where there is no limit."""
+    """A limit; None if there is no limit."""
     return None if isinstance(found, NoLimit) else found
 
 
@@ -438,7 +438,7 @@ def _both_ends(
 
 
 def _missing_words(missing: dict[str, Why]) -> list[str]:
-    """Warnings: what the numbers failed to give, and that nothing resists a push."""
+    """Warnings about limits without a value, and about an assembly that resists no push."""
     failed = [what for what, why in missing.items() if why == "failed"]
     words = [f"not known, because the solver failed: {some_names(failed)}"] if failed else []
     late = [what for what, why in missing.items() if why == "time"]
@@ -465,7 +465,7 @@ def _axis(assembly: Assembly, about: Any) -> Array:
 
 
 def _require_turnable(assembly: Assembly) -> None:
-    """Refuse a tilt about an axis of what does not turn with gravity."""
+    """Reject a tilt about an axis with loads or bonds, which do not turn with gravity."""
     require_no_bonds(assembly, "a tilt about an axis", NO_CONE)
     if assembly.loads:
         raise InputError(
@@ -477,7 +477,7 @@ def _require_turnable(assembly: Assembly) -> None:
 
 
 def _pushed(assembly: Assembly, names: list[str] | None, *, most: int | None = PUSHED) -> list[int]:
-    """The parts that are named; without names all free ones, where they are not above `most`."""
+    """The named parts; without names all free parts, if there are at most `most` of them."""
     free = [k for k, part in enumerate(assembly.parts) if not part.grounded]
     if names is None:
         return free if most is None or len(free) <= most else []
@@ -497,7 +497,7 @@ def _worst(
     warnings: list[str],
     tell: Callable[[str], None],
 ) -> Uncertainty | None:
-    """The worst case over the intervals, with a warning where it is none."""
+    """The worst case over the intervals, with a warning if it was not computed."""
     if ranges is None:
         return None
     tell("uncertainty")
@@ -513,7 +513,7 @@ def _worst(
 def _tilt(
     program: Program, warnings: list[str], missing: dict[str, Why]
 ) -> TiltMargin | NearestHeld | None:
-    """The margin, or where gravity as given is not held the way back."""
+    """The tilt margin, or the nearest held direction if gravity as given is not held."""
     if program.applied.any():
         warnings.append("no tilt margin: given loads do not turn with gravity")
         return None

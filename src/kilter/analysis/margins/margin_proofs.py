@@ -1,8 +1,8 @@
-"""What proves a margin, as data that a stranger can verify: forces within, a motion beyond.
+"""Proofs of a margin, as data that anyone can verify: forces within, a motion beyond.
 
-Each limit is one number of an assembly that is changed: gravity along another direction, one
-coefficient at every contact, further loads. Just within the limit forces hold what is changed,
-just beyond it a motion starts; both are as near to the limit as they are proved.
+Each limit belongs to a change of the assembly: gravity along another direction, a single
+coefficient at every contact, further loads. Just within the limit forces hold the changed
+assembly, just beyond it a motion starts; both are as near to the limit as they are proved.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ About = tuple[dict[str, Any], dict[str, Any]]
 
 
 class KnownLimits(Protocol):
-    """What is known of a margin: members of `kilter.analysis.margins.margin.Margin`."""
+    """The results of a margin: members of `kilter.analysis.margins.margin.Margin`."""
 
     @property
     def assembly(self) -> Assembly: ...
@@ -86,7 +86,7 @@ def _limits(
 ) -> Iterator[tuple[str, tuple[float, float], Change, bool, MotionProof | None]]:
     """Name, sides, the change at a value, whether more is beyond, and the motion there.
 
-    The sides are what is held and what is not, where both are proved there, else one value.
+    The sides are the values that are held and not held, if both are proved; else a single value.
     """
     tilt, nearest, friction, factor = found.tilt, found.nearest, found.friction, found.load_factor
     down = found.program.down
@@ -121,7 +121,7 @@ def _limits(
 
 
 def _turned(down: Array, toward: Array) -> Change:
-    """Gravity turned from one direction toward another, by an angle [rad]."""
+    """Gravity turned from a direction toward another direction, by an angle [rad]."""
     aside = toward - (toward @ down) * down
     aside = aside / max(float(np.linalg.norm(aside)), TINY)
     return lambda angle: {"down": (np.cos(angle) * down + np.sin(angle) * aside).tolist()}
@@ -133,7 +133,7 @@ def _load(part: str, force: Array, torque: Array, point: Array | None = None) ->
 
 
 def _loaded(found: KnownLimits) -> Change:
-    """A share of the loads that were asked about."""
+    """A share of the loads or of the body force."""
     assembly, program = found.assembly, found.program
     if found.push is None:
         return lambda share: {
@@ -166,7 +166,7 @@ def _proof(
     motion: MotionProof | None,
     options: dict[str, Any],
 ) -> dict[str, Any] | None:
-    """The proof of what is changed; None where there is none."""
+    """The proof of a changed assembly; None if it has no proof."""
     assembly, contacts = apply_change(found.assembly, found.contacts, change)
     return _certified(assembly, contacts, held, motion, options)
 

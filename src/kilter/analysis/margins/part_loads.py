@@ -2,8 +2,8 @@
 
     max t:  J^T f + w + t d = 0,  f in the cones          d: along gravity at a centre of mass
 
-One limit a part, by itself: the forces there hold it, the motion beyond shows that no forces do.
-It is asked in units that suit it, first of all that weighs or holds, then of the load found, so
+There is a limit for each part, by itself: the forces there hold it, and the motion beyond shows
+that no forces do. The first unit is the weight or the strength of bonds, then the load found, so
 that its two sides are near as seen from the load.
 """
 
@@ -31,9 +31,9 @@ class PartLoad:
     ----------
     part : str
     load : float
-        Proved to be held [N]; infinite where unlimited.
+        Proved to be held [N]; infinite if unlimited.
     beyond : float
-        Proved not to be [N]; infinite where that proof is missing.
+        Proved not to be held [N]; infinite if that proof is missing.
     limit : Limit
         Forces and mechanism at the limit, in units of `unit`.
     unit : float
@@ -68,11 +68,11 @@ def find_part_load(
     part : int
         A free part, by position.
     opening : Opening, optional
-        ``Opening(spread(program))``, where it is at hand.
+        ``Opening(spread(program))``, if the caller has it.
 
     Examples
     --------
-    A cube that hangs under another by a bond takes what the bond holds, less its weight.
+    A cube that hangs under another cube by a bond takes the strength of the bond, less its weight.
 
     >>> from kilter import Assembly, Bond, Box, Part, Pose
     >>> from kilter.contact import contacts

@@ -1,7 +1,7 @@
 """How hard a part can be pushed before nothing holds: in a direction, and in its weakest.
 
 The forces F at its centre of mass with which an equilibrium exists are a convex set around 0
-(where it is in balance without a push). In a direction e the limit is one conic program, max
+(if it is in balance without a push). In a direction e the limit is a conic program, max
 t with F = t e; its mechanism gives a supporting plane of the set. The weakest push is the
 distance from 0 to the boundary: the hull of the limits found so far lies inside the set, the
 planes outside (`kilter.analysis.regions.enclose`).
@@ -43,9 +43,9 @@ class Push:
     direction : ndarray, shape (3,)
         Unit.
     force : float
-        [N]; infinite where unlimited.
+        [N]; infinite if unlimited.
     lower : float
-        A push that is resisted in every direction, for the weakest one [N].
+        A push that is resisted in every direction, for the weakest direction [N].
     limit : Limit
         Forces and mechanism there.
     programs : int

@@ -1,11 +1,11 @@
 """Whether any friction, however little, is enough: parts that are squeezed can be squeezed harder.
 
-    max sum u:  A_n s = 0,  s >= u,  0 <= u <= 1            what forces without a load may press
-    A f = b:    f free where u = 1, along and across it;  f_n >= 0, f_t = 0 elsewhere
+    max sum u:  A_n s = 0,  s >= u,  0 <= u <= 1            self-stress that needs no load
+    A f = b:    f free if u = 1, along and across it;  f_n >= 0, f_t = 0 elsewhere
 
-Contacts that press one another without a load press as hard as one likes, so that with any mu
+Contacts with a self-stress may press one another as hard as desired. So with any mu
 above 0 they hold forces of any direction. With those, further contacts may press one another,
-and so on. Where all of them and the smooth contacts carry the load, s and f make forces for
+and so on. If all of them and the smooth contacts carry the load, s and f make forces for
 every mu > 0: f + k s, with k of the order of 1 / mu, or of its powers.
 """
 
@@ -67,7 +67,7 @@ def squeeze(program: Program) -> Array:
 
 
 def held_by_squeeze(program: Program) -> ForceProof | None:
-    """Forces for hardly any friction, where any friction is enough; None where that is not shown.
+    """Forces for arbitrarily little friction; None if it is not proved that any mu is enough.
 
     Parameters
     ----------

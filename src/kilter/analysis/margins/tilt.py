@@ -8,7 +8,7 @@ the least turn to its boundary is atan of the distance from 0 to the boundary of
     nearest           the same along the directions e in which the polygon of the boundary
                       points found so far comes nearest to 0
 
-Every boundary point brings a supporting line (its mechanism m: the region lies where the
+Every boundary point brings a supporting line (its mechanism m: in the region the
 power W(g0 + p).m is not positive): an oracle of `kilter.analysis.regions.enclose`. Loads given
 do not turn with gravity, so they have no tilt margin of this kind.
 """
@@ -71,7 +71,7 @@ class NearestHeld:
     angle : float
         Turn to a direction that is held, as far as a certificate tells [rad].
     lower : float
-        A turn up to which a motion proves that none is held [rad]; 0 where none was found.
+        A turn up to which a motion proves that no turn is held [rad]; 0 without such a motion.
     down : ndarray, shape (3,)
         That direction, unit.
     mechanism : MotionProof or None
@@ -91,12 +91,12 @@ class TiltMargin:
     Attributes
     ----------
     angle : float
-        [rad]; pi/2 where a right angle is not enough, 0 where it is less than what a
+        [rad]; pi/2 if a right angle is not enough, 0 if it is less than the imbalance that a
         certificate lets forces leave (1e-9): no proof tells it from none.
     lower : float
-        An angle up to which every turn is held [rad], less what forces may leave.
+        An angle up to which every turn is held [rad], reduced by the permitted imbalance.
     down : ndarray, shape (3,)
-        Direction of gravity at the limit, unit; as given where a right angle is not enough.
+        Direction of gravity at the limit, unit; as given if a right angle is not enough.
     toward : ndarray, shape (3,)
         Horizontal direction toward which the tilt fails first, unit; zero if a right angle is not
         enough.
@@ -116,8 +116,8 @@ class TiltMargin:
 def tilt_about(program: Program, axis: Array) -> tuple[float, Limit] | NoLimit:
     """Largest angle [rad] by which gravity may turn about an axis across it, and the limit.
 
-    By the right-hand rule, from 0 to pi, infinite where a full turn is held. Not held as given:
-    no limit. One conic program for each right angle.
+    By the right-hand rule, from 0 to pi, infinite if a full turn is held. Not held as given:
+    no limit. A conic program for each right angle.
 
     Raises
     ------
@@ -210,7 +210,7 @@ def held_limit(
     most: float,
     shared: SharedCones | None = None,
 ) -> Limit | NoLimit:
-    """The limit, where a share of 0 is held too."""
+    """The limit, if a share of 0 is held too."""
     limit = find_limit(program, wrench, opening=opening, most=most, shared=shared, from_none=True)
     below = isinstance(limit, Limit) and limit.value < NOT_HELD
     return NoLimit("none") if below else limit
@@ -232,9 +232,9 @@ def _boundary(program: Program, basis: Array, direction: Array, limit: Limit) ->
 
 
 def find_nearest_held(program: Program) -> NearestHeld | NoLimit:
-    """The direction of gravity nearest to the given one that is held, of what is not held as given.
+    """The held direction of gravity nearest to the given direction, which is not held.
 
-    A convex projection, by one conic program that is asked again where it fails: good to the
+    A convex projection, by a conic program that is repeated if it fails: accurate to the
     root of its gap. From there limits lead to the boundary: toward gravity as given, then toward
     the nearest point of the plane at which the mechanism of that limit gains no power, which
     bounds the turn from below. No limit: none is held within a right angle, or both failed.
@@ -305,7 +305,7 @@ def _between(one: Array, other: Array) -> float:
 
 
 def across_gravity(program: Program) -> Array:
-    """Directions across gravity, shape (1, 3) where planar, else (2, 3)."""
+    """Directions across gravity, shape (1, 3) for planar programs, else (2, 3)."""
     if program.planar:
         return cross(program.down, np.array([0.0, 1.0, 0.0]))[None]
     return np.stack(across(program.down))

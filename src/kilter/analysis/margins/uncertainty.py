@@ -2,11 +2,11 @@
 
 Friction. More of it only helps: the lowest coefficients are the worst. Exact.
 
-Normals. A cone of half angle atan mu about any normal within an angle e of the given one has
-that of half angle atan mu - e about the given one inside; where nothing is left, the contact
+Normals. A cone of half angle atan mu about any normal within an angle e of the given normal has
+a cone of half angle atan mu - e about the given normal inside. If no cone is left, the contact
 counts for nothing. Inner: safe, not always the worst case.
 
-Masses and centres of mass. For one gravity the load is linear in the masses m_i and the
+Masses and centres of mass. For each gravity the load is linear in the masses m_i and the
 moments m_i d_i, and these lie in polytopes. The loads that are held are a convex cone, so
 all are held if and only if the corners are: the worst margin is the least of the corners.
 Exact, up to `CORNERS` of them. Above that, forces that follow the masses in proportion
@@ -61,7 +61,7 @@ LARGEST = 2_000_000
 
 @dataclass(frozen=True, slots=True)
 class Ranges:
-    """Intervals of what is not known exactly.
+    """Intervals of uncertain data.
 
     Attributes
     ----------
@@ -119,17 +119,17 @@ class Uncertainty:
     kind : {"exact", "inner"}
         Whether some assembly within them has just this margin, or none has less.
     held : bool
-        Whether all are held as given; where inner, False says that it was not shown.
+        Whether all are held as given; if the bound is inner, False means that it was not proved.
     tilt_deg : float or None
-        None where not all are held, or loads are given.
+        None if not all are held, or with loads.
     load_factor : (float, float) or None
-        None where not asked for, or no factor is held by all.
+        None if it was not requested, or no factor is held by all.
     missing : dict
-        What of "held", "tilt" and "load_factor" is asked for and is not there, and why: "none",
-        some are not held, or where inner no forces that follow hold all; "failed", the numbers
-        did.
+        Requested values of "held", "tilt" and "load_factor" that are missing, with the reason:
+        "none", some are not held, or no following forces hold all (inner); "failed", the solvers
+        failed.
     corners : int
-        How many were looked at; 0 where forces follow.
+        Number of corners; 0 if the forces follow the masses.
     worst : tuple of (ndarray, ndarray), or None
         Mass factors, shape (N,), and shifts of the centres, shape (N, 3), at the least tilt.
     """
@@ -144,7 +144,7 @@ class Uncertainty:
     worst: tuple[Array, Array] | None
 
     def to_dict(self, program: Program) -> dict[str, Any]:
-        """The worst case and where it is, as JSON data."""
+        """The worst case and its data, as JSON data."""
         ranges, at = self.ranges, None
         if self.worst is not None:
             mass, shift = self.worst
@@ -180,7 +180,7 @@ def weakened(program: Program, ranges: Ranges) -> Program:
 
 
 def corner(program: Program, factor: Array, shift: Array) -> Program:
-    """The program with other masses and centres; given loads stay where they are in the world."""
+    """The program with other masses and centres; given loads keep their places in the world."""
     applied = program.applied.copy()
     applied[:, 3:] -= cross(shift, applied[:, :3])
     return program.with_rows(
@@ -223,7 +223,7 @@ def find_uncertainty(
 
 
 def _by_corners(program: Program, ranges: Ranges, push: Array | None, kind: Kind) -> Uncertainty:
-    """The least of the corners; where the numbers fail at one, nothing is shown of all."""
+    """The least value of the corners; if the solvers fail at a corner, no value is proved."""
     tilt, factor, worst, count = np.inf, (-np.inf, np.inf), None, 0
     asked, loaded = push is not None or bool(program.applied.any()), bool(program.applied.any())
     missing: dict[str, Why] = {}
@@ -260,7 +260,7 @@ def _by_corners(program: Program, ranges: Ranges, push: Array | None, kind: Kind
 
 
 def _add(missing: dict[str, Why], names: tuple[str, ...], why: NoLimit) -> None:
-    """What is missing of all; one that is known not to hold outweighs one that failed."""
+    """The reason for a missing value; "none" outweighs "failed"."""
     for name in names:
         if missing.get(name) != "none":
             missing[name] = why.why
@@ -329,7 +329,7 @@ def _by_following(program: Program, ranges: Ranges, push: Array | None) -> Uncer
 
 
 def _unknowns(program: Program, ranges: Ranges) -> Unknowns:
-    """What varies, (part, what): 3 for its mass, else the axis of its centre."""
+    """Data that vary, (part, index): index 3 is its mass, else the axis of its centre."""
     axes = (0, 2) if program.planar else (0, 1, 2)
     what = [3] if ranges.mass[0] < ranges.mass[1] else []
     what += list(axes) if ranges.center > 0 else []

@@ -1,4 +1,4 @@
-"""What would raise a margin most: hold a part, more friction at a contact, other masses.
+"""Changes that raise a margin most: hold a part, more friction at a contact, other masses.
 
 At a limit t, with the forces f and the mechanism m there (b + t d is the load, power 0):
 
@@ -6,8 +6,8 @@ At a limit t, with the forces f and the mechanism m there (b + t d is the load, 
     the mass of part i         t' = -(w_i + t d_i).m_i / (d.m)          per share of it
     friction at a contact      t' = sum of f_n |u_t| over its points / (d.m)      per unit of mu
 
-u_t is the velocity at which the mechanism slides there. These are the derivatives where the
-mechanism is the only one, and else no less than them. Holding a part ends every mechanism in
+u_t is the velocity at which the mechanism slides there. These are the derivatives if the
+mechanism is unique, and otherwise lower bounds. Holding a part ends every mechanism in
 which it moves: the parts that drive it most are held in turn, and the margin found anew.
 """
 
@@ -49,7 +49,7 @@ MORE_MASS = 0.1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Help:
-    """One change that raises a margin.
+    """A change that raises a margin.
 
     Attributes
     ----------
@@ -58,9 +58,9 @@ class Help:
     parts : tuple of str
         The part, or the two parts of the contact.
     gain : float
-        [deg] of tilt (a margin ends at a right angle), or of the load factor [-]: in all where
-        a part is held, infinite where no factor is then too large; per unit of mu; per share of
-        the mass, negative where less mass helps.
+        [deg] of tilt (a margin ends at a right angle), or of the load factor [-]: in total if
+        a part is held, infinite if no factor is then too large; per unit of mu; per share of
+        the mass, negative if less mass helps.
     sentence : str
     """
 
@@ -89,7 +89,7 @@ def what_helps(
     *,
     held: Sequence[int],
 ) -> tuple[Help, ...]:
-    """The best of each kind for the tilt margin, where there is one, else for the load factor.
+    """The best change of each kind for the tilt margin if it exists, else for the load factor.
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ def _helps(
     of: Literal["tilt", "load factor"],
     held: Sequence[int],
 ) -> tuple[Help, ...]:
-    """The best of each kind; `along` grows with the masses where `by_mass`."""
+    """The best change of each kind; `along` grows with the masses if `by_mass`."""
     if limit.mechanism is None or not np.isfinite(limit.value):
         return ()
     motion = limit.mechanism.motion
