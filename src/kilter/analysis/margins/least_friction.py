@@ -157,7 +157,8 @@ class _Sides:
     def narrow(self, *, surely: bool) -> None:
         """Decide further coefficients until both sides agree, or both sides and the open interval.
 
-        `surely`: whether coefficients that the cohesion leaves open are decided by all other methods.
+        `surely`: whether coefficients that the cohesion leaves open get all other methods, a few
+        times at most.
         """
         self._open = None
         widths, undecided = [np.inf] * PATIENT, 0

@@ -1,10 +1,10 @@
-"""The one hull of cones, from both sides: extreme rays of {n.g <= 0}, facets of sums of rays.
+"""Convex hull of a cone from both sides: extreme rays of {n.g <= 0}, facets of sums of rays.
 
     extreme rays      lines in which two planes meet, inside all of them
-    facets            planes through two rays, with all rays on one side
+    facets            planes through two rays, with all other rays on a single side
 
 Rays are known up to a width (`blur`): those that lie on a plane up to it are on it, planes that
-hold the same rays are one facet, fitted to all of them, and where one plane holds all rays
+hold the same rays are a single facet, fitted to all of them, and if a plane holds all rays
 the cone is as thin as that plane.
 """
 
@@ -82,7 +82,7 @@ def cone_around(rays: Array, blur: float) -> Cone:
     rays : ndarray, shape (r, 3)
         Unit.
     blur : float
-        Rays nearer to a plane than this are on it, and rays nearer to one another are one [rad].
+        Rays nearer to a plane than this lie on it, and nearer rays are the same ray [rad].
 
     Examples
     --------
@@ -115,7 +115,7 @@ def facets_of(points: Array, blur: float) -> tuple[Array, Mask]:
     """Facets of the cone of unit points that span R^D, D = 1, 2, 3.
 
     Unit inward normals, shape (F, D), and which points lie on each, shape (F, n). Of
-    planes that hold the same points one is kept, fitted to all of them; a plane whose
+    planes that hold the same points a single plane is kept, fitted to all of them; a plane whose
     points all lie on another is no facet.
     """
     normals = _across_pairs(points, blur)

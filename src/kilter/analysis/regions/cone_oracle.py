@@ -1,14 +1,14 @@
-"""The support of a cone that is the projection of another: one kept linear program.
+"""The support of a cone that is a projection of another cone: a single kept linear program.
 
     max c.g :  A f + B g = 0,  f >= 0 on one-sided columns,  g cut off at a length of about 1
 
-Where it is 0, the multipliers z of the rows are the witness: A^T z >= 0 with B^T z = c.
+If it is 0, the multipliers z of the rows are the witness: A^T z >= 0 with B^T z = c.
 
 Rounded data. A price on imbalance, A f + B g = s with cost P |s|, limits the witnesses: those
 larger than P do not count. And two plates that are parallel but for rounding would jam a part
 between them with forces of the inverse of that rounding: forces over 1e6 weights, or over a
-tenth of the inverse of the tolerance, are asked for again with a small price on force, which
-is to say that witnesses with A^T z as little below 0 as that price count.
+tenth of the inverse of the tolerance, are computed again with a small price on force. Then
+witnesses with A^T z as little below 0 as that price count.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ FAR = 10.0
 
 
 class ConeOracle:
-    """The support of {g : exists f: A f + B g = 0}, one kept linear program.
+    """The support of {g : exists f: A f + B g = 0}, a single kept linear program.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class ConeOracle:
     tolerance : float
         Of the data [-]: forces of a tenth of its inverse, over the weight, jam.
     spread : float
-        Heaviest part over the lightest: what a light one may have to carry [-].
+        Mass of the heaviest part over that of the lightest part [-].
 
     Examples
     --------
@@ -102,7 +102,7 @@ class ConeOracle:
         two_sided: Mask,
         price: float | None,
     ) -> LinearProgram:
-        """Columns f, g and imbalance; rows of equilibrium and the one that cuts g off."""
+        """Columns f, g and imbalance; rows of equilibrium and the row that bounds g."""
         rows, count, d = self._rows, self._forces, self.dimension
         slack = 0 if price is None else rows
         blocks = [matrix @ diags_array(1 / self._size), loads]
@@ -140,7 +140,7 @@ class ConeOracle:
         return self._reach(direction, found)
 
     def _solved(self) -> Solution:
-        """The present program's optimum; a point at least, for what is judged afterwards."""
+        """The optimum of the present program, or at least a point, which is judged afterwards."""
         found = self._kept.solve()
         return found if found.found and len(found.multipliers) else found.required("the region")
 
@@ -183,7 +183,7 @@ def intersection(cones: Sequence[Cone], first: Array) -> tuple[Cone, int]:
 
         e.g = 0,   q.g - f = 0,   f >= 0
 
-    so that knife edges which agree but for rounding stay what they are.
+    so that knife edges that agree up to rounding remain knife edges.
 
     Parameters
     ----------

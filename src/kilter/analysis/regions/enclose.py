@@ -1,19 +1,19 @@
-"""A convex set around 0 that an oracle knows: a hull inside, planes outside, one loop.
+"""Enclosure of a convex set around 0 by an oracle: a hull inside, planes outside.
 
-An oracle is asked in a unit direction and answers with a point of the set and with a plane
-beyond which nothing of it lies,  normal . x <= reach. The hull of the points is in the set, the
-planes are around it. The next direction is the normal of a facet of the hull. Either the answer
+The oracle gets a unit direction and returns a point of the set and a plane beyond which no point
+of the set lies,  normal . x <= reach. The hull of the points is in the set, the planes are around
+it. The next direction is the normal of a facet of the hull. Either the answer
 is a point beyond that facet, and the hull grows; or there is none, and then the facet lies on
-the boundary of the set and is settled. So every question brings a point or settles a facet.
+the boundary of the set and is settled. So every query brings a point or settles a facet.
 
-    nearest boundary      the facet nearest to 0 is asked until hull and planes agree: the least
+    nearest boundary      the facet nearest to 0 is refined until hull and planes agree: the least
                           push, the least tilt, the least tilt over intervals, and the direction
                           on the sphere that is nearest to stable
-    the whole boundary    all facets are asked: the stability map
+    the whole boundary    all facets are refined: the stability map
 
-Three others find a convex set, or walk a sphere, with what is here and another loop:
+Three other modules find a convex set, or walk a sphere, with these parts and another loop:
 
-- `growth.grow` finds a cone, whose facets all pass through 0: it has no nearest one, its span
+- `growth.grow` finds a cone, whose facets all pass through 0: it has no nearest facet, its span
   may be thinner than space, and with rounded data its points lie on a facet up to a width, so
   its facets are fitted (`cone_hull.facets_of`).
 - `friction_cone` cuts the outer cone at its extreme rays: its oracle projects, which brings a
@@ -42,7 +42,7 @@ __all__ = ["Face", "KnownSet", "SupportPoint", "nearest_face"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SupportPoint:
-    """What an oracle answers: a `point` of the set, shape (d,), and a plane around the set.
+    """Answer of an oracle: a `point` of the set, shape (d,), and a plane around the set.
 
     `normal`, unit, shape (d,), and `reach`: normal . x <= reach for all of the set.
     """
@@ -62,7 +62,7 @@ class KnownSet:
     Attributes
     ----------
     hull : GrowingHull or None
-        Inside; a facet that is `done` is one of the set. None: flat as far as it is known.
+        Hull of the points; a facet that is `done` is a facet of the set. None: flat so far.
     outer, normal : float, ndarray, shape (d,)
         Distance from 0 of the nearest plane around it, and the unit normal of that plane.
     answer : int
@@ -70,7 +70,7 @@ class KnownSet:
     asked : int
         Questions so far.
     failed : bool
-        Whether the oracle failed at one of them.
+        Whether the oracle failed in a direction.
     """
 
     def __init__(self, oracle: Oracle, hull: GrowingHull | None = None) -> None:
@@ -88,7 +88,7 @@ class KnownSet:
         return 0.0 if self.hull is None else max(float(self.hull.offsets.min()), 0.0)
 
     def ask(self, direction: Array) -> SupportPoint | None:
-        """One question; its plane is taken in, its point is left to the caller."""
+        """Query the oracle once; add its plane, and leave its point to the caller."""
         found = self._oracle(direction)
         self.asked += 1
         if found is None:
@@ -98,7 +98,7 @@ class KnownSet:
         return found
 
     def settle(self, facet: int) -> bool:
-        """Confirm a facet of the hull, or add a point beyond it; True where it is confirmed."""
+        """Confirm a facet of the hull, or add a point beyond it; True if it is confirmed."""
         assert self.hull is not None
         hull = self.hull
         normal, offset = hull.normals[facet], float(hull.offsets[facet])
@@ -114,14 +114,14 @@ class KnownSet:
     def close_nearest(
         self, limit: int, agree: float = 0.0, most: float = np.inf, within: float = 0.0
     ) -> bool:
-        """Settle the facet nearest to 0, whichever it is then, until one is confirmed.
+        """Refine the facet nearest to 0, whichever it is then, until a facet is confirmed.
 
         Parameters
         ----------
         limit : int
-            Of questions; False where it was reached.
+            Largest number of queries; the result is False if it was reached.
         agree, most : float
-            Ends also where inner and outer distance differ by no more than this fraction, or
+            The search also ends if inner and outer distance differ by at most this fraction, or
             the outer one is `most`.
         within : float
             A difference that counts as none beside that fraction.
@@ -162,7 +162,7 @@ class Face:
     asked : int
         How many questions there were.
     failed : bool
-        Whether the oracle failed at one of them: then the distances may be farther apart.
+        Whether the oracle failed in a direction: then the distances may be farther apart.
     """
 
     inner: float
@@ -182,7 +182,7 @@ def nearest_face(
     most: float = np.inf,
     within: float = 0.0,
 ) -> Face | None:
-    """Where the boundary of a set around 0 comes nearest to 0; None where the first answer fails.
+    """The boundary point of a set around 0 that is nearest to 0; None if the first query fails.
 
     Parameters
     ----------
@@ -190,13 +190,13 @@ def nearest_face(
     directions : ndarray, shape (n, d)
         Unit, asked first; on all sides of 0.
     agree : float
-        Ends where inner and outer distance differ by no more than this fraction.
+        The search ends if inner and outer distance differ by at most this fraction.
     limit : int
         Of questions.
     most : float
         Distances from here on count as unlimited: the search ends.
     within : float
-        Ends also where they differ by no more than this.
+        The search also ends if they differ by at most this.
 
     Examples
     --------

@@ -2,26 +2,26 @@
 
     C = {g : exists f in K:  J^T f + W g = 0},   W g = (m_i g, 0)_i
 
-is a convex cone; its boundary is round. One conic program projects a direction v onto it,
+is a convex cone; its boundary is round. A conic program projects a direction v onto it,
 
     min 1/2 |g - v|^2:  A f + B g = 0,  f in K
 
-and where v is outside, it brings both: the ray g, with forces that prove it, and the facet
+and if v is outside, it gives both: the ray g, with forces that prove it, and the facet
 n = v - g, n.g' <= 0 for all g' of C, with a motion that proves it (Moreau: v is the sum of its
 projections onto C and onto its polar cone; n is a sum of m_i dr_i of a motion in the dual cones).
 
 The facets bound C from outside, the rays from inside. Each extreme ray v of the outer cone is
-projected; where it is farther from C than half the gap that is asked for, its facet cuts it off.
+projected; if it is farther from C than half the required gap, its facet cuts it off.
 The greatest angle that remains is the gap. The planes x = 0, y = 0, z = 0 divide the outer cone,
 so that its edges span at most a right angle whatever the kind: on an edge between v_1 and v_2,
-at an angle e from one another, no direction is farther from C than
+with an angle e between them, no direction is farther from C than
 
     asin(max(sin d_1, sin d_2) / cos(e / 2))
 
-and within the outer cone none is farther than one of its edges. In a plane each cone of friction
+and within the outer cone no direction is farther than an edge. In a plane each cone of friction
 has two rays, so C is polyhedral and found exactly (`kilter.analysis.regions.stable_cone`).
 
-What a direction of C has is forces that hold it. Whether it must stay there is another
+For each direction of C, forces that hold it exist. Whether it must stay there is another
 question (`kilter.friction.answer`).
 
 References
@@ -162,7 +162,7 @@ class _Cutting:
         return -np.array([facet.vector for facet in self.facets]).reshape(-1, 3)
 
     def cut(self, most: float) -> bool:
-        """Cut off every extreme ray of the outer cone farther than this; whether there was one."""
+        """Cut off every extreme ray of the outer cone farther than this; return whether one was cut."""
         found = False
         for direction in extreme_rays(self.normals):
             k = self._known(direction)
@@ -182,7 +182,7 @@ class _Cutting:
         return found
 
     def _known(self, direction: Array) -> int | None:
-        """The extreme ray seen before that is this one."""
+        """The known extreme ray that equals this ray."""
         near = np.linalg.norm(self.seen - direction, axis=1)
         return int(near.argmin()) if len(near) and near.min() < SAME_RAY else None
 
@@ -210,7 +210,7 @@ class _Cutting:
         return self._from_within(direction, angle) if facet is None else (angle, facet)
 
     def _ray(self, down: Array, forces: tuple[Array, Array]) -> Array | None:
-        """The ray, moved inwards until forces prove it; None where they do not."""
+        """The ray, moved inwards until forces prove it; None if no forces do."""
         proof = check_forces(self.program.turned(down), *forces)
         if proof.holds:
             self.rays.append(Proof("ray", down, down, proof))
@@ -249,7 +249,7 @@ class _Cutting:
         return None
 
     def _from_within(self, direction: Array, angle: float) -> tuple[float, Proof | None]:
-        """What `_project` finds, on the way from the rays that are known to the direction."""
+        """The result of `_project`, between the known rays and the direction."""
         middle: Array = np.sum([ray.vector for ray in self.rays], axis=0)
         length = float(np.linalg.norm(middle)) if self.rays else 0.0
         if length < NO_DIRECTION:
@@ -288,7 +288,7 @@ class _Cutting:
         return float(2 * np.arcsin(min(float(near) / 2, 1.0)))
 
     def answer(self) -> StableCone:
-        """The cone between what was found."""
+        """The cone between the rays and the facets that were found."""
         rays = np.array([ray.vector for ray in self.rays]).reshape(-1, 3)
         inner = cone_around(rays, RAY_BLUR)
         normals = self.normals

@@ -1,9 +1,9 @@
-"""Convex hulls that grow point by point, in one, two or three dimensions.
+"""Convex hulls that grow by one point at a time, in up to three dimensions.
 
 A facet is a simplex: as many points as there are dimensions. A new point sees the facets
-it lies outside of; the ridges between what it sees and what it does not are joined to it.
+it lies outside of; the ridges between seen and unseen facets are joined to it.
 Points in the plane of a facet, up to the tolerance, do not see it: a facet with many
-corners is several simplices in one plane.
+corners is several simplices in a common plane.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class GrowingHull:
 
     @classmethod
     def of(cls, points: Array, tolerance: float) -> GrowingHull | None:
-        """The hull of points, shape (n, d); None where they are flat up to the tolerance.
+        """The hull of points, shape (n, d); None if they are flat up to the tolerance.
 
         Examples
         --------
@@ -88,7 +88,7 @@ class GrowingHull:
         return hull
 
     def add(self, point: Array) -> bool:
-        """Take a point in; False, and no change, where it is not outside."""
+        """Add a point; return False, without a change, if it is not outside."""
         seen = self.normals @ point > self.offsets + self.tolerance
         if not seen.any():
             return False
@@ -103,7 +103,7 @@ class GrowingHull:
         return True
 
     def _horizon(self, seen: Index) -> Index:
-        """Ridges of the seen facets that belong to one of them only."""
+        """Ridges of the seen facets that belong to a single seen facet."""
         size = seen.shape[1]
         ridges = np.vstack([np.sort(np.delete(seen, k, axis=1), axis=1) for k in range(size)])
         if size == 1:

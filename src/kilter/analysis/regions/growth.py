@@ -1,11 +1,11 @@
 """A cone found through an oracle: first its span, then the hull inside it.
 
 An oracle answers "how far does the cone reach in the direction c?" with a point of the cone
-or with a witness that it does not reach there at all. The span grows by one dimension
-whenever a direction orthogonal to it, of either sign, is reached; one that is not reached
-is an equation. Inside the span every facet of the hull of the points found is asked in
+or with a witness that it does not reach there at all. The span grows by a dimension
+whenever a direction orthogonal to it, of either sign, is reached; a direction that is not reached
+is an equation. Inside the span every facet of the hull of the known points is examined in
 turn: it is a facet of the cone, or there is a point beyond it. So every question finds a
-point, a facet or one sign of an equation, and thin cones are found as surely as wide ones.
+point, a facet or a sign of an equation, and thin cones are found as surely as wide cones.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ WIDE = 0.1
 class Reach:
     """The answer of an oracle for a unit direction c.
 
-    `angle`: c.g / |g| for the best g of the cone, 0 where there is none [rad]; `point`: that
+    `angle`: c.g / |g| for the best g of the cone, 0 if there is no such g [rad]; `point`: that
     g, unit, shape (d,); `forces` that balance it; `witness`: multipliers that prove the bound.
     """
 
@@ -63,9 +63,9 @@ class Grown:
     points : list of Reach
         Unit points of the cone, its rays among them.
     equations : list of (ndarray, Reach, Reach)
-        Unit normals of the span, with what was reached on either side: nothing.
+        Unit normals of the span, with the reach on either side, which is 0.
     facets : list of (ndarray, Reach)
-        Unit inward normals within the span, with what was reached beyond: nothing.
+        Unit inward normals within the span, with the reach beyond, which is 0.
     """
 
     span: Array
@@ -83,7 +83,7 @@ def grow(oracle: Oracle, first: Array, blur: float, tell: Callable[[], None]) ->
     first : ndarray, shape (d,)
         A direction to ask first.
     blur : float
-        The cone does not reach where it reaches less than this [rad].
+        The cone does not reach a direction if its reach is less than this [rad].
     tell : callable
         Called at each question.
     """
@@ -126,7 +126,7 @@ def _beyond(known: Array, first: Array) -> Array:
 
 
 def _rest(known: Array, vector: Array) -> Array:
-    """What of a vector is orthogonal to orthonormal rows, unit."""
+    """Component of a vector orthogonal to orthonormal rows, unit."""
     for _ in range(2):
         vector = vector - known.T @ (known @ vector)
         vector = vector / np.linalg.norm(vector)
@@ -172,7 +172,7 @@ def _match(normal: Array, proved: list[tuple[Array, Reach]]) -> Reach:
 
 
 def _focus(oracle: Oracle, points: list[Reach]) -> None:
-    """Ask across the mean of the points from now on, if they lie well to one side."""
+    """From now on query across the mean of the points, if they lie well to one side."""
     rows = np.array([found.point for found in points])
     mean = rows.mean(axis=0)
     length = float(np.linalg.norm(mean))

@@ -61,7 +61,7 @@ class Cone:
     blur : float
         Directions closer to the boundary than this count as on it [rad].
     strict : bool
-        A direction within `blur` of the boundary counts as outside, where the cone fills space.
+        A direction within `blur` of the boundary counts as outside, if the cone fills space.
 
     Examples
     --------
@@ -81,12 +81,12 @@ class Cone:
 
     @property
     def dimension(self) -> int:
-        """Of the span, 0 to 3."""
+        """Dimension of the span, 0 to 3."""
         return 3 - len(self.equations)
 
     @property
     def kind(self) -> str:
-        """One of the ten kinds, `KINDS`."""
+        """Kind of the cone: a word of `KINDS`."""
         return KINDS[self.dimension, len(self.lines)]
 
     @property
@@ -117,7 +117,7 @@ class Cone:
         return self.blur if self.strict and self.dimension == 3 else 0.0
 
     def candidates(self, down: Array) -> Iterator[Array]:
-        """Directions in it, the one with the widest margin first, else the nearest to `down`."""
+        """Directions in it, that with the widest margin first, else the nearest to `down`."""
         if self.center is not None:
             yield self.center
         elif len(self.lines):  # a line, a plane, all: as near to gravity as it goes
@@ -223,7 +223,7 @@ def _rays(equations: Array, facets: Array, lines: Array, points: Array, blur: fl
 
 
 def _extreme(tight: Mask, facets: Array, blur: float) -> Mask:
-    """Points that lie on two facets which are not one plane."""
+    """Points that lie on two facets with different planes."""
     extreme = np.zeros(len(tight), dtype=bool)
     for k, row in enumerate(tight):
         normals = facets[row]
@@ -233,7 +233,7 @@ def _extreme(tight: Mask, facets: Array, blur: float) -> Mask:
 
 
 def _around(rays: Array, facets: Array) -> Array:
-    """Rays in order around the axis, the one with the largest entries first."""
+    """Rays in order around the axis, that with the largest entries first."""
     axis = widest_axis(facets)
     side = np.cross(axis, np.eye(3)[np.abs(axis).argmin()])
     angle = np.arctan2(rays @ np.cross(axis, side), rays @ side)
@@ -247,7 +247,7 @@ def widest_axis(facets: ArrayLike) -> Array:
     Parameters
     ----------
     facets : array_like, shape (f, 3)
-        Unit inward normals, in one open half-space; at least one.
+        Unit inward normals, in an open half-space; at least one normal.
 
     Notes
     -----

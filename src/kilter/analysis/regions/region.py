@@ -3,11 +3,11 @@
 The directions of gravity with forces that hold the assembly: without friction those for which
 it is stable, found exactly (`kilter.analysis.regions.stable_cone`); with friction those that
 forces in Coulomb's cones can hold, between rays inside and facets outside
-(`kilter.analysis.regions.friction_cone`). Whether friction must hold there is asked of one
-direction at a time (`kilter.analysis.check`).
+(`kilter.analysis.regions.friction_cone`). `kilter.analysis.check` decides whether friction must
+hold in a single direction.
 
 For several assemblies the cones are intersected, friction left out: a plan needs no
-reorientation where one direction is stable for every step of it.
+reorientation if a direction is stable for every step of it.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class Region(InCells):
         Lines, rays and equations. With friction in space the inner cone: every direction in
         it is held.
     facets : ndarray, shape (f, 3)
-        Unit inward normals within the span: beyond one of them nothing is held. Those of
+        Unit inward normals within the span: beyond any of them no forces hold it. Those of
         `cone`, or with friction in space of the outer cone.
     friction : bool
         Whether forces of friction were counted.
@@ -74,7 +74,7 @@ class Region(InCells):
         Whether no force was left out that might hold more: friction, or contacts of a kind
         that is not modelled.
     assemblies : tuple of Assembly
-        One, or those that share the region.
+        A single assembly, or those that share the region.
     contacts : tuple of ContactSet
         Of each.
     found : tuple of StableCone
@@ -85,7 +85,7 @@ class Region(InCells):
     seconds : dict
         Of each stage.
     rests : tuple of PlaceOfRest
-        How it rests in its axis, lines and rays, where that was asked.
+        State of rest in its axis, lines and rays, if it was requested.
     joined : Region or None
         The region with the parts of every open pair joined; None without open pairs.
     """
@@ -110,7 +110,7 @@ class Region(InCells):
 
     @property
     def pairs_decide(self) -> bool:
-        """Whether the region is another one if the parts of the open pairs are joined."""
+        """Whether the region changes if the parts of the open pairs are joined."""
         other = self.joined
         if other is None:
             return False
@@ -121,12 +121,12 @@ class Region(InCells):
 
     @property
     def kind(self) -> str:
-        """One of the ten kinds."""
+        """Kind of the cone: a word of `polyhedral_cone.KINDS`."""
         return self.cone.kind
 
     @property
     def dimension(self) -> int:
-        """Of the span, 0 to 3."""
+        """Dimension of the span, 0 to 3."""
         return self.cone.dimension
 
     @property
@@ -156,15 +156,15 @@ class Region(InCells):
 
     @property
     def exact(self) -> bool:
-        """Whether rays and facets are of one cone, the true one.
+        """Whether rays and facets are of the same cone, the true cone.
 
-        Where False every direction in it is still held, and more may be.
+        If False, every direction in it is still held, and more may be.
         """
         return self.complete and all(found.exact for found in self.found)
 
     @property
     def gap_deg(self) -> float | None:
-        """How far apart the inner and the outer cone may be [deg]; None where they are one."""
+        """Angle between the inner and the outer cone [deg]; None if they are the same."""
         gaps = [found.gap for found in self.found if not found.exact]
         return float(np.degrees(max(gaps))) if gaps else None
 
@@ -192,8 +192,8 @@ class Region(InCells):
     def proofs(self, *, options: dict[str, Any] | None = None) -> list[RegionProof]:
         """A proof for every ray, line, facet and equation, as data.
 
-        Facets and equations are left out where forces that were not counted might hold what
-        lies beyond them. For several assemblies a ray has a proof in each, a facet in the
+        Facets and equations are left out if forces that were not counted might hold directions
+        beyond them. For several assemblies a ray has a proof in each, a facet in the
         first that does not hold beyond it.
         """
         certified = [(proof, 0) for proof in self.found[0].proofs]
@@ -214,7 +214,7 @@ class Region(InCells):
         return [proof for proof in proofs if proof is not None]
 
     def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
-        """All of `proofs` in one, for `kilter.verify`, as JSON data.
+        """All of `proofs` in a single bundle, for `kilter.verify`, as JSON data.
 
         Raises
         ------
@@ -284,7 +284,7 @@ class Region(InCells):
         }
 
     def _repr_html_(self) -> str:
-        """What a notebook shows."""
+        """HTML for a notebook."""
         return html_of(self.to_dict())
 
     def __str__(self) -> str:
@@ -310,9 +310,9 @@ def region(
     Parameters
     ----------
     assembly : Assembly
-        At least one part must be held.
+        It has at least one held part.
     contacts : ContactSet, optional
-        Found from the geometry where not given.
+        Detected from the geometry by default.
     gap_deg : float
         How far apart the inner and the outer cone may be, with friction in space [deg].
     rests : bool
@@ -329,7 +329,7 @@ def region(
     TimeLimitReached
         At the time limit, with the verdict of the given direction.
     InputError
-        If nothing is held, loads are given, the geometry is not usable, or `rests` are asked
+        If nothing is held, loads are given, the geometry is not usable, or `rests` are requested
         of parts that rub.
 
     Examples
@@ -376,7 +376,7 @@ def _region(
     started: float,
     progress: Tell | None,
 ) -> Region:
-    """The region of one assembly, with friction or without it."""
+    """The region of a single assembly, with friction or without it."""
     require_apart(assembly, contacts)
     program = build_program(assembly, contacts)
     program = program if rubs else program.frictionless
@@ -415,7 +415,7 @@ def common_region(
     Parameters
     ----------
     assemblies : sequence of Assembly
-        In one common frame.
+        Assemblies in a common frame.
     contacts : sequence of ContactSet, optional
         Of each assembly.
     tolerance, progress

@@ -1,4 +1,4 @@
-"""What proves a region, as data that a stranger can verify.
+"""Proofs of a region, as data that anyone can verify.
 
 Forces hold every ray and both signs of every line; a motion starts for a direction just outside
 of every facet and on both sides of every equation. For several assemblies a ray has forces in
@@ -29,7 +29,7 @@ __all__ = ["RegionProof", "common_proofs", "region_proof"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RegionProof:
-    """A proof about one ray, line, facet or equation of a region.
+    """A proof about a ray, line, facet or equation of a region.
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ def common_proofs(
     """Proofs of a common region, each with the position of its assembly.
 
     Forces in every assembly for each ray and both signs of each line; for each facet and
-    both sides of each equation, a motion in one assembly.
+    both sides of each equation, a motion in some assembly.
     """
     stable = [("ray", ray, ray) for ray in cone.rays]
     stable += [("line", line, sign * line) for line in cone.lines for sign in (1.0, -1.0)]

@@ -1,4 +1,4 @@
-"""What a region does not say by itself: knife edges, loose parts, forces left out."""
+"""Warnings about a region: knife edges, loose parts, forces left out."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def warnings_of(
     Parameters
     ----------
     program : Program
-        What the cone was found of: with friction, or without it.
+        Program of the cone: with friction, or without it.
     gap_deg : float
         How far apart the inner and the outer cone were to be at most [deg].
     """
@@ -75,7 +75,7 @@ def further_forces(contacts: ContactSet, rubs: bool) -> bool:
 
 
 def _inner(assembly: Assembly, contacts: ContactSet, rubs: bool) -> list[str]:
-    """What could make the region larger."""
+    """Forces that could make the region larger."""
     why = []
     if not rubs and (contacts.patch_mu > 0).any():
         why.append("friction")
@@ -91,7 +91,7 @@ def _inner(assembly: Assembly, contacts: ContactSet, rubs: bool) -> list[str]:
 
 
 def _knife_edge(program: Program, found: StableCone) -> str:
-    """What a cone thinner than space means, and what to hold."""
+    """Meaning of a cone thinner than space, and the parts to hold."""
     cone = found.cone
     tilts = [
         proof
@@ -116,7 +116,7 @@ def _knife_edge(program: Program, found: StableCone) -> str:
 
 
 def _starts(program: Program, proof: Proof) -> Mask:
-    """Parts that start to move for the direction of a proof; of large ones, those of its motion."""
+    """Parts that start to move for the direction of a proof; for many parts, those of its motion."""
     if int(program.free.sum()) <= LIMIT:
         side = np.sign(proof.vector @ proof.down)
         down = proof.down + TILT * side * proof.vector
@@ -130,7 +130,7 @@ def _starts(program: Program, proof: Proof) -> Mask:
 
 
 def _direction(axis: Array) -> str:
-    """An axis in words: x, y or z where it is one, else its numbers."""
+    """An axis in words: x, y or z if it is a coordinate axis, else its numbers."""
     for k, name in enumerate("xyz"):
         if abs(axis[k]) > 1 - 1e-9:
             return name

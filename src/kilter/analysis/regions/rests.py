@@ -1,10 +1,10 @@
-"""How an assembly rests in directions of its region: how far it may be tilted, how fast it swings.
+"""States of rest in the directions of a region: largest tilt, and swing.
 
 A place of rest is a well of energy. Its width to first order is the angle to the nearest
 unstable direction: within it the walls of the well are V-shaped, as those of a box in a corner.
-Where some tilt is too much at once (a ball in a bowl), its curvature is what is left: whether it
-curves up, and how fast the parts come back (`kilter.second_order`). One body on a level table has a
-well of its own though it slides freely: how far it may be tilted there, and at what cost it goes
+If any tilt is too large to first order (a ball in a bowl), curvature decides: whether the energy
+curves up, and how fast the parts come back (`kilter.second_order`). A body on a level table has a
+well of its own though it slides freely: its largest tilt there, and the energy at which it goes
 over (`kilter.analysis.regions.well`).
 """
 
@@ -36,28 +36,28 @@ MOST_RESTS = 20
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlaceOfRest:
-    """How an assembly rests in one direction of gravity, without friction.
+    """State of rest of an assembly in a direction of gravity, without friction.
 
     Attributes
     ----------
     down : ndarray, shape (3,)
         The direction, unit, in the frame of the assembly.
     state : {"minimum", "free", "balanced", "open"}
-        "minimum": a strict one; no small push moves it away.
+        "minimum": a strict minimum; no small push moves it away.
     tilt_deg : float or None
-        The angle to the nearest direction that is not stable to first order [deg]; None where
+        The angle to the nearest direction that is not stable to first order [deg]; None if
         all are stable.
     rate : float or None
         Of a minimum that curves, the least angular frequency of small oscillations that is
-        proved; of what is balanced, the rate of growth [1/s].
+        proved; if it is balanced, the rate of growth [1/s].
     moving : tuple of str
-        What falls, or moves freely.
+        Parts that fall, or move freely.
     on : tuple of str
-        The held parts that bear its weight there: what it lies on.
+        The held parts that bear its weight there.
     why : str
         Why it is open.
     well : Well or None
-        Of one body on a level table: how wide, how deep, how stiff.
+        Width, depth and stiffness of the well of a single body on a level table.
     """
 
     down: Array
@@ -118,7 +118,7 @@ def _directions(cone: Cone) -> Array:
 
 
 def _rest(down: Array, cone: Cone, assembly: Assembly, contacts: ContactSet) -> PlaceOfRest:
-    """How an assembly rests where gravity has a direction of its region."""
+    """State of rest of an assembly with gravity along a direction of its region."""
     tilt = _tilt(down, cone)
     turned = assembly.with_down(down)
     verdict = check(turned, contacts=contacts)
@@ -134,7 +134,7 @@ def _rest(down: Array, cone: Cone, assembly: Assembly, contacts: ContactSet) -> 
 
 
 def _bearing(verdict: Verdict) -> tuple[str, ...]:
-    """Held parts that press on free ones, by the forces of a verdict."""
+    """Held parts that press on free parts, by the forces of a verdict."""
     proof, program = verdict.judgement.forces, verdict.program
     if proof is None:
         return ()

@@ -1,4 +1,4 @@
-"""Every stable direction of gravity of one program, exactly, with its proofs.
+"""Every stable direction of gravity of a program, exactly, with its proofs.
 
     C = {g : exists f, f >= 0 on one-sided rows:  J^T f + W g = 0},   W g = (m_i g, 0)_i
 
@@ -6,8 +6,8 @@ the projection of a polyhedral cone, found through its support (`kilter.analysis
 
     max c.g :  A f + B g = 0,  f >= 0,  |g| <= 1          A = S J^T,  B = S W    (scaled)
 
-Where it is 0, the multipliers z of its rows are a motion, J dp >= 0 with sum m_i dr_i = c: the
-power of a gravity g is c.g, so c.g > 0 is unstable. Where it is not, f holds g.
+If it is 0, the multipliers z of its rows are a motion, J dp >= 0 with sum m_i dr_i = c: the
+power of a gravity g is c.g, so c.g > 0 is unstable. Otherwise f holds g.
 
 Rounded data (float32) hold no knife-edge assembly exactly: C would shrink to nothing. There
 an imbalance s is allowed at a price, A f + B g = s with cost P |s|, which is to say that
@@ -52,7 +52,7 @@ PRICES = (1e2, 1e3, 1e4, 1e5)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Proof:
-    """A direction of gravity, unit, shape (3,), and what proves it stable or unstable.
+    """A direction of gravity, unit, shape (3,), and the proof that it is stable or unstable.
 
     `about` is "ray", "line", "facet" or "equation", `vector` the ray, line or normal.
     """
@@ -72,7 +72,7 @@ class StableCone:
     cone : Cone
         Every direction in it is held, by sums of the forces of its rays.
     facets : ndarray, shape (f, 3)
-        Unit inward normals: beyond one of them nothing is held. Those of `cone` where `exact`.
+        Unit inward normals: beyond any of them no forces hold it. Those of `cone` if `exact`.
     proofs : tuple of Proof
         Forces for every ray and both signs of every line; a motion for a direction just
         outside of every facet and for both sides of every equation (but that of the plane
@@ -80,9 +80,9 @@ class StableCone:
     programs : int
         How many programs were solved.
     exact : bool
-        Whether rays and facets are of one cone.
+        Whether rays and facets are of the same cone.
     gap : float
-        No direction within the facets is farther from the cone [rad]; 0 where exact.
+        No direction within the facets is farther from the cone [rad]; 0 if exact.
     slack : float
         How far beyond its facet, at most, the direction of a motion lies [rad]; part of `gap`.
     """
@@ -167,7 +167,7 @@ def _held(found: StableCone) -> float:
 def _at_price(
     problem: ScaledProblem, price: float | None, blur: float, progress: Callable[[str], None] | None
 ) -> StableCone:
-    """The cone and its proofs, at one price of imbalance."""
+    """The cone and its proofs, at a given price of imbalance."""
     program = problem.program
     loads, axes = _loads(problem)
     mass = program.mass[program.free]
@@ -221,7 +221,7 @@ def _stable(problem: ScaledProblem, cone: Cone, grown: Grown, oracle: ConeOracle
 def _forces(
     problem: ScaledProblem, axes: Array, down: Array, grown: Grown, oracle: ConeOracle
 ) -> ForceProof:
-    """Forces for one direction: those it was found with, or asked for anew."""
+    """Forces for a direction: those with which it was found, or new ones."""
     program = problem.program.turned(down)
     for found in grown.points:
         if np.linalg.norm(found.point @ axes - down) <= SAME_POINT:

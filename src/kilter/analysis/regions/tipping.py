@@ -1,11 +1,11 @@
-"""How far a body that stands on an endless level table may be tilted, and what it costs to tip it.
+"""Tipping of a body that stands on an endless level table: its largest tilt, and the energy needed.
 
 Its energy is its weight times the height of its centre of mass over its lowest point. With d the
 direction from there down, in the frame of the body, that is the support function of its hull,
 
     H(d) = max of d.(x - c)   over its points x,     c the centre of mass,
 
-a function on the sphere of directions: what it stands on is a minimum of it, and it goes over by
+a function on the sphere of directions: a state of rest is a minimum of it, and the body tips over
 the lowest of the passes around.
 
 **A polyhedron.** H is d.(v - c) about each corner v, and falls off from the direction of v - c.
@@ -16,7 +16,7 @@ tips at atan(b / h), b the distance from the foot of c to the edge, h the height
 
 **A body of revolution about the vertical.** H is the greatest of a cos t + b sin t + q, of circles
 of radius b at depth a below c rounded by q (0 for the rim of a face, the radius of a sphere, the
-tube of a torus). Where two of these meet H bends up, so that its first peak in t is that of one of
+tube of a torus). If two of these meet H bends up, so that its first peak in t is that of either of
 them, at t = atan2(b, a).
 """
 
@@ -46,7 +46,7 @@ class Tipping:
     angle : float
         Tilted by less, about any level axis, it comes back [rad].
     rise : float or None
-        What its centre of mass must rise by before it can go over [length unit]; None where it
+        Rise of the centre of mass before it can go over [length unit]; None if it
         comes back from anywhere, since it rests in no other way.
     """
 
@@ -67,7 +67,7 @@ def find_tipping(geometry: Geometry, part: int, down: Array) -> Tipping | None:
     Returns
     -------
     Tipping or None
-        None where it stands in no well (on an edge, or where it rolls), and of bodies with
+        None if it stands in no well (on an edge, or if it rolls), and for bodies with
         curved surfaces that are not of revolution about the vertical or not known exactly.
 
     Examples

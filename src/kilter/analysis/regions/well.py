@@ -1,8 +1,8 @@
-"""The well of energy in which one body stands on a level table: how wide, how deep, how stiff.
+"""The well of energy in which a body stands on a level table: width, depth and stiffness.
 
     width       the tilt below which it comes back, and the energy that it costs to tip it
                 (`kilter.analysis.regions.tipping`)
-    stiffness   where it stands on a round place: the moment by which it rights itself, over the
+    stiffness   if it stands on a round place: the moment by which it rights itself, over the
                 angle. With forces f_k, gaps phi_k and level turns t that open no gap,
 
                     K = - sum of f_k phi_k''(t, t),
@@ -41,7 +41,7 @@ __all__ = ["Well", "find_well"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Well:
-    """The well of energy of one body on an endless level table, without friction.
+    """The well of energy of a single body on an endless level table, without friction.
 
     Attributes
     ----------
@@ -49,13 +49,13 @@ class Well:
         The body.
     over_deg : float or None
         Tilted by less than this about any level axis it comes back [deg]; 180: from anywhere.
-        None where that is not known: of bodies with curved faces that are not of revolution
+        None if it is not known: for bodies with curved faces that are not of revolution
         about the vertical through their centre of mass.
     barrier : float or None
-        The least energy that can take it to another place of rest [J]; None where there is no
-        such place, or where it is not known.
+        The least energy that can take it to another place of rest [J]; None if there is no
+        such place, or if it is not known.
     stiffness : float or None
-        The least moment by which it rights itself, over the angle [N m/rad]; None where it
+        The least moment by which it rights itself, over the angle [N m/rad]; None if it
         stands on a face, whose edges right it at once.
     axis : ndarray, shape (3,), or None
         The level axis of that turn, unit, in the frame of the assembly.
@@ -83,7 +83,7 @@ class Well:
 
 
 def find_well(assembly: Assembly, contacts: ContactSet, verdict: Verdict) -> Well | None:
-    """The well in which one body stands on a level table.
+    """Find the well in which a body stands on a level table.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def find_well(assembly: Assembly, contacts: ContactSet, verdict: Verdict) -> Wel
     Returns
     -------
     Well or None
-        None of several bodies, of what touches other than a level table, and where the body
+        None for several bodies, for contacts besides a level table, and if the body
         stands in no well: it rolls, or only balances.
     """
     program = verdict.program
@@ -130,7 +130,7 @@ def find_well(assembly: Assembly, contacts: ContactSet, verdict: Verdict) -> Wel
 
 
 def _on_table(assembly: Assembly, program: Program, features: Features, part: int) -> bool:
-    """Whether all that touches the body is level, flat, of one height, and below all of it."""
+    """Whether all contacts of the body are level, flat, equally high, and below the body."""
     if (program.kind != CONTACT).any() or program.two_sided.any() or program.applied.any():
         return False
     down = program.down
@@ -152,7 +152,7 @@ def _stiffness(
 ) -> tuple[Array, Array | None]:
     """Level turns that open no gap, orthonormal, shape (3, d), and their stiffness, shape (d, d).
 
-    In N x length unit/rad; None where a gap has no second derivative.
+    In N x length unit/rad; None if a gap has no second derivative.
     """
     arm = program.point - program.center[part]
     level = np.stack(across(program.down), axis=1)
@@ -173,7 +173,7 @@ def _stiffness(
 
 
 def _period(program: Program, part: int, turns: Array, stiffness: Array) -> float:
-    """Of the slowest swing, over the square root of metres in a length unit."""
+    """Rate of the slowest swing, over the square root of metres in a length unit."""
     inertia, spin = program.inertia[part], program.down
     along = turns.T @ inertia @ spin
     moved = turns.T @ inertia @ turns - np.outer(along, along) / (spin @ inertia @ spin)
