@@ -1,13 +1,13 @@
-"""Is what moves explained by the accuracy that the file states of its points?
+"""Does the accuracy that a file states for its points explain a motion?
 
 A STEP file says how far its points may be off, often .01 mm. Points of a contact of width w that
-are off by d turn its normal by d / w and put its forces aside by d. So a motion is explained where
+are off by d turn its normal by d / w and put its forces aside by d. So a motion is explained if
 for every part, of mass m and inertia I, weight m g,
 
     |m a| <= m g d / w        |I alpha| <= m g d        d = d_a + d_b <= STATED_MOST x size
 
 An assembly all of whose motions are so slow stands or falls with points that the file does not
-know so well: it is not proved unstable. Stability, which is as drawn, is not asked.
+know so well: it is not proved unstable. Stability concerns the assembly as drawn.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ __all__ = ["explained_by_accuracy", "stated_accuracy"]
 
 
 def explained_by_accuracy(assembly: Assembly, contacts: ContactSet, program: Program) -> str:
-    """Why an unstable assembly is undecided: words; none where it moves all the same.
+    """Reason why an unstable assembly is undecided; empty if the accuracy does not explain it.
 
     Parameters
     ----------

@@ -61,7 +61,7 @@ def decide(
     Parameters
     ----------
     assembly : Assembly
-        At least one part is held.
+        It has at least one held part.
     contacts : ContactSet
         The contacts of this assembly.
     require : {"equilibrium", "settles", "proved", "strict"}
@@ -159,7 +159,7 @@ def _with_friction(
     require: str,
     work: Work,
 ) -> Decision:
-    """The guarantee of friction where forces of equilibrium exist in Coulomb's cones."""
+    """The guarantee of friction if forces of equilibrium exist in Coulomb's cones."""
     from kilter.friction.answer import ask_friction, not_asked  # scipy.optimize takes its time
 
     if rests_on_fits(program, assembly):

@@ -2,9 +2,9 @@
 
     c(mu) = min c:  J^T f + w = 0,  |f_t| <= mu f_n + c w_i
 
-by one conic program that has an inside whatever the sign, so that its forces where c < 0, and
-its motion where c > 0, are good to rounding as near to a limit as c is told from 0. The load
-factor, which is 0 or 1, is not. The slope of c tells where it is 0.
+by a conic program whose feasible set has an interior whatever the sign. So its forces if c < 0, and
+its motion if c > 0, are accurate to rounding as close to a limit as c differs from 0. The load
+factor, which is 0 or 1, is not. The slope of c predicts the mu at which c is 0.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ __all__ = ["Cohesion", "find_cohesion"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cohesion:
-    """The least cohesion, and what its program offers as proofs.
+    """The least cohesion, and the proofs that its program offers.
 
     Attributes
     ----------
@@ -31,11 +31,11 @@ class Cohesion:
     slope : float
         By how much it falls with the friction of every contact, at least 0 [-].
     forces, friction : ndarray, shapes (K,), (K, 3)
-        Along and across the rows [N]; of equilibrium where `value` is at most 0.
+        Along and across the rows [N]; in equilibrium if `value` is at most 0.
     motion : ndarray, shape (N, 6)
-        In the dual cones; of power where `value` is above 0.
+        In the dual cones; with power if `value` is above 0.
     word : str
-        What was run.
+        Name of the solver and of its outcome.
     """
 
     value: float

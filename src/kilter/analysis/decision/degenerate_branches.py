@@ -1,21 +1,21 @@
-"""Degenerate points: what they decide, by branches, and by the paper's planar approximation.
+"""Degenerate points: decisions by branches, and by the paper's planar approximation.
 
-The allowed motions at degenerate points are a union (`kilter.mechanics.degenerate`): one
-convex cone for each choice of one extreme normal m at every point, v.m >= 0. The assembly
+The allowed motions at degenerate points are a union (`kilter.mechanics.degenerate`): a
+convex cone for each choice of an extreme normal m at every point, v.m >= 0. The assembly
 is stable iff no allowed motion has power w.dp > 0, so
 
 - stable iff in no branch a motion has power: every allowed motion lies in a branch, and each
   branch is a program of its own with its own forces (Farkas);
-- unstable iff in some branch one has: a motion of a branch opens along one separating normal
-  at every point and therefore enters nothing to first order.
+- unstable iff a motion has power in some branch: a motion of a branch opens along a separating
+  normal at every point and therefore enters no part to first order.
 
 Both are exact to first order at points. Along a line of degenerate points (a ridge on a
 ridge) the choice may change from point to point of the line, so a branch of its ends is only
-an outer bound: good for "stable"; for "unstable" the motion is asked along the whole line,
-and where it enters, that point of the line is branched on too (which says nothing of
+an outer bound: good for "stable"; for "unstable" the motion is tested along the whole line,
+and if it enters at a point, that point of the line is branched on too (which proves nothing for
 "stable": the parts need not touch all along).
 
-Branches are opened where they are needed only: a program without some of the points whose
+Branches are opened only if they are needed: a program without some of the points whose
 motion enters nowhere, or that is stable, settles all branches below it. (The number of
 branches is exponential in the worst case, as it must be: Palmer; the paper, section 1.1.)
 """
@@ -51,7 +51,7 @@ PROGRAMS = 200
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Degenerates:
-    """What degenerate points decide.
+    """Result of the branches of degenerate points.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class Degenerates:
     approximation : bool or None
         Stable with the paper's planar approximation.
     program, judgement
-        Where a motion was found: the program that it is held against, and its proof.
+        If a motion was found: the program against which it is proved, and its proof.
     programs : int
         How many were solved.
     """
@@ -73,7 +73,7 @@ class Degenerates:
 
     @property
     def words(self) -> list[str]:
-        """What is to be said where the verdict stays undecided."""
+        """The words about the points if the verdict stays undecided."""
         said = []
         if self.branching:
             said.append(

@@ -34,7 +34,7 @@ class Doubts:
     assembly : Assembly
     contacts : ContactSet
     degenerate, fitted : ndarray of int, shape (n, 2)
-        Pairs of parts, one row for each degenerate point or fitted contact.
+        Pairs of parts, a row for each degenerate point or fitted contact.
     stated : ndarray, shape (N,)
         Stated inaccuracy of the coordinates of each part [length unit]; 0 if none is stated.
     """

@@ -1,10 +1,10 @@
-"""What rests on fitted normals: contacts of smooth faces that two meshes cut differently.
+"""Fitted normals: contacts of smooth faces that two meshes cut differently.
 
-A normal that a fit gave is known to its doubt. Forces within mu - doubt of it are within mu of
-the true one, and such a contact has that friction; without friction nothing is certain of it,
+A fitted normal has an error, its doubt. Forces within mu - doubt of it are within mu of
+the true normal, and such a contact has that friction; without friction nothing is certain of it,
 and whether a motion obeys Coulomb's law depends on the normals themselves. So equilibrium is
-said of these contacts, not that nothing can move; and without friction only what holds without
-them: `kilter.mechanics.program.build_program` leaves them out.
+certain of these contacts, not that no motion exists. Without friction the verdict counts only on
+the other contacts: `kilter.mechanics.program.build_program` leaves these out.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def rests_on_fits(program: Program, assembly: Assembly) -> bool:
 
 
 def _fitted(program: Program, assembly: Assembly) -> Index:
-    """Patches in doubt between parts that are not one body, each once."""
+    """Patches in doubt between parts that are not the same body, each once."""
     group = rigid_groups(assembly)
     rows = np.flatnonzero(program.doubt)
     rows = rows[group[program.part_a[rows]] != group[program.part_b[rows]]]
@@ -39,7 +39,7 @@ def _fitted(program: Program, assembly: Assembly) -> Index:
 def why_fits_leave_it_open(
     assembly: Assembly, contacts: ContactSet, certain: Program, work: Work
 ) -> tuple[str, ...]:
-    """Why it is undecided what the certain contacts do not hold: the fitted ones would."""
+    """Why an assembly is undecided that only its fitted contacts would hold."""
     program = build_program(assembly, contacts, fitted=True)
     if len(program.kind) == len(certain.kind) or not judge(program, work=work).stable:
         return ()
@@ -51,7 +51,7 @@ def why_fits_leave_it_open(
 
 
 def fits_left_out(assembly: Assembly, contacts: ContactSet, certain: Program) -> list[str]:
-    """A warning that names the pairs whose fitted contacts a program of the certain ones has not.
+    """A warning that names the pairs whose fitted contacts are not in the certain program.
 
     Parameters
     ----------

@@ -1,24 +1,24 @@
 """Problem 1: is there an equilibrium? Solve, then judge; never believe a solver.
 
-Without friction an equilibrium is all that stability needs. An order that ends where exactly
-one certificate passes; with bonds after their least forces and, if large, the total imbalance:
+Without friction an equilibrium is all that stability needs. The methods, in an order that ends if
+exactly one certificate passes; with bonds after least forces and, if large, total imbalance:
 
 1. the load factor by simplex (small), or equilibrium by interior point (large);
 2. the load factor by the other method;
-3. the least imbalance, which gives the strongest of both proofs, where the data are coarse;
+3. the least imbalance, which gives the stronger of both proofs, if the data are coarse;
 4. tighter, without presolve.
 
 Then `undecided`, with the two figures. With friction an order of its own:
 
-1. planar: the cone has two rays, so the program is linear and is judged as one;
+1. planar: the cone has two rays, so the program is linear and is judged as such;
 2. the load factor in exact cones, by kilter's own interior point;
-3. the same by Clarabel, where that has no proof: near the limit;
+3. the same by Clarabel, if that has no proof: near the limit;
 4. the least cohesion, which decides nearer to the limit;
-5. pyramids of more and more sides, some where friction points in the solutions before; the
-   inner ones for forces, the outer ones for a motion:
-   by simplex, which is exact where the set of equilibria has no inside.
+5. pyramids with more and more sides, some along the friction of earlier solutions; the
+   inner pyramids for forces, the outer pyramids for a motion:
+   by simplex, which is exact if the set of equilibria has no interior.
 
-Where bonds bear shear up to a force, planar or not: the least share of their strength that is
+If bonds bear shear up to a force, planar or not: the least share of their strength that is
 enough, then 3 and 4.
 """
 
@@ -90,11 +90,11 @@ class Judgement:
     stable : bool or None
         There are forces of equilibrium; None: the numbers do not carry a proof.
     forces : ForceProof or None
-        The best forces found; they prove it where `stable` is True.
+        The best forces found; they are the proof if `stable` is True.
     motion : MotionProof or None
-        The best motion found; it proves it where `stable` is False.
+        The best motion found; it is the proof if `stable` is False.
     solvers : tuple of str
-        What was run, in order.
+        Names of the solvers and their outcomes, in order.
     """
 
     stable: bool | None
@@ -104,7 +104,7 @@ class Judgement:
 
 
 class _Candidate(NamedTuple):
-    """What a solver offers as a proof, before it is judged.
+    """Candidate for a proof from a solver, before it is judged.
 
     Forces along the rows (K,) and across them (K, 3) [N], or a motion (N, 6), or both.
     """
@@ -133,7 +133,7 @@ def judge(program: Program, *, work: Work | None = None, solver: Solver | None =
     work : Work, optional
         Its time limit is kept; nothing is charged, since there is no verdict without this.
     solver : {"kilter", "clarabel", "highs"}, optional
-        The only one that is asked, to compare them; else they are in turn.
+        The only solver to use, for comparisons; by default they are used in turn.
 
     Examples
     --------
@@ -174,7 +174,7 @@ def _better(one: MotionProof, other: MotionProof) -> bool:
 
 
 def _candidates(program: Program, work: Work, solver: Solver | None) -> Iterator[_Candidate]:
-    """What all solvers offer, the cheapest way first, or what one does."""
+    """Candidates of all solvers, the cheapest method first, or those of the given solver."""
     rough = bool(program.mu.any())
     if program.cohesion.any():
         yield from _with_limited_shear(program, work)
@@ -196,7 +196,7 @@ def _candidates(program: Program, work: Work, solver: Solver | None) -> Iterator
 
 
 def _with_limited_shear(program: Program, work: Work) -> Iterator[_Candidate]:
-    """Candidates where bonds bear shear up to a force."""
+    """Candidates if bonds bear shear up to a force."""
     wide = cone_problem(program)
     yield _by_strength(wide, work)
     yield _by_cones(wide, work)
@@ -309,7 +309,7 @@ def _by_pyramids(program: Program, fitted: list[Array], work: Work) -> Iterator[
 
 
 def _angles(program: Program, candidate: _Candidate) -> list[Array]:
-    """Where friction points at each rough contact, by forces and by slips [rad]."""
+    """Directions of friction at each rough contact, by forces and by slips [rad]."""
     found = []
     if candidate.friction is not None:
         found.append(angles_across(program, candidate.friction))
@@ -329,7 +329,7 @@ def _by_pyramid(
     angles: Array | None = None,
     solver: Solver | None = None,
 ) -> _Candidate:
-    """The proof that a pyramid carries: forces of an inner one, a motion of an outer one.
+    """The proof that a pyramid carries: forces of an inner pyramid, a motion of an outer pyramid.
 
     A planar pyramid is the cone itself and is both.
     """
@@ -347,7 +347,7 @@ def _by_pyramid(
 
 
 def _by_own_cones(program: Program, work: Work) -> Iterator[_Candidate]:
-    """The load factor in exact cones by kilter's own interior point: what may be a proof."""
+    """Candidates from the load factor in exact cones, by kilter's own interior point."""
     balance = load_share(program)
     word, steps = "load factor in cones: kilter, {} iterations, {}", 0
     for step in iterates(balance.cones):
@@ -380,7 +380,7 @@ def _by_cones(wide: ConeProblem, work: Work) -> _Candidate:
 
 
 def _by_strength(wide: ConeProblem, work: Work) -> _Candidate:
-    """The least share of the strength of bonds: forces where it is below 1, above it a motion."""
+    """The least share of the strength of bonds: forces if it is below 1, above it a motion."""
     found = find_strength(wide, work=work)
     if found is None:
         return _Candidate("least strength: clarabel, failed")

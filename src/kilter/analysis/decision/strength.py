@@ -2,8 +2,8 @@
 
     s = min s:  J^T f + w - (1 - s) c = 0,  f_n >= 0,  |f_t| <= mu f_n + s S      c: the clamps
 
-One conic program that has an inside whatever s is: its forces, where s is at most 1, are within
-the strength as it is, and its motion, where s is above 1, gains power beyond what bonds take up.
+A conic program with an interior for every s: its forces, if s is at most 1, are within
+the given strength, and its motion, if s is above 1, gains power beyond the work of the bonds.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ __all__ = ["Strength", "find_strength"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Strength:
-    """The least share of the strength, and what its program offers as proofs.
+    """The least share of the strength, and the proofs that its program offers.
 
     Attributes
     ----------
     share : float
-        s, at least 0 [-]; infinite where no share is enough.
+        s, at least 0 [-]; infinite if no share is enough.
     forces, friction : ndarray, shapes (K,), (K, 3)
         Along and across the rows [N], which balance at that share.
     motion : ndarray, shape (N, 6)
-        What starts there.
+        The motion that starts there.
     word : str
-        What was run.
+        Name of the solver and of its outcome.
     """
 
     share: float
@@ -43,7 +43,7 @@ class Strength:
 
 
 def find_strength(wide: ConeProblem, *, work: Work | None = None) -> Strength | None:
-    """The least share of the strength of bonds; None where the numbers failed.
+    """The least share of the strength of bonds; None if the solver failed.
 
     Parameters
     ----------

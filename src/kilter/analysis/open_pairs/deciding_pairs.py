@@ -1,15 +1,15 @@
 """The smallest set of open pairs that decides: joined, and nothing else, forces exist.
 
-A set S of open pairs *holds* where the certain contacts have forces of equilibrium once the parts
-of each of its pairs are one body (`kilter.mechanics.merged_parts`). What holds holds with more.
+A set S of open pairs *holds* if the certain contacts have forces of equilibrium once the parts
+of each of its pairs are the same body (`kilter.mechanics.merged_parts`). A larger set holds, too.
 
 Few open pairs: the smallest set, by hitting sets. A motion that S leaves must be stopped by an
 open pair that it moves. So each S that does not hold gives a set of pairs of which every S that
-holds has one; the next S is the smallest that hits all of these, and the first that holds is the
-smallest there is. A set to be hit is made small: pairs are added to S as long as it does not hold.
+holds has at least one; the next S is the smallest that hits all of these, and the first that holds
+is the smallest of all. A set to be hit is made small: pairs are added to S as long as it does not hold.
 
 Many: a set of which no pair can be left out. Cycles need no search, since joining two parts that
-are one body changes nothing: only the pairs of a spanning forest are asked.
+are one body changes nothing: only the pairs of a spanning forest are tried.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class DecidingPairs:
     ----------
     pairs : tuple of OpenPair
     smallest : bool
-        No smaller set does; else no pair of this one can be left out.
+        No smaller set does; else no pair of this set can be left out.
     programs : int
         How many were solved.
     """
@@ -61,9 +61,9 @@ def find_deciding(
     Parameters
     ----------
     program : Program
-        Of the certain contacts, without open ones.
+        Program of the certain contacts, without open pairs.
     group : ndarray of int, shape (N,)
-        Parts that are one body already have one number.
+        Number of the body of each part; parts of the same body share a number.
     pairs : sequence of OpenPair
         Those that are open.
     work : Work, optional
@@ -72,7 +72,7 @@ def find_deciding(
     Returns
     -------
     DecidingPairs or None
-        None where not even all of them give forces, or a time limit was met.
+        None if not even all of them give forces, or the time limit was reached.
     """
     ranked = sorted(pairs, key=lambda one: (KINDS.index(one.kind), abs(one.gap or 0.0)))
     search = _Search(program, group, np.array([one.parts for one in ranked]).reshape(-1, 2), work)
@@ -154,7 +154,7 @@ class _Search:
         return frozenset(np.flatnonzero(moved).tolist())
 
     def irreducible(self) -> frozenset[int] | None:
-        """A set that holds, and does not without any one of its pairs."""
+        """A set that holds, and does not hold if any of its pairs is left out."""
         kept: list[int] = []
         for k in range(len(self.ends)):  # a spanning forest, of the likeliest pairs
             bodies = self.bodies(kept)
@@ -164,10 +164,10 @@ class _Search:
         return None if self.work is not None and self.work.late else frozenset(chosen)
 
     def _needed(self, base: list[int], some: list[int], grown: bool) -> list[int]:
-        """Of `some`, a set that holds with `base` and of which no pair can be left out.
+        """A subset of `some` that holds with `base` and of which no pair can be left out.
 
-        Of two halves, what the second needs beside all of the first, then what the first needs
-        beside that: few programs where few pairs are needed (U. Junker, QuickXplain, 2004).
+        Divide by halves: the pairs that the second half needs beside the first, then those that the
+        first needs beside them: few programs for few pairs (U. Junker, QuickXplain, 2004).
         """
         if grown and self.holds(base):
             return []

@@ -1,4 +1,4 @@
-"""What an assembly hangs on that falls as it is drawn, and holds with its open pairs at their most.
+"""Open pairs on which a verdict hangs: the assembly falls as drawn, and holds if they are joined.
 
 It names the smallest set of open pairs that decides (`kilter.analysis.open_pairs.deciding_pairs`),
 and the verdict of the assembly with the parts of these joined.
@@ -61,7 +61,7 @@ def ask_open(
     Returns
     -------
     OpenQuestion or None
-        None where no open pairs that are joined give forces of equilibrium, or the numbers are so
+        None if no joined open pairs give forces of equilibrium, or the numbers are so
         near the limit that it seems to take none.
     """
     pairs = still_open(contacts.open_pairs, assembly)

@@ -1,10 +1,10 @@
-"""Open pairs as ordinary contacts: does what friction proves hold with them too?
+"""Open pairs as ordinary contacts: does the guarantee of friction hold with them too?
 
-More forces only help an equilibrium to exist, but with friction they may hurt what is proved: a
+More forces only help an equilibrium to exist, but with friction they may break a guarantee: a
 block on a slope is held by it; with a second, smoother support in the same plane a motion obeys
-the contact law. So what is proved, or settles, is asked again with the open pairs as contacts
-of the kind that they would be if they touched, in every subset of them. Where these are too many,
-or a pair has no such kind (a free form), nothing but equilibrium is said.
+the contact law. So a level above equilibrium is decided again with the open pairs as contacts
+of the kind that they would be if they touched, in every subset of them. If there are too many,
+or a pair has no such kind (a free form), only equilibrium is reported.
 
 The contacts that open pairs would be are those that a detection finds whose tolerance takes
 their gaps, depths and tilts in; a degenerate point pushes along the centre of its normals.
@@ -50,7 +50,7 @@ WIDER = 1.01
 
 @dataclass(frozen=True, slots=True)
 class OpenTrial:
-    """What friction guarantees when open pairs are ordinary contacts.
+    """The guarantee of friction if open pairs are ordinary contacts.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class OpenTrial:
     tried : int
         How many subsets.
     lowest : tuple of OpenPair
-        The first subset of that level, where it is not PROVED.
+        The first subset of that level, if it is not PROVED.
     """
 
     level: int
@@ -77,7 +77,7 @@ def try_ordinary(
     assembly : Assembly
     contacts : ContactSet
     level_of : callable
-        From a program to what friction guarantees of it.
+        Function that returns the level of a program.
     """
     pairs = still_open(contacts.open_pairs, assembly)
     if len(pairs) > MOST_TRIED or any(one.kind == "free-form" for one in pairs):
@@ -95,7 +95,7 @@ def try_ordinary(
 
 
 def trial_words(trial: OpenTrial, assembly: Assembly, count: int) -> str:
-    """What a trial of `count` open pairs says."""
+    """Words about a trial of `count` open pairs."""
     if trial.level == PROVED:
         return (
             f"the guarantee of friction is valid for every subset of the {count} open pairs as "
@@ -117,7 +117,7 @@ def _subsets(pairs: tuple[OpenPair, ...]) -> Iterator[tuple[OpenPair, ...]]:
 def _touching_all(
     assembly: Assembly, contacts: ContactSet, pairs: tuple[OpenPair, ...]
 ) -> ContactSet:
-    """Contacts with a tolerance that takes in what is open between these pairs."""
+    """Contacts with a tolerance that closes the gaps of these pairs."""
     far = [abs(one.gap or 0.0) for one in pairs] + [one.depth or 0.0 for one in pairs]
     gap = max(WIDER * max(far), contacts.gap)
     angle = max(contacts.tolerance.angle, LOOSE_ANGLE)
@@ -133,9 +133,9 @@ def with_ordinary_contacts(
     Parameters
     ----------
     contacts, wide : ContactSet
-        Of one assembly.
+        Contacts of the same assembly.
     pairs : tuple of OpenPair
-        A degenerate one brings a push at each of its points.
+        A degenerate pair brings a push at each of its points.
     """
     faces = {frozenset(one.parts) for one in pairs if one.kind != "degenerate"}
     edges = {frozenset(one.parts) for one in pairs if one.kind == "degenerate"}
@@ -164,7 +164,7 @@ def _patches(contacts: ContactSet, rows: Index) -> dict[str, Any]:
 
 
 def _pushes(contacts: ContactSet, edges: set[frozenset[int]]) -> dict[str, Any]:
-    """A patch of one point at each degenerate point of some pairs."""
+    """A patch with a single point at each degenerate point of some pairs."""
     points = contacts.approximate
     parts = np.column_stack([points.part_a, points.part_b])
     rows = np.array([k for k, p in enumerate(parts.tolist()) if frozenset(p) in edges], np.int64)

@@ -162,7 +162,7 @@ class _Cutting:
         return -np.array([facet.vector for facet in self.facets]).reshape(-1, 3)
 
     def cut(self, most: float) -> bool:
-        """Cut off every extreme ray of the outer cone farther than this; return whether one was cut."""
+        """Cut off every extreme ray of the outer cone farther than this; return whether one was."""
         found = False
         for direction in extreme_rays(self.normals):
             k = self._known(direction)

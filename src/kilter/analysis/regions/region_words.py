@@ -116,7 +116,7 @@ def _knife_edge(program: Program, found: StableCone) -> str:
 
 
 def _starts(program: Program, proof: Proof) -> Mask:
-    """Parts that start to move for the direction of a proof; for many parts, those of its motion."""
+    """Parts that start to move for the direction of a proof; for many, those of its motion."""
     if int(program.free.sum()) <= LIMIT:
         side = np.sign(proof.vector @ proof.down)
         down = proof.down + TILT * side * proof.vector

@@ -1,9 +1,9 @@
-"""Contact forces: what presses where, and how much of the friction is used.
+"""Contact forces of an equilibrium, and the share of friction that they use.
 
 Forces of equilibrium are not unique: four legs of a rigid table share its weight in many
-ways. The ones shown are those of the least sum of squares, a point inside the set of all
-equilibria and not one of its corners: equal contacts take equal shares. Resultants of a
-patch, and the point where it presses, follow from the forces at its points.
+ways. The forces shown have the least sum of squares, a point inside the set of all
+equilibria and not a corner of it: equal contacts take equal shares. Resultants of a
+patch, and its centre of pressure, follow from the forces at its points.
 """
 
 from __future__ import annotations
@@ -45,14 +45,14 @@ class ContactForces:
     normal_force : ndarray, shape (P,)
         Sum of the forces along the normals [N].
     center : ndarray, shape (P, 3)
-        Where it presses: the mean of its points, weighted by normal force; of a patch with a bond
-        by its size, push or pull. NaN where nothing does.
+        Centre of pressure: the mean of its points, weighted by normal force; for patches with bonds
+        by the size of push or pull. NaN without a force.
     utilisation : ndarray, shape (P,)
-        Friction over what Coulomb's law allows, of the resultant and what bonds press [-]; NaN
+        Friction over the limit of Coulomb's law, of the resultant and the clamp of bonds [-]; NaN
         without friction.
     bond_utilisation : ndarray, shape (P,)
-        Pull over the strength of the bond, or shear over its limit, of the point where that is
-        most [-]; NaN without one.
+        Pull over the strength of the bond, or shear over its limit, at the point with the
+        largest value [-]; NaN without a bond.
     residual : float
         Worst imbalance of a part over its weight [-].
     least : bool
@@ -124,7 +124,7 @@ def find_contact_forces(program: Program, proof: ForceProof) -> ContactForces:
 
 
 def _centers(program: Program, patch_of: Index, count: int, along: Array) -> Array:
-    """Where each patch presses, from the normal forces at points, shape (P, 3)."""
+    """Centre of pressure of each patch, from the normal forces at points, shape (P, 3)."""
     rows = np.flatnonzero(program.kind == CONTACT)
     bonded = np.bincount(patch_of, program.pull[rows], minlength=count) > 0
     sizes = np.where(bonded[patch_of], np.abs(along), along)
@@ -137,7 +137,7 @@ def _centers(program: Program, patch_of: Index, count: int, along: Array) -> Arr
 
 
 def _least(program: Program) -> ForceProof | None:
-    """Forces of the least sum of squares, where they pass as a proof."""
+    """Forces of the least sum of squares, if they pass as a proof."""
     from kilter.solvers.clarabel import solve_conic
 
     if not program.free.any():

@@ -3,7 +3,7 @@
     minimise z = -w.dp,   J dp >= 0,   |dr_i|, |dtheta_i| <= 1
 
 in the units of the file, gravity of length 1. Its optimum is unique, its displacements are
-not: of all optimal ones, the one of least 2-norm is given, which is unique.
+not: of all optimal displacements, that of least 2-norm is given, which is unique.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ LIMIT = 300
 class Displacement:
     """Optimum `z` of LP (9), and displacements, shape (N, 6), or None above the limit.
 
-    Both are None where no solver finished the program.
+    Both are None if no solver finished the program.
     """
 
     z: float | None
@@ -41,7 +41,7 @@ class Displacement:
 def find_displacement(program: Program) -> Displacement:
     """Solve LP (9) of the paper.
 
-    Where no solver finishes it, z is None: it has an optimum, so that is a breakdown, and no
+    If no solver finishes it, z is None: the program has an optimum, so that is a breakdown, and no
     answer about the assembly.
 
     Examples

@@ -1,8 +1,8 @@
-"""How far parts travel along their first motion before one enters another.
+"""Travel of parts along their first motion until a part enters another part.
 
-A motion of first order says how parts start, not where they end. To be seen it is enlarged, a screw
-a part (`kilter.rigid.screwed`), and ends where one part would be deeper in another than it is at
-rest.
+A motion of first order describes how parts start, not where they end. A picture enlarges it, as a
+screw of each part (`kilter.rigid.screwed`), and ends if a part would be deeper in another part than
+it is at rest.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def free_travel(verdict: Verdict) -> Array:
     Returns
     -------
     ndarray, shape (N, 6)
-        Of the centre of mass [length unit] and about it [rad], world frame; 0 where a part rests.
+        Of the centre of mass [length unit] and about it [rad], world frame; 0 for a part at rest.
 
     Raises
     ------
@@ -91,7 +91,7 @@ def _depths(assembly: Assembly) -> dict[tuple[int, int], float]:
 
 
 def _free_amount(assembly: Assembly, screws: Array, most: float) -> float:
-    """How far the motion goes, up to `most`, before one part enters another."""
+    """Length of the motion, up to `most`, before a part enters another part."""
     rest = _depths(_moved(assembly, screws, 0.0))
 
     def is_free(amount: float) -> bool:

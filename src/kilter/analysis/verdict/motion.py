@@ -2,14 +2,14 @@
 
     min 1/2 (a - M^-1 w)^T M (a - M^-1 w),   J a >= 0
 
-Among all accelerations that the contacts allow, the true ones are nearest to those of free
+Among all accelerations that the contacts allow, the true accelerations are nearest to those of free
 fall, in the metric of the masses and inertia tensors. They are unique, and zero exactly
-where the assembly is stable. LP (9) only says that parts move, not how (the paper, 2.2).
+if the assembly is stable. LP (9) only proves that parts move, not how (the paper, 2.2).
 
     kappa = |a|_M / (|g| sqrt(sum m_i))          0 = stable, 1 = everything in free fall
 
-With friction they obey Coulomb's law and need not be unique; where no exact solution is
-reached, the one that comes nearest is given, with its residual in the law.
+With friction they obey Coulomb's law and need not be unique; if no exact solution is
+reached, the nearest one is given, with its residual in the law.
 
 References
 ----------
@@ -80,7 +80,7 @@ class ImpendingMotion:
         kappa [-].
     residual : float
         Of the optimality conditions, as `optimality` finds it, in units of g, or in Coulomb's
-        law [-]; infinite where no solver finished: accelerations are 0 then, and mean nothing.
+        law [-]; infinite if no solver finished: accelerations are 0 then, and mean nothing.
     """
 
     acceleration: Array
@@ -91,12 +91,12 @@ class ImpendingMotion:
 
     @property
     def known(self) -> bool:
-        """Whether a solver finished; else `moves` is what a proof has moving, if there is one."""
+        """Whether a solver finished; else `moves` are the parts that move in the proof, if any."""
         return bool(np.isfinite(self.residual))
 
 
 def find_motion(program: Program) -> ImpendingMotion:
-    """The initial accelerations of all parts; not `known` where every solver fails.
+    """The initial accelerations of all parts; not `known` if every solver fails.
 
     Examples
     --------
@@ -145,7 +145,7 @@ def motion_of(program: Program, acceleration: Array, residual: float) -> Impendi
 
 
 def find_motion_with_friction(program: Program, effort: float) -> ImpendingMotion | None:
-    """How the parts start to move where no forces of equilibrium exist; None: not reached.
+    """The initial motion if no forces of equilibrium exist; None if it was not reached.
 
     Parameters
     ----------
@@ -164,8 +164,8 @@ def _least_constrained(program: Program) -> tuple[Array, float] | None:
     """The motion over the size of gravity, shape (N, 6), and its residual; None: all failed.
 
     A small program by Clarabel first; any whose conditions are then not met to `MOTION_GOOD` by the
-    interior point of `kilter.solvers.projection`, within a plane of reflection where
-    there is one. The best by the residual, which is recomputed from the rows.
+    interior point of `kilter.solvers.projection`, within a plane of reflection if
+    there is such a plane. The best by the residual, which is recomputed from the rows.
     """
     from kilter.solvers.clarabel import solve_quadratic
 
@@ -206,7 +206,7 @@ def _least_constrained(program: Program) -> tuple[Array, float] | None:
 def optimality(
     program: Program, motion: Array, forces: Array, friction: Array | None = None
 ) -> float:
-    """Worst residual of the conditions that make a motion the true one, in units of g.
+    """Worst residual of the conditions of the true motion, in units of g.
 
         M a = w + J^T f,   J a >= 0,   f >= 0,   f . J a = 0
 
@@ -258,7 +258,7 @@ def still(program: Program) -> ImpendingMotion:
 
 
 def unknown(program: Program, proof: ForceProof | MotionProof | None = None) -> ImpendingMotion:
-    """What is told where no solver finished: which parts move, as far as a proof has them move."""
+    """The motion if no solver finished: only the parts that move in a proof."""
     motion = still(program)
     moves = motion.moves
     if isinstance(proof, MotionProof) and proof.holds:

@@ -1,13 +1,13 @@
 """Neutral motions: motions that cost no energy to first order.
 
     two-sided:   dim {dp: J dp = 0, w.dp = 0}
-    one-sided:   dim span {dp: J dp >= 0, w.dp = 0}, less that
+    one-sided:   dim span {dp: J dp >= 0, w.dp = 0}, minus the above
 
 A box on a table has 3 and 0 (it slides and spins); an assembly with 0 and 0 is strictly
-held. Neutral motions are where second order matters: a ball on a ball is "stable" in first
+held. Second order decides neutral motions: a ball on a ball is "stable" to first
 order. Friction is left out.
 
-The span of the cone: every row that can open in it opens in one common motion, so one LP
+The span of the cone: every row that can open in it opens in a common motion, so an LP
 that maximises the sum of openings, each cut off at a bound, finds the rows that never open.
 """
 
@@ -41,7 +41,7 @@ class Neutral:
 
 
 def find_neutral(program: Program) -> Neutral | None:
-    """Count the neutral motions; None above the limit, or where no solver finished.
+    """Count the neutral motions; None above the limit, or if no solver finished.
 
     Examples
     --------
@@ -72,7 +72,7 @@ def find_neutral(program: Program) -> Neutral | None:
 
 
 def _unit_rows(problem: ScaledProblem) -> Array:
-    """Rows of J in scaled unknowns, each of length 1, each different one once; dense."""
+    """Distinct rows of J in scaled unknowns, each of length 1; dense."""
     rows = problem.openings().toarray()
     length = np.linalg.norm(rows, axis=1)
     unit: Array = rows / np.where(length > 0, length, 1.0)[:, None]
@@ -90,7 +90,7 @@ def _rank(matrix: Array, blur: float) -> int:
 
 
 def _never_open(problem: ScaledProblem, opening: Array, load: Array, blur: float) -> Mask | None:
-    """Rows that no motion of the cone opens; None where no solver finished the program."""
+    """Rows that no motion of the cone opens; None if no solver finished the program."""
     from kilter.solvers.highs import find_optimum
 
     rows, count = opening.shape

@@ -1,4 +1,4 @@
-"""Impending motion where bonds slip: Gauss's principle with what they take up.
+"""Impending motion if bonds slip: Gauss's principle with the work of the bonds.
 
     min 1/2 (a - M^-1 w)^T M (a - M^-1 w) + sum S |a_t|,   J a >= 0
 
@@ -24,7 +24,7 @@ __all__ = ["find_slipping_motion"]
 
 
 def find_slipping_motion(program: Program) -> ImpendingMotion:
-    """The initial accelerations of all parts; not `known` where the solver fails.
+    """The initial accelerations of all parts; not `known` if the solver fails.
 
     Parameters
     ----------

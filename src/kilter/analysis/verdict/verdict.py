@@ -1,7 +1,7 @@
-"""Verdict: the answer to Problem 1, with its evidence, and what follows from it.
+"""Verdict: the answer to Problem 1, with its evidence and its consequences.
 
-What takes programs of its own (motion, displacements, forces, neutral motions) is found when
-it is first asked for, and kept.
+Results of further programs (motion, displacements, forces, neutral motions) are computed on
+first access, and kept.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ ROUNDING = 1e-15
 
 @dataclass(frozen=True, eq=False)
 class Verdict(InCells):
-    """What `check` found, with its evidence.
+    """The answer of `check`, with its evidence.
 
     Attributes
     ----------
@@ -87,31 +87,31 @@ class Verdict(InCells):
     assembly : Assembly
     contacts : ContactSet
     program : Program
-        What was judged; the program is the one that the certificate speaks of.
+        Contacts and program of the verdict; the certificate is verified against this program.
     judgement : Judgement
         Forces and motion, judged.
     friction : FrictionAnswer or None
-        What friction guarantees, where the verdict rests on it.
+        The guarantee of friction, if the verdict rests on it.
     warnings : tuple of str
     seconds : mapping from str to float
         Of each stage [s]; read-only.
     effort : float
         Of the search of motions with friction.
     time_limit : float or None
-        What cut the answer short [s].
+        Time limit that cut the answer short [s].
     question : OpenQuestion or None
-        The open pairs that decide, where it is undecided because of them.
+        The open pairs that decide, if it is undecided because of them.
     require : str
-        The level that is asked for (`kilter.tell.levels`).
+        The required level (`kilter.tell.levels`).
     measures : bool
-        Z, kappa and displacements of LP (9) are asked for where friction plays a part.
+        Whether z, kappa and displacements of LP (9) are computed if friction plays a part.
     decision : Decision or None
         The decision from which this verdict was made.
     seconds_left : float or None
         Seconds that the time limit left when the verdict was found.
     second_order : SecondOrder or None
-        Of what is stable without friction, wherever a motion is neutral: is it a minimum of its
-        energy?
+        Whether an assembly that is stable without friction, with neutral motions, is at a minimum
+        of its energy.
     """
 
     verdict: Word
@@ -138,12 +138,12 @@ class Verdict(InCells):
 
     @property
     def stable(self) -> bool:
-        """Whether it holds at the level that is asked for."""
+        """Whether it holds at the required level."""
         return holds(self.level, self.require)
 
     @property
     def level(self) -> str | None:
-        """The level that it reaches, or None; strict only where that is asked for."""
+        """The level that it reaches, or None; strict only if it is required."""
         asked = self.require == "strict" and self.verdict == "stable" and self.friction is None
         return level_of(self.verdict, strict=asked and self._strict)
 
@@ -162,7 +162,7 @@ class Verdict(InCells):
         return neutral is not None and neutral.two_sided == neutral.one_sided == 0
 
     def _second_order(self) -> dict[str, Any] | None:
-        """What second order says, wherever it is asked."""
+        """The answer of second order, if it was computed."""
         if self.second_order is None or self._none_neutral:
             return None
         return self.second_order.to_dict(self.program.names)
@@ -191,7 +191,7 @@ class Verdict(InCells):
 
     @property
     def seated(self) -> str | None:
-        """Has it a seat? yes, runs-away or not-found; None where it is not asked."""
+        """Does it have a seat? yes, runs-away or not-found; None if this was not examined."""
         asked = self.friction is not None and self.friction.examined
         return self.friction.seating.seated if asked and self.friction is not None else None
 
@@ -228,10 +228,10 @@ class Verdict(InCells):
 
     @cached_property
     def motion(self) -> ImpendingMotion:
-        """Initial accelerations; none where the verdict is stable.
+        """Initial accelerations; zero if the verdict is stable.
 
         Without friction by Gauss's principle. With friction a motion that obeys Coulomb's
-        law: where the verdict is potentially stable, the one that refutes the guarantee.
+        law: if the verdict is potentially stable, the motion that refutes the guarantee.
         """
         motion = self._motion()
         return sealed(motion if motion.known else unknown(self.program, self.certificate))
@@ -255,20 +255,20 @@ class Verdict(InCells):
 
     @property
     def measured(self) -> bool:
-        """Whether z and displacements of LP (9) are told: friction plays no part, or asked for."""
+        """Whether z and displacements of LP (9) are reported: without friction, or if required."""
         rubs = self.friction is not None or bool(len(self.program.gripping))
         return self.measures or not rubs
 
     @property
     def instability(self) -> float | None:
-        """Kappa of the motion [-]; None with loads, or where no motion is known."""
+        """Kappa of the motion [-]; None with loads, or if no motion is known."""
         none = self.level in ("settles", "equilibrium") and self.guarantee == "open"
         known = not (self.assembly.loads or none) and self.motion.known
         return self.motion.instability if known else None
 
     @cached_property
     def forces(self) -> ContactForces | None:
-        """Contact forces of the equilibrium; None where there is none."""
+        """Contact forces of the equilibrium; None if there is no equilibrium."""
         proof = self.certificate
         if not isinstance(proof, ForceProof):
             return None
@@ -285,7 +285,7 @@ class Verdict(InCells):
         """Options of the command line that were tried and would change the verdict.
 
         They are found when they are first read, with as much work as the verdict may take, and
-        within what the time limit of the verdict leaves.
+        within the remaining time of the verdict.
         """
         if self.decision is None or self.time_limit is not None:
             return ()
@@ -301,7 +301,7 @@ class Verdict(InCells):
 
     @property
     def barely(self) -> str:
-        """A word of caution where it is unstable by so little that rounding could do it."""
+        """A word of caution if rounding could explain that it is unstable."""
         kappa = self.instability
         if self.verdict != "unstable" or kappa is None or kappa >= BARELY:
             return ""
@@ -337,7 +337,7 @@ class Verdict(InCells):
         part : str or int
             Its name, or its position in the assembly.
         slow : bool
-            Also where it starts below the threshold of `moves`.
+            Whether a motion below the threshold of `moves` is described, too.
 
         Raises
         ------
@@ -360,7 +360,7 @@ class Verdict(InCells):
 
     @property
     def summary(self) -> str:
-        """The fastest parts and how they start to move, in one sentence."""
+        """The fastest parts and how they start to move, in a sentence."""
         motion = self.motion
         which = np.flatnonzero(motion.moves)
         if not (motion.known or len(which)):
@@ -388,7 +388,7 @@ class Verdict(InCells):
         return proof
 
     def with_seconds(self, **more: float) -> Verdict:
-        """The same verdict with times of further stages [s]; what was found is kept."""
+        """The same verdict with times of further stages [s]; computed results are kept."""
         other = copy.copy(self)
         object.__setattr__(other, "seconds", MappingProxyType({**self.seconds, **more}))
         return other
@@ -454,7 +454,7 @@ class Verdict(InCells):
         """The least share of the bond strength with which it holds, and the pairs that fail first.
 
         None without bonds, if it does not hold, or if it has more than `BONDED_PARTS` free parts.
-        The contact forces of the answer are only one equilibrium of many, and their use of bonds
+        The contact forces of the answer are a single equilibrium of many, and their use of bonds
         may be larger.
         """
         large = int(self.program.free.sum()) > BONDED_PARTS
@@ -493,7 +493,7 @@ class Verdict(InCells):
         }
 
     def _repr_html_(self) -> str:
-        """What a notebook shows."""
+        """HTML for a notebook."""
         return html_of(self.to_dict())
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""Pieces of the answer of a check as JSON data: what it rests on, friction, forces."""
+"""Pieces of the answer of a check as JSON data: densities, friction, forces."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = ["certificate_answer", "density_answer", "forces_answer", "friction_an
 
 
 def density_answer(assembly: Assembly) -> dict[str, Any]:
-    """What the masses of the free parts without a given mass rest on [kg/m^3]."""
+    """Densities from which the masses of the free parts were computed [kg/m^3]."""
     free = [part.density for part in assembly.parts if not part.grounded and part.mass is None]
     given = [density for density in free if density is not None]
     return {
@@ -45,7 +45,7 @@ def certificate_answer(
 
 
 def friction_answer(answer: FrictionAnswer | None, effort: float) -> dict[str, Any] | None:
-    """How the guarantee came about, where the verdict rests on friction."""
+    """Evidence of the guarantee, if the verdict rests on friction."""
     if answer is None or not answer.examined:
         return None
     witness, seating, exclusion = answer.witness, answer.seating, answer.exclusion
