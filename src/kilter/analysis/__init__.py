@@ -1,1 +1,1 @@
-"""Questions asked of a program, one a file."""
+"""Analyses of an assembly, a file for each question."""

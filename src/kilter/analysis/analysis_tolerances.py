@@ -1,12 +1,12 @@
-"""Tolerances of what is told beside a verdict, and how they stand to one another.
+"""Tolerances of results beside a verdict, and their relations.
 
 Accelerations are in units of g, everything else is relative [-].
 
-    MOTION_GOOD < MOTION_ASKED < MOTION_ENOUGH < MOVES < STATED_MOST    what moves, or rounding does
+    MOTION_GOOD < MOTION_ASKED < MOTION_ENOUGH < MOVES < STATED_MOST    motion, not rounding
     ZERO_MOTION < MOTION_GOOD
     ALONG < the angle of contacts                    faces along a path stop nothing
-    RANK < LOCKS                                     what locks is far from being singular
-    ENTERS, RANK, PRESSES >= mechanics' TOLERANCE    nothing is told finer than it is judged
+    RANK < LOCKS                                     a locked row is far from singular
+    ENTERS, RANK, PRESSES >= mechanics' TOLERANCE    no result is finer than its judge
 """
 
 from __future__ import annotations

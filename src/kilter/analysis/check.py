@@ -1,11 +1,11 @@
-"""Problem 1 answered in full: verdict, proof, what moves and how.
+"""Problem 1 answered in full: verdict, proof, moving parts and their motion.
 
-What is stable without friction is stable whatever the friction, and whatever contacts are
-not modelled: more forces can only help, and without friction any solution of the contact law
-has a.M a <= w.a <= 0. Else, with friction, equilibrium is asked in Coulomb's cones, and
-where it exists, what it guarantees (`kilter.friction.answer`). An unstable one is asked
+An assembly that is stable without friction is stable whatever the friction, and whatever contacts
+are not modelled: more forces can only help, and without friction any solution of the contact law
+has a.M a <= w.a <= 0. Otherwise, with friction, equilibrium is decided in Coulomb's cones, and
+if it exists, its guarantee (`kilter.friction.answer`). An unstable assembly is decided
 again with every force that contacts which are not modelled might bring; if those could hold
-it, the verdict is undecided and says why.
+it, the verdict is undecided, with the reason.
 """
 
 from __future__ import annotations
@@ -62,24 +62,24 @@ def check(
     Parameters
     ----------
     assembly : Assembly
-        At least one part must be held. Friction and the direction of gravity are its own:
+        It has at least one held part. Friction and the direction of gravity are its own:
         ``check(assembly.with_friction(0.6).with_down([0.1, 0, -1]))``.
     contacts : ContactSet, optional
-        Found from the geometry where not given.
+        Detected from the geometry by default.
     tolerance : Tolerance, optional
         When faces count as touching.
     require : {"equilibrium", "settles", "proved", "strict"}
         The level at which `Verdict.stable` is true; "strict": no small push makes it fall.
     measures : bool
-        Also z, kappa and the displacements of LP (9) where friction plays a part. They leave
+        Whether z, kappa and the displacements of LP (9) are computed with friction, too. They leave
         it out.
     effort : float
-        For what friction guarantees: the search of a motion, and the proof that there is
-        none. Work that is counted, not timed: 0 quick, 1 usual, each further one ten times
+        Limit of the guarantee of friction: the search for a motion, and the proof that none
+        exists. Work is counted, not timed: 0 quick, 1 usual, each further unit ten times
         more; past it the guarantee is open.
     time_limit : float, optional
-        Seconds after which the answer is what is proved until then; a warning says so. It is
-        looked at between steps, and what a limit cuts short may differ from run to run.
+        Time after which the answer is the part that is proved until then; a warning states this.
+        The clock is read between steps, so answers at a limit may differ from run to run.
     progress : callable, optional
         Called with a word at each stage.
 
@@ -141,7 +141,7 @@ def check(
 
 
 def _work(effort: float, time_limit: float | None, progress: Callable[[str], None] | None) -> Work:
-    """What a check may cost."""
+    """The work budget of a check."""
     effort = number(effort, "effort", lowest=0)
     if time_limit is not None:
         time_limit = number(time_limit, "time_limit", lowest=0)

@@ -1,8 +1,8 @@
 """Every answer about an assembly that a page shows, asked for once, each within its limit.
 
-The verdict and the region are found at every size that a page can show; what takes many
-programs (the nearest direction where none is stable, the stability map, forces for every
-ray) only where the assembly is small, and `notes` says what was left out.
+The verdict and the region are computed at every size that a page can show. Results that take many
+programs (the nearest direction if none is stable, the stability map, forces for every
+ray) are computed only for small assemblies, and `notes` lists those that were left out.
 """
 
 from __future__ import annotations
@@ -62,18 +62,18 @@ RAY_FORCES = 60_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Balance:
-    """Contact forces that balance every part for one direction of gravity.
+    """Contact forces that balance every part for a direction of gravity.
 
     Attributes
     ----------
     down : ndarray, shape (3,)
     points : ndarray, shape (K, 3)
-        Where they act [length unit].
+        Points of the forces [length unit].
     parts : ndarray of int, shape (K, 2)
     forces : ndarray, shape (K, 3)
         On the second part [N].
     pull : ndarray, shape (K,), or None
-        What bonds pull by at most there [N]; None where there are none.
+        Largest pull of the bonds there [N]; None without bonds.
     """
 
     down: Array
@@ -85,7 +85,7 @@ class Balance:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Answered:
-    """One direction of gravity, answered in full.
+    """A direction of gravity, answered in full.
 
     Attributes
     ----------
@@ -95,9 +95,9 @@ class Answered:
     balance : Balance or None
         The forces of that answer.
     sentence : str
-        What is special about this direction.
+        Special property of this direction.
     path : PathPlaces or None
-        Of what is balanced, how it falls.
+        Path of the fall of a balanced assembly.
     """
 
     down: Array
@@ -118,7 +118,7 @@ class MapMotions:
     mass : float
         Of the free parts [kg].
     motions : ndarray, shape (V, N, 6)
-        The displacement of LP (9) of least 2-norm where that vertex is the farthest.
+        The displacement of LP (9) of least 2-norm for which that vertex is the farthest.
     """
 
     vertices: Array
@@ -140,7 +140,7 @@ class Everything:
     region : dict or None
         The answer of `kilter region --json`.
     inner : Cone or None
-        What of the region is surely held, where friction makes its boundary round: the facets
+        Inner cone of the region, if friction makes its boundary round: the facets
         of `region` are then those of an outer cone.
     none : bool
         It is proved that no direction is stable, whatever further forces there may be.
@@ -150,9 +150,9 @@ class Everything:
     margin : dict or None
         The answer of `kilter margin --json`, for gravity as given.
     change : Improvement or None
-        Of bricks, which one to add or to take away.
+        Brick to add or to take away, for models of bricks.
     notes : sequence of str
-        What is not shown, and why.
+        Results that are not shown, with the reason.
     """
 
     assembly: Assembly
@@ -188,7 +188,7 @@ def everything(
     Parameters
     ----------
     assembly : Assembly
-        At least one part must be held.
+        It has at least one held part.
     contacts, tolerance, effort, time_limit, progress
         As of `kilter.check`.
     margins : bool
@@ -254,7 +254,7 @@ def everything(
 
 
 def _answered(verdict: Verdict, sentence: str = "") -> Answered:
-    """One direction in full, with the forces of its answer where it holds."""
+    """A direction in full, with the forces of its answer if it holds."""
     answer, down = verdict.to_dict(), verdict.assembly.down
     if answer["forces"] is None:
         return Answered(down, answer, None, sentence)
@@ -321,7 +321,7 @@ def _turned(
 
 
 def _region(assembly: Assembly, contacts: ContactSet, notes: list[str]) -> Region:
-    """The region; of what is large and rough in space, the part that needs no friction."""
+    """The region; for large rough assemblies in space, the part that needs no friction."""
     rubs = bool((contacts.patch_mu > 0).any()) and not assembly.planar
     if not rubs or _free(assembly) <= FRICTION_PARTS:
         return region(assembly, contacts=contacts)
@@ -333,7 +333,7 @@ def _region(assembly: Assembly, contacts: ContactSet, notes: list[str]) -> Regio
 
 
 def _with_rests(found: Region, assembly: Assembly, contacts: ContactSet) -> Region:
-    """The region with how it rests there; as it is where friction counts or parts are many."""
+    """The region with its states of rest; unchanged with friction, or with many parts."""
     rubs = bool((contacts.patch_mu > 0).any())
     if rubs or assembly.planar or _free(assembly) > REST_PARTS:
         return found
@@ -341,7 +341,7 @@ def _with_rests(found: Region, assembly: Assembly, contacts: ContactSet) -> Regi
 
 
 def _first(found: Region, down: Array) -> Array | None:
-    """The direction of a region without a centre that is nearest to gravity; None where none."""
+    """The direction nearest to gravity, for a region without a centre; None if it is empty."""
     if not len(found.lines):
         return None
     along: Array = found.lines.T @ (found.lines @ down)
@@ -351,7 +351,7 @@ def _first(found: Region, down: Array) -> Array | None:
 
 
 def _rays(assembly: Assembly, contacts: ContactSet, found: Region) -> tuple[Balance, ...]:
-    """Forces for each ray and both signs of each line, where they are not too many."""
+    """Forces for each ray and both signs of each line, if they are not too many."""
     directions = len(found.rays) + 2 * len(found.lines)
     if not directions or directions * len(contacts.points) > RAY_FORCES:
         return ()
@@ -371,7 +371,7 @@ def _rays(assembly: Assembly, contacts: ContactSet, found: Region) -> tuple[Bala
 def _margin(
     assembly: Assembly, contacts: ContactSet, always: bool, tell: Tell, notes: list[str]
 ) -> dict[str, Any] | None:
-    """The margins of gravity as given, where it is small enough or asked for."""
+    """The margins of gravity as given, if the assembly is small or they are requested."""
     free = _free(assembly)
     if not free:
         return None
@@ -387,7 +387,7 @@ def _margin(
 
 
 def _change(assembly: Assembly, always: bool, tell: Tell, notes: list[str]) -> Improvement | None:
-    """Which brick to add or to take away, where the model is small enough or it is asked for."""
+    """The brick to add or to take away, if the model is small or it is requested."""
     if not assembly.bonds or any(part.brick is None for part in assembly.parts):
         return None
     if _free(assembly) > CHANGE_PARTS and not always:
@@ -406,7 +406,7 @@ def _change(assembly: Assembly, always: bool, tell: Tell, notes: list[str]) -> I
 def _map(
     assembly: Assembly, contacts: ContactSet, tell: Tell, notes: list[str]
 ) -> MapMotions | None:
-    """The stability map with a motion a vertex, where it is small enough."""
+    """The stability map with a motion for each vertex, if it is small enough."""
     free = _free(assembly)
     left = (
         "so the ball shows the stable region without colours, and motions only for the directions "

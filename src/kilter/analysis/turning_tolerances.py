@@ -2,13 +2,13 @@
 
 Four kinds, and none means another's:
 
-- *what rounding leaves* of a number that is 0 or of two that are one;
+- *rounding* of a number that is 0, or of two equal numbers;
 - *widths*: how near to a boundary a direction counts as on it [rad];
 - *agreements*: how near two sides of an enclosure come before the search ends;
-- *steps*: how far beyond a boundary a proof is asked for, the nearest first.
+- *steps*: distances beyond a boundary at which a proof is tried, the nearest first.
 
-A width lies above what rounding leaves, an agreement above the tolerance of the solver that
-is asked, and steps start below the agreement they serve.
+A width lies above rounding, an agreement above the tolerance of its solver,
+and steps start below the agreement they serve.
 """
 
 from __future__ import annotations

@@ -34,21 +34,21 @@ __all__ = ["Verification", "proof_tolerance", "verify", "verify_proof"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Verification:
-    """Whether a proof holds, what it says, and why it does not hold.
+    """Whether a proof holds, its statement, and the reasons if it does not hold.
 
     Attributes
     ----------
     holds : bool
     verdict : str
-        What the proof says.
+        Statement of the proof.
     reasons : tuple of str
         Why it does not hold.
     residual : float or None
         Worst imbalance of a part over its weight [-], of a proof by forces.
     power : float or None
-        Of the motion, where the fastest part moves by 1 [W].
+        Power of the motion, whose fastest part moves by 1 [W].
     notes : tuple of str
-        What was judged beside, and what a proof file cannot carry.
+        Further results, and facts that a proof file cannot contain.
     held : tuple of str
         Parts that are held.
     gravity : tuple of float
@@ -107,7 +107,7 @@ def verify(
         A file is read as it was for the proof: parts held, left out, direction of gravity.
         An assembly is taken as it is.
     proof : dict or path
-        What `Verdict.proof`, `Region.proof`, `Margin.proof`, `Order.proof` or
+        Data from `Verdict.proof`, `Region.proof`, `Margin.proof`, `Order.proof` or
         `Fixture.proof` returned, or the file that ``--proof`` of their commands wrote.
     progress : callable, optional
         Called with a word at each stage.
@@ -115,7 +115,7 @@ def verify(
     Raises
     ------
     InputError
-        If a file cannot be read, or the proof is not one.
+        If a file cannot be read, or has no proof.
 
     Examples
     --------
@@ -179,7 +179,7 @@ def verify_bundle(assembly: Assembly, contacts: ContactSet, bundle: dict[str, An
     Raises
     ------
     InputError
-        If a proof is not one.
+        If a file has no proof.
     """
     reasons, residual, power, counts = [], [], [], Counter[str]()
     if bundle.get("digest") != digest_of(bundle):
@@ -222,12 +222,12 @@ JUDGES = {"plan": wrong_order, "hold": wrong_hold}
 def _wrong_together(
     assembly: Assembly, contacts: ContactSet, bundle: Mapping[str, Any], verdicts: Sequence[str]
 ) -> list[str]:
-    """Why proofs that hold one by one are together no plan, or no fixture.
+    """Reasons why valid proofs together are no plan, or no fixture.
 
     Raises
     ------
     InputError
-        If what they say of themselves has not the form of one.
+        If the statements of the proofs do not have their form.
     """
     judge = JUDGES.get(bundle["kind"])
     if judge is None:
@@ -247,7 +247,7 @@ def verify_proof(assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]
     Raises
     ------
     InputError
-        If the proof is not one: keys missing, or of the wrong kind.
+        If it is no proof: keys are missing, or of the wrong kind.
     """
     require_form(proof)
     found = recheck(assembly, contacts, proof)

@@ -69,7 +69,7 @@ def copy_warnings(odd: Sequence[tuple[str, Sequence[str], str]]) -> list[str]:
 
 
 def lone_warnings(nearest: Sequence[Entry], units: str) -> list[str]:
-    """Return warnings about parts that touch nothing, one for free parts and one for held parts.
+    """Return warnings about parts that touch nothing, for free parts and for held parts.
 
     Examples
     --------
@@ -98,7 +98,7 @@ def group_warnings(groups: Sequence[Sequence[str]]) -> list[str]:
 
 
 def _lone_part(entry: Entry, units: str) -> str:
-    """Return the name of a part, with its gap to the nearest part if there is one."""
+    """Return the name of a part, with its gap to the nearest part, if any."""
     if entry["nearest"] is None:
         return repr(entry["part"])
     return f"{entry['part']!r} ({gap_words(entry, units)} from {entry['nearest']!r})"

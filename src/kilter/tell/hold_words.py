@@ -15,7 +15,7 @@ Answer = Mapping[str, Any]
 
 
 def hold_sentence(answer: Answer) -> str:
-    """Return one or two sentences about a fixture.
+    """Return a sentence or two about a fixture.
 
     Parameters
     ----------

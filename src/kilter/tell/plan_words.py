@@ -14,7 +14,7 @@ Answer = Mapping[str, Any]
 
 
 def order_sentence(answer: Answer) -> str:
-    """Return one or two sentences about a plan.
+    """Return a sentence or two about a plan.
 
     Parameters
     ----------

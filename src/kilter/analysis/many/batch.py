@@ -98,7 +98,7 @@ def batch(
 ) -> Batch:
     """Verdicts of many files, written to a folder as tables.
 
-    Run again after an interruption, whatever it was, it goes on with what is not there yet.
+    A later run continues an interrupted one with the missing rows.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def batch(
     output : path
         A folder; ``part-000000.parquet`` and so on, CSV if pyarrow is not installed.
     processes : int, optional
-        Number of worker processes on this machine; by default one for each core.
+        Number of worker processes on this machine; by default the number of cores.
     chunk : int
         Number of rows of a file.
     cluster : str, optional
@@ -213,7 +213,7 @@ def _run(
 
 
 def _died(task: Task) -> tuple[list[BatchRow], list[Task]]:
-    """Rows, and tasks to try, in place of one whose worker died."""
+    """Rows, and tasks to try, in place of a task whose worker died."""
     if task.tries + 1 < TRIES:
         return [], [Task(task.chunk, task.files, task.tries + 1)]
     if len(task.files) == 1:

@@ -1,7 +1,7 @@
 """The rows of a batch judged by the workers of a Dask cluster (extra `kilter[cluster]`).
 
-The scheduler hands the tasks of a worker that died to others; one that has killed several it
-gives up, and it comes back as died.
+The scheduler hands the tasks of a worker that died to others. If a task has killed several
+workers, the scheduler gives up, and the task is returned as died.
 """
 
 from __future__ import annotations

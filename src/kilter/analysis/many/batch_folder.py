@@ -1,8 +1,8 @@
-"""The folder of a batch: one file a chunk of rows, each whole or not there.
+"""The folder of a batch: a file for each chunk of rows, complete or absent.
 
-A chunk is written beside its place, flushed to the disk and renamed, so that who lists the folder
-knows what is done: nothing else is kept of how far a batch has come. `batch.json` says of what it
-is one; a lock that ends with its process keeps a second run out.
+A chunk is written beside its place, flushed to the disk and renamed, so that a listing of the
+folder shows the finished chunks; no other state is kept. `batch.json` identifies the batch; a lock
+that ends with its process keeps a second run out.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ MANIFEST, LOCK = "batch.json", ".batch.lock"
 
 @dataclass(frozen=True, slots=True)
 class BatchFolder:
-    """Where the rows of a batch go: `count` rows in chunks of `size`."""
+    """Folder of the rows of a batch: `count` rows in chunks of `size`."""
 
     path: Path
     count: int
@@ -123,7 +123,7 @@ def open_folder(
 
 
 def _same(manifest: Path, asked: dict[str, Any]) -> tuple[str, int]:
-    """Form and size of the chunks of the batch that a folder has, where it is this one."""
+    """Form and size of the chunks of the batch in a folder, if it is this batch."""
     try:
         there = json.loads(manifest.read_text(encoding="utf-8"))
         form, size = str(there.pop("form")), int(there.pop("rows"))

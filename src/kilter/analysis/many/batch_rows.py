@@ -1,4 +1,4 @@
-"""Rows of a batch: one an assembly, judged in any process, the same whichever it is."""
+"""Rows of a batch: a row for each assembly, the same in every process."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who judges the rows of a batch: processes of this machine, each with one task at a time.
+"""Workers that judge the rows of a batch: processes, each with a single task at a time.
 
 A worker that dies, whatever killed it, is replaced, and its task handed back as died.
 """
@@ -28,7 +28,7 @@ Files = tuple[tuple[int, str], ...]
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """Files of one chunk, with their places in the batch, and how often they were tried."""
+    """Files of a chunk, with their places in the batch, and the number of tries."""
 
     chunk: int
     files: Files
@@ -46,10 +46,10 @@ class Workers(Protocol):
         """Begin a task."""
 
     def finished(self, seconds: float) -> list[tuple[Task, list[BatchRow] | None]]:
-        """Tasks that came to an end within some seconds, None where their worker died."""
+        """Tasks that end within a time [s]; None in place of rows if their worker died."""
 
     def end(self) -> None:
-        """Let all go."""
+        """End all workers."""
 
 
 class LocalWorkers:
@@ -85,7 +85,7 @@ class LocalWorkers:
         return worker
 
     def finished(self, seconds: float) -> list[tuple[Task, list[BatchRow] | None]]:
-        """Tasks that came to an end within some seconds, None where their worker died."""
+        """Tasks that end within a time [s]; None in place of rows if their worker died."""
         found = []
         for key, _ in self._ready.select(seconds):
             worker: subprocess.Popen[bytes] = key.data

@@ -5,8 +5,9 @@ of each of its pairs are the same body (`kilter.mechanics.merged_parts`). A larg
 
 Few open pairs: the smallest set, by hitting sets. A motion that S leaves must be stopped by an
 open pair that it moves. So each S that does not hold gives a set of pairs of which every S that
-holds has at least one; the next S is the smallest that hits all of these, and the first that holds
-is the smallest of all. A set to be hit is made small: pairs are added to S as long as it does not hold.
+holds has at least one pair; the next S is the smallest that hits all of these, and the first S
+that holds is the smallest of all. A set to be hit is made small: pairs are added to S as long as
+it does not hold.
 
 Many: a set of which no pair can be left out. Cycles need no search, since joining two parts that
 are one body changes nothing: only the pairs of a spanning forest are tried.

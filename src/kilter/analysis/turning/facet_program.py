@@ -1,4 +1,4 @@
-"""Problem 2 in one linear program a facet: gravity and contact forces together.
+"""Problem 2 in a linear program for each facet: gravity and contact forces together.
 
     min over g in the facet, f >= 0 of |J^T f + W g|_1  =  -max over g of z(g)
 
@@ -8,7 +8,7 @@ its own dual, which has a quarter of the rows and columns:
     min t:  t + (sum_i m_i dr_i) . v_j >= 0 at the corners v_j of the facet,  dp in A
 
 whose multipliers are g in the corners v_j, and f. Any dp in A bounds z on the whole facet
-from above, so where t < 0 that one motion proves that no direction of the facet is stable.
+from above, so if t < 0 that motion proves that no direction of the facet is stable.
 
 References
 ----------
@@ -39,7 +39,7 @@ __all__ = ["DiamondOptimum", "FacetOptimum", "joint"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FacetOptimum:
-    """The best direction of one facet.
+    """The best direction of a facet.
 
     Attributes
     ----------
@@ -66,9 +66,9 @@ class DiamondOptimum:
     Attributes
     ----------
     gravity : ndarray, shape (3,)
-        On the diamond |g|_1 = 1; the zero vector where no part is free.
+        On the diamond |g|_1 = 1; the zero vector if no part is free.
     z : float
-        [kg x length unit]; 0 where `gravity` is stable.
+        [kg x length unit]; 0 if `gravity` is stable.
     facets : tuple of FacetOptimum
         Those that were solved: all, or up to the first with z = 0.
     programs : int
@@ -82,13 +82,13 @@ class DiamondOptimum:
 
 
 def joint(program: Program, *, every: bool = False) -> DiamondOptimum:
-    """Maximise z over the diamond, one LP a facet.
+    """Maximise z over the diamond, with an LP for each facet.
 
     Parameters
     ----------
     program : Program
     every : bool
-        Go on to the other facets where z = 0, its greatest value, was found.
+        Whether to continue with the other facets after z = 0, its greatest value, was found.
 
     Raises
     ------

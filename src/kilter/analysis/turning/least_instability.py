@@ -11,12 +11,12 @@ is not convex on the sphere, but two things about it are. With m = sum m_i,
 
 The sphere is cut into triangles (arcs if planar) with kappa known at the corners g_j:
 
-    kappa(g) >= max_j b_j.g / sqrt(m)                   good where kappa is small
-    kappa(g)^2 >= 1 - max (p.g)^2 / m,  p.g_j = psi_j   good where it is large
+    kappa(g) >= max_j b_j.g / sqrt(m)                   good for small kappa
+    kappa(g)^2 >= 1 - max (p.g)^2 / m,  p.g_j = psi_j   good for large kappa
 
-Both extremes over a triangle are found in closed form: b.g, along an arc where it is positive,
-is least at an end. The triangle with the least bound gets a new corner where the bound is
-reached, and the triangulation is the hull of all corners. No direction has a kappa below
+Both extremes over a triangle have closed forms: b.g, along an arc on which it is positive,
+is least at an end. The triangle with the least bound gets a new corner at the place of the bound,
+and the triangulation is the hull of all corners. No direction has a kappa below
 the least bound of all triangles.
 """
 
@@ -77,7 +77,7 @@ def least_instability(
     ----------
     program : Program
     gap : float
-        Stop where value and bound differ by no more [-].
+        The search stops if value and bound differ by at most this [-].
     limit : int
         Of quadratic programs; the bound reached is reported.
 
@@ -127,7 +127,7 @@ class _Known:
         self.rest: list[float] = []
 
     def first(self) -> Array:
-        """Corners of a simplex around 0, unit, one of them along gravity, (d + 1, d); asked."""
+        """Corners of a simplex around 0, unit, one along gravity, (d + 1, d), with their kappa."""
         down = self._problem.program.gravity[self._axes]
         size = len(down)
         # a regular simplex, turned so that its first corner is down
@@ -145,7 +145,7 @@ class _Known:
         return result
 
     def ask(self, direction: Array) -> None:
-        """Solve for kappa in one direction, shape (d,), unit."""
+        """Solve for kappa in a direction, shape (d,), unit."""
         program = self._problem.program
         gravity = np.zeros(3)
         gravity[self._axes] = direction
@@ -171,7 +171,7 @@ class _Known:
         hull: GrowingHull,
         old: dict[tuple[int, ...], tuple[float, Array]] | None = None,
     ) -> dict[tuple[int, ...], tuple[float, Array]]:
-        """Least bound of kappa in each triangle, and where it is reached."""
+        """Least bound of kappa in each triangle, and its place."""
         old = old or {}
         result = {}
         for facet in map(tuple, hull.facets.tolist()):
@@ -187,7 +187,7 @@ class _Known:
 
 
 def _solved(quadratic: ConicProgram) -> Array:
-    """The minimum; asked for more loosely where rounding keeps the solver from it."""
+    """The minimum; with a looser tolerance if rounding keeps the solver from it."""
     from kilter.solvers.clarabel import solve_quadratic
 
     answer = solve_quadratic(quadratic, tolerance=1e-10, polish=False)

@@ -1,4 +1,4 @@
-"""Where nothing is stable: the nearest to stable direction, in three senses.
+"""The direction nearest to stable, in three senses, if no direction is stable.
 
     diamond    the greatest z over |g|_1 = 1       the paper's; hangs on the axes and units
     sphere     the greatest z over |g|_2 = 1       exact; hangs on units
@@ -33,7 +33,7 @@ Method = Literal["joint", "walk"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NearestDirection:
-    """The nearest to stable direction in one sense.
+    """The direction nearest to stable in some sense.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class NearestDirection:
     value : float
         z of LP (9) on the diamond or sphere [kg x length unit], or kappa [-].
     bound : float
-        No direction is better than this; `value` where the method is exact.
+        No direction is better than this; equal to `value` if the method is exact.
     motion : ndarray, shape (N, 6), or None
         Displacements [length unit, rad], or for kappa accelerations [m/s^2, rad/s^2]. None
         above the size up to which displacements are found.
@@ -57,7 +57,7 @@ class NearestDirection:
     programs: int
 
     def to_dict(self) -> dict[str, Any]:
-        """The direction and what remains there, as JSON data."""
+        """The direction and its value there, as JSON data."""
         return {
             "direction": (self.direction + 0.0).tolist(),
             "value": self.value,
@@ -68,7 +68,7 @@ class NearestDirection:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Nearest:
-    """The nearest to stable directions in three senses; `kappa` None where no solver finished."""
+    """The directions nearest to stable in three senses; `kappa` None if no solver finished."""
 
     diamond: NearestDirection
     sphere: NearestDirection
@@ -90,7 +90,7 @@ class Nearest:
 def nearest(
     program: Program, *, method: Method = "joint", solved: DiamondOptimum | None = None
 ) -> Nearest:
-    """The nearest to stable directions of a program; values are 0 where one is stable.
+    """The directions nearest to stable of a program; values are 0 if some direction is stable.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def nearest(
     method : {"joint", "walk"}
         For the diamond.
     solved : DiamondOptimum, optional
-        What `joint` gave, if it was asked before.
+        Result of `joint`, if the caller has it.
 
     Raises
     ------

@@ -2,13 +2,13 @@
 
 The region says which directions of gravity are stable, or with friction have forces that hold
 it, and which of them lies farthest from the boundary. The verdict there is proved anew by
-contact forces. Where the cone without friction is empty, one motion a facet of the diamond
+contact forces. If the cone without friction is empty, a motion for each facet of the diamond
 proves that no direction is stable: it gains energy at every corner of the facet, hence
 everywhere on it. Then the nearest direction without friction is given.
 
 The region is that of the contacts that are modelled; more contacts can only make it wider. So
-a direction that is found is held; where none is found and such contacts exist, or the region
-with friction does not prove that it is empty, "none" is asked again with every force they
+a direction that is found is held. If no direction is found and such contacts exist, or the region
+with friction does not prove that it is empty, "none" is tested again with every force they
 might bring, else it is undecided.
 
 References
@@ -67,28 +67,28 @@ class Orientation:
     Attributes
     ----------
     assembly : Assembly
-        What was asked about.
+        Contacts of the assembly.
     verdict : {"found", "none", "undecided"}
     sentence : str
         The verdict in words.
     down : ndarray, shape (3,)
-        Unit direction of gravity in the frame of the assembly: stable where found, else the
+        Unit direction of gravity in the frame of the assembly: stable if found, else the
         nearest on the paper's diamond.
     rotation : ndarray, shape (4,)
         Quaternion (w, x, y, z) of the least turn that takes `down` to the gravity of the file.
     tilt_margin_deg : float or None
-        From `down` to the nearest direction that is not stable; 0 where the region is thinner
-        than space (than the plane, if planar); None where none was found.
+        From `down` to the nearest direction that is not stable; 0 if the region is thinner
+        than space (than the plane, if planar); None if no direction was found.
     friction : bool
-        Whether forces of friction were counted: what is found then has forces that hold it,
-        and `check` tells what friction guarantees there.
+        Whether forces of friction were counted: then forces hold the found direction,
+        and `check` reports the guarantee of friction there.
     z : float
         LP (9) at `down`, gravity of length 1 (2-norm, as in `check`) [kg x length unit]; None
-        where no solver finished it.
+        if no solver finished it.
     instability : float or None
-        kappa at `down` [-]; None where no solver finished it.
+        kappa at `down` [-]; None if no solver finished it.
     nearest : Nearest or None
-        Where none was found.
+        Directions nearest to stable, if no direction was found.
     method : {"joint", "walk"}
     programs : int
         Programs solved, verdicts left out.
@@ -97,7 +97,7 @@ class Orientation:
     level : str or None
         The level at `down`, with second order and without the guarantee of friction.
     check : Verdict or None
-        What moves at `down`, where none was found.
+        Verdict at `down`, if no direction was found.
     region : Region
     warnings : tuple of str
     """
@@ -160,7 +160,7 @@ class Orientation:
         }
 
     def _repr_html_(self) -> str:
-        """What a notebook shows."""
+        """HTML for a notebook."""
         return html_of(self.to_dict())
 
     def __str__(self) -> str:
@@ -189,9 +189,9 @@ def orient(
     Parameters
     ----------
     assembly : Assembly
-        At least one part must be held; no loads.
+        It has at least one held part, and no loads.
     contacts : ContactSet, optional
-        Found from the geometry where not given.
+        Detected from the geometry by default.
     tolerance : Tolerance, optional
         When faces count as touching.
     method : {"joint", "walk"}
@@ -256,7 +256,7 @@ def _orient(
 
 
 def _require_turnable(assembly: Assembly, method: str) -> None:
-    """Refuse what is not held, or has loads, which do not turn."""
+    """Reject an assembly without held parts, or with loads, which do not turn."""
     if method not in ("joint", "walk"):
         raise InputError(f"the method {method!r} does not exist", hint="give 'joint' or 'walk'")
     require_assembly(assembly, "orient")
@@ -281,7 +281,7 @@ def _sides(program: Program, every: Region) -> Iterator[tuple[Program, Cone]]:
 def _found(
     program: Program, every: Region, direction: Array, judgement: Judgement, method: Method
 ) -> Orientation:
-    """The answer where a direction was proved to have forces that hold it."""
+    """The answer if a direction was proved to have forces that hold it."""
     assembly, contacts = every.assemblies[0], every.contacts[0]
     down = direction / float(np.linalg.norm(direction)) + 0.0
     margin = _tilt_margin_deg(program, every, down)
@@ -316,7 +316,7 @@ def _found(
 
 
 def _sentence(every: Region, down: Array, margin: float) -> str:
-    """What is found, in words."""
+    """The found direction, in words."""
     return found_sentence(
         down,
         margin,
@@ -328,7 +328,7 @@ def _sentence(every: Region, down: Array, margin: float) -> str:
 
 
 def _tilt_margin_deg(program: Program, every: Region, down: Array) -> float:
-    """Angle from `down` to the boundary of the region [deg]; 0 where the region is thin."""
+    """Angle from `down` to the boundary of the region [deg]; 0 if the region is thin."""
     if every.dimension < (2 if program.planar else 3):
         return 0.0
     if not len(every.cone.facets):
@@ -339,7 +339,7 @@ def _tilt_margin_deg(program: Program, every: Region, down: Array) -> float:
 def _not_found(
     every: Region, judgement: Judgement, near: Nearest, method: Method, why: list[str]
 ) -> Orientation:
-    """The answer where no direction was proved stable; `why` it may be undecided."""
+    """The answer if no direction was proved stable; `why`: the reasons why it may be undecided."""
     assembly = every.assemblies[0]
     down = near.diamond.direction
     verdict = check(assembly.with_down(down), contacts=every.contacts[0])
@@ -383,7 +383,7 @@ def _not_found(
 def _open_questions(
     contacts: ContactSet, every: Region, program: Program, best: DiamondOptimum
 ) -> list[str]:
-    """What keeps "no direction is stable" from being proved; nothing where it is proved."""
+    """Reasons why "no direction is stable" is not proved; empty if it is proved."""
     assembly = every.assemblies[0]
     if not _none_is_stable(program, best):
         return [

@@ -1,8 +1,8 @@
-"""The polytope Q = {sum_i m_i dr_i : dp in A}, found by asking LP (9) for one facet after another.
+"""The polytope Q = {sum_i m_i dr_i : dp in A}, found by solving LP (9) for successive facets.
 
 An oracle of `kilter.analysis.regions.enclose`: the facet of the hull with outward normal n is
-asked for the greatest q.n in Q, that is -z(n); a few of the points may lie between vertices,
-where a facet of the hull happens to be parallel to an edge of Q. Q may be flat: its span comes
+program returns the greatest q.n in Q, that is -z(n); a few of the points may lie between vertices,
+if a facet of the hull happens to be parallel to an edge of Q. Q may be flat: its span comes
 first. In units of the mass of the free parts.
 
 References
@@ -44,7 +44,7 @@ class Reachable:
     basis : ndarray, shape (dimension, 3)
         Of the span of Q, orthonormal.
     known : KnownSet or None
-        In coordinates of `basis`; a facet of its hull that is `done` is one of Q. None where Q
+        In coordinates of `basis`; a facet of its hull that is `done` is a facet of Q. None if Q
         is {0}.
     """
 
@@ -113,10 +113,10 @@ class SphereDirection:
 
 
 def nearest_on_sphere(program: Program) -> SphereDirection | None:
-    """The unit direction with the greatest z; None where a direction is stable.
+    """The unit direction with the greatest z; None if a direction is stable.
 
     max over |g|_2 = 1 of z(g) is the distance of 0 from the boundary of Q, negative, reached
-    at the outward normal of the facet nearest to 0: only that facet is asked each time.
+    at the outward normal of the facet nearest to 0: only that facet is refined each time.
 
     Raises
     ------

@@ -3,8 +3,8 @@
     Q = {sum_i m_i dr_i : dp in A},      z(g) = -max over q in Q of q.g
 
 Q is a polytope in R^3 (in R^2 if planar), and 0 lies in it. The partitions of Figure 5 of the
-paper are the normal cones of its vertices: there one dp is optimal. A direction is stable
-exactly where no point of Q lies on its side of 0; where 0 is inside Q nothing is stable, and
+paper are the normal cones of its vertices: there a single dp is optimal. A direction is stable
+exactly if no point of Q lies on its side of 0; if 0 is inside Q no direction is stable, and
 the most nearly stable direction on the Euclidean sphere is the outward normal of the facet
 nearest to 0.
 
@@ -84,7 +84,7 @@ class StabilityMap:
         return result
 
     def partition(self, vertex: int) -> Array:
-        """Rays of one partition: unit normals of the facets at a vertex, shape (k, 3).
+        """Rays of a partition: unit normals of the facets at a vertex, shape (k, 3).
 
         The partition is the cone of these rays, plus the span of `equations`.
         """
@@ -94,7 +94,7 @@ class StabilityMap:
 
     @property
     def nearest(self) -> tuple[Array, float] | None:
-        """Unit direction with the greatest z, and that z; None where a direction is stable."""
+        """Unit direction with the greatest z, and that z; None if a direction is stable."""
         full = 2 if self.planar else 3
         if self.dimension < full or self.offsets.min() <= OUTSIDE_HULL * self.mass:
             return None
@@ -116,7 +116,7 @@ def stability_map(program: Program, *, limit: int = PROGRAMS) -> StabilityMap:
     InputError
         If loads are given.
     SolverError
-        If the limit is reached: the facets of Q can be very many where parts touch on
+        If the limit is reached: the facets of Q can be very many if parts touch on
         inclined faces.
 
     Examples
@@ -145,7 +145,7 @@ def stability_map(program: Program, *, limit: int = PROGRAMS) -> StabilityMap:
 
 
 def _assembled(reachable: Reachable, hull: GrowingHull | None, planar: bool) -> StabilityMap:
-    """The map, coplanar simplices made one facet, in the units of the program."""
+    """The map, with coplanar simplices merged into facets, in the units of the program."""
     mass, basis = reachable.work.unit.mass, reachable.basis
     _, _, rows = np.linalg.svd(np.vstack([basis, np.zeros((1, 3))]))
     vertices, normals, offsets = np.zeros((1, 0)), np.zeros((0, 0)), np.zeros(0)
@@ -166,7 +166,7 @@ def _assembled(reachable: Reachable, hull: GrowingHull | None, planar: bool) -> 
 
 
 def _merged(hull: GrowingHull) -> tuple[Array, Array, Array, tuple[Index, ...]]:
-    """Vertices, normals, offsets and corners of the facets: one for all simplices of a plane."""
+    """Vertices, normals, offsets and corners of the facets, merged by planes."""
     facet, chosen = _planes(hull)
     normals, offsets = hull.normals[chosen], hull.offsets[chosen]
     size = hull.points.shape[1]

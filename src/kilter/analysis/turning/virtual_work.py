@@ -3,7 +3,7 @@
     z(g) = min over dp in A of -(sum_i m_i dr_i) . g,    A: J dp >= 0, |dr|, |dtheta| <= 1
 
 in the units of the file. A does not depend on g, and only q = sum_i m_i dr_i, a vector of
-R^3, meets it: one kept program serves every direction, its cost is linear in g, and so are
+R^3, meets it: a single kept program serves every direction, its cost is linear in g, and so are
 its reduced costs, which is equation (11).
 
 Inside, q and z are divided by the mass of the free parts, so that they lie in [-1, 1] on the
@@ -32,7 +32,7 @@ __all__ = ["Optimum", "UnitProgram", "VirtualWork", "facets_of_diamond", "unit_p
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Optimum:
-    """What one direction gave: `z` over the mass, the point `q` (3,) over the mass, and `x`."""
+    """Result for a direction: `z` over the mass, the point `q` (3,) over the mass, and `x`."""
 
     z: float
     q: Array
@@ -94,7 +94,7 @@ def unit_program(program: Program) -> UnitProgram:
 
 
 class VirtualWork:
-    """z, and a point of Q, for one direction of gravity after another.
+    """z, and a point of Q, for successive directions of gravity.
 
     Attributes
     ----------
@@ -131,7 +131,7 @@ class VirtualWork:
         return Optimum(min(-float(q @ gravity), 0.0), q, x)
 
     def partition(self) -> Array:
-        """The last basis stays optimal where ``partition @ g >= 0``; unit rows, (k, 3).
+        """The last basis stays optimal if ``partition @ g >= 0``; unit rows, (k, 3).
 
         Equation (11) of the paper. Reduced costs that no direction changes are left out.
         """

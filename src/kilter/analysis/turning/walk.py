@@ -1,15 +1,15 @@
 """Problem 2 as published: a walk through the partitions of the diamond.
 
 The diamond |g|_1 = 1 is cut into facets (eight; four if planar), and each facet into
-partitions in which one basis of LP (9) stays optimal, equation (11). In a partition z is
+partitions in which the same basis of LP (9) stays optimal, equation (11). In a partition z is
 linear, so its maximum there is a small LP in g. From the start g_a the walk goes to that
-maximum g_b; where g_b lies on the boundary it takes an epsilon step along the directed arc
-g_a -> g_b into the next partition, and so on. It ends where the maximum lies in the
-interior of its partition, or where a boundary point is met again.
+maximum g_b; if g_b lies on the boundary it takes an epsilon step along the directed arc
+g_a -> g_b into the next partition, and so on. It ends if the maximum lies in the
+interior of its partition, or if a boundary point is met again.
 
-The second rule is not always right: bases are degenerate where z = 0, and a partition by
-bases is then only a piece of the set where one dp is optimal. So after the published rule the
-direction is tested (`is_best`), and where it fails the walk starts again on the ascent that the
+The second rule is not always right: bases are degenerate if z = 0, and a partition by
+bases is then only a piece of the set with the same optimal dp. So after the published rule the
+direction is tested (`is_best`), and if it fails the walk starts again on the ascent that the
 test found. Both are counted apart.
 
 The test: is 0 in the superdifferential of z? At g the supergradients of z are -q for the
@@ -17,7 +17,7 @@ q = sum_i m_i dr_i of all optimal dp. The value
 
     t = min over optimal dp of max over corners v of the facet of -q . v
 
-is z(g) exactly where one of them lets z rise toward no corner. Else the multipliers of
+is z(g) exactly if some optimal dp lets z rise toward no corner. Else the multipliers of
 the corners make the direction g' = sum_j l_j v_j toward which z rises at first. Any dp in A
 bounds z from above, so t bounds z on the whole facet, however roughly "optimal dp" is taken.
 
@@ -63,7 +63,7 @@ RESTARTS = 100
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WalkFacet:
-    """The walk in one facet.
+    """The walk in a facet.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class WalkFacet:
     heights : ndarray, shape (k,)
         z along the path [kg x length unit].
     published : float
-        z where the published rule first ended [kg x length unit].
+        z at the first end of the published rule [kg x length unit].
     stops : tuple of str
         "interior", "revisited" or "broken off": how each walk ended, restarts included.
     failed : int
@@ -107,7 +107,7 @@ class Walk:
     gravity : ndarray, shape (3,)
         On the diamond |g|_1 = 1.
     z : float
-        [kg x length unit]; 0 where `gravity` is stable.
+        [kg x length unit]; 0 if `gravity` is stable.
     facets : tuple of WalkFacet
         Those that were walked: all, or up to the first with z = 0.
     programs : int
@@ -161,7 +161,7 @@ def walk(program: Program, *, every: bool = False) -> Walk:
     ----------
     program : Program
     every : bool
-        Go on to the other facets where z = 0, its greatest value, was found.
+        Whether to continue with the other facets after z = 0, its greatest value, was found.
 
     Raises
     ------
@@ -211,7 +211,7 @@ def walk(program: Program, *, every: bool = False) -> Walk:
 
 
 def _facet(work: VirtualWork, signs: Array) -> tuple[_Trail, float, int, bool]:
-    """Walk in one facet; the trail, z of the published rule, failed stops, and whether best."""
+    """Walk in a facet; the trail, z of the published rule, failed stops, and whether best."""
     trail = _Trail(signs)
     start = np.zeros(3)
     start[work.unit.axes] = START[work.unit.axes]
@@ -305,7 +305,7 @@ class Optimality:
     """Whether a direction is the `best` of its facet.
 
     `bound`: no direction of the facet has a greater z over the mass. `toward`, shape (3,):
-    the point of the facet toward which z rises, where it does.
+    the point of the facet toward which z rises, if it does.
     """
 
     best: bool

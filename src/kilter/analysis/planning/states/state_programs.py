@@ -68,7 +68,7 @@ class StatePrograms:
         return self.taken(self.outer, present, held)
 
     def taken(self, program: Program, present: Mask, held: Mask) -> Program:
-        """Of a program of all parts, or of some of its rows, what a state has."""
+        """The rows that belong to a state, of a program of all parts."""
         free = self.free & present & ~held
         rows = np.flatnonzero(rows_of_state(program, present, free))
         tolerance = np.full(len(free), TOLERANCE)
