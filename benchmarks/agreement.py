@@ -188,8 +188,8 @@ def _real(random: np.random.Generator, folder: Path) -> Assembly:
     return assembly.with_down(down)
 
 
-def judge(family: str, seed: int, real: Path | None) -> Case | None:
-    """Run every command on a case and compare the answers."""
+def judge(family: str, seed: int, real: Path | None, folder: Path) -> Case | None:
+    """Run every command on a case and compare the answers; keep its file in a folder."""
     signal.signal(signal.SIGPROF, _cut)
     case = Case(family, seed)
     try:
@@ -200,6 +200,7 @@ def judge(family: str, seed: int, real: Path | None) -> Case | None:
         if verdict is None:
             return case
         case.verdict = verdict.verdict
+        kilter.dump(assembly, folder / f"{family}-{seed}.kilter.json")
         for rule in (_verify, _plan, _hold, _limits, _region, _orient, _report, _many, _remedies):
             rule(case, assembly, verdict)
     except Exception as error:
@@ -405,9 +406,11 @@ def main() -> int:
     given = parser.parse_args()
     families = given.family or FAMILIES
     seeds = range(given.first, given.first + given.count)
-    jobs = [(families[seed % len(families)], seed, given.real) for seed in seeds]
+    folder = Path(tempfile.mkdtemp(prefix="agreement-"))
+    jobs = [(families[seed % len(families)], seed, given.real, folder) for seed in seeds]
     tests: collections.Counter[str] = collections.Counter()
     words: collections.Counter[str] = collections.Counter()
+    words_of: list[str] = []
     commands, cuts = 0, collections.Counter[str]()
     wrong: list[str] = []
     slowest: dict[str, tuple[float, str]] = {}
@@ -417,6 +420,7 @@ def main() -> int:
                 continue
             tests += case.tests
             words[f"{case.family} {case.verdict}"] += 1
+            words_of += [] if case.verdict == "error" else [case.verdict]
             commands += len(case.seconds)
             cuts.update(case.cut)
             wrong += case.wrong
@@ -426,6 +430,12 @@ def main() -> int:
                 slowest[name] = max(
                     slowest.get(name, (0.0, "")), (taken, f"{case.family} {case.seed}")
                 )
+    batched = kilter.batch(folder, folder / "rows", processes=given.processes)
+    checked = collections.Counter(words_of)
+    tests["batch"] += batched.rows
+    if batched.counts != checked:
+        wrong.append(f"batch {dict(batched.counts)}, check {dict(checked)}")
+        print(wrong[-1])
     for title, counter in (("verdicts", words), ("tests", tests), ("cut at 20 CPU s", cuts)):
         print(title)
         for name, number in sorted(counter.items()):
