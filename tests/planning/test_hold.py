@@ -432,3 +432,14 @@ def test_the_supports_raise_the_assembly_to_the_required_level() -> None:
     held = block.with_grounded([support.part for support in settled.supports or ()])
     assert kilter.check(held, require="settles").stable
     assert not kilter.check(block, require="settles").stable
+
+
+def test_a_grip_on_a_loaded_part_carries_its_load() -> None:
+    """Books between a wall and a plate that a load presses: a grip replaces that load."""
+    fixture = kilter.hold(scene("books"), require="settles")
+    assert fixture.verdict == "held"
+    assert rechecked(fixture) == ""
+    loaded = {load.part for load in scene("books").loads}
+    gripped = scene("books").with_grips(loaded)
+    assert not gripped.loads
+    assert all(gripped.parts[gripped.index[name]].grounded for name in loaded)

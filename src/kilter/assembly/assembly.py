@@ -341,6 +341,21 @@ class Assembly:
             ]
         )
 
+    def with_grips(self, names: Iterable[str]) -> Assembly:
+        """The assembly while a hand or a gripper holds these parts.
+
+        Loads on them are left out: the grip carries them.
+        """
+        gripped = set(names)
+        loads = [load for load in self.loads if load.part not in gripped]
+        return self._replace(
+            parts=[
+                dataclasses.replace(part, grounded=True) if part.name in gripped else part
+                for part in self.parts
+            ],
+            loads=loads,
+        )
+
     def with_bonds(self, bonds: Iterable[Bond]) -> Assembly:
         """The assembly with additional bonds."""
         return self._replace(bonds=[*self.bonds, *bonds])

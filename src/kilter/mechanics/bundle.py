@@ -128,7 +128,7 @@ def apply_change(
         if change.get("without"):
             assembly = assembly.without(change["without"])
         if change.get("held"):
-            assembly = assembly.with_grounded(change["held"])
+            assembly = assembly.with_grips(change["held"])
         contacts = contacts_among(contacts, assembly)
     if change.get("supports") is not None:
         supports = [Support.from_dict(data) for data in change["supports"]]

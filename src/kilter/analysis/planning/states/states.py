@@ -441,7 +441,7 @@ class States:
         if not state.present.all():
             assembly = assembly.without(names[~state.present].tolist())
         held = names[state.present & ~state.free].tolist()
-        return assembly.with_grounded(held) if held else assembly
+        return assembly.with_grips(held) if held else assembly
 
     def held_names(self, state: State) -> list[str]:
         """Return the names of the held parts of a state, without the grounded parts."""
