@@ -16,6 +16,7 @@ from typing import Any
 
 from kilter.analysis.planning.hold.hold_check import wrong_hold
 from kilter.analysis.planning.order.order_check import wrong_order
+from kilter.analysis.planning.plan_proof_form import require_hold_form, require_plan_form
 from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance, contacts
 from kilter.contact.fits.fastening import fasten_as_read
@@ -25,7 +26,7 @@ from kilter.friction.exclusion_file import recheck_exclusion
 from kilter.mechanics.bundle import apply_change, is_bundle, split_bundle, subject_mismatch
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
-from kilter.mechanics.proof_form import require_form
+from kilter.mechanics.proof_form import MalformedProof, require_form
 from kilter.mechanics.recheck import recheck
 from kilter.second_order.proofs.second_order_recheck import recheck_second_order
 
@@ -215,8 +216,11 @@ def verify_bundle(assembly: Assembly, contacts: ContactSet, bundle: dict[str, An
     )
 
 
-JUDGES = {"plan": wrong_order, "hold": wrong_hold}
-"""Why proofs that hold one by one are together none of these."""
+JUDGES = {
+    "plan": (require_plan_form, wrong_order),
+    "hold": (require_hold_form, wrong_hold),
+}
+"""For files of several proofs: the form of their statements, and the judge of all together."""
 
 
 def _wrong_together(
@@ -229,16 +233,17 @@ def _wrong_together(
     InputError
         If the statements of the proofs do not have their form.
     """
-    judge = JUDGES.get(bundle["kind"])
-    if judge is None:
+    if bundle["kind"] not in JUDGES:
         return []
+    require_statements, judge = JUDGES[bundle["kind"]]
     try:
-        return list(judge(assembly, contacts, bundle, verdicts))
-    except (KeyError, IndexError, TypeError, ValueError, OverflowError, AttributeError) as error:
+        require_statements(bundle, assembly.names)
+    except MalformedProof as error:
         raise InputError(
             f"the proof of a {bundle['kind']} does not have the required form ({error})",
             hint="write it again with --proof",
         ) from None
+    return list(judge(assembly, contacts, bundle, verdicts))
 
 
 def verify_proof(assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]) -> Verification:

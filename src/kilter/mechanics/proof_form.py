@@ -15,12 +15,17 @@ from kilter.validate import LARGEST
 
 __all__ = [
     "COUNT",
+    "FLAG",
     "FORMAT",
+    "LOADS",
     "NUMBER",
+    "PAIR",
     "SIX",
+    "VECTOR",
     "WORD",
     "Form",
     "MalformedProof",
+    "count_up_to",
     "every",
     "keys",
     "list_of",
@@ -30,6 +35,7 @@ __all__ = [
     "optional_keys",
     "require_bundle_form",
     "require_form",
+    "row_of",
 ]
 
 FORMAT = 1
@@ -113,6 +119,28 @@ def optional_keys(**forms: Form) -> Form:
         known = value if isinstance(value, dict) else {}
         there = {key: form for key, form in forms.items() if known.get(key) is not None}
         return keys(**there)(value, place)
+
+    return fault
+
+
+def row_of(*forms: Form) -> Form:
+    """A list with an entry of each of these forms, in this order."""
+
+    def fault(value: Any, place: str) -> str:
+        if not isinstance(value, list) or len(value) != len(forms):
+            return f"{place} is {value!r:.40}"
+        entries = zip(forms, value, strict=True)
+        return _first(form(entry, f"{place}[{k}]") for k, (form, entry) in enumerate(entries))
+
+    return fault
+
+
+def count_up_to(most: int, *, least: int = 1) -> Form:
+    """A whole number from `least` to `most`."""
+
+    def fault(value: Any, place: str) -> str:
+        wrong = COUNT(value, place)
+        return wrong or ("" if least <= value <= most else f"{place} is {value!r:.40}")
 
     return fault
 

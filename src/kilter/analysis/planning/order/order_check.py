@@ -51,8 +51,7 @@ def wrong_order(
 ) -> Iterator[str]:
     """Yield the reasons why the proofs of a plan form neither an order nor an impossibility.
 
-    Malformed data raises a `KeyError`, `IndexError`, `TypeError`, `ValueError` or
-    `AttributeError`; `kilter.analysis.verification` turns it into a message.
+    The statements have the form of `kilter.analysis.planning.plan_proof_form`.
 
     Parameters
     ----------

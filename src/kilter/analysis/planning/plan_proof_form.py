@@ -1,0 +1,105 @@
+"""The form of the statements in a proof of a plan or of a fixture.
+
+Statements of this form can be judged without further checks: every key that is read exists, every
+name is the name of a part, and every number of a candidate exists.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from kilter.mechanics.proof_form import (
+    COUNT,
+    FLAG,
+    LOADS,
+    NUMBER,
+    PAIR,
+    SIX,
+    VECTOR,
+    WORD,
+    Form,
+    MalformedProof,
+    count_up_to,
+    every,
+    keys,
+    list_of,
+    named,
+    nullable,
+    one_of,
+    optional_keys,
+    row_of,
+)
+
+__all__ = ["require_hold_form", "require_plan_form"]
+
+PLAN_RULES = keys(
+    hold=COUNT,
+    press=NUMBER,
+    turn=FLAG,
+    precedence=list_of(PAIR),
+    groups=list_of(list_of(WORD)),
+    never_held=list_of(WORD),
+    screws=list_of(row_of(WORD, WORD, VECTOR)),
+)
+"""Rules that an order keeps."""
+HOLD_RULES = keys(candidates=list_of(keys(kind=WORD, part=WORD)), least=COUNT)
+"""Candidates for supports, and the proved least number of supports."""
+
+
+def require_plan_form(bundle: Mapping[str, Any], names: Sequence[str]) -> None:
+    """Require the form of the statements of a plan.
+
+    Parameters
+    ----------
+    bundle : mapping
+        Data of the file, whose proofs hold one by one.
+    names : sequence of str
+        Names of the parts of the assembly.
+
+    Raises
+    ------
+    MalformedProof
+        With the first key that is missing or of another kind.
+    """
+    part, step = one_of(*names), COUNT
+    parts = list_of(part)
+    kinds: dict[str, Form] = {
+        "step": keys(
+            parts=parts,
+            legs=list_of(row_of(VECTOR, nullable(NUMBER))),
+            over=nullable(part),
+        ),
+        "turned": keys(step=step, change=keys(down=VECTOR)),
+        "pressed": keys(step=step, change=keys(loads=LOADS)),
+        "not fewer": keys(step=step, parts=parts),
+        "falls alone": keys(part=part),
+        "locked": keys(part=part, multipliers=list_of(NUMBER)),
+        "refused": keys(parts=parts),
+    }
+    state = every(keys(without=parts, held=parts), optional_keys(down=VECTOR, loads=LOADS))
+
+    def statement(entry: Any, place: str) -> str:
+        form = every(keys(change=state), kinds.get(entry["about"], keys()))
+        return form(entry, place)
+
+    _require(keys(rules=PLAN_RULES, proofs=list_of(statement)), bundle)
+
+
+def require_hold_form(bundle: Mapping[str, Any], names: Sequence[str]) -> None:
+    """Require the form of the statements of a fixture; arguments and errors as for a plan."""
+    _require(keys(rules=HOLD_RULES), bundle)
+    last = len(bundle["rules"]["candidates"]) - 1
+    chosen = keys(supports=list_of(count_up_to(last, least=0)))
+    falls = keys(proof=keys(motion=named(SIX)))
+
+    def statement(entry: Any, place: str) -> str:
+        return every(chosen, falls if entry["about"] == "not fewer" else keys())(entry, place)
+
+    _require(keys(proofs=list_of(statement)), bundle)
+
+
+def _require(form: Form, bundle: Mapping[str, Any]) -> None:
+    fault = form(bundle, "")
+    if fault:
+        raise MalformedProof(fault)
