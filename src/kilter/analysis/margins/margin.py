@@ -259,7 +259,7 @@ def margin(
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Margin:
-    """By how much an assembly holds, or does not.
+    """Compute the margins of an assembly: tilt, least friction, load factor and pushes.
 
     Parameters
     ----------

@@ -272,7 +272,7 @@ def widest_axis(facets: ArrayLike) -> Array:
 
 
 def _axis_of(candidates: list[int], q: Array) -> tuple[list[int], Array]:
-    """The axis of up to four facets, and those that determine it."""
+    """Axis of the widest circular cone inside up to four facets, and the facets that touch it."""
     best: tuple[float, list[int], Array] | None = None
     for size in (1, 2, 3):
         for chosen in itertools.combinations(candidates, size):
