@@ -135,7 +135,7 @@ class Case:
         except Cut:
             self.cut.append(name)
         except InputError as error:
-            self.tests[f"{name} rejects: {str(error)[:70]}"] += 1
+            self.tests[f"{name} rejects: {str(error).split(", such as")[0][:70]}"] += 1
             if "fault" in str(error):
                 self.wrong.append(f"{self.family} {self.seed}: {name}: {error}")
         finally:
