@@ -135,7 +135,8 @@ class Case:
         except Cut:
             self.cut.append(name)
         except InputError as error:
-            self.tests[f"{name} rejects: {str(error).split(", such as")[0][:70]}"] += 1
+            reason = str(error).split(", such as")[0][:70]
+            self.tests[f"{name} rejects: {reason}"] += 1
             if "fault" in str(error):
                 self.wrong.append(f"{self.family} {self.seed}: {name}: {error}")
         finally:

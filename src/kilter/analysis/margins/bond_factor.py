@@ -1,11 +1,12 @@
-"""Required share of the bond strength: the least share with which forces hold the assembly.
+"""The least share of the strength of all bonds with which contact forces hold the assembly.
 
-    min s:  J^T f' + w + s c = 0,  f' in the cones          c: the clamps of all bonds
+    min s:  J^T f' + w + s c = 0,  f' in the cones          c: the wrenches of the bonds' pulls
 
-Below 1 the assembly stands, above 1 it falls. The bond that takes up most work in the motion that
-starts there breaks first. If no share is enough, bonds of unlimited strength do not hold
-either: then forces have both signs along the normals of all bonded points, and with
-friction any size across them.
+If s is below 1, the bonds are strong enough; if s is above 1, the assembly falls. At the limit a
+mechanism starts, and the bond that takes up most of its work breaks first.
+
+If no share is enough, bonds of unlimited strength do not hold the assembly either. Their forces
+have both signs along the normals of all bonded points and, with friction, any size across them.
 """
 
 from __future__ import annotations
@@ -29,27 +30,28 @@ from kilter.mechanics.rows import CONTACT, ForceRows, bonded_rows
 __all__ = ["BondFactor", "find_bond_factor"]
 
 NEEDLESS = 1e-9
-"""Pulls of all bonds, over the weight, up to which they are not needed: a certificate tells no
-less [-]."""
+"""Bonds count as unneeded up to this sum of their pulls, divided by the weight [-]. A certificate
+cannot resolve less."""
 STRONG = 1e-3
-"""A share below this, or near its gap, is asked again with the weight as unit [-]."""
+"""A share below this is computed again with the weight as unit of force [-]. So is a share that is
+not much larger than the gap of its proofs."""
 GIVES = 1e-6
-"""Share of the work from which on a bond counts as one that gives way [-]."""
+"""A bond gives way if it takes up more than this share of the work of the mechanism [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BondFactor:
-    """The share of its strength that every bond needs at least, all alike.
+    """The least share of its strength that every bond needs; the share is the same for all bonds.
 
     Attributes
     ----------
     value : float
-        s [-]; 0 if no strength is needed.
+        Share s [-]; 0 if the assembly holds without bonds.
     limit : Limit
-        Forces and mechanism there.
+        Forces and mechanism at this share.
     opens : tuple of pairs (int, float)
-        Bonds that give way in the mechanism, by position in the assembly, and the share of the
-        work that each takes up [-]; the greatest first.
+        Bonds that give way in the mechanism: index in the assembly, and share of the work that
+        the bond takes up [-]. The largest share comes first.
     """
 
     value: float
@@ -57,7 +59,7 @@ class BondFactor:
     opens: tuple[tuple[int, float], ...]
 
     def to_dict(self, program: Program, assembly: Assembly) -> dict[str, Any]:
-        """As JSON data of the answer of margins."""
+        """JSON data for the answer of `kilter margin`: gap, moving parts, bonds that give way."""
         return {
             "gap": finite(self.limit.gap),
             "moves": starting(program, self.limit.mechanism),
@@ -68,13 +70,17 @@ class BondFactor:
 
 
 def find_bond_factor(program: Program, contacts: ContactSet) -> BondFactor | NoLimit:
-    """The least share of the strength of all bonds with which an assembly holds.
+    """Compute the least share of the strength of all bonds with which an assembly holds.
+
+    The result is a `NoLimit` with the reason "none" if bonds of any strength do not hold it, or
+    "failed" if the solvers give no proof.
 
     Parameters
     ----------
     program : Program
         ``build_program(assembly, contacts)``.
     contacts : ContactSet
+        The contacts of `program`; they give the bond of each contact row.
 
     Examples
     --------
@@ -89,73 +95,83 @@ def find_bond_factor(program: Program, contacts: ContactSet) -> BondFactor | NoL
     """
     if program.cohesion.any():
         return _by_strength(program, contacts)
+    # the program contains the full strength, of which the limit removes the largest share
     limit = find_limit(program, -program.clamp, most=1.0)
     if isinstance(limit, NoLimit):
         if limit.why == "failed" and judge(unbreakable(program)).stable is False:
             return NoLimit("none")
         return limit
     value = 0.0 if np.isinf(limit.value) else 1.0 - limit.value
+    # 1 - limit cancels for bonds far stronger than the weight
     if program.clamp.any() and (value < STRONG or limit.gap > SIDES_NEAR * value):
         nearer = _by_weight(program)
         if isinstance(nearer, NoLimit) and value < STRONG:
             return nearer
         if isinstance(nearer, Limit) and (value < STRONG or nearer.gap < limit.gap):
             limit, value = nearer, -nearer.value
-    return BondFactor(value, limit, _opens(program, contacts, limit) if value else ())
+    return BondFactor(value, limit, _yielding_bonds(program, contacts, limit) if value else ())
 
 
 def _by_weight(program: Program) -> Limit | NoLimit:
-    """The limit of minus the share, asked of pulls that are together as large as the weight."""
+    """Limit of minus the share s, solved with pulls scaled until their sum equals the weight."""
     unit = float(program.weight[program.free].sum() / program.pull.sum())
     loose = program.with_rows(clamp=np.zeros_like(program.clamp))
-    found = find_limit(loose, -unit * program.clamp, most=1.0)
-    if isinstance(found, NoLimit):
-        return found
-    value = 0.0 if found.value >= -NEEDLESS else found.value * unit
-    gap = found.gap * max(abs(found.value), 1.0) * unit / max(abs(value), 1.0)
-    return replace(found, value=value, gap=gap)
+    scaled = find_limit(loose, -unit * program.clamp, most=1.0)
+    if isinstance(scaled, NoLimit):
+        return scaled
+    value = 0.0 if scaled.value >= -NEEDLESS else scaled.value * unit
+    gap = scaled.gap * max(abs(scaled.value), 1.0) * unit / max(abs(value), 1.0)
+    return replace(scaled, value=value, gap=gap)
 
 
 def unbreakable(program: Program) -> Program:
-    """The program with bonds of unlimited strength: the limit of ever stronger bonds."""
-    held = program.pull > 0
+    """The program with bonds of unlimited strength: bonded rows take forces of both signs.
+
+    With friction, or if a bond takes shear, they also take any force across the normal.
+    """
+    bonded = program.pull > 0
     rows = replace(
         program.force_rows,
-        two_sided=program.two_sided | held,
-        mu=np.where(held, 0.0, program.mu),
-        pull=np.zeros(len(held)),
-        shear=np.full(len(held), np.nan),
+        two_sided=program.two_sided | bonded,
+        mu=np.where(bonded, 0.0, program.mu),
+        pull=np.zeros(len(bonded)),
+        shear=np.full(len(bonded), np.nan),
     )
-    across = bonded_rows(replace(rows, tied=held & (program.mu > 0) | (program.cohesion > 0)))
+    across = bonded_rows(replace(rows, tied=bonded & (program.mu > 0) | (program.cohesion > 0)))
     loose = program.with_rows(clamp=np.zeros_like(program.clamp))
     return loose.with_force_rows(ForceRows.join([rows, across]))
 
 
 def _by_strength(program: Program, contacts: ContactSet) -> BondFactor | NoLimit:
-    """The same if bonds carry shear up to a force, which is a share of the strength, too."""
+    """Bond factor if bonds also have a shear strength, which scales with the same share."""
     wide = cone_problem(program)
-    found = find_strength(wide)
-    if found is None or np.isinf(found.share):
-        none = found is not None or judge(unbreakable(program)).stable is False
-        return NoLimit("none" if none else "failed")
-    held = check_forces(program.with_strength(found.share), found.forces, found.friction)
-    limit, share = Limit(found.share, held, None, np.inf), found.share
+    strength = find_strength(wide)
+    if strength is None or np.isinf(strength.share):
+        hopeless = strength is not None or judge(unbreakable(program)).stable is False
+        return NoLimit("none" if hopeless else "failed")
+    balance = check_forces(
+        program.with_strength(strength.share), strength.forces, strength.friction
+    )
+    limit, share = Limit(strength.share, balance, None, np.inf), strength.share
     used = share * float(program.pull.sum() + program.cohesion.sum())
-    if held.holds and used <= NEEDLESS * float(program.weight[program.free].sum()):
+    if balance.holds and used <= NEEDLESS * float(program.weight[program.free].sum()):
         return BondFactor(0.0, limit, ())
+    # the motion gains power only below the limit; the nearest share with a proof sets the gap
     for step in BEYOND_LIMIT:
         below = share - step * max(share, 1.0)
-        moved = check_motion(program.with_strength(below), found.motion)
-        if below >= 0 and moved.holds:
-            limit = Limit(share, held, moved, (share - below) / max(share, 1.0))
+        mechanism = check_motion(program.with_strength(below), strength.motion)
+        if below >= 0 and mechanism.holds:
+            limit = Limit(share, balance, mechanism, (share - below) / max(share, 1.0))
             break
-    if not held.holds:
+    if not balance.holds:
         return NoLimit("failed")
-    return BondFactor(share, limit, _opens(program, contacts, limit))
+    return BondFactor(share, limit, _yielding_bonds(program, contacts, limit))
 
 
-def _opens(program: Program, contacts: ContactSet, limit: Limit) -> tuple[tuple[int, float], ...]:
-    """Bonds that give way in the mechanism at a limit."""
+def _yielding_bonds(
+    program: Program, contacts: ContactSet, limit: Limit
+) -> tuple[tuple[int, float], ...]:
+    """Indices of the bonds that give way in the mechanism, each with its share of the work [-]."""
     if limit.mechanism is None:
         return ()
     strong = (program.pull > 0) | (program.cohesion > 0)

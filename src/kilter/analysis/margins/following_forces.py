@@ -1,7 +1,7 @@
-"""Limits that hold for all masses and centres within intervals: forces that follow them.
+"""Limits that hold for all masses and centres of mass within intervals, with affine forces.
 
-The forces are affine in the masses and the moments (`kilter.mechanics.affine`), so one linear
-program bounds the values that all of them hold: an inner limit.
+The forces are affine functions of the masses and moments (`kilter.mechanics.affine`). A single
+linear program then gives a limit that is valid for every mass and centre: an inner bound.
 """
 
 from __future__ import annotations
@@ -25,29 +25,30 @@ if TYPE_CHECKING:
 __all__ = ["FollowingForces", "Unknowns"]
 
 Unknowns = list[tuple[int, int]]
-"""What varies, (part, what): 3 for its mass, else the axis of its centre."""
+"""Uncertain quantities (part, axis): axis 3 is the mass, 0 to 2 a coordinate of the centre."""
 STEEP = 1e3
-"""Tangents of a tilt, and shares of a load, above which forces that follow are not sought."""
+"""Largest tangent of a tilt, and largest share of a load, in the linear program [-]."""
 SHOTS = 16
-"""Directions looked at for the least tilt where forces follow."""
+"""Maximum number of directions in the search for the least tilt."""
 SIMPLEX = 30_000
-"""Entries of the linear program up to which simplex is tried first, else interior point."""
+"""Largest number of matrix entries with which simplex runs before the interior-point method."""
 
 
 class FollowingForces:
-    """Limits with forces that follow masses and centres in proportion.
+    """Limits with forces that are affine in the masses and centres of mass.
 
     Parameters
     ----------
     program : Program
-        In pyramids: a row a ray.
+        Program with friction pyramids: each row is a ray of a pyramid.
     problem : ScaledProblem
-        Of the program.
+        Scaled form of `program`.
     unknowns : list of (int, int)
+        Uncertain quantities, see `Unknowns`.
     mass : (float, float)
-        Factors of every free part by itself [-].
+        Least and greatest factor of a mass [-]; the masses vary independently.
     center : float
-        Every coordinate of every centre of mass, plus or minus [length unit].
+        Greatest deviation of each coordinate of each centre of mass [length unit].
     """
 
     def __init__(
@@ -65,23 +66,42 @@ class FollowingForces:
         self.moment = center * mass[1]
 
     def _sides(self, direction: Array) -> Array:
-        """Contribution of each unknown to the load of a body force along a direction, (K, rows)."""
+        """Change of the scaled load per unknown, for gravity along `direction`, (K, rows)."""
         program = self.program
         size = program.mass * program.g
         sides = []
-        for part, what in self.unknowns:
+        for part, axis in self.unknowns:
             wrench = np.zeros((len(program.names), 6))
-            if what == 3:
+            if axis == 3:
                 wrench[part, :3] = self.spread * size[part] * direction
             else:
-                wrench[part, 3:] = self.moment * size[part] * cross(np.eye(3)[what], direction)
+                wrench[part, 3:] = self.moment * size[part] * cross(np.eye(3)[axis], direction)
             sides.append(self.problem.scaled_load(wrench))
         return np.array(sides).reshape(len(sides), len(self.problem.right))
 
     def reach(
         self, wrench: Array | None, push: Array | None, most: float, sign: float = 1.0
     ) -> float | NoLimit:
-        """The largest share of given wrenches, or of a body force, that is held for all."""
+        """Largest proved share of a further load that every mass and centre in the box withstands.
+
+        Parameters
+        ----------
+        wrench : ndarray, shape (N, 6), optional
+            Further wrenches on the parts [N], [N x length unit]. They replace the applied loads of
+            the program; without `wrench`, these loads belong to the base load.
+        push : ndarray, shape (3,), optional
+            Direction of a body force as large as the weight; the further load instead of `wrench`.
+        most : float
+            Upper end of the interval of shares [-].
+        sign : float
+            Factor of the further load, usually 1 or -1.
+
+        Returns
+        -------
+        float or NoLimit
+            Share [-]; infinite if `most` exceeds `STEEP` and the share reaches it. `NoLimit` with
+            reason "none" if the linear program is infeasible, else "failed".
+        """
         program = self.program
         down = program.down
         base = self.middle * gravity_wrench(program, down)
@@ -99,9 +119,10 @@ class FollowingForces:
             self._sides(down),
             turns,
         )
-        return self._solved(load, most)
+        return self._largest_share(load, most)
 
-    def _solved(self, load: UncertainLoad, most: float) -> float | NoLimit:
+    def _largest_share(self, load: UncertainLoad, most: float) -> float | NoLimit:
+        """Largest share of an uncertain load, from whichever method gives balanced forces."""
         from kilter.solvers.highs import solve_linear
 
         program = affine_forces(self.problem, load, min(most, STEEP))
@@ -120,7 +141,10 @@ class FollowingForces:
         return NoLimit("failed")
 
     def tilt(self) -> float | NoLimit:
-        """A turn of gravity [rad] up to which every direction is held for all."""
+        """Angle [rad] by which gravity may tilt in any direction, for every mass and centre.
+
+        The angle is a proved inner bound; `NoLimit` with reason "failed" if no bound is found.
+        """
         basis = across_gravity(self.program)
 
         def shoot(direction: Array) -> SupportPoint | None:

@@ -1,9 +1,11 @@
-"""Changes of a model of bricks: the weakest stud, the brick to add or to take away.
+"""Changes that strengthen a brick model: the weakest studs, and bricks to add or to remove.
 
-At the least share s of the strength of all studs with which it holds, a mechanism starts. To
-remove a brick whose weight drives it may help, and so may a further brick that spans studs which
-the mechanism moves apart. The mechanism only names candidates: the best of each kind are added or
-removed, and s is computed again. If no strength is enough, the mechanism is the motion of the fall.
+Let s be the least share of the strength of all studs with which the model holds. At s a mechanism
+starts. Removing a brick helps if its weight drives the mechanism; adding a brick helps if it spans
+studs that the mechanism moves apart.
+
+The mechanism only selects candidates: the best few changes of each kind are made, and s is computed
+again. If no strength is enough, the motion of the fall takes the place of the mechanism.
 """
 
 from __future__ import annotations
@@ -33,31 +35,33 @@ from kilter.threads import on_one_thread
 __all__ = ["BrickChange", "Improvement", "improve"]
 
 TRIED = 8
-"""Bricks of each kind that are tried."""
+"""Maximum number of bricks to try for addition, and as many for removal."""
 WEAKEST = 3
-"""Bonds about which bricks are put in; twice as many bricks where no strength is enough."""
+"""Number of weakest bonds near which bricks are added. If no strength is enough, bricks are added
+near twice this number of the fastest bricks."""
 SAME_DIGITS = 9
-"""Shares that agree to so many decimals count as one: of those a brick more comes first."""
+"""Shares that agree to this number of decimals count as equal; additions then come first."""
 Cell = tuple[int, int, int]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BrickChange:
-    """A brick that is added or removed, and the share of strength that is needed afterwards.
+    """A brick to add or to remove, and the share of strength that the changed model needs.
 
     Attributes
     ----------
     what : {"add", "remove"}
     name : str
-        Name of the brick in the changed assembly, or in the given assembly if it is removed.
+        Name of the brick: in the changed assembly if it is added, else in the given assembly.
     corner : tuple of int
-        Its lowest cell: x, y [cells], z [plates].
+        Lowest cell of the brick: x, y [cells], z [plates].
     cells : tuple of int
-        Along x and y.
+        Size along x and y [cells].
     share : float
-        Of the strength of studs that is needed then [-]; below 1 it stands.
+        Least share of the strength of studs that the changed assembly needs [-]. If it is below 1,
+        the changed assembly stands.
     assembly : Assembly
-        With this change.
+        The changed assembly.
     """
 
     what: str
@@ -81,23 +85,25 @@ class BrickChange:
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Improvement:
-    """The share that is needed as it is, the weakest studs, and the change that helps most.
+    """The least share of strength that a model needs, its weakest studs, and the best change.
 
     Attributes
     ----------
     assembly : Assembly
         The given assembly.
     verdict : str
-        Of `kilter.check` as it is.
+        Verdict of `kilter.check` on the given assembly.
     share : float
-        Share of the strength of the studs that is needed [-]; infinite if no strength is enough.
+        Least share of the strength of studs that the given assembly needs [-]. It is infinite if
+        no strength is enough, or if no limit was found.
     weakest : tuple of str or None
         The two bricks whose studs give way first.
     best : BrickChange or None
-        None if no tried change helps.
+        The change with the least share; None if no change lowers the share.
     tried : tuple of BrickChange
-        All that were tried, the best first.
+        All changes that were tried, the best first.
     warnings : tuple of str
+        Warnings of `kilter.check`.
     """
 
     assembly: Assembly
@@ -110,17 +116,17 @@ class Improvement:
 
     @property
     def stands(self) -> bool:
-        """Whether it stands as it is, or with the best change."""
+        """True if the assembly stands, either unchanged or with the best change."""
         with_it = self.best is not None and self.best.share < 1
         return self.verdict != "unstable" or with_it
 
     @property
     def sentence(self) -> str:
-        """The recommended change, in a sentence."""
+        """The weakest studs and the best change, in a sentence."""
         return improve_sentence(self.to_dict())
 
     def to_dict(self) -> dict[str, Any]:
-        """The answer as JSON data, that of ``kilter improve --json``."""
+        """The answer as JSON data, as ``kilter improve --json`` prints it."""
         return {
             "verdict": self.verdict,
             "stands": self.stands,
@@ -128,7 +134,7 @@ class Improvement:
             "share": finite(self.share),
             "weakest": None if self.weakest is None else list(self.weakest),
             "best": None if self.best is None else self.best.to_dict(),
-            "tried": [one.to_dict() for one in self.tried],
+            "tried": [change.to_dict() for change in self.tried],
             "warnings": list(self.warnings),
         }
 
@@ -139,18 +145,20 @@ class Improvement:
 
 @on_one_thread
 def improve(assembly: Assembly, *, progress: Callable[[str], None] | None = None) -> Improvement:
-    """Find the brick whose addition or removal helps most.
+    """Find the brick whose addition or removal lowers the required strength of studs most.
 
     Parameters
     ----------
     assembly : Assembly
-        Of bricks, as `kilter.load` reads them.
+        Assembly of bricks, as `kilter.load` reads it.
     progress : callable, optional
+        Function that receives the name of each stage of the work.
 
     Raises
     ------
     InputError
-        If a part is no brick, or no cell of the grid is its own.
+        If a part is not a brick or not in the cells of the common grid, or if the assembly has
+        loads, joints or no bonds.
 
     Examples
     --------
@@ -160,33 +168,33 @@ def improve(assembly: Assembly, *, progress: Callable[[str], None] | None = None
     >>> found.stands, found.best is None or found.best.share < found.share
     (True, True)
     """
-    tell = progress or (lambda stage: None)
+    report = progress or (lambda stage: None)
     require_assembly(assembly, "improve")
     model, rules, cell = bricks_of(assembly)
-    tell("weakest studs")
+    report("weakest studs")
     verdict = check(assembly)
     program = build_program(assembly, verdict.contacts)
-    found = find_bond_factor(program, verdict.contacts)
+    factor = find_bond_factor(program, verdict.contacts)
     share, weakest, motion, near = np.inf, None, None, list[int]()
-    if isinstance(found, BondFactor):
-        share = found.value
-        weakest = assembly.bonds[found.opens[0][0]].parts if found.opens else None
-        motion = None if found.limit.mechanism is None else found.limit.mechanism.motion
-        near = _about(assembly, found)
+    if isinstance(factor, BondFactor):
+        share = factor.value
+        weakest = assembly.bonds[factor.opens[0][0]].parts if factor.opens else None
+        motion = None if factor.limit.mechanism is None else factor.limit.mechanism.motion
+        near = _weakest_bricks(assembly, factor)
     elif verdict.judgement.motion is not None:
         motion = verdict.judgement.motion.motion
-        near = _fastest(motion)
+        near = _fastest_bricks(motion)
     tried: list[BrickChange] = []
     trials = [] if motion is None else _trials(model, program, cell, motion, near)
     for what, row, other in trials:
-        tell(f"changes: {len(tried)} of {len(trials)}")
+        report(f"changes: {len(tried)} of {len(trials)}")
         changed = assembly_of_bricks(other, rules=rules, cell=cell)
         changed = replace(changed, gravity=assembly.gravity, friction=assembly.friction)
-        own = (assembly if what == "remove" else changed).names[row]
+        name = (assembly if what == "remove" else changed).names[row]
         brick = (model if what == "remove" else other).take([row])
         x, y, z = brick.corner[0].tolist()
         a, b, _ = brick.size[0].tolist()
-        tried.append(BrickChange(what, own, (x, y, z), (a, b), _share(changed), changed))
+        tried.append(BrickChange(what, name, (x, y, z), (a, b), _needed_share(changed), changed))
     tried.sort(key=lambda change: round(change.share, SAME_DIGITS))
     best = tried[0] if tried and tried[0].share < share else None
     return Improvement(
@@ -194,20 +202,21 @@ def improve(assembly: Assembly, *, progress: Callable[[str], None] | None = None
     )
 
 
-def _share(assembly: Assembly) -> float:
+def _needed_share(assembly: Assembly) -> float:
+    """Least share of the strength of studs that holds an assembly [-]; infinite without a limit."""
     touching = contacts(assembly)
-    found = find_bond_factor(build_program(assembly, touching), touching)
-    return found.value if isinstance(found, BondFactor) else np.inf
+    factor = find_bond_factor(build_program(assembly, touching), touching)
+    return factor.value if isinstance(factor, BondFactor) else np.inf
 
 
-def _about(assembly: Assembly, found: BondFactor) -> list[int]:
-    """The bricks of the bonds that give way first."""
-    bonds = [assembly.bonds[k] for k, _ in found.opens[:WEAKEST]]
+def _weakest_bricks(assembly: Assembly, factor: BondFactor) -> list[int]:
+    """Indices of the bricks of the bonds that give way first."""
+    bonds = [assembly.bonds[k] for k, _ in factor.opens[:WEAKEST]]
     return sorted({assembly.index_of(name) for bond in bonds for name in bond.parts})
 
 
-def _fastest(motion: Array) -> list[int]:
-    """The bricks that move most in a motion."""
+def _fastest_bricks(motion: Array) -> list[int]:
+    """Indices of the bricks with the highest speed in a motion."""
     speed = np.linalg.norm(motion[:, :3], axis=1)
     order = np.argsort(-speed, kind="stable")[: 2 * WEAKEST]
     return sorted(k for k in order.tolist() if speed[k] > 0)
@@ -219,12 +228,12 @@ Try = tuple[str, int, BrickModel]
 def _trials(
     model: BrickModel, program: Program, cell: float, motion: Array, near: list[int]
 ) -> list[Try]:
-    """Candidates for a change, from the motion."""
-    return [*_with(model, cell, motion, near), *_without(model, program, motion)]
+    """Candidate changes (kind, row of the brick, changed model), additions first."""
+    return [*_additions(model, cell, motion, near), *_removals(model, program, motion)]
 
 
-def _without(model: BrickModel, program: Program, motion: Array) -> Iterator[Try]:
-    """Without each of the bricks whose weight drives the motion most."""
+def _removals(model: BrickModel, program: Program, motion: Array) -> Iterator[Try]:
+    """Models without a brick, for each of the bricks whose weight drives the motion most."""
     power = program.mass * (motion[:, :3] @ program.gravity)
     power[model.held] = 0.0
     for k in np.argsort(-power, kind="stable")[:TRIED].tolist():
@@ -232,16 +241,16 @@ def _without(model: BrickModel, program: Program, motion: Array) -> Iterator[Try
             yield "remove", k, model.take(np.arange(len(model)) != k)
 
 
-def _with(model: BrickModel, cell: float, motion: Array, near: list[int]) -> Iterator[Try]:
-    """With each of the bricks that the motion would tear most, about some bricks."""
+def _additions(model: BrickModel, cell: float, motion: Array, near: list[int]) -> Iterator[Try]:
+    """Models with a further brick, for each place near given bricks that the motion tears most."""
     scored = [
-        (_torn(speeds), corner, size)
+        (_tearing(speeds), corner, size)
         for corner, size, speeds in _places(model, cell, motion, near)
         if len(speeds) > 1
     ]
     number = int(model.number.max()) + 1
-    for _, corner, (a, b) in sorted(scored, key=lambda one: (-one[0], one[1:]))[:TRIED]:
-        one = BrickModel(
+    for _, corner, (a, b) in sorted(scored, key=lambda place: (-place[0], place[1:]))[:TRIED]:
+        brick = BrickModel(
             np.array([corner]),
             np.array([[a, b, BRICK_PLATES]]),
             np.array([brick_mass(a, b)]),
@@ -250,22 +259,25 @@ def _with(model: BrickModel, cell: float, motion: Array, near: list[int]) -> Ite
             np.array([number]),
             np.zeros(1, dtype=np.int64),
         )
-        yield "add", len(model), BrickModel.join([model, one])
+        yield "add", len(model), BrickModel.join([model, brick])
 
 
-def _torn(speeds: list[float]) -> float:
-    """How far studs of these vertical velocities are moved apart."""
+def _tearing(speeds: list[float]) -> float:
+    """Measure of how strongly a motion tears studs apart, from their vertical velocities."""
     return float(np.std(speeds)) * len(speeds)
 
 
 def _places(
     model: BrickModel, cell: float, motion: Array, near: list[int]
 ) -> Iterator[tuple[Cell, tuple[int, int], list[float]]]:
-    """Free places over or under bricks, with the vertical velocities of the studs there."""
+    """Free places over or under the bricks `near`: corner, size, and velocities of their studs.
+
+    The velocities are vertical, at the cells directly below and above the place.
+    """
     cells = cells_of(model)
     at = list(zip(cells.brick.tolist(), cells.xy.tolist(), strict=True))
     middle = model.corner[:, :2] + model.size[:, :2] / 2
-    rise = {}
+    rise = {}  # vertical velocity of every occupied cell
     for k, (x, y) in at:
         across, along = cell * (np.array([x, y]) + 0.5 - middle[k])
         speed = motion[k, 2] + motion[k, 3] * along - motion[k, 4] * across
@@ -279,15 +291,16 @@ def _places(
         for z in (int(model.top[k]), int(model.corner[k, 2]) - BRICK_PLATES)
         if z >= 0
     }
-    tried = {
+    places = {
         ((x - i, y - j, z), (a, b))
         for x, y, z in levels
         for a, b in sizes
         for i in range(a)
         for j in range(b)
     }
-    for (x0, y0, z0), (a, b) in sorted(tried):
+    for (x0, y0, z0), (a, b) in sorted(places):
         under = [(x, y) for x in range(x0, x0 + a) for y in range(y0, y0 + b)]
+        # the place is occupied
         if any((x, y, z0 + h) in rise for x, y in under for h in range(BRICK_PLATES)):
             continue
         ends = ((x, y, z) for x, y in under for z in (z0 - 1, z0 + BRICK_PLATES))

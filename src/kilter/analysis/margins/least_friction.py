@@ -1,12 +1,17 @@
-"""The least friction coefficient, the same at every contact, with which forces hold it.
+"""The least friction coefficient, the same at every contact, with which contact forces balance.
 
-Equilibrium with mu implies equilibrium with more, so the least mu is enclosed from both sides:
-forces in the cones of `upper`, a motion in the dual cones of `lower`. Forces say how much
-friction they use, once they balance to rounding (`kilter.mechanics.balanced_forces`): the
-imbalance that a certificate permits, 1e-9 of the weights, is much of a tiny coefficient. The least
-cohesion (`kilter.analysis.decision.cohesion`) gives both, and its slope predicts the root, so
-that a dozen conic programs are enough. If the least is not attained (a block squeezed
-between two walls), it is zero, with forces that grow without bound
+Equilibrium with mu implies equilibrium with any larger coefficient, so two proofs enclose the least
+coefficient: forces in the cones of `upper`, and a motion in the dual cones of `lower`.
+
+The forces are first corrected to balance to rounding (`kilter.mechanics.balanced_forces`), and
+`upper` is the friction that they then use. A certificate tolerates an imbalance of 1e-9 of the
+weights, and a tiny coefficient may depend on it.
+
+The least cohesion (`kilter.analysis.decision.cohesion`) gives both proofs. Its slope predicts the
+limit, so the search needs only about a dozen conic programs.
+
+A block squeezed between two walls holds with every mu above zero, but not with zero. The least
+coefficient is then zero and not attained: as mu decreases, the forces grow without bound
 (`kilter.analysis.margins.squeeze`).
 """
 
@@ -39,37 +44,40 @@ __all__ = ["LeastFriction", "find_least_friction"]
 
 
 TRIED = (1.0, 30.0, 1e3)
-"""Coefficients tried for a first one that holds."""
+"""Coefficients to try, in this order, until forces balance [-]."""
 LARGEST = TRIED[-1]
-"""Coefficients above this count as none that holds."""
+"""Largest coefficient of the search: if it does not hold, no coefficient counts as enough [-]."""
 STEPS = 80
+"""Maximum number of coefficients in a pass of the search."""
 ASIDE = 0.01
-"""How far beside the limit, as it is expected, it is asked, over the way to it."""
+"""The next coefficient lies beside the predicted limit by this fraction of the distance to it [-].
+A coefficient exactly at the limit would be hard to decide."""
 PATIENT = 3
-"""Steps after which what is left has to be halved, or else is."""
+"""If the interval was not halved in this number of steps, the next step bisects it."""
 UNDECIDED = 3
-"""Coefficients that may be left undecided, at many times the cost of others."""
+"""Maximum number of coefficients left undecided; they cost many times more than others."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LeastFriction:
-    """The least mu that holds, enclosed: it lies above `lower`, and is at most `value`.
+    """Bounds of the least friction coefficient: it is above `lower`, and at most `value`.
 
     Attributes
     ----------
     value : float
-        The least coefficient that is proved to hold [-], by forces that balance to rounding
-        if the data are that good; 0 if no friction is needed.
+        Least coefficient that is proved to hold [-]; 0 if no friction is needed. The forces balance
+        to rounding if the data permit it.
     lower : float
-        A coefficient that is proved not to hold [-]: no nearer than a motion can gain 1e-9 of
-        the weights, which of a tiny coefficient may be seen.
+        Greatest coefficient that is proved not to hold [-]. A proof needs a motion that gains 1e-9
+        of the weights, which may leave a visible distance from a tiny `value`.
     attained : bool
         False if every mu above zero holds, but zero does not.
     forces : ForceProof
-        Forces at `value`.
+        Forces at `value`. If it is not attained, they hold at a small coefficient above zero.
     mechanism : MotionProof or None
         The motion at `lower`; None if no friction is needed.
     programs : int
+        Number of programs solved.
     """
 
     value: float
@@ -80,7 +88,7 @@ class LeastFriction:
     programs: int
 
     def to_dict(self, program: Program) -> dict[str, Any]:
-        """The bounds of the least coefficient and their evidence, as JSON data."""
+        """JSON data: lower bound, whether zero is attained, residual, and parts that move."""
         return {
             "lower": float(self.lower),
             "attained": self.attained,
@@ -90,7 +98,15 @@ class LeastFriction:
 
 
 def find_least_friction(program: Program) -> LeastFriction | NoLimit:
-    """The least friction coefficient that holds the assembly; no limit: none does, or failed.
+    """Compute the least friction coefficient that holds the assembly, the same at every contact.
+
+    The result is a `NoLimit` with the reason "none" if no coefficient is enough, or "failed" if the
+    solvers give no proof.
+
+    Parameters
+    ----------
+    program : Program
+        Program of the assembly; its own friction coefficients have no influence.
 
     Examples
     --------
@@ -108,15 +124,15 @@ def find_least_friction(program: Program) -> LeastFriction | NoLimit:
         return LeastFriction(0.0, 0.0, True, smooth.forces, None, 1)
     if not (program.kind == CONTACT).any():
         return NoLimit("none" if smooth.stable is False else "failed")
-    sticks = _sticks(program)
-    if not sticks:
-        return NoLimit("failed" if sticks is None else "none")
+    balances = _balances_without_slip(program)
+    if not balances:
+        return NoLimit("failed" if balances is None else "none")
     squeezed = None if program.cohesion.any() else held_by_squeeze(program)
     if squeezed is not None:
         return LeastFriction(0.0, 0.0, False, squeezed, smooth.motion, 4)
     sides = _Sides(program, smooth.motion)
     for mu in TRIED:
-        sides.ask(mu, surely=True)
+        sides.decide(mu, surely=True)
         if sides.forces is not None:
             break
     if sides.forces is None:
@@ -128,11 +144,12 @@ def find_least_friction(program: Program) -> LeastFriction | NoLimit:
 
 
 class _Sides:
-    """A coefficient that is proved to hold and a coefficient that is proved not to hold.
+    """Bounds of the least coefficient, each with its proof, and the search that narrows them.
 
-    The sign of the least cohesion decides most coefficients, and its slope predicts the root. The
-    next coefficient lies beside that root, on the side that is farther off. Close to the limit
-    neither proof may hold: the coefficients between the ends of `open` could not be decided.
+    The sign of the least cohesion decides most coefficients, and its slope predicts the limit. The
+    next coefficient lies beside the predicted limit, toward the farther bound.
+
+    Close to the limit both proofs may fail. The interval `_undecided` spans these coefficients.
     """
 
     def __init__(self, program: Program, motion: MotionProof | None) -> None:
@@ -141,136 +158,150 @@ class _Sides:
         self.motion = motion
         self.forces: ForceProof | None = None
         self.programs = 4
-        self._open: tuple[float, float] | None = None
+        self._undecided: tuple[float, float] | None = None
         self._root, self._off, self._slope = np.nan, np.inf, np.inf
         self._opening: Opening | None = None
 
     def near(self, agree: float) -> bool:
-        """Whether both sides agree: to this fraction, or as far as a motion can tell."""
-        return self.upper - self.lower <= self._apart(agree)
+        """True if the bounds agree to this fraction, or as closely as motions can prove."""
+        return self.upper - self.lower <= self._tolerated_gap(agree)
 
-    def _apart(self, agree: float) -> float:
-        """How far apart both sides may stay [-]: beside the limit motions gain too little."""
+    def _tolerated_gap(self, agree: float) -> float:
+        """Distance of the bounds at which the search may end [-].
+
+        So close to the limit, a motion gains less power than its certificate requires.
+        """
         unseen = TOLERANCE / self._slope if self._slope > 0.0 else np.inf
         return max(agree * self.upper, unseen if self._off <= unseen < np.inf else 0.0)
 
     def narrow(self, *, surely: bool) -> None:
-        """Decide further coefficients until both sides agree, or both sides and the open interval.
+        """Decide coefficients until the bounds meet each other or the undecided interval.
 
-        `surely`: whether coefficients that the cohesion leaves open get all other methods, a few
-        times at most.
+        With `surely`, the full decision follows if the cohesion does not decide; this may fail only
+        a few times.
         """
-        self._open = None
-        widths, undecided = [np.inf] * PATIENT, 0
+        self._undecided = None
+        widths, failures = [np.inf] * PATIENT, 0
         for _ in range(STEPS):
-            low, high = self._open or (self.upper, self.upper)
+            low, high = self._undecided or (self.upper, self.upper)
             left = max(self.upper - high, low - self.lower)
-            if min(self.upper - self.lower, left) <= self._apart(MU_AGREES):
+            if min(self.upper - self.lower, left) <= self._tolerated_gap(MU_AGREES):
                 return
-            if undecided > UNDECIDED:
+            if failures > UNDECIDED:
                 return
             middle = self._next(by_root=left <= 0.5 * widths[-PATIENT])
             widths.append(left)
-            decided = self.ask(middle, surely=surely)
-            undecided += surely and not decided
+            decided = self.decide(middle, surely=surely)
+            failures += surely and not decided
 
     def _next(self, *, by_root: bool) -> float:
-        """The next coefficient to decide."""
-        least = self._apart(MU_AGREES) / 3
-        if self._open is not None:  # out of what is open, twice as far each time
-            low, high = self._open
+        """The next coefficient to decide: beside the predicted limit, or by bisection."""
+        least = self._tolerated_gap(MU_AGREES) / 3
+        if self._undecided is not None:  # leave the undecided interval, twice as far each time
+            low, high = self._undecided
             above, below = self.upper - high, low - self.lower
             wide = max(high - low, ASIDE * max(above, below), least)
             if above > below:
-                return min(high + wide, _between(high, self.upper))
-            return max(low - wide, _between(self.lower, low))
+                return min(high + wide, _middle(high, self.upper))
+            return max(low - wide, _middle(self.lower, low))
         aside = max(ASIDE * self._off, least)
         above = self.upper - self._root > self._root - self.lower
         aim = self._root + (aside if above else -aside)
         if by_root and self.lower < aim < self.upper:
             return aim
-        return _between(self.lower, self.upper)
+        return _middle(self.lower, self.upper)
 
-    def ask(self, mu: float, *, surely: bool) -> bool:
-        """Decide a coefficient and update the sides; return whether it was decided."""
+    def decide(self, mu: float, *, surely: bool) -> bool:
+        """Update the bounds with the proofs at a coefficient; False if neither proof exists."""
         program = self.program.with_friction(mu)
         wide = cone_problem(program)
         forces, motion = self._by_cohesion(wide, mu)
         if forces is None and motion is None and surely:
-            judged = judge(program)
-            forces = judged.forces if judged.stable else None
-            motion = judged.motion if judged.stable is False else None
+            judgement = judge(program)
+            forces = judgement.forces if judgement.stable else None
+            motion = judgement.motion if judgement.stable is False else None
         self.programs += 1
         decided = motion is not None
         if motion is not None:
             self.lower, self.motion = max(mu, self.lower), motion
         if forces is not None:
-            used, forces = _used(wide, forces)
+            used, forces = _used_friction(wide, forces)
             decided |= used <= mu * (1 + MU_BALANCED)
             if self.forces is None or used < self.upper:
                 self.upper, self.forces = used, forces
-        self.lower = min(self.lower, self.upper)  # forces of a million weights are both
+        self.lower = min(self.lower, self.upper)  # both proofs may exist at forces of 1e6 weights
         if not decided:
-            low, high = self._open or (mu, mu)
-            self._open = min(low, mu), max(high, mu)
-        if self._open is not None:
-            low, high = max(self._open[0], self.lower), min(self._open[1], self.upper)
-            self._open = (low, high) if low <= high else None
+            low, high = self._undecided or (mu, mu)
+            self._undecided = min(low, mu), max(high, mu)
+        if self._undecided is not None:
+            low, high = max(self._undecided[0], self.lower), min(self._undecided[1], self.upper)
+            self._undecided = (low, high) if low <= high else None
         return decided
 
     def _by_cohesion(
         self, wide: ConeProblem, mu: float
     ) -> tuple[ForceProof | None, MotionProof | None]:
-        """The two proofs, as far as the least cohesion gives them: beside the limit even both."""
-        program, found = wide.program, find_cohesion(wide)
-        if found is None:
+        """Proofs by the least cohesion at mu; None for a proof that it does not give.
+
+        Close to the limit, both proofs may hold within their tolerances.
+        """
+        program, cohesion = wide.program, find_cohesion(wide)
+        if cohesion is None:
             return None, None
-        if abs(found.rise) < self._off:
-            self._root, self._off, self._slope = mu + found.rise, abs(found.rise), found.slope
-        balanced = check_forces(program, found.forces, found.friction)
+        if abs(cohesion.rise) < self._off:
+            self._root, self._off, self._slope = (
+                mu + cohesion.rise,
+                abs(cohesion.rise),
+                cohesion.slope,
+            )
+        balanced = check_forces(program, cohesion.forces, cohesion.friction)
         forces = balanced if balanced.holds else None
-        if found.value <= 0.0:
+        if cohesion.value <= 0.0:
             return forces, None
-        motion = check_motion(program, found.motion)
+        motion = check_motion(program, cohesion.motion)
         if not motion.holds:
+            # an opening motion, added to it, makes the motion admissible
             self._opening = self._opening or Opening(
                 cone_problem(self.program.with_friction(self.upper))
             )
-            motion = check_motion(program, self._opening.narrowed(wide).mended(found.motion))
+            motion = check_motion(program, self._opening.narrowed(wide).mended(cohesion.motion))
         return forces, (motion if motion.holds else None)
 
 
-def _between(low: float, high: float) -> float:
-    """The middle of an interval, or its geometric mean if the ends are far apart."""
+def _middle(low: float, high: float) -> float:
+    """Arithmetic mean of two coefficients, or geometric mean if they differ by a factor of 2."""
     if high < 2 * low:
         return 0.5 * (low + high)
     return float(np.sqrt(max(low, MU_NOTHING / 10) * high))
 
 
-def _sticks(program: Program) -> bool | None:
-    """Whether forces balance if friction has no limit, not even without a normal force."""
+def _balances_without_slip(program: Program) -> bool | None:
+    """True if forces balance with unlimited friction, even at contacts without normal force.
+
+    None if it is undecided.
+    """
     wide = cone_problem(program.with_friction(LARGEST)).problem.program
     across = np.arange(len(wide.part_a)) >= len(program.part_a)
     return judge(wide.with_rows(two_sided=wide.two_sided | across)).stable
 
 
-def _used(wide: ConeProblem, proof: ForceProof) -> tuple[float, ForceProof]:
-    """The friction that forces use once they balance to rounding, and those forces.
+def _used_friction(wide: ConeProblem, proof: ForceProof) -> tuple[float, ForceProof]:
+    """Friction coefficient that forces use, and these forces, corrected to balance to rounding.
 
-    Of data so coarse that none balance so well, as they are: they hold as far as the data do.
+    If the data are too coarse for such balance, the function returns the given forces.
     """
     program = wide.program
     sticks = program.with_friction(LARGEST)
     nearer = check_forces(sticks, *balanced_forces(wide, proof.forces, proof.friction))
-    used = _greatest(program, nearer)
+    used = _greatest_ratio(program, nearer)
     exact = check_forces(program.with_friction(used), nearer.forces, nearer.friction)
     if exact.holds and exact.residual <= MU_BALANCED:
         return used, exact
-    return _greatest(program, proof), proof
+    return _greatest_ratio(program, proof), proof
 
 
-def _greatest(program: Program, proof: ForceProof) -> float:
-    """The greatest ratio |f_t| / f_n that friction uses, and the error of the normal forces."""
+def _greatest_ratio(program: Program, proof: ForceProof) -> float:
+    """Greatest |f_t| / f_n of the contacts, to which the doubt of each normal is added [-]."""
     rows = np.flatnonzero(program.kind == CONTACT)
     along, across = proof.forces[rows], np.linalg.norm(proof.friction[rows], axis=1)
     doubt = program.doubt[rows]

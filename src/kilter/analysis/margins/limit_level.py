@@ -42,9 +42,10 @@ class LevelTilt:
     Attributes
     ----------
     level : str
+        "settles" or "proved".
     lower, upper : float
-        The greatest tilt that reaches the level, and the least tilt that does not, of the tilts
-        that were decided [deg].
+        Of the tilts that were decided, the greatest that reaches the level and the least that does
+        not [deg]. Both equal the tilt limit if every tilt that was decided reaches the level.
     """
 
     level: str
@@ -52,7 +53,7 @@ class LevelTilt:
     upper: float
 
     def to_dict(self) -> dict[str, Any]:
-        """The tilt as JSON data."""
+        """The level and both tilts as JSON data."""
         return {"level": self.level, "tilt_deg": self.lower, "tilt_upper_deg": self.upper}
 
 
@@ -79,7 +80,7 @@ def verdict_outside(
 def find_level_tilt(
     assembly: Assembly, contacts: ContactSet, down: Array, level: str, work: Work
 ) -> LevelTilt | None:
-    """The tilt toward `down` up to which a level is reached; None if it is not reached as given.
+    """Find the tilt toward `down` up to which a level is reached; None if it fails without tilt.
 
     Parameters
     ----------
@@ -89,7 +90,7 @@ def find_level_tilt(
         Direction of gravity at the limit of equilibrium, unit, world frame.
     level : {"settles", "proved"}
     work : Work
-        Budget of a single decision; its time limit ends the bisection.
+        Work allowed for each decision; its time limit ends the bisection.
     """
     lower, upper = 0.0, _angle(assembly.down, down)
 
@@ -102,7 +103,7 @@ def find_level_tilt(
     limit = upper
     if upper <= OUTSIDE or (reaches(upper - OUTSIDE) and _first_miss(reaches, upper) is None):
         return LevelTilt(level, float(np.degrees(limit)), float(np.degrees(limit)))
-    for _ in range(ROUNDS):
+    for _ in range(ROUNDS):  # again below every miss that the samples find
         for _ in range(STEPS):
             if work.late:
                 break
@@ -116,7 +117,7 @@ def find_level_tilt(
 
 
 def _first_miss(reaches: Callable[[float], bool], angle: float) -> float | None:
-    """The least of some angles below a limit [rad] at which the level is not reached; or None.
+    """Least sampled angle below a limit at which the level is not reached [rad], or None.
 
     A motion that refutes the level may be found at a smaller tilt although it was not found at a
     larger tilt: the search for motions is not exhaustive.
@@ -128,7 +129,7 @@ def _first_miss(reaches: Callable[[float], bool], angle: float) -> float | None:
 def _decision(
     assembly: Assembly, contacts: ContactSet, down: Array, require: str, work: Work
 ) -> Decision:
-    """The first-order decision under another direction of gravity."""
+    """First-order decision under another direction of gravity, with its own share of work."""
     turned = assembly.with_down(down)
     part = work.beside(work.allowed)
     return decide(

@@ -1,13 +1,15 @@
 """A load limit from both sides, by linear programs in pyramids that are fitted to the cones.
 
     held       max t:  J^T f + w + t d = 0,  f >= 0 on rays that lie on the cones
-    beyond     the same on pyramids whose sides touch the cones; its multipliers are a motion
-               that no force in the cones can stop, exactly
+    beyond     the same program on pyramids whose sides touch the cones from outside; its
+               multipliers are a motion that no force in the cones can stop, exactly
 
-A simplex ends at a corner, so both are exact to rounding even if the set of equilibria has
-no interior, where an interior point stops short. Rays and sides lie at even angles and along the
-forces and slips of earlier solutions; the error of t is the square of their error of
-an angle. In a plane a cone has two rays, and a single round is exact.
+The simplex method ends at a vertex, so both bounds are exact to rounding even if the set of
+equilibria has no interior. An interior-point method stops short in that case.
+
+The rays and sides lie at even angles, and at the angles of the forces and slips of earlier
+solutions. The error of t is the square of the angle between a force and its nearest ray. In a
+plane a cone has two rays, and a single round is exact.
 """
 
 from __future__ import annotations
@@ -31,20 +33,31 @@ if TYPE_CHECKING:
 __all__ = ["LimitSides", "beyond_at", "held_at", "limit_sides", "motion_share", "slips_of"]
 
 EVEN = 8
-"""Rays and sides of each pyramid at even angles."""
+"""Number of rays, and of sides, of each pyramid at even angles."""
 ROUNDS = 5
-"""Pairs of programs."""
+"""Maximum number of rounds; each solves an inner and an outer program."""
 LARGEST = 20_000
-"""Rays above which no program is asked."""
+"""Largest total number of rays for which a program is solved."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LimitSides:
-    """A share that is proved to be held, a share that is proved not to be held, and their proofs.
+    """Proved bounds of the largest share of a load, with their proofs.
 
-    `held` is -inf, `start` and `beyond` inf if they are unknown. The motion gains power from
-    `start` on, enough to count as a proof at `beyond`. `none`: it is proved that no share is
-    held.
+    Attributes
+    ----------
+    held : float
+        Share at which contact forces balance [-]; -inf if none is known.
+    forces : ForceProof or None
+        Forces at `held`.
+    start : float
+        Share above which `motion` gains power [-]; inf if no motion is known.
+    beyond : float
+        Share at which this power is large enough for a proof [-]; inf if no proof is known.
+    motion : MotionProof or None
+        Motion at `beyond`.
+    none : bool
+        True if it is proved that no share is held.
     """
 
     held: float = -np.inf
@@ -56,18 +69,18 @@ class LimitSides:
 
     @property
     def closed(self) -> bool:
-        """Whether both sides agree."""
+        """True if `held` and `start` agree."""
         known = np.isfinite(self.held) and np.isfinite(self.beyond)
         return known and self.start - self.held <= LIMIT_AGREES * max(abs(self.held), 1.0)
 
     @property
     def gap(self) -> float:
-        """Relative gap (beyond - held) / max(abs(held), 1) between the proved bounds."""
+        """Relative gap (beyond - held) / max(abs(held), 1) of the bounds [-]; inf if unknown."""
         apart = self.beyond - self.held
         return max(apart / max(abs(self.held), 1.0), 0.0) if np.isfinite(apart) else np.inf
 
     def better(self, other: LimitSides) -> LimitSides:
-        """The nearer of each side."""
+        """The closest bounds of two pairs: the greater `held`, the lesser `beyond`."""
         low = self if self.held >= other.held else other
         high = self if self.beyond <= other.beyond else other
         none = self.none or other.none
@@ -77,18 +90,18 @@ class LimitSides:
 def limit_sides(
     program: Program, wrench: Array, most: float, across: list[Array] | None = None
 ) -> LimitSides:
-    """The largest share of further wrenches that contacts hold, from both sides.
+    """Compute lower and upper bounds of the largest share of further wrenches that contacts hold.
 
     Parameters
     ----------
     program : Program
-        With its own load.
+        Program with the base load, which does not scale with the share.
     wrench : ndarray, shape (N, 6)
         Force [N] and torque about the centre of mass [N x length unit] on each part.
     most : float
-        Largest examined share: if it is held, `beyond` is infinite.
+        Largest share of the programs [-]; if it is held, `beyond` is infinite.
     across : list of ndarray, shape (K, 3), optional
-        Friction as it is guessed to point, for the first rays and sides.
+        Guesses of the directions of friction at the contact rows, for the first rays and sides.
 
     Examples
     --------
@@ -112,7 +125,7 @@ def limit_sides(
         before = best
         for sides, vectors in _round(program, wrench, most, angles):
             best = best.better(sides)
-            guesses += [_angles_of(program, one) for one in vectors]
+            guesses += [_angles_of(program, across_rows) for across_rows in vectors]
         if best.none or best.closed or best.held >= most * (1 - NEARLY):
             break
         if (best.held, best.beyond) == (before.held, before.beyond):
@@ -121,12 +134,12 @@ def limit_sides(
 
 
 def _angles_of(program: Program, across: Array) -> Array:
-    """Angles of vectors across the contacts; none in a plane, whose cones have two rays."""
+    """Angles of vectors across the contacts [rad]; empty in a plane, whose cones have two rays."""
     return np.empty(0) if program.planar else angles_across(program, across)
 
 
 def _angles(program: Program, guesses: list[Array]) -> Array:
-    """Even angles and those that are guessed, shape (R, n) [rad]."""
+    """Angles of the rays: even angles and guesses, shape (R, n) for R rows with friction [rad]."""
     even = np.tile(2 * np.pi * np.arange(EVEN) / EVEN, (len(program.rough), 1))
     return even if program.planar else np.column_stack([even, *guesses])
 
@@ -134,10 +147,10 @@ def _angles(program: Program, guesses: list[Array]) -> Array:
 def _round(
     program: Program, wrench: Array, most: float, angles: Array
 ) -> Iterator[tuple[LimitSides, list[Array]]]:
-    """Solve a pair of programs: the result that each proves, and its directions of friction."""
+    """Solve the outer and the inner program; yield the bounds and friction vectors of each."""
     for outer in (True, False):
         rays = pyramid(program, outer=outer, angles=angles)
-        answer = _solved(rays, wrench, most)
+        answer = _solve_share(rays, wrench, most)
         if outer and answer.outcome == "infeasible":
             yield LimitSides(none=answer.proves_none), []
             return
@@ -147,7 +160,7 @@ def _round(
         problem = scaled_problem(rays)
         along, aside = pyramid_forces(program, rays, problem.forces(answer.x[:-1]))
         sides, vectors = LimitSides(), [aside, _of_patches(program, aside)]
-        if not outer or program.planar:
+        if not outer or program.planar:  # forces of the outer pyramids may leave the cones
             sides = sides.better(held_at(program, wrench, share, along, aside))
         if outer and share < most * (1 - NEARLY):
             motion = problem.motion(problem.over_weight(-answer.multipliers))
@@ -157,7 +170,8 @@ def _round(
         yield sides, vectors
 
 
-def _solved(rays: Program, wrench: Array, most: float) -> Solution:
+def _solve_share(rays: Program, wrench: Array, most: float) -> Solution:
+    """Solution of the linear program for the largest share; its last unknown is the share."""
     from kilter.solvers.highs import KeptProgram
 
     return KeptProgram(largest_share(scaled_problem(rays), wrench, most)).solve()
@@ -166,33 +180,54 @@ def _solved(rays: Program, wrench: Array, most: float) -> Solution:
 def held_at(
     program: Program, wrench: Array, share: float, along: Array, aside: Array
 ) -> LimitSides:
-    """A share with forces along the rows and across them, as far as they prove it."""
+    """Lower bound `share` if the given forces prove it, else no bound.
+
+    Parameters
+    ----------
+    program : Program
+    wrench : ndarray, shape (N, 6)
+        Further wrenches per unit of the share [N], [N x length unit].
+    share : float
+    along, aside : ndarray, shapes (K,), (K, 3)
+        Forces along and across the contact rows [N].
+    """
     loaded = program.with_rows(applied=program.applied + share * wrench)
     proof = check_forces(loaded, along, aside)
     return LimitSides(held=share, forces=proof) if proof.holds else LimitSides()
 
 
 def beyond_at(program: Program, wrench: Array, share: float, motion: Array) -> LimitSides:
-    """The least share above `share` at which a motion is proved to start."""
+    """Upper bound by a motion: a share just above `share` at which it is a proof, else no bound.
+
+    Parameters
+    ----------
+    program : Program
+    wrench : ndarray, shape (N, 6)
+        Further wrenches per unit of the share [N], [N x length unit].
+    share : float
+        Expected limit [-]. If it is infinite, there is no bound.
+    motion : ndarray, shape (N, 6)
+        Motion that should gain power above the limit.
+    """
     start = motion_share(program, wrench, motion)
     for step in BEYOND_LIMIT if np.isfinite(share) else ():
-        there = share + step * max(abs(share), 1.0)
-        loaded = program.with_rows(applied=program.applied + there * wrench)
+        above = share + step * max(abs(share), 1.0)
+        loaded = program.with_rows(applied=program.applied + above * wrench)
         proof = check_motion(loaded, motion)
         if proof.holds:
-            return LimitSides(start=start, beyond=there, motion=proof)
+            return LimitSides(start=start, beyond=above, motion=proof)
     return LimitSides()
 
 
 def motion_share(program: Program, wrench: Array, motion: Array) -> float:
-    """The share of further wrenches from which on a motion gains power; inf if it never does."""
+    """Share of further wrenches above which a motion gains power [-]; inf if it never does."""
     free = program.free[:, None]
     gain = float((np.where(free, wrench, 0.0) * motion).sum())
     return -program.power(motion) / gain if gain > 0 else np.inf
 
 
 def _of_patches(program: Program, aside: Array) -> Array:
-    """Friction of each patch as a whole, at each of its rows, shape (K, 3)."""
+    """Total friction of the patch of each row, shape (K, 3) [N]."""
     total = np.zeros((int(program.source.max(initial=-1)) + 1, 3))
     np.add.at(total, program.source, aside)
     whole: Array = total[program.source]
@@ -200,7 +235,7 @@ def _of_patches(program: Program, aside: Array) -> Array:
 
 
 def slips_of(program: Program, motion: Array) -> Array:
-    """Slip of every row, shape (K, 3); 0 without friction."""
+    """Tangential motion at every row, shape (K, 3); 0 at rows without friction."""
     slips = np.zeros((len(program.part_a), 3))
     slips[program.rough] = program.slips(motion, program.rough)
     return slips

@@ -1,11 +1,12 @@
-"""Limit of a load: its greatest factor, with the forces and the mechanism at the limit.
+"""The largest share of a further load that contacts hold, with forces and mechanism at the limit.
 
     max t:  J^T f + w + t d = 0,  f in Coulomb's cones
 
-A conic program gives both; its multipliers are the motion that starts at the limit. If it stops
-short of a proof, linear programs in fitted pyramids take over (`limit_sides`). This is the
-associative limit: equilibrium forces exist up to it, and none beyond it. Friction decides the
-level below it (`kilter.friction.answer`).
+The multipliers of this conic program are the motion that starts at the limit. If the conic solver
+stops short of a proof, linear programs in fitted pyramids follow (`limit_sides`).
+
+This is the associative limit. Above it no equilibrium exists. Up to it equilibrium forces exist,
+but with friction other motions may still obey the contact law (`kilter.friction.answer`).
 
 References
 ----------
@@ -63,36 +64,37 @@ __all__ = [
 
 
 MENDED = 2000
-"""Rows up to which a limit whose two sides agree is proved nearer: it costs a program more."""
+"""Largest number of rows for which a further program narrows bounds that already agree."""
 EXACT = 500
-"""Rows up to which linear programs make exact what a conic one nearly closes: where there are
-more, they take two hundred times as long and bring little."""
+"""Largest number of rows for which linear programs close a small gap of the conic program. With
+more rows they take two hundred times as long for little gain."""
 BOLD = 0.999
-"""Part of the way to the boundary that a step to an optimum goes: fewer steps than with less."""
+"""Fraction of the way to the boundary that an interior-point step takes [-]. A smaller fraction
+needs more steps."""
 NEAR, CLOSE = 1e-6, 1e-9
-"""Distance of a share from what a motion bounds it by, over 1 and it, from which on both are worth
-being judged, and that ends the steps where their proofs meet."""
+"""Distances between a share and the bound of its motion, relative to max(share, 1) [-]. Below
+`NEAR` an iterate is worth a certificate; below `CLOSE` the steps end if both proofs meet."""
 MODEST = 10.0
-"""Shares up to which it is asked first."""
+"""Upper end of the interval of shares that is tried first [-]."""
 
 Why = Literal["none", "failed", "time"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Limit:
-    """The largest share of a load, judged from both sides.
+    """The largest share of a load that contacts hold, with certificates on both sides of it.
 
     Attributes
     ----------
     value : float
-        t; infinite if unlimited, negative if only shares below 0 are held.
+        Share t [-]: infinite if there is no limit, negative if only shares below 0 are held.
     forces : ForceProof
         Forces at the limit.
     mechanism : MotionProof or None
-        The motion that starts there; None if the load is unlimited, or no motion was found.
+        The motion that starts at the limit; None if there is no limit or no proved motion.
     gap : float
-        Distance from `value`, which is proved to be held, to a share that is proved not to
-        be, over 1 and the value; infinite if that proof is missing.
+        Distance from `value`, which is proved to be held, to a share that is proved not to be held.
+        It is relative to max(abs(value), 1) [-], and infinite if the second proof is missing.
     """
 
     value: float
@@ -101,7 +103,7 @@ class Limit:
     gap: float
 
     def to_dict(self, program: Program) -> dict[str, Any]:
-        """The evidence as JSON data: imbalance of the forces, moving parts, open interval."""
+        """JSON data of the certificates: residual of the forces, gap, moving parts, mechanism."""
         return {
             "residual": self.forces.residual,
             "gap": finite(self.gap),
@@ -128,14 +130,14 @@ class NoLimit:
 
 
 def gravity_wrench(program: Program, direction: Array) -> Array:
-    """The weights as if gravity pointed along `direction`, shape (N, 6) [N]."""
+    """Weights of the free parts with gravity along a unit vector, world frame, shape (N, 6) [N]."""
     wrench = np.zeros((len(program.names), 6))
     wrench[:, :3] = (program.mass * program.free)[:, None] * program.g * direction
     return wrench
 
 
 def finite(number: float) -> float | None:
-    """A number for JSON: null instead of infinity, and never -0."""
+    """A number for JSON: None if it is not finite, and 0.0 instead of -0.0."""
     return float(number) + 0.0 if np.isfinite(number) else None
 
 
@@ -149,7 +151,7 @@ def starting(program: Program, mechanism: MotionProof | None) -> list[str]:
 
 
 def with_more(program: Program, wrench: Array, share: float) -> Program:
-    """The program with a share of further wrenches, shape (N, 6), on its parts."""
+    """The program with an additional load: a share of wrenches [N], [N x length unit], (N, 6)."""
     return program.with_rows(applied=program.applied + share * wrench)
 
 
@@ -162,25 +164,28 @@ def find_limit(
     shared: SharedCones | None = None,
     from_none: bool = False,
 ) -> Limit | NoLimit:
-    """The largest share of further wrenches that contacts can hold.
+    """Compute the largest share of further wrenches that contacts can hold.
 
-    It may be negative. If it is positive, a share of 0 need not be held: the shares that are
-    held are an interval, of which this is the upper end.
+    The shares that contacts hold are an interval, and the result is its upper end. It may be
+    negative. If it is positive, a share of 0 need not be in the interval.
+
+    The result is a `NoLimit` with the reason "none" if it is proved that no share is held, or
+    "failed" if the solvers give no proof.
 
     Parameters
     ----------
     program : Program
-        With its own load.
+        Program with the base load, which does not scale with the share.
     wrench : ndarray, shape (N, 6)
         Force [N] and torque about the centre of mass [N x length unit] on each part.
     opening : Opening, optional
-        ``Opening(spread(program))``, if the caller has it.
+        ``Opening(cone_problem(program))``, if the caller has it.
     most : float
-        Shares looked at.
+        Largest share of the search [-]. If it is held, the limit is infinite.
     shared : SharedCones, optional
-        ``SharedCones(program)``, if the caller computes several limits of the program.
+        ``SharedCones(program)``, if the caller computes several limits of this program.
     from_none : bool
-        Whether a share of 0 must be held: if small shares are not held, no larger share is tried.
+        True if a share of 0 must be held: if small shares fail, larger shares are not tried.
 
     Examples
     --------
@@ -195,18 +200,19 @@ def find_limit(
     0.5
     """
     opening = opening or Opening(cone_problem(program))
-    # its starts are far from forces that pull: 50 steps and no proof where the conic solver has 15
     large = len(program.part_a) > EXACT
-    limited = bool(program.cohesion.any())  # only the conic program takes shear up to a force
+    limited = bool(program.cohesion.any())  # only the conic program models a shear strength
+    # with bonds, kilter's interior point starts too far from the forces that pull: it ends after 50
+    # steps without a proof, and the conic solver needs 15
     if most <= MODEST and not program.planar and large and not program.has_strength:
-        own = _by_own_cones(program, wrench, most, shared)
-        if own.closed or own.held >= most * (1 - NEARLY):
-            return _limit(own, most)
-    if most > MODEST:  # fewer steps of the solver, and an interval of numbers near 1
+        bounds = _by_own_cones(program, wrench, most, shared)
+        if bounds.closed or bounds.held >= most * (1 - NEARLY):
+            return _limit(bounds, most)
+    if most > MODEST:  # shares near 1 need fewer steps of the solver
         near = find_limit(program, wrench, opening=opening, most=MODEST, shared=shared)
         known = isinstance(near, Limit) and np.isfinite(near.value)
         if known or (from_none and isinstance(near, NoLimit)):
-            return near  # else larger shares may be held, though none of these is
+            return near  # else larger shares may be held, although no share up to MODEST is
     conic = _in_cones(program, opening, wrench, most)
     enough = conic.sides.gap <= SIDES_NEAR and large
     whole = conic.sides.held >= most * (1 - NEARLY)
@@ -223,7 +229,7 @@ def find_limit(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Conic:
-    """The bounds that the conic program proves, and the directions of friction in its solution."""
+    """Bounds that the conic program proves, and vectors of friction of its solution, (K, 3)."""
 
     sides: LimitSides
     across: list[Array]
@@ -231,7 +237,7 @@ class _Conic:
 
 @dataclass(frozen=True, eq=False)
 class SharedCones:
-    """Data that limits of a program under different wrenches share: its cones and a start.
+    """Cones and starting point that limits of a program under different wrenches have in common.
 
     Attributes
     ----------
@@ -242,35 +248,36 @@ class SharedCones:
 
     @cached_property
     def balance(self) -> ConeBalance:
-        """Its cones without further wrenches."""
+        """The conic program of the base load, without further wrenches."""
         none = np.zeros((len(self.program.names), 6))
         return balance_in_cones(self.program, self.program.load, none, MODEST)
 
     @cached_property
     def start(self) -> Start:
-        """Near its forces without further wrenches."""
+        """Starting point near the forces that balance the base load."""
         return common_start(self.balance.cones)
 
 
 def _by_own_cones(
     program: Program, wrench: Array, most: float, shared: SharedCones | None
 ) -> LimitSides:
-    """Both sides by kilter's own interior point, as far as it goes, if a share of 0 is held."""
+    """Bounds by kilter's own interior-point method; they stay open if a share of 0 is not held."""
     balance = (shared or SharedCones(program)).balance.with_more(wrench, most)
-    if shared is not None:
-        sides = _stepwise(balance, wrench, shared.start)
+    if shared is not None:  # the common start may be too far from this wrench
+        sides = _from_iterates(balance, wrench, shared.start)
         if sides.closed or sides.held >= most * (1 - NEARLY):
             return sides
-    return _stepwise(balance, wrench, None)
+    return _from_iterates(balance, wrench, None)
 
 
-def _stepwise(balance: ConeBalance, wrench: Array, start: Start | None) -> LimitSides:
+def _from_iterates(balance: ConeBalance, wrench: Array, start: Start | None) -> LimitSides:
+    """Best bounds that the iterates of the interior-point method prove."""
     program, most = balance.program, balance.cones.most
     best = LimitSides()
     for step in iterates(balance.cones, BOLD, start):
         size = max(step.share, 1.0)
         if step.bound < -NEAR * size and step.y_rest <= NEAR * size:
-            break  # not held as it is
+            break  # a share of 0 is not held
         apart = min(abs(step.bound - step.share), most - step.share)
         if apart > NEAR * size:
             continue
@@ -291,7 +298,7 @@ def _in_cones(
     most: float,
     tolerance: float = CONIC,
 ) -> _Conic:
-    """Both sides from a single conic program."""
+    """Bounds by a single conic program, with its friction vectors."""
     from kilter.solvers.clarabel import solve_conic
 
     wide = opening.wide
@@ -306,17 +313,18 @@ def _in_cones(
     problem = wide.problem
     motion = problem.motion(problem.over_weight(answer.multipliers[: len(problem.right)]))
     across = [aside, -slips_of(program, motion)]
-    found = sides.better(beyond_at(program, wrench, value, motion))
-    apart = found.gap > PROVED_APART and len(program.part_a) <= MENDED
-    if not found.closed or apart:
+    bounds = sides.better(beyond_at(program, wrench, value, motion))
+    apart = bounds.gap > PROVED_APART and len(program.part_a) <= MENDED
+    if not bounds.closed or apart:
+        # the motion may violate contacts slightly; an opening motion, added to it, corrects this
         motion = opening.mended(motion)
         start = motion_share(program, wrench, motion)
-        found = found.better(beyond_at(program, wrench, start, motion))
-    return _Conic(found, across)
+        bounds = bounds.better(beyond_at(program, wrench, start, motion))
+    return _Conic(bounds, across)
 
 
 def _limit(sides: LimitSides, most: float) -> Limit | NoLimit:
-    """The limit between both sides."""
+    """The limit at the lower bound; no limit if no share is proved to be held."""
     if sides.forces is None:
         return NoLimit("none" if sides.none else "failed")
     if sides.held >= most * (1 - NEARLY):

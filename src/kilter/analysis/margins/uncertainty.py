@@ -305,7 +305,7 @@ def _by_following(program: Program, ranges: Ranges, push: Array | None) -> Uncer
     following = FollowingForces(rays, problem, unknowns, mass=ranges.mass, center=ranges.center)
     loaded = bool(program.applied.any())
     missing: dict[str, Why] = {}
-    still = following.reach(np.zeros_like(program.applied), None, 1.0)
+    still = following.reach(None, np.zeros(3), 1.0)  # a push of 0 keeps the loads in place
     if isinstance(still, NoLimit):
         _add(missing, ("held",) if loaded else ("held", "tilt"), still)
     factor = None
