@@ -336,4 +336,6 @@ def test_accelerations_of_many_parts_are_good_to_a_hundred_millionth(kind):
     whole = least_constraint(problem)
     answer = solve_projection(whole.cone)
     motion = problem.motion(whole.accelerations(answer.unknowns))
-    assert size_of(program, motion - found.acceleration / G) < 1e-7
+    # the distance of two motions is at most the condition of the wall, about 30, times the sum of
+    # their residuals; both methods stop at residuals of 1e-9 to 5e-9
+    assert size_of(program, motion - found.acceleration / G) < 50 * max(found.residual, 2e-9)
