@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Report", "animate", "draw", "report", "view"]
 
+DRAWING = 1.0
+"""Time of a limit that remains for the drawing of a figure, at most half of the limit [s]."""
 PAUSE = 0.4
 """Time between two checks of a watched file [s]."""
 PAGES = (".html", ".htm")
@@ -491,6 +493,8 @@ def answer_to_draw(
     if isinstance(subject, Verdict | Region | Order):
         return subject
     require_assembly(subject, "draw")
+    if time_limit is not None:
+        time_limit = max(time_limit - DRAWING, time_limit / 2)
     if what == "region":
         return region(
             subject,

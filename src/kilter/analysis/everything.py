@@ -212,9 +212,8 @@ def everything(
     assembly.require_grounded()
     if contacts is None:
         contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
-    verdict = check(
-        assembly, contacts=contacts, effort=effort, time_limit=time_limit, progress=progress
-    )
+    left = None if time_limit is None else max(started + time_limit - time.perf_counter(), 0.0)
+    verdict = check(assembly, contacts=contacts, effort=effort, time_limit=left, progress=progress)
     tell("motion")
     given = _answered(verdict)
     notes: list[str] = []

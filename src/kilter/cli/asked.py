@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Asked"]
 
+WORDS_SHARE, MOST_WORDS = 0.2, 1.0
+"""Share of a time limit [-], and largest time [s], that remain for the words of the answer."""
+
 
 @dataclass(frozen=True, slots=True)
 class Asked:
@@ -110,8 +113,14 @@ class Asked:
 
     @property
     def time_limit(self) -> float | None:
-        """Time that is left to the command [s]; None without a limit."""
-        return None if self.limit is None else max(self.limit - (perf_counter() - self.begun), 0.0)
+        """Time that is left to the computation [s]; None without a limit.
+
+        A share of the limit remains for the words of the answer.
+        """
+        if self.limit is None:
+            return None
+        computing = self.limit - min(WORDS_SHARE * self.limit, MOST_WORDS)
+        return max(computing - (perf_counter() - self.begun), 0.0)
 
     def tell_cut(self, reached: TimeLimitReached) -> int:
         """Print the facts that are known at the time limit, and return the exit code.
