@@ -51,7 +51,9 @@ def test_an_inner_limit_does_not_extend_an_outer_one() -> None:
 def test_all_directions_at_limit_zero_state_the_verdict_of_the_given_direction(analysis) -> None:
     with pytest.raises(TimeLimitReached) as caught:
         analysis(stacks.block_on_slope(10.0, friction=0.5), time_limit=0.0)
-    assert caught.value.known.startswith("For the given direction of gravity: Potentially stable")
+    assert caught.value.known == (
+        "With gravity as given it is potentially stable, level equilibrium."
+    )
 
 
 def test_the_margin_at_limit_zero_names_the_limits_that_are_not_known() -> None:

@@ -46,4 +46,6 @@ def given_direction_known(
         verdict = check(
             assembly, contacts=contacts, require="equilibrium", effort=0, time_limit=AFTERWARDS
         )
-        raise TimeLimitReached(f"For the given direction of gravity: {verdict.sentence}") from None
+        level = "" if verdict.level is None else f", level {verdict.level}"
+        word = verdict.verdict.replace("-", " ")
+        raise TimeLimitReached(f"With gravity as given it is {word}{level}.") from None
