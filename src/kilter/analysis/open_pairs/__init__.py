@@ -1,1 +1,1 @@
-"""Open pairs: the pairs that decide, and the guarantee of friction if they touch."""
+"""Open pairs: the pairs that decide a verdict, and the guarantee of friction if pairs touch."""
