@@ -1,25 +1,33 @@
-"""Problem 1: is there an equilibrium? Solve, then judge; never believe a solver.
+"""Decide whether forces of equilibrium exist, and prove the answer by a certificate.
 
-Without friction an equilibrium is all that stability needs. An order that ends where exactly
-one certificate passes; with bonds after their least forces and, if large, the total imbalance:
+Solvers only offer candidates: forces, or a motion. `kilter.mechanics.certificate` verifies each
+candidate independently of the solver. The search ends when exactly one of the two certificates
+holds. If none does, the answer is undecided, with the best forces and the best motion.
 
-1. the load factor by simplex (small), or equilibrium by interior point (large);
-2. the load factor by the other method;
-3. the least imbalance, which gives the strongest of both proofs, where the data are coarse;
-4. tighter, without presolve.
+Without friction, an equilibrium suffices for stability. Small programs (`SIMPLEX_ROWS`) are
+solved by simplex, with and without presolve: each time the load factor, then the least
+imbalance. The load factor by interior point follows. Large programs are solved for
 
-Then `undecided`, with the two figures. With friction an order of its own:
+1. the equilibrium, by interior point;
+2. the load factor, by interior point;
+3. the least imbalance, which gives the strongest of both proofs for coarse data;
+4. the load factor by simplex, if the program is not too large.
 
-1. planar: the cone has two rays, so the program is linear and is judged as one;
-2. the load factor in exact cones, by kilter's own interior point;
-3. the same by Clarabel, where that has no proof: near the limit;
-4. the least cohesion, which decides nearer to the limit;
-5. pyramids of more and more sides, some where friction points in the solutions before; the
-   inner ones for forces, the outer ones for a motion:
-   by simplex, which is exact where the set of equilibria has no inside.
+If there are bonds, their least forces are tried first; a large program then adds the total
+imbalance.
 
-Where bonds bear shear up to a force, planar or not: the least share of their strength that is
-enough, then 3 and 4.
+With friction the order is:
+
+1. planar assemblies: the cone has two rays, so a linear program without friction is exact;
+2. for more than `OWN_ROWS` freedoms, the load factor in exact cones by kilter's interior point;
+3. the load factor in exact cones by Clarabel;
+4. the least cohesion, which decides nearer to the limit of stability;
+5. pyramids with more and more sides, and with rays along the friction of earlier solutions.
+   Inner pyramids give forces, outer pyramids give a motion. They are solved by simplex, which
+   is exact even if the set of equilibria has an empty interior.
+
+If the shear of a bond is limited by a force, planar or not, the order is: the least share of the
+bonds' strength that suffices, then 3 and 4.
 """
 
 from __future__ import annotations
@@ -66,35 +74,35 @@ __all__ = ["SIMPLEX_ROWS", "SOLVERS", "Judgement", "Solver", "judge"]
 
 Solver = Literal["kilter", "clarabel", "highs"]
 SOLVERS: tuple[Solver, ...] = ("kilter", "clarabel", "highs")
-"""Who may offer a proof: kilter's own interior point and two others."""
+"""Names of the solvers that can be selected: kilter's own interior point and two packages."""
 
 SIMPLEX_ROWS = 1500
 """Programs with up to this many freedoms are solved by simplex first."""
 TINY_ROWS = 200
 """Programs with up to this many freedoms are solved without presolve first."""
 OWN_ROWS = 120
-"""Programs with friction and more freedoms than this are solved by kilter's own interior point
-first: smaller ones Clarabel solves in less time."""
+"""Programs with friction and more freedoms than this are first solved by kilter's own interior
+point. Clarabel solves smaller programs in less time."""
 SIDES = (4, 16, 64)
-"""Sides of the pyramids, in turn."""
+"""Numbers of sides of the pyramids, from coarse to fine."""
 LARGEST_PYRAMID = 20_000
-"""Rays above which finer pyramids are left out."""
+"""Pyramids with more rays than this, over all rough contacts, are not tried."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Judgement:
-    """Which of the two proofs holds.
+    """Answer of `judge`: whether an equilibrium exists, with its proof.
 
     Attributes
     ----------
     stable : bool or None
-        There are forces of equilibrium; None: the numbers do not carry a proof.
+        True if forces of equilibrium exist, False if not, None if the numbers permit no proof.
     forces : ForceProof or None
-        The best forces found; they prove it where `stable` is True.
+        The forces with the least residual; the proof if `stable` is True.
     motion : MotionProof or None
-        The best motion found; it proves it where `stable` is False.
+        The best motion; the proof if `stable` is False.
     solvers : tuple of str
-        What was run, in order.
+        A description of each solver run, in order.
     """
 
     stable: bool | None
@@ -104,9 +112,10 @@ class Judgement:
 
 
 class _Candidate(NamedTuple):
-    """What a solver offers as a proof, before it is judged.
+    """Forces or a motion that a solver offers as a proof, not yet verified.
 
-    Forces along the rows (K,) and across them (K, 3) [N], or a motion (N, 6), or both.
+    `forces` along the normals have shape (K,) [N], `friction` across them (K, 3) [N], and
+    `motion` (N, 6). `word` describes the solver run.
     """
 
     word: str
@@ -116,7 +125,7 @@ class _Candidate(NamedTuple):
 
 
 class _Options(TypedDict, total=False):
-    """Options of `solve_linear`."""
+    """Keyword arguments that are passed on to `solve_linear`."""
 
     method: Method
     presolve: bool
@@ -125,15 +134,20 @@ class _Options(TypedDict, total=False):
 
 
 def judge(program: Program, *, work: Work | None = None, solver: Solver | None = None) -> Judgement:
-    """Decide a program by a certificate.
+    """Decide whether forces of equilibrium exist for a program, and prove the answer.
 
     Parameters
     ----------
     program : Program
     work : Work, optional
-        Its time limit is kept; nothing is charged, since there is no verdict without this.
+        The time limit applies. No work is charged, since no verdict exists without this answer.
     solver : {"kilter", "clarabel", "highs"}, optional
-        The only one that is asked, to compare them; else they are in turn.
+        Use this solver alone, for a comparison. By default all are tried in turn.
+
+    Returns
+    -------
+    Judgement
+        `stable` is None if no certificate holds, or if both hold.
 
     Examples
     --------
@@ -158,10 +172,11 @@ def judge(program: Program, *, work: Work | None = None, solver: Solver | None =
                 best_forces = proof
         if motion is not None:
             judged = check_motion(program, motion)
-            if best_motion is None or _better(judged, best_motion):
+            if best_motion is None or _is_better(judged, best_motion):
                 best_motion = judged
         stable = bool(best_forces and best_forces.holds)
         unstable = bool(best_motion and best_motion.holds)
+        # both certificates can hold within their tolerances at the limit: that proves nothing
         if stable != unstable:
             return Judgement(stable, best_forces, best_motion, tuple(tried))
         if work.late:
@@ -169,15 +184,15 @@ def judge(program: Program, *, work: Work | None = None, solver: Solver | None =
     return Judgement(None, best_forces, best_motion, tuple(tried))
 
 
-def _better(one: MotionProof, other: MotionProof) -> bool:
-    return (one.holds, one.ratio) > (other.holds, other.ratio)
+def _is_better(first: MotionProof, other: MotionProof) -> bool:
+    return (first.holds, first.ratio) > (other.holds, other.ratio)
 
 
 def _candidates(program: Program, work: Work, solver: Solver | None) -> Iterator[_Candidate]:
-    """What all solvers offer, the cheapest way first, or what one does."""
+    """Candidate proofs, the cheapest first, by all solvers or by `solver` alone."""
     rough = bool(program.mu.any())
     if program.cohesion.any():
-        yield from _with_limited_shear(program, work)
+        yield from _candidates_with_limited_shear(program, work)
     elif rough and program.planar:
         yield _by_pyramid(program, 2, work, solver=solver)
     elif solver == "kilter":
@@ -188,30 +203,30 @@ def _candidates(program: Program, work: Work, solver: Solver | None) -> Iterator
         if rough:
             yield _by_cohesion(wide, work)
     elif not rough:
-        yield from _without_friction(program, work)
+        yield from _candidates_without_friction(program, work)
     elif solver == "highs":
         yield from _by_pyramids(program, [], work)
     else:
-        yield from _in_cones(program, work)
+        yield from _candidates_in_cones(program, work)
 
 
-def _with_limited_shear(program: Program, work: Work) -> Iterator[_Candidate]:
-    """Candidates where bonds bear shear up to a force."""
+def _candidates_with_limited_shear(program: Program, work: Work) -> Iterator[_Candidate]:
+    """Candidate proofs for a program with bonds whose shear is limited by a force."""
     wide = cone_problem(program)
     yield _by_strength(wide, work)
     yield _by_cones(wide, work)
     yield _by_cohesion(wide, work)
 
 
-def _without_friction(program: Program, work: Work) -> Iterator[_Candidate]:
-    """Candidate forces and motions, the cheapest way first."""
+def _candidates_without_friction(program: Program, work: Work) -> Iterator[_Candidate]:
+    """Candidate proofs for a program without friction, the cheapest first."""
     problem = scaled_problem(program)
     bonded = least_forces(problem)
     if bonded is not None:
         yield _Candidate("least forces of bonds", bonded[0], motion=bonded[1])
     small = len(problem.right) <= SIMPLEX_ROWS
     if small:
-        # presolve costs a tiny program more than it saves; the other way is the second try
+        # presolve costs a tiny program more time than it saves; the second try inverts the choice
         first = len(problem.right) > TINY_ROWS
         for presolve in (first, not first):
             yield from _by_load_factor(problem, method="simplex", presolve=presolve, work=work)
@@ -227,8 +242,10 @@ def _without_friction(program: Program, work: Work) -> Iterator[_Candidate]:
         yield from _by_load_factor(problem, method="simplex", work=work)
 
 
-def _solved(lp: LinearProgram, word: str, **options: Unpack[_Options]) -> tuple[Solution, str]:
-    """The answer, and a word about it."""
+def _solve_with_word(
+    lp: LinearProgram, word: str, **options: Unpack[_Options]
+) -> tuple[Solution, str]:
+    """Solve a linear program; return the solution and a description of the run."""
     from kilter.solvers.highs import solve_linear
 
     answer = solve_linear(lp, **options)
@@ -236,17 +253,22 @@ def _solved(lp: LinearProgram, word: str, **options: Unpack[_Options]) -> tuple[
 
 
 def _by_equilibrium(problem: ScaledProblem, work: Work) -> Iterator[_Candidate]:
+    """Candidate forces by the feasibility program of equilibrium."""
     lp = equilibrium(problem)
-    answer, word = _solved(lp, "equilibrium", method="interior", forces_only=True, work=work)
+    answer, word = _solve_with_word(
+        lp, "equilibrium", method="interior", forces_only=True, work=work
+    )
     yield _Candidate(word, problem.forces(answer.x) if answer.found else None)
 
 
 def _by_load_factor(problem: ScaledProblem, **options: Unpack[_Options]) -> Iterator[_Candidate]:
-    answer, word = _solved(load_factor(problem), "load factor", **options)
+    """Candidate proof by the greatest share (0 to 1) of the load that forces can balance."""
+    answer, word = _solve_with_word(load_factor(problem), "load factor", **options)
     if not answer.found:
         yield _Candidate(word)
         return
     factor = float(answer.x[-1])
+    # the factor is 1 if an equilibrium exists and 0 if not, except for rounding
     forces = problem.forces(answer.x[:-1]) / factor if factor > 0.5 else None
     motion = None
     if factor < 0.5 and len(answer.multipliers):
@@ -257,7 +279,8 @@ def _by_load_factor(problem: ScaledProblem, **options: Unpack[_Options]) -> Iter
 def _by_least_imbalance(
     problem: ScaledProblem, **options: Unpack[_Options]
 ) -> Iterator[_Candidate]:
-    answer, word = _solved(least_imbalance(problem), "least imbalance", **options)
+    """Candidate forces of the least maximal imbalance, and a motion by its multipliers."""
+    answer, word = _solve_with_word(least_imbalance(problem), "least imbalance", **options)
     if not answer.found:
         yield _Candidate(word)
         return
@@ -269,7 +292,8 @@ def _by_least_imbalance(
 
 
 def _by_total_imbalance(problem: ScaledProblem, work: Work) -> Iterator[_Candidate]:
-    answer, word = _solved(
+    """Candidate forces of the least sum of imbalances, and a motion by its multipliers."""
+    answer, word = _solve_with_word(
         total_imbalance(problem), "total imbalance", method="interior", work=work
     )
     if not answer.found:
@@ -281,8 +305,8 @@ def _by_total_imbalance(problem: ScaledProblem, work: Work) -> Iterator[_Candida
     yield _Candidate(word, problem.forces(answer.x[: len(problem.program.part_a)]), motion=motion)
 
 
-def _in_cones(program: Program, work: Work) -> Iterator[_Candidate]:
-    """Candidates for a program with friction, the cheapest way first."""
+def _candidates_in_cones(program: Program, work: Work) -> Iterator[_Candidate]:
+    """Candidate proofs for a program with friction, the cheapest first."""
     if int(program.free.sum()) * len(program.freedoms) > OWN_ROWS:
         yield from _by_own_cones(program, work)
     wide = cone_problem(program)
@@ -290,34 +314,38 @@ def _in_cones(program: Program, work: Work) -> Iterator[_Candidate]:
     for in_cones in (_by_cones, _by_cohesion):
         candidate = in_cones(wide, work)
         yield candidate
-        fitted += _angles(program, candidate)
+        fitted += _friction_angles(program, candidate)
     yield from _by_pyramids(program, fitted, work)
 
 
 def _by_pyramids(program: Program, fitted: list[Array], work: Work) -> Iterator[_Candidate]:
-    """Finer and finer pyramids, with rays at some angles of the friction at each rough contact."""
+    """Candidate proofs by finer and finer pyramids that replace the friction cones.
+
+    `fitted` holds directions of friction at the rough contacts [rad]. They are added as rays,
+    together with the directions of each new candidate.
+    """
     for sides in SIDES:
         if (sides + len(fitted)) * len(program.rough) > LARGEST_PYRAMID:
             return
         even = [np.full(len(program.rough), 2 * np.pi * k / sides) for k in range(sides)]
-        # many even rays need no fitted ones beside them, which only make them nearly parallel
+        # beside 64 even rays a fitted ray gains nothing and makes two columns nearly parallel
         angles = np.column_stack([*even, *(fitted if sides < SIDES[-1] else [])])
         for outer in (False, True):
             candidate = _by_pyramid(program, sides, work, outer=outer, angles=angles)
             yield candidate
-            fitted = fitted + _angles(program, candidate)
+            fitted = fitted + _friction_angles(program, candidate)
 
 
-def _angles(program: Program, candidate: _Candidate) -> list[Array]:
-    """Where friction points at each rough contact, by forces and by slips [rad]."""
-    found = []
+def _friction_angles(program: Program, candidate: _Candidate) -> list[Array]:
+    """Directions of friction at each rough contact, by forces and by slips [rad]."""
+    directions = []
     if candidate.friction is not None:
-        found.append(angles_across(program, candidate.friction))
+        directions.append(angles_across(program, candidate.friction))
     if candidate.motion is not None:
         slips = np.zeros((len(program.part_a), 3))
         slips[program.rough] = -program.slips(candidate.motion, program.rough)
-        found.append(angles_across(program, slips))
-    return found
+        directions.append(angles_across(program, slips))
+    return directions
 
 
 def _by_pyramid(
@@ -329,9 +357,11 @@ def _by_pyramid(
     angles: Array | None = None,
     solver: Solver | None = None,
 ) -> _Candidate:
-    """The proof that a pyramid carries: forces of an inner one, a motion of an outer one.
+    """Candidate proof by pyramids: forces of inner pyramids, or a motion of outer pyramids.
 
-    A planar pyramid is the cone itself and is both.
+    An inner pyramid lies within the friction cone, so its forces obey the cone. An outer pyramid
+    contains the cone, so its motion opposes every force of the cone. In a planar assembly the
+    pyramid is the cone itself, and both proofs are taken.
     """
     rays = pyramid(program, sides, outer=outer, angles=angles)
     judged = judge(rays, work=work, solver=solver)
@@ -347,7 +377,7 @@ def _by_pyramid(
 
 
 def _by_own_cones(program: Program, work: Work) -> Iterator[_Candidate]:
-    """The load factor in exact cones by kilter's own interior point: what may be a proof."""
+    """Candidate proofs by the load factor in exact cones, from steps of kilter's interior point."""
     balance = load_share(program)
     word, steps = "load factor in cones: kilter, {} iterations, {}", 0
     for step in iterates(balance.cones):
@@ -363,7 +393,7 @@ def _by_own_cones(program: Program, work: Work) -> Iterator[_Candidate]:
 
 
 def _by_cones(wide: ConeProblem, work: Work) -> _Candidate:
-    """The load factor in exact cones."""
+    """Candidate proof by the load factor in exact cones, solved by Clarabel."""
     from kilter.solvers.clarabel import solve_conic
 
     problem = wide.problem
@@ -380,21 +410,28 @@ def _by_cones(wide: ConeProblem, work: Work) -> _Candidate:
 
 
 def _by_strength(wide: ConeProblem, work: Work) -> _Candidate:
-    """The least share of the strength of bonds: forces where it is below 1, above it a motion."""
-    found = find_strength(wide, work=work)
-    if found is None:
+    """Candidate proof by the least share of the bonds' strength that suffices.
+
+    A share of at most 1 gives forces, a larger share gives a motion.
+    """
+    strength = find_strength(wide, work=work)
+    if strength is None:
         return _Candidate("least strength: clarabel, failed")
-    if found.share > 1.0:
-        return _Candidate(found.word, motion=found.motion)
-    forces = found.forces + (1.0 - found.share) * wide.program.pull
-    return _Candidate(found.word, forces, found.friction)
+    if strength.share > 1.0:
+        return _Candidate(strength.word, motion=strength.motion)
+    forces = strength.forces + (1.0 - strength.share) * wide.program.pull
+    return _Candidate(strength.word, forces, strength.friction)
 
 
 def _by_cohesion(wide: ConeProblem, work: Work) -> _Candidate:
-    """The least cohesion in exact cones: forces below 0, above it a motion, made admissible."""
-    found = find_cohesion(wide, work=work)
-    if found is None:
+    """Candidate proof by the least cohesion in exact cones.
+
+    A cohesion of at most 0 gives forces. A positive cohesion gives a motion, which is corrected
+    so that it violates no contact.
+    """
+    cohesion = find_cohesion(wide, work=work)
+    if cohesion is None:
         return _Candidate("least cohesion: clarabel, failed")
-    if found.value <= 0.0:
-        return _Candidate(found.word, found.forces, found.friction)
-    return _Candidate(found.word, motion=Opening(wide).mended(found.motion))
+    if cohesion.value <= 0.0:
+        return _Candidate(cohesion.word, cohesion.forces, cohesion.friction)
+    return _Candidate(cohesion.word, motion=Opening(wide).mended(cohesion.motion))
