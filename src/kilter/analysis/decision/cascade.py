@@ -1,9 +1,9 @@
 """The decision: does an assembly hold, at which level, by which proof?
 
-Every command calls `decide`. The steps, each of which ends with a certificate that is judged:
+Every command calls `decide`. Each of its steps ends with a certificate that is verified:
 
 1. certain contacts without friction: forces of equilibrium prove *stable*, whatever the friction
-   and whatever contacts are not modelled. More forces only help an equilibrium to exist, and
+   and whatever further contacts exist. More forces only help an equilibrium to exist, and
    without friction every solution of the contact law has a.M a <= w.a <= 0. Second order then
    separates *balanced* from stable;
 2. certain contacts in Coulomb's cones: forces of equilibrium, then the levels of friction
@@ -13,8 +13,7 @@ Every command calls `decide`. The steps, each of which ends with a certificate t
 5. fitted normals, and the accuracy of coordinates that a file states;
 6. the open pairs that decide (`kilter.analysis.open_pairs`): *undecided*, with a question.
 
-The doubts that separate these steps are read in this package only
-(`kilter.analysis.decision.doubts`).
+Only this package reads the doubts about contacts (`kilter.analysis.decision.doubts`).
 """
 
 from __future__ import annotations
@@ -111,6 +110,7 @@ def _first_order(
     program = build_program(assembly, contacts)
     smooth = program.frictionless
     judgement = judge(smooth, work=work)
+    # equilibrium without friction proves stability with friction and with the open pairs, too
     if judgement.stable:
         return Decision("stable", smooth, judgement)
     if program is not smooth:
@@ -124,6 +124,7 @@ def _first_order(
     if judgement.stable:
         return _with_friction(assembly, contacts, program, judgement, require, work)
     outer = build_program(assembly, contacts, possible=True)
+    # no open contacts: the motion is already proved against every contact
     if len(outer.part_a) == len(program.part_a):
         return Decision("unstable", program, judgement)
     bound = judge(outer, work=work)
@@ -133,10 +134,10 @@ def _first_order(
     if sharp.program is not None and sharp.judgement is not None:
         return Decision("unstable", sharp.program, sharp.judgement)
     fits = why_fits_leave_it_open(assembly, contacts, program, work)
-    asked = _deciding_pairs(assembly, contacts, program, require, work) if question else None
-    unclear = () if asked is not None or fits else (_unclear(contacts, bound, work),)
+    pairs = _deciding_pairs(assembly, contacts, program, require, work) if question else None
+    unclear = () if pairs is not None or fits else (_unclear_reason(contacts, bound, work),)
     reasons = (*unclear, *fits, *sharp.words)
-    return Decision("undecided", program, judgement, reasons=reasons, question=asked)
+    return Decision("undecided", program, judgement, reasons=reasons, question=pairs)
 
 
 def _deciding_pairs(
@@ -159,11 +160,12 @@ def _with_friction(
     require: str,
     work: Work,
 ) -> Decision:
-    """The guarantee of friction where forces of equilibrium exist in Coulomb's cones."""
-    from kilter.friction.answer import ask_friction, not_asked  # scipy.optimize takes its time
+    """The decision with the guarantee of friction, if equilibrium exists in Coulomb's cones."""
+    # imported late, since the import of scipy.optimize is slow
+    from kilter.friction.answer import ask_friction, not_asked
 
     if rests_on_fits(program, assembly):
-        # with normals in doubt nothing is known of other motions: equilibrium only
+        # normals in doubt cannot exclude other motions, so only equilibrium is reported
         answer = ask_friction(program, work=work.beside(0.0))
         answer = dataclasses.replace(answer, guarantee="open", tries=())
         return Decision("potentially-stable", program, judgement, answer)
@@ -176,24 +178,25 @@ def _with_friction(
             return PROVED
         return _friction_level(ask_friction(other, work=work.beside(work.allowed)))
 
+    # the guarantee must also hold if the open pairs touch, because they may do so
     if _friction_level(answer) > EQUILIBRIUM:
         trial = try_ordinary(assembly, contacts, level)
         if trial.level < PROVED and answer.guarantee == "proved":
             answer = dataclasses.replace(answer, guarantee="open")
         if trial.level < SETTLES:
             answer = dataclasses.replace(answer, tries=())
-    return Decision(_word(answer), program, judgement, answer, trial=trial)
+    return Decision(_word_of(answer), program, judgement, answer, trial=trial)
 
 
 def _friction_level(friction: FrictionAnswer) -> int:
-    """The guarantee of friction as a level that can be compared."""
+    """The guarantee of friction as an integer level: EQUILIBRIUM < SETTLES < PROVED."""
     if friction.guarantee == "proved":
         return PROVED
     return SETTLES if friction.settles else EQUILIBRIUM
 
 
-def _word(friction: FrictionAnswer) -> Word:
-    """The verdict if forces of equilibrium exist by friction only."""
+def _word_of(friction: FrictionAnswer) -> Word:
+    """The verdict if forces of equilibrium exist with friction only."""
     if friction.guarantee == "proved":
         return "stable"
     return "settles" if friction.settles else "potentially-stable"
@@ -203,7 +206,8 @@ def _with_second_order(
     decision: Decision, assembly: Assembly, contacts: ContactSet, require: str, work: Work
 ) -> Decision:
     """The decision with second order, which finds whether a stable assembly is only balanced."""
-    from kilter.second_order.answer.whole import find_second_order, with_rolling  # takes its time
+    # imported late, since the import is slow
+    from kilter.second_order.answer.whole import find_second_order, with_rolling
 
     proof = decision.judgement.forces
     forces = None if proof is None else proof.forces
@@ -221,7 +225,7 @@ def _with_second_order(
 
 
 def _best_figures(judgement: Judgement) -> str:
-    """The best forces and the best motion, neither of which passes as a proof."""
+    """The errors of the best forces and of the best motion, neither of which is a proof."""
     residual = judgement.forces.residual if judgement.forces else float("nan")
     motion = judgement.motion
     ratio = "no motion"
@@ -233,8 +237,11 @@ def _best_figures(judgement: Judgement) -> str:
     )
 
 
-def _unclear(contacts: ContactSet, bound: Judgement, work: Work) -> str:
-    """Why an assembly is undecided that no joined pairs decide; `bound`: with all open contacts."""
+def _unclear_reason(contacts: ContactSet, bound: Judgement, work: Work) -> str:
+    """Reason why an assembly is undecided although no deciding open pairs were found.
+
+    `bound` is the judgement with all possible contacts.
+    """
     if work.cut:
         return "the time limit was reached"
     if bound.stable is None:

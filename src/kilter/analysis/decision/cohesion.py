@@ -1,10 +1,11 @@
-"""The least cohesion with which contacts balance: a number whose sign says whether they hold.
+"""Least cohesion with which contacts balance: its sign decides whether the contacts hold.
 
     c(mu) = min c:  J^T f + w = 0,  |f_t| <= mu f_n + c w_i
 
-by one conic program that has an inside whatever the sign, so that its forces where c < 0, and
-its motion where c > 0, are good to rounding as near to a limit as c is told from 0. The load
-factor, which is 0 or 1, is not. The slope of c tells where it is 0.
+One conic program computes c. Its feasible set has a nonempty interior for either sign of c.
+Therefore its forces (c < 0) or its motion (c > 0) are accurate to rounding, as near to the limit
+of stability as c differs from 0. The load factor, which is 0 or 1, is less accurate there. The
+slope of c over mu estimates the coefficient at which c is 0.
 """
 
 from __future__ import annotations
@@ -22,20 +23,21 @@ __all__ = ["Cohesion", "find_cohesion"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cohesion:
-    """The least cohesion, and what its program offers as proofs.
+    """The least cohesion, with the forces and the motion that its program offers as proofs.
 
     Attributes
     ----------
     value : float
-        Over the weight of the lighter part at each contact [-], at least -1.
+        Cohesion over the weight of the lighter part at each contact [-], at least -1.
     slope : float
-        By how much it falls with the friction of every contact, at least 0 [-].
+        Decrease of `value` per increase of every friction coefficient [-], at least 0.
     forces, friction : ndarray, shapes (K,), (K, 3)
-        Along and across the rows [N]; of equilibrium where `value` is at most 0.
+        Contact forces along and across the rows [N]. They obey the friction cones if `value` is
+        at most 0.
     motion : ndarray, shape (N, 6)
-        In the dual cones; of power where `value` is above 0.
+        Motion in the dual cones. Its power is positive if `value` is positive.
     word : str
-        What was run.
+        Description of the solver run.
     """
 
     value: float
@@ -47,18 +49,24 @@ class Cohesion:
 
     @property
     def rise(self) -> float:
-        """By how much every coefficient has to rise for a cohesion of 0, to first order."""
+        """Increase of every friction coefficient that makes `value` 0, to first order [-]."""
         return self.value / self.slope if self.slope > 0.0 else np.inf
 
 
 def find_cohesion(wide: ConeProblem, *, work: Work | None = None) -> Cohesion | None:
-    """The least cohesion of a program; None: no forces balance however contacts stick, or failed.
+    """Compute the least cohesion of a program with friction.
 
     Parameters
     ----------
     wide : ConeProblem
+        The program in Coulomb's cones.
     work : Work, optional
-        It is charged, and its time limit is kept.
+        The conic program is charged to it, and its time limit applies.
+
+    Returns
+    -------
+    Cohesion or None
+        None if no forces balance the parts with any cohesion, or if the solver fails.
 
     Examples
     --------
