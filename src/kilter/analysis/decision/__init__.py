@@ -1,1 +1,1 @@
-"""The decision: does an assembly hold, at which level, by which proof."""
+"""Decide whether an assembly holds, at which level, and by which proof."""

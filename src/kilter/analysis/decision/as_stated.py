@@ -1,13 +1,14 @@
-"""Is what moves explained by the accuracy that the file states of its points?
+"""Decide whether the stated accuracy of coordinates explains the motion of an assembly.
 
-A STEP file says how far its points may be off, often .01 mm. Points of a contact of width w that
-are off by d turn its normal by d / w and put its forces aside by d. So a motion is explained where
-for every part, of mass m and inertia I, weight m g,
+A STEP file states an uncertainty of its points, often 0.01 mm. If the points of a contact of
+width w are wrong by d, the normal turns by d / w and the forces shift sideways by d. So this
+accuracy explains a motion if for every part, of mass m, inertia I and weight m g,
 
     |m a| <= m g d / w        |I alpha| <= m g d        d = d_a + d_b <= STATED_MOST x size
 
-An assembly all of whose motions are so slow stands or falls with points that the file does not
-know so well: it is not proved unstable. Stability, which is as drawn, is not asked.
+If all parts move so slowly, the verdict depends on coordinates that the file does not state so
+accurately. The assembly is then not proved unstable. A proof of stability is for the geometry as
+drawn and is not examined here.
 """
 
 from __future__ import annotations
@@ -28,21 +29,24 @@ __all__ = ["explained_by_accuracy", "stated_accuracy"]
 
 
 def explained_by_accuracy(assembly: Assembly, contacts: ContactSet, program: Program) -> str:
-    """Why an unstable assembly is undecided: words; none where it moves all the same.
+    """Reason why a proved motion does not decide; "" if the stated accuracy does not explain it.
 
     Parameters
     ----------
+    assembly : Assembly
+    contacts : ContactSet
     program : Program
-        Without friction, of which a motion is proved.
+        Program of all parts against which a motion is proved.
     """
     off = stated_accuracy(assembly)
+    # the bounds above compare accelerations with weights alone, so loads and bonds are left out
     if not off.any() or assembly.loads or len(program.gripping):
         return ""
     motion = find_motion(program)
-    if not motion.known:  # unstable as drawn, and no more is known
+    if not motion.known:  # the solver failed: the assembly is unstable as drawn
         return ""
-    force, lever = _unbalanced(program, motion.acceleration)
-    aside, width = _by_contacts(contacts, off)
+    force, lever = _net_force_and_torque(program, motion.acceleration)
+    aside, width = _inaccuracy_and_width(contacts, off)
     if (force * width > aside).any() or (lever > aside).any():
         return ""
     fastest = assembly.names[int(motion.relative.max(axis=1).argmax())]
@@ -54,23 +58,23 @@ def explained_by_accuracy(assembly: Assembly, contacts: ContactSet, program: Pro
 
 
 def stated_accuracy(assembly: Assembly) -> Array:
-    """How far points of each part may be off, shape (N,) [length unit]."""
+    """Stated inaccuracy of the points of each part, shape (N,) [length unit]; 0 if not stated."""
     shapes = (part.shape for part in assembly.parts)
     return np.array([shape.uncertainty if isinstance(shape, Solid) else 0.0 for shape in shapes])
 
 
-def _unbalanced(program: Program, acceleration: Array) -> tuple[Array, Array]:
-    """The force that moves each part over its weight [-], the torque over it [length unit]."""
+def _net_force_and_torque(program: Program, acceleration: Array) -> tuple[Array, Array]:
+    """Net force over weight [-] and net torque over weight [length unit] of each part, (N,)."""
     force = np.linalg.norm(acceleration[:, :3], axis=1) / program.g
     torque = np.einsum("nij,nj->ni", program.inertia, acceleration[:, 3:])
     lever = np.linalg.norm(torque, axis=1) / (program.mass * program.g)
     return force, lever * metres_per_unit(program.units)
 
 
-def _by_contacts(contacts: ContactSet, off: Array) -> tuple[Array, Array]:
-    """How far points of each part's contacts may be off, and their least width, shape (N,).
+def _inaccuracy_and_width(contacts: ContactSet, off: Array) -> tuple[Array, Array]:
+    """Inaccuracy of the points and least width of each part's contacts, shape (N,) [length unit].
 
-    Of a part without contacts 0, and no width.
+    A part without contacts has inaccuracy 0. Its size replaces an unknown width.
     """
     geometry, parts = contacts.assembly.geometry, contacts.patch_parts
     both = np.minimum(off[parts].sum(axis=1)[:, None], STATED_MOST * geometry.size[parts])

@@ -1,23 +1,25 @@
-"""Degenerate points: what they decide, by branches, and by the paper's planar approximation.
+"""Decide assemblies with degenerate points, by branching and by the planar approximation.
 
-The allowed motions at degenerate points are a union (`kilter.mechanics.degenerate`): one
-convex cone for each choice of one extreme normal m at every point, v.m >= 0. The assembly
-is stable iff no allowed motion has power w.dp > 0, so
+The set of allowed motions at degenerate points is a union of convex cones
+(`kilter.mechanics.degenerate`). Each cone belongs to a *branch*: the choice of an extreme normal
+m at every point, with v.m >= 0. The assembly is stable iff no allowed motion has power
+w.dp > 0. Therefore it is
 
-- stable iff in no branch a motion has power: every allowed motion lies in a branch, and each
-  branch is a program of its own with its own forces (Farkas);
-- unstable iff in some branch one has: a motion of a branch opens along one separating normal
-  at every point and therefore enters nothing to first order.
+- stable iff no branch has a motion with power: every allowed motion lies in a branch, and each
+  branch is a program with its own forces of equilibrium (Farkas);
+- unstable iff a branch has a motion with power: it opens along a separating normal at every
+  point, so it violates no contact to first order.
 
-Both are exact to first order at points. Along a line of degenerate points (a ridge on a
-ridge) the choice may change from point to point of the line, so a branch of its ends is only
-an outer bound: good for "stable"; for "unstable" the motion is asked along the whole line,
-and where it enters, that point of the line is branched on too (which says nothing of
-"stable": the parts need not touch all along).
+Both statements are exact to first order at points. Along a line of degenerate points (a ridge on
+a ridge) the choice of normal may change from point to point. A branch of the two ends is then
+only an outer bound, which suffices for "stable". For "unstable", the motion is verified along the
+whole line. If it enters the other part at a point of the line, the search branches on that point,
+too. After that it can no longer prove "stable", since the parts need not touch at that point.
 
-Branches are opened where they are needed only: a program without some of the points whose
-motion enters nowhere, or that is stable, settles all branches below it. (The number of
-branches is exponential in the worst case, as it must be: Palmer; the paper, section 1.1.)
+The search begins without constraints at the degenerate points and adds a point only if a motion
+violates it. If a program is stable, or its motion violates no point, all branches below it are
+decided. The number of branches is exponential in the worst case, and no method can avoid this
+(Palmer; section 1.1 of the paper).
 """
 
 from __future__ import annotations
@@ -46,23 +48,23 @@ __all__ = ["Degenerates", "decide_degenerate"]
 
 
 PROGRAMS = 200
-"""Programs solved before branching is given up."""
+"""Largest number of programs that the search solves; after that it returns no decision."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Degenerates:
-    """What degenerate points decide.
+    """Answer for an assembly with degenerate points.
 
     Attributes
     ----------
     branching : bool or None
-        Stable by branching; None: not decided.
+        Whether the assembly is stable, by branching; None if branching does not decide.
     approximation : bool or None
-        Stable with the paper's planar approximation.
-    program, judgement
-        Where a motion was found: the program that it is held against, and its proof.
+        Whether it is stable with the planar approximation; None if that does not decide.
+    program, judgement : Program and Judgement, or None
+        If branching finds a motion: the program against which it is proved, and the proof.
     programs : int
-        How many were solved.
+        Number of programs solved.
     """
 
     branching: bool | None
@@ -73,21 +75,27 @@ class Degenerates:
 
     @property
     def words(self) -> list[str]:
-        """What is to be said where the verdict stays undecided."""
-        said = []
+        """Sentences that the answer adds if the verdict remains undecided."""
+        sentences = []
         if self.branching:
-            said.append(
+            sentences.append(
                 "it is stable for every choice of normals at the edges and corners without a "
                 "unique normal (by branching, without a proof file)"
             )
         if self.approximation is not None:
             word = "stable" if self.approximation else "unstable"
-            said.append(f"with the paper's planar approximation it would be {word}")
-        return said
+            sentences.append(f"with the paper's planar approximation it would be {word}")
+        return sentences
 
 
 def decide_degenerate(assembly: Assembly, contacts: ContactSet) -> Degenerates:
-    """Both answers for an assembly that its degenerate points might hold.
+    """Decide an assembly that forces at its degenerate points might hold, without friction.
+
+    Returns
+    -------
+    Degenerates
+        Both answers are None if there are no degenerate points. `branching` is None if there are
+        more than `kilter.mechanics.degenerate.MOST` points, or no exact points.
 
     Examples
     --------
@@ -111,7 +119,7 @@ def decide_degenerate(assembly: Assembly, contacts: ContactSet) -> Degenerates:
     outer = without_degenerate(assembly, contacts)
     answer = branches.search(outer)
     if answer is not False and len(outer.part_a) > len(inner.part_a):
-        # more than contacts was counted: stability must not rest on that
+        # `outer` also has contacts that are not certain: a proof of stability must not use them
         answer = branches.search(inner) or None
     return Degenerates(
         answer, approximation, branches.program, branches.judgement, branches.programs
@@ -119,7 +127,11 @@ def decide_degenerate(assembly: Assembly, contacts: ContactSet) -> Degenerates:
 
 
 class _Branches:
-    """A search of the branches; keeps the motion that it finds."""
+    """Depth-first search over the branches, which stores the motion that it proves.
+
+    Each clause is a list of alternative pushes, one alternative for each extreme normal of an
+    exact point. `inner` is set after a branch on an inner point of a line.
+    """
 
     def __init__(self, assembly: Assembly, contacts: ContactSet) -> None:
         self.assembly = assembly
@@ -136,7 +148,7 @@ class _Branches:
         ]
 
     def search(self, base: Program) -> bool | None:
-        """Whether every branch over a program is stable; None: not decided."""
+        """Whether every branch of a program is stable; None if the search does not decide."""
         stack = [base]
         while stack:
             program = stack.pop()
@@ -149,19 +161,20 @@ class _Branches:
             if judgement.stable is None or judgement.motion is None:
                 return None
             motion = judgement.motion.motion
-            entered = self._entered(program, motion)
+            entered = self._violated_clause(program, motion)
             if entered is None:
-                return self._kept(judgement, motion)
+                return self._store_motion(judgement, motion)
             stack += [with_pushes(program, push) for push in entered]
         return None if self.inner else True
 
-    def _entered(self, program: Program, motion: Array) -> list[PossibleContacts] | None:
-        """The pushes of the point that a motion enters most; None: it enters nowhere."""
-        between_them = [
+    def _violated_clause(self, program: Program, motion: Array) -> list[PossibleContacts] | None:
+        """Alternative pushes of the point that a motion violates most; None if it violates none."""
+        inner_points = [
             [pushes.take([row]) for row in range(len(pushes))]
             for pushes in between(program, self.contacts, motion)
         ]
-        clauses = self.clauses + between_them
+        clauses = self.clauses + inner_points
+        # a point is open if the motion opens along any of its normals
         opening = [max(float(openings(program, p, motion)[0]) for p in c) for c in clauses]
         if min(opening, default=0.0) >= -ENTERS:
             return None
@@ -170,8 +183,8 @@ class _Branches:
             worst, self.inner = int(np.argmin(opening)), True
         return clauses[worst]
 
-    def _kept(self, judgement: Judgement, motion: Array) -> bool | None:
-        """False if the motion is allowed: then it is the proof."""
+    def _store_motion(self, judgement: Judgement, motion: Array) -> bool | None:
+        """Verify a motion and store it as the proof; return False if it holds, otherwise None."""
         program = allowed_program(self.assembly, self.contacts, motion)
         if program is None:
             return None

@@ -1,13 +1,13 @@
-"""Doubts: the pairs of parts at which an assembly may differ from its contacts as they are found.
+"""Doubts: pairs of parts at which the real contacts may differ from the detected contacts.
 
-    possible     forces of contacts that are not modelled, or not certain, may act between them
-    degenerate   edges or corners meet at a point that has no single normal
-    fitted       the normal of a contact comes from a fit and is known to an angle only
+    possible     further forces may act between the parts, by contacts not modelled or not certain
+    degenerate   edges or corners meet at a point without a unique normal
+    fitted       a fit gives the normal of a contact, with an error of some angle
     stated       the file of a part states that its coordinates are less accurate than rounding
 
 Only this package reads these marks of a contact set. The array paths (`kilter.check_many`,
-`kilter.states`, supports) decide every case by a proof in arrays that no doubt concerns, and pass
-the others on to `kilter.analysis.decision.cascade`.
+`kilter.states`, supports) decide all cases without doubts by proofs in arrays. They pass the
+other cases on to `kilter.analysis.decision.cascade`.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Doubts:
     stated: Array
 
     def normals_open(self, present: Mask) -> bool:
-        """Whether a choice of normals may decide among the present parts, mask of shape (N,)."""
+        """Whether two present parts meet at a degenerate point; `present` has shape (N,)."""
         return bool(present[self.degenerate].all(axis=1).any())
 
     @property
@@ -55,7 +55,7 @@ class Doubts:
         return len(self.contacts.possible) > 0 or len(self.contacts.open_pairs) > 0
 
     def explain_motion(self, program: Program) -> str:
-        """Why a proved motion of a program does not decide; empty if the motion decides.
+        """Reason why a proved motion of a program does not decide; empty if it decides.
 
         Parameters
         ----------

@@ -1,10 +1,10 @@
-"""What rests on fitted normals: contacts of smooth faces that two meshes cut differently.
+"""Statements about contacts with fitted normals: smooth faces that two meshes cut differently.
 
-A normal that a fit gave is known to its doubt. Forces within mu - doubt of it are within mu of
-the true one, and such a contact has that friction; without friction nothing is certain of it,
-and whether a motion obeys Coulomb's law depends on the normals themselves. So equilibrium is
-said of these contacts, not that nothing can move; and without friction only what holds without
-them: `kilter.mechanics.program.build_program` leaves them out.
+A fit gives the normal with a doubt, which is an angle. Forces within the friction mu - doubt of
+the fitted normal are within mu of the true normal, so the contact keeps this reduced friction.
+These contacts prove equilibrium, but they do not exclude motions: whether a motion obeys
+Coulomb's law depends on the true normals. Without friction no force at such a contact is certain,
+and `kilter.mechanics.program.build_program` leaves the contact out.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ __all__ = ["fits_left_out", "rests_on_fits", "why_fits_leave_it_open"]
 
 
 def rests_on_fits(program: Program, assembly: Assembly) -> bool:
-    """Whether contacts of a program that may open or slide have normals in doubt."""
-    return len(_fitted(program, assembly)) > 0
+    """Whether a contact between two bodies that can move apart has a normal in doubt."""
+    return len(_fitted_patches(program, assembly)) > 0
 
 
-def _fitted(program: Program, assembly: Assembly) -> Index:
-    """Patches in doubt between parts that are not one body, each once."""
+def _fitted_patches(program: Program, assembly: Assembly) -> Index:
+    """Indices of patches with fitted normals between different rigid groups, without repeats."""
     group = rigid_groups(assembly)
     rows = np.flatnonzero(program.doubt)
     rows = rows[group[program.part_a[rows]] != group[program.part_b[rows]]]
@@ -39,7 +39,13 @@ def _fitted(program: Program, assembly: Assembly) -> Index:
 def why_fits_leave_it_open(
     assembly: Assembly, contacts: ContactSet, certain: Program, work: Work
 ) -> tuple[str, ...]:
-    """Why it is undecided what the certain contacts do not hold: the fitted ones would."""
+    """Reason why fitted contacts leave an assembly undecided that the certain contacts do not hold.
+
+    Returns
+    -------
+    tuple of str
+        One sentence if forces of equilibrium exist with the fitted contacts; otherwise empty.
+    """
     program = build_program(assembly, contacts, fitted=True)
     if len(program.kind) == len(certain.kind) or not judge(program, work=work).stable:
         return ()
@@ -51,17 +57,22 @@ def why_fits_leave_it_open(
 
 
 def fits_left_out(assembly: Assembly, contacts: ContactSet, certain: Program) -> list[str]:
-    """A warning that names the pairs whose fitted contacts a program of the certain ones has not.
+    """Warning that names the pairs whose fitted contacts a program leaves out.
 
     Parameters
     ----------
     assembly : Assembly
     contacts : ContactSet
     certain : Program
-        As `build_program` gives it, or without friction.
+        Program of the certain contacts, by `build_program`, with or without friction.
+
+    Returns
+    -------
+    list of str
+        The warning, or an empty list if no contact is left out.
     """
     every = build_program(assembly, contacts, fitted=True)
-    out = np.setdiff1d(_fitted(every, assembly), _fitted(certain, assembly))
+    out = np.setdiff1d(_fitted_patches(every, assembly), _fitted_patches(certain, assembly))
     if not len(out):
         return []
     names, worst = assembly.names, float(contacts.patch_doubt[out].max())

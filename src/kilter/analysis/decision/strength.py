@@ -1,9 +1,10 @@
-"""The least share of the strength of all bonds with which contacts balance.
+"""Least share of the strength of all bonds with which contacts balance the parts.
 
     s = min s:  J^T f + w - (1 - s) c = 0,  f_n >= 0,  |f_t| <= mu f_n + s S      c: the clamps
 
-One conic program that has an inside whatever s is: its forces, where s is at most 1, are within
-the strength as it is, and its motion, where s is above 1, gains power beyond what bonds take up.
+c are the clamping wrenches of the bonds, S their shear strengths. One conic program computes s. Its
+feasible set has a nonempty interior for every s. If s is at most 1, its forces are within the
+strength of the bonds. If s is above 1, its motion gains more power than the bonds absorb.
 """
 
 from __future__ import annotations
@@ -21,18 +22,19 @@ __all__ = ["Strength", "find_strength"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Strength:
-    """The least share of the strength, and what its program offers as proofs.
+    """The least share of the strength, with the forces and the motion offered as proofs.
 
     Attributes
     ----------
     share : float
-        s, at least 0 [-]; infinite where no share is enough.
+        s, at least 0 [-]; infinite if no share suffices.
     forces, friction : ndarray, shapes (K,), (K, 3)
-        Along and across the rows [N], which balance at that share.
+        Contact forces along and across the rows [N] that balance the parts at that share.
+        Zero if the share is infinite.
     motion : ndarray, shape (N, 6)
-        What starts there.
+        Motion that starts if the strength falls below that share.
     word : str
-        What was run.
+        Description of the solver run.
     """
 
     share: float
@@ -43,13 +45,19 @@ class Strength:
 
 
 def find_strength(wide: ConeProblem, *, work: Work | None = None) -> Strength | None:
-    """The least share of the strength of bonds; None where the numbers failed.
+    """Compute the least share of the bonds' strength that balances a program.
 
     Parameters
     ----------
     wide : ConeProblem
+        A program with bonds in Coulomb's cones.
     work : Work, optional
-        It is charged, and its time limit is kept.
+        The conic program is charged to it, and its time limit applies.
+
+    Returns
+    -------
+    Strength or None
+        None if the solver fails.
 
     Examples
     --------
@@ -68,7 +76,7 @@ def find_strength(wide: ConeProblem, *, work: Work | None = None) -> Strength | 
 
     program = wide.program
     strength = float(program.pull.sum() + program.cohesion.sum())
-    unit = float(program.weight[program.free].sum()) / strength  # s near 1 where they are near
+    unit = float(program.weight[program.free].sum()) / strength  # keeps s / unit near 1
     answer = solve_conic(least_strength(wide, unit), work=work)
     none = answer.proves_none
     if not (answer.found or none):
