@@ -1,1 +1,1 @@
-"""Open pairs: which of them decide, and what friction guarantees if they touch."""
+"""Open pairs: the pairs that decide a verdict, and the guarantee of friction if pairs touch."""

@@ -1,15 +1,17 @@
-"""The smallest set of open pairs that decides: joined, and nothing else, forces exist.
+"""Smallest set of open pairs that decides: if its pairs are joined, equilibrium exists.
 
-A set S of open pairs *holds* where the certain contacts have forces of equilibrium once the parts
-of each of its pairs are one body (`kilter.mechanics.merged_parts`). What holds holds with more.
+A set S of open pairs *holds* if the certain contacts have forces of equilibrium after the parts
+of each pair of S are merged into a body (`kilter.mechanics.merged_parts`). If S holds, every
+larger set holds, too.
 
-Few open pairs: the smallest set, by hitting sets. A motion that S leaves must be stopped by an
-open pair that it moves. So each S that does not hold gives a set of pairs of which every S that
-holds has one; the next S is the smallest that hits all of these, and the first that holds is the
-smallest there is. A set to be hit is made small: pairs are added to S as long as it does not hold.
+For few open pairs the smallest set is computed by hitting sets. If S does not hold, a motion
+remains, and an open pair that this motion moves must stop it. So the pairs that it moves are a
+set that every holding set must *hit*: it must contain at least one of them. The next S is the
+smallest set that hits all these sets. The first S that holds is therefore the smallest possible.
+To make the sets to hit small, pairs are added to S as long as it does not hold.
 
-Many: a set of which no pair can be left out. Cycles need no search, since joining two parts that
-are one body changes nothing: only the pairs of a spanning forest are asked.
+For many open pairs the result is a set from which no pair can be left out. Only the pairs of a
+spanning forest are examined, since joining two parts of the same body changes nothing.
 """
 
 from __future__ import annotations
@@ -32,20 +34,21 @@ from kilter.work import Work
 __all__ = ["MOST", "DecidingPairs", "find_deciding"]
 
 MOST = 12
-"""Up to so many open pairs the set is the smallest; of more, no pair can be left out."""
+"""Largest number of open pairs for which the smallest set is computed. With more open pairs, a set
+from which no pair can be left out is computed."""
 
 
 @dataclass(frozen=True, slots=True)
 class DecidingPairs:
-    """Open pairs that, joined, give forces of equilibrium.
+    """Open pairs with which equilibrium exists if their parts are joined.
 
     Attributes
     ----------
     pairs : tuple of OpenPair
     smallest : bool
-        No smaller set does; else no pair of this one can be left out.
+        Whether it is proved that no smaller set of pairs suffices.
     programs : int
-        How many were solved.
+        Number of programs solved.
     """
 
     pairs: tuple[OpenPair, ...]
@@ -56,26 +59,27 @@ class DecidingPairs:
 def find_deciding(
     program: Program, group: Index, pairs: Sequence[OpenPair], *, work: Work | None = None
 ) -> DecidingPairs | None:
-    """The deciding set of a program that its certain contacts do not hold.
+    """Find the open pairs that decide a program whose certain contacts do not hold it.
 
     Parameters
     ----------
     program : Program
-        Of the certain contacts, without open ones.
+        Program of the certain contacts.
     group : ndarray of int, shape (N,)
-        Parts that are one body already have one number.
+        Number of the rigid group of each part; parts that are joined share a number.
     pairs : sequence of OpenPair
-        Those that are open.
+        The open pairs.
     work : Work, optional
-        Its time limit is kept.
+        The time limit applies.
 
     Returns
     -------
     DecidingPairs or None
-        None where not even all of them give forces, or a time limit was met.
+        None if there are no open pairs, if all pairs joined are not proved to hold, or if the
+        time limit ended the search.
     """
-    ranked = sorted(pairs, key=lambda one: (KINDS.index(one.kind), abs(one.gap or 0.0)))
-    search = _Search(program, group, np.array([one.parts for one in ranked]).reshape(-1, 2), work)
+    ranked = sorted(pairs, key=lambda pair: (KINDS.index(pair.kind), abs(pair.gap or 0.0)))
+    search = _Search(program, group, np.array([pair.parts for pair in ranked]).reshape(-1, 2), work)
     everything = frozenset(range(len(ranked)))
     if not pairs or search.holds(everything) is not True:
         return None
@@ -83,12 +87,16 @@ def find_deciding(
     chosen = search.smallest() if few else search.irreducible()
     if chosen is None:
         return None
-    found = tuple(ranked[k] for k in sorted(chosen))
-    return DecidingPairs(found, few and not search.doubtful, search.programs)
+    deciding = tuple(ranked[k] for k in sorted(chosen))
+    return DecidingPairs(deciding, few and not search.doubtful, search.programs)
 
 
 class _Search:
-    """Programs of merged parts, each solved once."""
+    """Search over sets of open pairs; each program of merged parts is solved once.
+
+    Pairs are numbered from the likeliest to the least likely contact; `ends` has shape (n, 2).
+    `doubtful` is set if a program could not be decided: the set may then not be the smallest.
+    """
 
     def __init__(self, program: Program, group: Index, ends: Index, work: Work | None) -> None:
         self.program, self.ends, self.work = program, ends, work
@@ -102,7 +110,7 @@ class _Search:
         return len(self.known)
 
     def bodies(self, chosen: Iterable[int]) -> Index:
-        """The body of each part, numbered from 0, when the chosen pairs are joined."""
+        """Number of the body of each part, from 0, if the chosen pairs are joined; shape (N,)."""
         joined = self.ends[sorted(chosen)].reshape(-1, 2)
         label = connected(
             len(self.program.names),
@@ -111,17 +119,19 @@ class _Search:
         )
         return np.unique(label, return_inverse=True)[1].reshape(-1)
 
-    def judged(self, bodies: Index) -> Judgement:
+    def judgement_of(self, bodies: Index) -> Judgement:
+        """The judgement of the program with merged parts, computed once for each merging."""
         key = bodies.tobytes()
         if key not in self.known:
             self.known[key] = judge(merge_parts(self.program, bodies), work=self.work)
         return self.known[key]
 
     def holds(self, chosen: Iterable[int]) -> bool | None:
-        return self.judged(self.bodies(chosen)).stable
+        """Whether forces of equilibrium exist with the chosen pairs joined; None if undecided."""
+        return self.judgement_of(self.bodies(chosen)).stable
 
     def smallest(self) -> frozenset[int] | None:
-        """The smallest set that holds, the likeliest of them first."""
+        """The smallest set that holds, with the likeliest pairs; None if time ran out."""
         to_hit: list[frozenset[int]] = []
         every = frozenset(range(len(self.ends)))
         while self.work is None or not self.work.late:
@@ -130,67 +140,75 @@ class _Search:
             if holds:
                 return chosen
             self.doubtful |= holds is None
-            to_hit.append(every - self._grown(chosen) if holds is False else every - chosen)
+            # without a proof that the set fails, it only serves to exclude its own subsets
+            to_hit.append(every - self._enlarged(chosen) if holds is False else every - chosen)
         return None
 
-    def _grown(self, chosen: frozenset[int]) -> frozenset[int]:
-        """The set with as many more pairs as leave it without forces."""
+    def _enlarged(self, chosen: frozenset[int]) -> frozenset[int]:
+        """A maximal superset of a set that does not hold, which does not hold either."""
         every = frozenset(range(len(self.ends)))
-        grown = chosen | (every - self._stopping(chosen))
-        if self.holds(grown) is not False:
-            grown = chosen
-        for one in sorted(every - grown):
-            if self.holds(grown | {one}) is False:
-                grown |= {one}
-        return grown
+        larger = chosen | (every - self._pairs_in_motion(chosen))
+        # pairs that the motion leaves at rest cannot stop it; the numbers may still not prove it
+        if self.holds(larger) is not False:
+            larger = chosen
+        for pair in sorted(every - larger):
+            if self.holds(larger | {pair}) is False:
+                larger |= {pair}
+        return larger
 
-    def _stopping(self, chosen: frozenset[int]) -> frozenset[int]:
-        """The pairs that the motion of a set moves against each other."""
+    def _pairs_in_motion(self, chosen: frozenset[int]) -> frozenset[int]:
+        """Pairs whose parts move relative to each other in the motion that a set leaves."""
         bodies = self.bodies(chosen)
-        proof = self.judged(bodies).motion
+        proof = self.judgement_of(bodies).motion
         if proof is None:
             return frozenset(range(len(self.ends)))
-        moved = _moved(merge_parts(self.program, bodies), proof.motion, bodies[self.ends])
-        return frozenset(np.flatnonzero(moved).tolist())
+        moves = _moves_apart(merge_parts(self.program, bodies), proof.motion, bodies[self.ends])
+        return frozenset(np.flatnonzero(moves).tolist())
 
     def irreducible(self) -> frozenset[int] | None:
-        """A set that holds, and does not without any one of its pairs."""
-        kept: list[int] = []
-        for k in range(len(self.ends)):  # a spanning forest, of the likeliest pairs
-            bodies = self.bodies(kept)
+        """A set that holds, but fails if any of its pairs is left out; None if time ran out."""
+        forest: list[int] = []
+        for k in range(len(self.ends)):  # a spanning forest of the likeliest pairs
+            bodies = self.bodies(forest)
             if bodies[self.ends[k, 0]] != bodies[self.ends[k, 1]]:
-                kept.append(k)
-        chosen = self._needed([], kept, False)
+                forest.append(k)
+        chosen = self._irreducible_part([], forest, False)
         return None if self.work is not None and self.work.late else frozenset(chosen)
 
-    def _needed(self, base: list[int], some: list[int], grown: bool) -> list[int]:
-        """Of `some`, a set that holds with `base` and of which no pair can be left out.
+    def _irreducible_part(
+        self, base: list[int], candidates: list[int], base_changed: bool
+    ) -> list[int]:
+        """An irreducible subset of `candidates` that holds together with `base`.
 
-        Of two halves, what the second needs beside all of the first, then what the first needs
-        beside that: few programs where few pairs are needed (U. Junker, QuickXplain, 2004).
+        First the second half is reduced with the whole first half in the base. Then the first
+        half is reduced with the rest of the second. This solves few programs if few pairs are
+        needed (U. Junker, QuickXplain, 2004). An unchanged base is known not to hold.
         """
-        if grown and self.holds(base):
+        if base_changed and self.holds(base):
             return []
-        if len(some) == 1 or (self.work is not None and self.work.late):
-            return some
-        half = (len(some) + 1) // 2
-        first, second = some[:half], some[half:]
-        later = self._needed([*base, *first], second, bool(first))
-        return self._needed([*base, *later], first, bool(later)) + later
+        if len(candidates) == 1 or (self.work is not None and self.work.late):
+            return candidates
+        half = (len(candidates) + 1) // 2
+        first, second = candidates[:half], candidates[half:]
+        later = self._irreducible_part([*base, *first], second, bool(first))
+        return self._irreducible_part([*base, *later], first, bool(later)) + later
 
 
 def _least_hitting(every: Sequence[int], to_hit: Sequence[frozenset[int]]) -> frozenset[int]:
-    """The smallest set with a member of each set, the first in order of its members."""
+    """The smallest subset of `every` that meets each set, the first in lexicographic order."""
     for size in range(len(every) + 1):
-        for some in combinations(every, size):
-            chosen = frozenset(some)
-            if all(chosen & one for one in to_hit):
+        for members in combinations(every, size):
+            chosen = frozenset(members)
+            if all(chosen & target for target in to_hit):
                 return chosen
     return frozenset(every)
 
 
-def _moved(program: Program, motion: Array, ends: Index) -> Mask:
-    """Which pairs of bodies, shape (n, 2), a motion moves against each other."""
+def _moves_apart(program: Program, motion: Array, ends: Index) -> Mask:
+    """Mask of the pairs of bodies `ends`, (n, 2), that move relative to each other; shape (n,).
+
+    `motion` has shape (bodies, 6).
+    """
     a, b = ends.T
     turn = motion[b, 3:] - motion[a, 3:]
     arm = program.center[b] - program.center[a]
@@ -199,5 +217,5 @@ def _moved(program: Program, motion: Array, ends: Index) -> Mask:
         program.radius[a], program.radius[b]
     )
     largest = float(part_sizes(program, motion, per_radius=False).max(initial=0.0))
-    moved: Mask = size > STILL * largest
-    return moved
+    moves: Mask = size > STILL * largest
+    return moves

@@ -1,7 +1,8 @@
-"""What an assembly hangs on that falls as it is drawn, and holds with its open pairs at their most.
+"""The open question of an undecided assembly: the open pairs on which its verdict depends.
 
-It names the smallest set of open pairs that decides (`kilter.analysis.open_pairs.deciding_pairs`),
-and the verdict of the assembly with the parts of these joined.
+The certain contacts do not hold such an assembly, but forces of open pairs may. The question names
+the smallest set of open pairs that decides (`kilter.analysis.open_pairs.deciding_pairs`), and the
+verdict of the assembly with the parts of these pairs joined.
 """
 
 from __future__ import annotations
@@ -23,15 +24,15 @@ __all__ = ["OpenQuestion", "ask_open", "open_pair_names", "open_pairs_answer"]
 
 @dataclass(frozen=True, slots=True)
 class OpenQuestion:
-    """The open pairs that decide, and the verdict with them joined."""
+    """The open pairs that decide, and the verdict of the assembly with these pairs joined."""
 
     deciding: DecidingPairs
     verdict: str
 
     def to_dict(self, names: tuple[str, ...]) -> dict[str, Any]:
-        """As JSON data: `if_joined` of the answer."""
+        """JSON data of the question, for the key `if_joined`; `names`: the names of all parts."""
         return {
-            "pairs": [[names[k] for k in one.parts] for one in self.deciding.pairs],
+            "pairs": [[names[k] for k in pair.parts] for pair in self.deciding.pairs],
             "verdict": self.verdict,
             "smallest": self.deciding.smallest,
         }
@@ -45,46 +46,46 @@ def ask_open(
     *,
     work: Work | None = None,
 ) -> OpenQuestion | None:
-    """Which open pairs decide.
+    """Find the open pairs that decide, and the verdict with these pairs joined.
 
     Parameters
     ----------
     assembly : Assembly
     contacts : ContactSet
     program : Program
-        Of the certain contacts, which do not hold it.
+        Program of the certain contacts, which do not hold the assembly.
     verdict_of : callable
-        From an assembly of the same parts and contacts to the word of its verdict.
+        Function that returns the verdict of an assembly with the same parts and contacts.
     work : Work, optional
-        Its time limit is kept.
+        The time limit applies.
 
     Returns
     -------
     OpenQuestion or None
-        None where no open pairs that are joined give forces of equilibrium, or the numbers are so
-        near the limit that it seems to take none.
+        None if no set of joined open pairs gives forces of equilibrium, if the time limit ended
+        the search, or if the empty set seems to suffice because the program is near its limit.
     """
     pairs = still_open(contacts.open_pairs, assembly)
-    found = find_deciding(program, rigid_groups(assembly), pairs, work=work)
-    if found is None or not found.pairs:
+    deciding = find_deciding(program, rigid_groups(assembly), pairs, work=work)
+    if deciding is None or not deciding.pairs:
         return None
     names = assembly.names
-    joints = [Joint((names[p.parts[0]], names[p.parts[1]])) for p in found.pairs]
-    return OpenQuestion(found, verdict_of(assembly.with_joints(joints)))
+    joints = [Joint((names[p.parts[0]], names[p.parts[1]])) for p in deciding.pairs]
+    return OpenQuestion(deciding, verdict_of(assembly.with_joints(joints)))
 
 
 def open_pair_names(assembly: Assembly, contacts: ContactSet) -> str:
-    """The open pairs by their parts, the first of them."""
+    """The names of the parts of the first open pairs, as a phrase for messages."""
     names = assembly.names
     pairs = still_open(contacts.open_pairs, assembly)
-    return some([f"{names[one.parts[0]]!r} and {names[one.parts[1]]!r}" for one in pairs])
+    return some([f"{names[pair.parts[0]]!r} and {names[pair.parts[1]]!r}" for pair in pairs])
 
 
 def open_pairs_answer(
     assembly: Assembly, contacts: ContactSet, question: OpenQuestion | None = None
 ) -> list[dict[str, Any]]:
-    """`open_pairs` of an answer: those that decide first."""
+    """Entries of the key `open_pairs` of an answer; the deciding pairs come first."""
     decides: tuple[OpenPair, ...] = () if question is None else question.deciding.pairs
     pairs = still_open(contacts.open_pairs, assembly)
-    entries = [{**one.to_dict(assembly.names), "decides": one in decides} for one in pairs]
+    entries = [{**pair.to_dict(assembly.names), "decides": pair in decides} for pair in pairs]
     return sorted(entries, key=lambda entry: not entry["decides"])

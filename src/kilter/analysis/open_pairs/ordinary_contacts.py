@@ -1,13 +1,13 @@
-"""Open pairs as ordinary contacts: does what friction proves hold with them too?
+"""Verify the guarantee of friction with open pairs as ordinary contacts.
 
-More forces only help an equilibrium to exist, but with friction they may hurt what is proved: a
-block on a slope is held by it; with a second, smoother support in the same plane a motion obeys
-the contact law. So what is proved, or settles, is asked again with the open pairs as contacts
-of the kind that they would be if they touched, in every subset of them. Where these are too many,
-or a pair has no such kind (a free form), nothing but equilibrium is said.
+More contacts only help an equilibrium to exist. But with friction they may invalidate a guarantee:
+a block holds on a slope, but with a second, smoother support in the same plane a motion may obey
+the contact law. So the levels *proved* and *settles* are computed again for every subset of the
+open pairs, as contacts of the kind that they would be if they touched. If there are too many open
+pairs, or a pair has no such kind (a free form), only equilibrium is reported.
 
-The contacts that open pairs would be are those that a detection finds whose tolerance takes
-their gaps, depths and tilts in; a degenerate point pushes along the centre of its normals.
+A detection with a wider tolerance, which includes their gaps, depths and tilts, gives these
+contacts. A degenerate point pushes along the centre of its normals.
 """
 
 from __future__ import annotations
@@ -41,25 +41,26 @@ __all__ = [
 ]
 
 EQUILIBRIUM, SETTLES, PROVED = range(3)
-"""What friction guarantees: forces exist; it settles; no motion obeys the law."""
+"""Levels of the guarantee of friction: forces of equilibrium exist; the parts also settle; no
+motion obeys the contact law."""
 MOST_TRIED = 4
-"""Open pairs of which every subset is tried."""
+"""Largest number of open pairs for which every subset is tried; with more, none is."""
 WIDER = 1.01
-"""By so much the tolerance of the detection is wider than the widest gap."""
+"""Ratio of the detection's gap tolerance to the largest gap or depth of the open pairs [-]."""
 
 
 @dataclass(frozen=True, slots=True)
 class OpenTrial:
-    """What friction guarantees when open pairs are ordinary contacts.
+    """The guarantee of friction with open pairs as ordinary contacts.
 
     Attributes
     ----------
     level : {EQUILIBRIUM, SETTLES, PROVED}
-        The lowest of every subset of them.
+        The lowest level over all subsets tried.
     tried : int
-        How many subsets.
+        Number of subsets tried; 0 if there are no open pairs, or too many, or a free form.
     lowest : tuple of OpenPair
-        The first subset of that level, where it is not PROVED.
+        The first subset with that level; empty if the level is PROVED or no subset was tried.
     """
 
     level: int
@@ -70,32 +71,32 @@ class OpenTrial:
 def try_ordinary(
     assembly: Assembly, contacts: ContactSet, level_of: Callable[[Program], int]
 ) -> OpenTrial:
-    """Ask the level of the program of each subset of the open pairs.
+    """Compute the lowest level over all subsets of the open pairs as ordinary contacts.
 
     Parameters
     ----------
     assembly : Assembly
     contacts : ContactSet
     level_of : callable
-        From a program to what friction guarantees of it.
+        Function that returns the level of a program: EQUILIBRIUM, SETTLES or PROVED.
     """
     pairs = still_open(contacts.open_pairs, assembly)
-    if len(pairs) > MOST_TRIED or any(one.kind == "free-form" for one in pairs):
+    if len(pairs) > MOST_TRIED or any(pair.kind == "free-form" for pair in pairs):
         return OpenTrial(EQUILIBRIUM if pairs else PROVED, 0)
-    wide = _touching_all(assembly, contacts, pairs) if pairs else contacts
-    found = OpenTrial(PROVED, 0)
+    wide = _wide_contacts(assembly, contacts, pairs) if pairs else contacts
+    trial = OpenTrial(PROVED, 0)
     for tried, chosen in enumerate(_subsets(pairs), start=1):
         other = with_ordinary_contacts(contacts, wide, chosen)
         level = level_of(build_program(assembly, other))
-        lower = level < found.level
-        found = OpenTrial(min(level, found.level), tried, chosen if lower else found.lowest)
-        if level == EQUILIBRIUM:
+        lower = level < trial.level
+        trial = OpenTrial(min(level, trial.level), tried, chosen if lower else trial.lowest)
+        if level == EQUILIBRIUM:  # no subset can lower the level further
             break
-    return found
+    return trial
 
 
 def trial_words(trial: OpenTrial, assembly: Assembly, count: int) -> str:
-    """What a trial of `count` open pairs says."""
+    """The result of a trial with `count` open pairs, as a clause for the answer."""
     if trial.level == PROVED:
         return (
             f"the guarantee of friction is valid for every subset of the {count} open pairs as "
@@ -110,15 +111,16 @@ def trial_words(trial: OpenTrial, assembly: Assembly, count: int) -> str:
 
 
 def _subsets(pairs: tuple[OpenPair, ...]) -> Iterator[tuple[OpenPair, ...]]:
+    """All nonempty subsets, the smallest first."""
     for count in range(1, len(pairs) + 1):
         yield from combinations(pairs, count)
 
 
-def _touching_all(
+def _wide_contacts(
     assembly: Assembly, contacts: ContactSet, pairs: tuple[OpenPair, ...]
 ) -> ContactSet:
-    """Contacts with a tolerance that takes in what is open between these pairs."""
-    far = [abs(one.gap or 0.0) for one in pairs] + [one.depth or 0.0 for one in pairs]
+    """Contacts detected with a tolerance that includes the gaps and depths of these pairs."""
+    far = [abs(pair.gap or 0.0) for pair in pairs] + [pair.depth or 0.0 for pair in pairs]
     gap = max(WIDER * max(far), contacts.gap)
     angle = max(contacts.tolerance.angle, LOOSE_ANGLE)
     wide = dataclasses.replace(contacts.tolerance, gap=gap, angle=angle)
@@ -128,56 +130,59 @@ def _touching_all(
 def with_ordinary_contacts(
     contacts: ContactSet, wide: ContactSet, pairs: tuple[OpenPair, ...]
 ) -> ContactSet:
-    """The contact set with those of `wide` between some open pairs in place of its own.
+    """The contact set with open pairs replaced by ordinary contacts.
 
     Parameters
     ----------
     contacts, wide : ContactSet
-        Of one assembly.
+        Contacts of the same assembly; `wide` is detected with a wider tolerance.
     pairs : tuple of OpenPair
-        A degenerate one brings a push at each of its points.
+        The pairs whose patches are taken from `wide`. A degenerate pair instead keeps its patches
+        and gains a patch at each of its degenerate points.
     """
-    faces = {frozenset(one.parts) for one in pairs if one.kind != "degenerate"}
-    edges = {frozenset(one.parts) for one in pairs if one.kind == "degenerate"}
+    faces = {frozenset(pair.parts) for pair in pairs if pair.kind != "degenerate"}
+    edges = {frozenset(pair.parts) for pair in pairs if pair.kind == "degenerate"}
     keep = [frozenset(p) not in faces for p in contacts.patch_parts.tolist()]
     take = [frozenset(p) in faces for p in wide.patch_parts.tolist()]
-    first, second = (_patches(c, np.flatnonzero(k)) for c, k in ((contacts, keep), (wide, take)))
-    third = _pushes(contacts, edges)
+    first, second = (
+        _patch_columns(c, np.flatnonzero(k)) for c, k in ((contacts, keep), (wide, take))
+    )
+    third = _degenerate_patches(contacts, edges)
     values: dict[str, Any] = {
         name: np.concatenate([x[name] for x in (first, second, third)]) for name in first
     }
     return dataclasses.replace(contacts, patch_start=starts(values.pop("count")), **values)
 
 
-def _patches(contacts: ContactSet, rows: Index) -> dict[str, Any]:
-    """Columns of some patches and of their points."""
-    some = np.isin(contacts.point_patch, rows)
+def _patch_columns(contacts: ContactSet, rows: Index) -> dict[str, Any]:
+    """Columns of the patches `rows` and of their points, by name of the column."""
+    chosen = np.isin(contacts.point_patch, rows)
     names = ("parts", "normal", "area", "gap", "mu", "kind", "accuracy", "doubt")
-    found = {f"patch_{name}": getattr(contacts, f"patch_{name}")[rows] for name in names}
+    columns = {f"patch_{name}": getattr(contacts, f"patch_{name}")[rows] for name in names}
     count = np.diff(contacts.patch_start)[rows]
     return {
-        **found,
+        **columns,
         "count": count,
-        "points": contacts.points[some],
-        "normals": contacts.normals[some],
+        "points": contacts.points[chosen],
+        "normals": contacts.normals[chosen],
     }
 
 
-def _pushes(contacts: ContactSet, edges: set[frozenset[int]]) -> dict[str, Any]:
-    """A patch of one point at each degenerate point of some pairs."""
+def _degenerate_patches(contacts: ContactSet, edges: set[frozenset[int]]) -> dict[str, Any]:
+    """Columns of a single-point patch at each degenerate point of the pairs `edges`."""
     points = contacts.approximate
     parts = np.column_stack([points.part_a, points.part_b])
     rows = np.array([k for k, p in enumerate(parts.tolist()) if frozenset(p) in edges], np.int64)
-    points, parts, none = points.take(rows), parts[rows], np.zeros(len(rows))
+    points, parts, zeros = points.take(rows), parts[rows], np.zeros(len(rows))
     return {
         "patch_parts": parts,
         "patch_normal": points.normals,
-        "patch_area": none,
+        "patch_area": zeros,
         "patch_gap": np.zeros((len(rows), 2)),
         "patch_mu": friction_coefficients(contacts.assembly, parts),
         "patch_kind": np.full(len(rows), "edge-edge", dtype=contacts.patch_kind.dtype),
-        "patch_accuracy": none,
-        "patch_doubt": none,
+        "patch_accuracy": zeros,
+        "patch_doubt": zeros,
         "count": np.ones(len(rows), dtype=np.int64),
         "points": points.points,
         "normals": points.normals,

@@ -26,7 +26,7 @@ from kilter.work import Work
 __all__ = ["Remedy", "find_remedies"]
 
 MOST = 3
-"""Remedies that are tried and offered; each further one costs about one verdict."""
+"""Largest number of remedies in an answer; each try costs about as much as a verdict."""
 FRICTION = 0.3
 """Friction coefficient that is tried for an assembly without friction [-]."""
 
@@ -38,11 +38,11 @@ class Remedy:
     Attributes
     ----------
     option : str
-        The options as they are typed.
+        The options as the user types them.
     leads_to : str
         The verdict with these options, at the required level.
     level : str or None
-        The level with these options.
+        The level with these options; None if the assembly does not hold.
     """
 
     option: str
@@ -60,7 +60,7 @@ _Detection = tuple[float | None, Tolerance]
 
 @dataclass(frozen=True, slots=True)
 class _Change:
-    """Options of the command line as values."""
+    """Values of the options of the command line that a remedy sets."""
 
     fasten: tuple[tuple[str, str], ...] = ()
     suggested: bool = False
@@ -72,7 +72,7 @@ class _Change:
 
     @property
     def option(self) -> str:
-        """The options as they are typed."""
+        """The options as the user types them."""
         words = [f"--fasten {shell_words(pair)}" for pair in self.fasten]
         words += ["--fasten-suggested"] if self.suggested else []
         words += ["--fasten-overlaps"] if self.overlaps else []
@@ -130,17 +130,20 @@ def find_remedies(
     require: str,
     work: Work,
 ) -> tuple[Remedy, ...]:
-    """Try the options that may change a verdict; the fewest changes come first.
+    """Try the options that may change a verdict, and return those that do.
+
+    Options that change least are tried first.
 
     Parameters
     ----------
     assembly : Assembly
     contacts : ContactSet
     decision : Decision
-        The decision about these.
+        The decision about this assembly and these contacts.
     require : {"equilibrium", "settles", "proved", "strict"}
+        The level at which each decision may stop.
     work : Work
-        Work of each remedy, that of the verdict; its time limit is kept.
+        Its allowance applies to each remedy separately, its time limit to all together.
 
     Returns
     -------
@@ -156,7 +159,7 @@ def find_remedies(
             break
         try:
             other, touching = change.apply(assembly, contacts, detected)
-        except InputError:  # the option is refused, so that it is no remedy
+        except InputError:  # the option does not apply to this assembly, so it is no remedy
             continue
         # the effort of a check: with less, a motion that refutes the guarantee may stay unknown
         effort = work.beside(work.allowed)
@@ -167,12 +170,12 @@ def find_remedies(
             continue
         remedies.append(Remedy(change.option, result.verdict, result.level))
         if result.level is not None and LEVELS.index(result.level) >= LEVELS.index("settles"):
-            break  # a further option changes more
+            break  # later candidates change more of the assembly
     return tuple(remedies)
 
 
 def _changes(assembly: Assembly, contacts: ContactSet, decision: Decision) -> Iterator[_Change]:
-    """The candidates, the fewest changes first."""
+    """The candidate changes; those that change least come first."""
     if decision.question is not None:
         pairs = open_pairs_answer(assembly, contacts, decision.question)
         yield _settling_change(open_options(pairs))
@@ -187,7 +190,7 @@ def _changes(assembly: Assembly, contacts: ContactSet, decision: Decision) -> It
 
 
 def _settling_change(options: Sequence[OpenOption]) -> _Change:
-    """The options that state that the deciding pairs hold, as one change."""
+    """The options with which the deciding pairs hold, combined in a single change."""
     return _Change(
         fasten=tuple(pair for option in options for pair in option.fasten),
         overlaps=any(option.overlaps for option in options),
