@@ -1,4 +1,4 @@
-"""Pieces of answers as JSON data that several of them share."""
+"""JSON data of joints and unsupported contacts, which several answers share."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ __all__ = ["joints_answer", "unsupported_answer"]
 
 
 def joints_answer(assembly: Assembly) -> list[dict[str, Any]]:
-    """Joints of an assembly, those that were fastened among them."""
+    """JSON data of the joints of an assembly, including those added by fastening."""
     return assembly.joints_data()
 
 
 def unsupported_answer(assembly: Assembly, contacts: ContactSet) -> list[dict[str, Any]]:
-    """Pairs that touch in a way that is not modelled."""
+    """JSON data of the pairs whose kind of contact is not modelled."""
     return [
         {"parts": [assembly.names[i] for i in u.parts], "kind": u.kind, "point": list(u.point)}
         for u in contacts.unsupported

@@ -1,9 +1,9 @@
-"""Contact forces: what presses where, and how much of the friction is used.
+"""Contact forces of equilibrium, pressure centres of patches, and utilisation of friction.
 
-Forces of equilibrium are not unique: four legs of a rigid table share its weight in many
-ways. The ones shown are those of the least sum of squares, a point inside the set of all
-equilibria and not one of its corners: equal contacts take equal shares. Resultants of a
-patch, and the point where it presses, follow from the forces at its points.
+Forces of equilibrium are not unique: four legs of a rigid table can share its weight in many
+ways. The answer shows the forces with the least sum of squares. They lie inside the set of all
+equilibria and not at a corner of it, so equal contacts take equal shares. The resultant and the
+pressure centre of a patch follow from the forces at its points.
 """
 
 from __future__ import annotations
@@ -23,40 +23,42 @@ __all__ = ["LIMIT", "ContactForces", "find_contact_forces"]
 
 
 LIMIT = 3_000
-"""Contact points above which the forces of the verdict's proof are shown as they are."""
+"""Programs with more force rows than this keep the forces of the verdict's proof."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactForces:
-    """Forces of equilibrium at contact points and patches; world frame, on the second part.
+    """Forces of equilibrium at contact points and patches.
+
+    The forces act on the second part of each contact, in the world frame.
 
     Attributes
     ----------
     rows : ndarray of int, shape (C,)
-        Contact rows of the program.
+        Indices of the contact rows of the program; each row is a contact point.
     force : ndarray, shape (C, 3)
-        At each point [N].
+        Force at each point [N].
     patch : ndarray of int, shape (P,)
-        Patches, by position in the contact set.
+        Indices of the patches in the contact set.
     patch_of : ndarray of int, shape (C,)
-        Row of `patch` of each point.
+        Position in `patch` of the patch of each point.
     resultant : ndarray, shape (P, 3)
         Sum of the forces of each patch [N].
     normal_force : ndarray, shape (P,)
-        Sum of the forces along the normals [N].
+        Sum of the forces along the normals [N]; negative for a net pull.
     center : ndarray, shape (P, 3)
-        Where it presses: the mean of its points, weighted by normal force; of a patch with a bond
-        by its size, push or pull. NaN where nothing does.
+        Pressure centre [length unit]: mean of the points, weighted by normal force. With a bond,
+        the weight is the absolute normal force. NaN if the patch carries no normal force.
     utilisation : ndarray, shape (P,)
-        Friction over what Coulomb's law allows, of the resultant and what bonds press [-]; NaN
-        without friction.
+        Tangential resultant over mu x (normal force + strength of bonds in tension) [-]. NaN
+        without friction, and for a patch that is not pressed.
     bond_utilisation : ndarray, shape (P,)
-        Pull over the strength of the bond, or shear over its limit, of the point where that is
-        most [-]; NaN without one.
+        Pull over the tensile strength of the bond, or shear over its limit [-], the largest of all
+        points; NaN without a bond.
     residual : float
-        Worst imbalance of a part over its weight [-].
+        Largest imbalance of a part over its weight [-].
     least : bool
-        True for the forces of the least sum of squares.
+        True if these are the forces with the least sum of squares.
     """
 
     rows: Index
@@ -73,7 +75,10 @@ class ContactForces:
 
 
 def find_contact_forces(program: Program, proof: ForceProof) -> ContactForces:
-    """The forces to show for an equilibrium that `proof` has established.
+    """Compute the forces that the answer shows for an equilibrium proved by `proof`.
+
+    These are the forces with the least sum of squares. If the program has more than `LIMIT` rows,
+    or if they do not pass as a proof, the forces of `proof` are shown instead.
 
     Examples
     --------
@@ -84,7 +89,7 @@ def find_contact_forces(program: Program, proof: ForceProof) -> ContactForces:
     >>> bool(np.allclose(found.force, found.force[0]) or len(set(found.patch_of)) > 1)
     True
     """
-    least = _least(program) if len(program.part_a) <= LIMIT else None
+    least = _least_square_forces(program) if len(program.part_a) <= LIMIT else None
     used = proof if least is None else least
     rows = np.flatnonzero(program.kind == CONTACT)
     force = program.point_forces(used.forces, used.friction)
@@ -94,11 +99,12 @@ def find_contact_forces(program: Program, proof: ForceProof) -> ContactForces:
     count = len(patch)
     normal_force = np.bincount(patch_of, along, minlength=count).astype(np.float64)
     pull = program.pull[rows]
-    center = _centers(program, patch_of, count, along)
+    center = _pressure_centers(program, patch_of, count, along)
     mu = np.zeros(count)
     mu[patch_of] = program.mu[rows]
     aside = np.linalg.norm(group_sums(patch_of, across, count), axis=1)
     utilisation = np.full(count, np.nan)
+    # the strength of a bond clamps its contact: Coulomb's limit is mu (normal force + strength)
     pressed = normal_force + np.bincount(patch_of, pull, minlength=count)
     rubs = (pressed > PRESSES * float(program.weight.max(initial=0.0))) & (mu > 0)
     utilisation[rubs] = aside[rubs] / (mu[rubs] * pressed[rubs])
@@ -123,8 +129,8 @@ def find_contact_forces(program: Program, proof: ForceProof) -> ContactForces:
     )
 
 
-def _centers(program: Program, patch_of: Index, count: int, along: Array) -> Array:
-    """Where each patch presses, from the normal forces at points, shape (P, 3)."""
+def _pressure_centers(program: Program, patch_of: Index, count: int, along: Array) -> Array:
+    """Pressure centre of each patch from the normal forces `along` at its points, shape (P, 3)."""
     rows = np.flatnonzero(program.kind == CONTACT)
     bonded = np.bincount(patch_of, program.pull[rows], minlength=count) > 0
     sizes = np.where(bonded[patch_of], np.abs(along), along)
@@ -136,8 +142,8 @@ def _centers(program: Program, patch_of: Index, count: int, along: Array) -> Arr
     return center
 
 
-def _least(program: Program) -> ForceProof | None:
-    """Forces of the least sum of squares, where they pass as a proof."""
+def _least_square_forces(program: Program) -> ForceProof | None:
+    """Forces with the least sum of squares; None if the solver fails or they prove nothing."""
     from kilter.solvers.clarabel import solve_conic
 
     if not program.free.any():

@@ -1,9 +1,10 @@
-"""LP (9) of the paper, as published: the optimum z and displacements that reach it.
+"""Displacement program of the paper: its optimum z, and displacements that reach the optimum.
 
-    minimise z = -w.dp,   J dp >= 0,   |dr_i|, |dtheta_i| <= 1
+    minimise z = -w.dp,   J dp >= 0,   |dr_i|, |dtheta_i| <= 1                  LP (9)
 
-in the units of the file, gravity of length 1. Its optimum is unique, its displacements are
-not: of all optimal ones, the one of least 2-norm is given, which is unique.
+in the units of the file, with gravity of length 1. The optimum is unique, but its displacements
+are not. Of all optimal displacements, the answer gives the displacement of least 2-norm, which is
+unique.
 """
 
 from __future__ import annotations
@@ -24,14 +25,16 @@ __all__ = ["LIMIT", "Displacement", "find_displacement"]
 
 
 LIMIT = 300
-"""Displacements are found for up to this many free parts; z at every size."""
+"""Largest number of free parts for which displacements are computed; z has no limit of size."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Displacement:
-    """Optimum `z` of LP (9), and displacements, shape (N, 6), or None above the limit.
+    """Optimum of the displacement program.
 
-    Both are None where no solver finished the program.
+    `z` is at most 0 [kg x length unit]. `displacement` has shape (N, 6), translations [length
+    unit] and rotations [rad], and is None for more than `LIMIT` free parts. Both are None if no
+    solver finished.
     """
 
     z: float | None
@@ -39,10 +42,10 @@ class Displacement:
 
 
 def find_displacement(program: Program) -> Displacement:
-    """Solve LP (9) of the paper.
+    """Solve the displacement program of the paper.
 
-    Where no solver finishes it, z is None: it has an optimum, so that is a breakdown, and no
-    answer about the assembly.
+    The program always has an optimum. If no solver finishes, z is None, which says nothing about
+    the assembly.
 
     Examples
     --------
@@ -72,12 +75,15 @@ def find_displacement(program: Program) -> Displacement:
 
 
 def _shortest(lp: LinearProgram, optimum: Array, z: float) -> Array:
-    """The optimal x of least 2-norm: a projection of 0 on the optimal face."""
+    """The optimal x of least 2-norm: the projection of 0 onto the optimal face.
+
+    Returns `optimum` if the projection is not accurate enough.
+    """
     from kilter.solvers.clarabel import solve_quadratic
 
     count = len(lp.cost)
     size = float(np.abs(lp.cost).max(initial=0.0))
-    if z >= -NO_DESCENT * size:
+    if z >= -NO_DESCENT * size:  # the optimum is 0, which x = 0 reaches
         return np.zeros(count)
     two_sided = lp.row_upper == 0.0
     rows = csc_array(lp.matrix)
@@ -91,6 +97,6 @@ def _shortest(lp: LinearProgram, optimum: Array, z: float) -> Array:
         csc_array(eye_array(count)), np.zeros(count), matrix, bound, 1 + int(two_sided.sum())
     )
     answer = solve_quadratic(quadratic)
-    # never give a displacement that is not optimal: the plain optimum stands in
+    # an inaccurate projection is not optimal: then the optimum of the simplex method is returned
     better = answer.residual < LEAST_IS_OPTIMAL * max(1.0, float(np.abs(answer.x).max(initial=0.0)))
     return answer.x if better else optimum

@@ -1,8 +1,8 @@
-"""How far parts travel along their first motion before one enters another.
+"""Length of the impending motion that a film shows: until a part would enter another part.
 
-A motion of first order says how parts start, not where they end. To be seen it is enlarged, a screw
-a part (`kilter.rigid.screwed`), and ends where one part would be deeper in another than it is at
-rest.
+A motion of first order gives initial accelerations, not final positions. To make it visible, it is
+enlarged: each part follows the screw of its acceleration (`kilter.rigid.screwed`). The motion ends
+before a part would penetrate another part deeper than at rest.
 """
 
 from __future__ import annotations
@@ -25,27 +25,28 @@ if TYPE_CHECKING:
 __all__ = ["free_travel"]
 
 REACH = 0.35
-"""How far the fastest part goes at most [size of the assembly]."""
+"""Largest travel of the fastest part over the extent of the assembly [-]."""
 ENTERS = 1e-3
-"""How much deeper than at rest a part may be in another [size of the smaller]."""
+"""Penetration beyond that at rest that is accepted, over the size of the smaller part [-]."""
 STEPS, HALVINGS = 12, 6
-"""Places that are looked at in turn; then between the last free one and the one after."""
+"""Number of equal steps that are tried in turn, and of bisections within the first blocked step."""
 MOST = 3000
-"""Parts whose contacts are looked at so often."""
+"""Largest number of parts, since each step detects all contacts."""
 
 
 def free_travel(verdict: Verdict) -> Array:
-    """The motion of all parts, as far as it is free: shifts and turns of their screws, (N, 6).
+    """Compute the largest free travel of all parts along their impending motion.
 
     Returns
     -------
     ndarray, shape (N, 6)
-        Of the centre of mass [length unit] and about it [rad], world frame; 0 where a part rests.
+        Screw of each part in the world frame: shift of its centre of mass [length unit] and
+        rotation about it [rad]; 0 for parts at rest.
 
     Raises
     ------
     InputError
-        If nothing is known to move, or there are more than 3,000 parts.
+        If no part is known to move, or if there are more than 3,000 parts.
     """
     assembly, motion = verdict.assembly, verdict.motion
     if not (motion.known and motion.moves.any()):
@@ -69,33 +70,33 @@ def free_travel(verdict: Verdict) -> Array:
     return travel
 
 
-def _moved(assembly: Assembly, screws: Array, amount: float) -> Assembly:
-    """The parts along their screws, with no more than their shapes."""
+def _displaced(assembly: Assembly, screws: Array, amount: float) -> Assembly:
+    """The assembly after each part has followed its screw, without joints, bonds and loads."""
     center, parts = assembly.geometry.center, []
     for k, part in enumerate(assembly.parts):
         pose = part.pose
         if screws[k].any():
             turns, shifts = screwed(screws[k], np.array([amount]))
             at = center[k] + turns[0] @ (pose.position - center[k]) + shifts[0]
-            turned = matrix_to_quaternion(turns[0] @ quaternion_to_matrix(pose.rotation))
-            pose = Pose(at, turned)
+            rotation = matrix_to_quaternion(turns[0] @ quaternion_to_matrix(pose.rotation))
+            pose = Pose(at, rotation)
         parts.append(replace(part, pose=pose))
     return type(assembly)(parts, units=assembly.units, gravity=assembly.gravity)
 
 
 def _depths(assembly: Assembly) -> dict[tuple[int, int], float]:
-    """How deep parts are in each other [size of the smaller]."""
+    """Depth of each overlapping pair of parts over the size of the smaller part [-]."""
     size = assembly.geometry.size
-    found = contacts(assembly).overlaps
-    return {one.parts: one.depth / max(size[list(one.parts)].min(), TINY) for one in found}
+    overlaps = contacts(assembly).overlaps
+    return {pair.parts: pair.depth / max(size[list(pair.parts)].min(), TINY) for pair in overlaps}
 
 
 def _free_amount(assembly: Assembly, screws: Array, most: float) -> float:
-    """How far the motion goes, up to `most`, before one part enters another."""
-    rest = _depths(_moved(assembly, screws, 0.0))
+    """Largest amount, up to `most`, by which all screws are free of new penetration."""
+    rest = _depths(_displaced(assembly, screws, 0.0))
 
     def is_free(amount: float) -> bool:
-        deep = _depths(_moved(assembly, screws, amount))
+        deep = _depths(_displaced(assembly, screws, amount))
         return all(depth <= rest.get(pair, 0.0) + ENTERS for pair, depth in deep.items())
 
     low = 0.0

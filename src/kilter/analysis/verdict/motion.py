@@ -1,15 +1,16 @@
-"""Impending motion: how the parts start to move, by Gauss's principle of least constraint.
+"""Impending motion: initial accelerations by Gauss's principle of least constraint.
 
     min 1/2 (a - M^-1 w)^T M (a - M^-1 w),   J a >= 0
 
-Among all accelerations that the contacts allow, the true ones are nearest to those of free
-fall, in the metric of the masses and inertia tensors. They are unique, and zero exactly
-where the assembly is stable. LP (9) only says that parts move, not how (the paper, 2.2).
+Among all accelerations that the contacts allow, the true accelerations are nearest to free fall,
+in the metric of the masses and inertia tensors. They are unique. They are zero if and only if the
+assembly is stable. The displacement program only decides whether parts move, not how they move
+(section 2.2 of the paper).
 
     kappa = |a|_M / (|g| sqrt(sum m_i))          0 = stable, 1 = everything in free fall
 
-With friction they obey Coulomb's law and need not be unique; where no exact solution is
-reached, the one that comes nearest is given, with its residual in the law.
+With friction, the accelerations obey Coulomb's law and need not be unique. If the search reaches
+no exact solution, it returns the nearest solution, with its residual in the law.
 
 References
 ----------
@@ -53,34 +54,35 @@ __all__ = [
 
 
 SMALL = 400
-"""Unknowns up to which Clarabel is asked first."""
+"""Largest number of unknowns for which Clarabel is tried first."""
 MANY = 8000
-"""Unknowns, about 1,300 parts, above which accelerations are asked for to fewer digits."""
+"""Programs with more unknowns than this, about 1,300 parts, are solved to fewer digits."""
 
 
 NO_MOTION = (
     "no solver finished the program of the impending motion: accelerations and kappa are left out"
 )
 UNKNOWN_MOTION = {True: "moves in an unknown way", False: "is not known to move"}
-"""Of a part where no solver finished, by whether a proof has it moving."""
+"""Words for a part if no solver finished, by whether a proof shows that the part moves."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ImpendingMotion:
-    """Initial accelerations.
+    """Initial accelerations of all parts from rest.
 
     Attributes
     ----------
     acceleration : ndarray, shape (N, 6)
-        Linear [m/s^2] and angular [rad/s^2].
+        Linear [m/s^2] and angular [rad/s^2] accelerations, world frame.
     relative : ndarray, shape (N, 2)
-        Linear, and radius x angular, acceleration over that of gravity [-].
+        Sizes of the linear, and of radius x angular, acceleration over that of gravity [-].
     moves : ndarray of bool, shape (N,)
+        Whether either relative size exceeds `MOVES`.
     instability : float
         kappa [-].
     residual : float
-        Of the optimality conditions, as `optimality` finds it, in units of g, or in Coulomb's
-        law [-]; infinite where no solver finished: accelerations are 0 then, and mean nothing.
+        Residual of the optimality conditions by `optimality` [g], or of Coulomb's law [-].
+        Infinite if no solver finished; the accelerations are then 0 and have no meaning.
     """
 
     acceleration: Array
@@ -91,12 +93,14 @@ class ImpendingMotion:
 
     @property
     def known(self) -> bool:
-        """Whether a solver finished; else `moves` is what a proof has moving, if there is one."""
+        """Whether a solver finished; if not, `moves` marks the parts that a proof moves."""
         return bool(np.isfinite(self.residual))
 
 
 def find_motion(program: Program) -> ImpendingMotion:
-    """The initial accelerations of all parts; not `known` where every solver fails.
+    """Compute the initial accelerations of all parts without friction.
+
+    If every solver fails, the result is not `known`.
 
     Examples
     --------
@@ -110,10 +114,10 @@ def find_motion(program: Program) -> ImpendingMotion:
     """
     if not program.free.any():
         return still(program)
-    found = _least_constrained(program)
-    if found is None:
+    solution = _least_constraint_motion(program)
+    if solution is None:
         return unknown(program)
-    motion, residual = found
+    motion, residual = solution
     motion = np.where(np.abs(motion) < ZERO_MOTION, 0.0, motion)
     acceleration = motion * program.g
     acceleration[:, 3:] /= metres_per_unit(program.units)
@@ -121,15 +125,15 @@ def find_motion(program: Program) -> ImpendingMotion:
 
 
 def motion_of(program: Program, acceleration: Array, residual: float) -> ImpendingMotion:
-    """Given accelerations as an impending motion.
+    """Build an impending motion from accelerations: relative sizes, moving parts and kappa.
 
     Parameters
     ----------
     program : Program
     acceleration : ndarray, shape (N, 6)
-        Linear [m/s^2] and angular [rad/s^2].
+        Linear [m/s^2] and angular [rad/s^2] accelerations.
     residual : float
-        In the conditions that they are to meet [-].
+        Residual of the conditions that the accelerations must satisfy [-].
     """
     motion = acceleration / max(program.g, TINY)
     motion[:, 3:] *= metres_per_unit(program.units)
@@ -145,82 +149,90 @@ def motion_of(program: Program, acceleration: Array, residual: float) -> Impendi
 
 
 def find_motion_with_friction(program: Program, effort: float) -> ImpendingMotion | None:
-    """How the parts start to move where no forces of equilibrium exist; None: not reached.
+    """Compute initial accelerations that obey Coulomb's law, if no forces of equilibrium exist.
 
     Parameters
     ----------
+    program : Program
     effort : float
-        Of the search.
+        Effort of the search.
+
+    Returns
+    -------
+    ImpendingMotion or None
+        The exact or the nearest solution; None if the search finds none.
     """
-    from kilter.friction.motion_search import find_coulomb_motion  # takes its time
+    from kilter.friction.motion_search import find_coulomb_motion  # the import is slow
 
-    found = find_coulomb_motion(program, work=effort, nearest=True)
-    if found is None:
+    solution = find_coulomb_motion(program, work=effort, nearest=True)
+    if solution is None:
         return None
-    return motion_of(program, found.acceleration, found.law.residual)
+    return motion_of(program, solution.acceleration, solution.law.residual)
 
 
-def _least_constrained(program: Program) -> tuple[Array, float] | None:
-    """The motion over the size of gravity, shape (N, 6), and its residual; None: all failed.
+def _least_constraint_motion(program: Program) -> tuple[Array, float] | None:
+    """Accelerations over gravity, shape (N, 6), and their residual; None if all solvers fail.
 
-    A small program by Clarabel first; any whose conditions are then not met to `MOTION_GOOD` by the
-    interior point of `kilter.solvers.projection`, within a plane of reflection where
-    there is one. The best by the residual, which is recomputed from the rows.
+    Clarabel solves a small program first. If the residual exceeds `MOTION_GOOD`, the interior
+    point of `kilter.solvers.projection` follows, first on half of a symmetric assembly. The result
+    is the solution with the least residual, which is recomputed from the rows.
     """
     from kilter.solvers.clarabel import solve_quadratic
 
     problem = scaled_problem(program)
     whole = least_constraint(problem)
-    found: list[tuple[Array, float]] = []
+    solutions: list[tuple[Array, float]] = []
 
-    def tried(one: LeastConstraint, unknowns: Array, multipliers: Array) -> float:
-        motion = problem.motion(one.accelerations(unknowns))
-        with np.errstate(over="ignore", invalid="ignore"):  # forces beyond all numbers meet nothing
-            residual = optimality(program, motion, one.forces(multipliers) * _heaviest(program))
+    def add(form: LeastConstraint, unknowns: Array, multipliers: Array) -> float:
+        """Add a solution and return its residual."""
+        motion = problem.motion(form.accelerations(unknowns))
+        with np.errstate(over="ignore", invalid="ignore"):  # overflowing forces: residual infinite
+            residual = optimality(program, motion, form.forces(multipliers) * _heaviest(program))
         residual = np.inf if np.isnan(residual) else residual
-        found.append((motion, residual))
+        solutions.append((motion, residual))
         return residual
 
     if len(whole.cone.load) <= SMALL:
         answer = solve_quadratic(whole.cone.conic)
-        if answer.found and tried(whole, answer.x, answer.multipliers) <= MOTION_GOOD:
-            return found[-1]
+        if answer.found and add(whole, answer.x, answer.multipliers) <= MOTION_GOOD:
+            return solutions[-1]
     many = len(whole.cone.load) > MANY
     smaller = mirror_half(whole, problem)
-    for one in (whole,) if smaller is None else (smaller, whole):
+    for form in (whole,) if smaller is None else (smaller, whole):
         try:
-            solution = solve_projection(one.cone, enough=MOTION_ASKED if many else 0.0)
-        except NotPositive:  # a matrix that is singular to rounding
+            solution = solve_projection(form.cone, enough=MOTION_ASKED if many else 0.0)
+        except NotPositive:  # the matrix is singular up to rounding
             continue
         good = MOTION_ENOUGH if many else MOTION_GOOD
-        if tried(one, solution.unknowns, solution.multipliers) <= good:
-            return found[-1]
-    if not found:  # singular, whole and halved: the other method, whatever the size
+        if add(form, solution.unknowns, solution.multipliers) <= good:
+            return solutions[-1]
+    if not solutions:  # both forms are singular: use Clarabel for every size
         answer = solve_quadratic(whole.cone.conic)
         if not answer.found:
             return None
-        tried(whole, answer.x, answer.multipliers)
-    return min(found, key=lambda pair: pair[1])
+        add(whole, answer.x, answer.multipliers)
+    return min(solutions, key=lambda pair: pair[1])
 
 
 def optimality(
     program: Program, motion: Array, forces: Array, friction: Array | None = None
 ) -> float:
-    """Worst residual of the conditions that make a motion the true one, in units of g.
+    """Largest residual of the optimality conditions of an impending motion [g].
 
         M a = w + J^T f,   J a >= 0,   f >= 0,   f . J a = 0
 
-    each part's over its own weight (and loads), each row's over the lightest part it touches,
-    torques over the radius too.
+    The residual of a part is relative to its weight, including loads. The residual of a row is
+    relative to the lighter part that it touches. Torques are divided by the radius, too.
 
     Parameters
     ----------
+    program : Program
     motion : ndarray, shape (N, 6)
         Accelerations over the size of gravity.
     forces : ndarray, shape (K,)
-        Of the rows [N].
+        Forces along the rows [N].
     friction : ndarray, shape (K, 3), optional
-        Across the rows [N].
+        Forces across the rows [N].
     """
     gravity = program.g
     rest = -program.wrenches(forces, friction) - program.load
@@ -234,23 +246,24 @@ def optimality(
     size = program.weight[light] / (program.mass[light] * gravity)
     slack = program.velocities(motion) * length / size
     push = forces / (program.weight[light] * length)
-    one = ~program.two_sided
+    unilateral = ~program.two_sided
     worst = (
         np.abs(rest),
-        np.abs(slack[~one]),
-        np.maximum(-slack[one], 0.0),
-        np.maximum(-push[one], 0.0),
-        np.minimum(np.abs(slack[one]), np.abs(push[one])),
+        np.abs(slack[~unilateral]),
+        np.maximum(-slack[unilateral], 0.0),
+        np.maximum(-push[unilateral], 0.0),
+        np.minimum(np.abs(slack[unilateral]), np.abs(push[unilateral])),
     )
     return float(max(part.max(initial=0.0) for part in worst))
 
 
 def _heaviest(program: Program) -> float:
+    """Largest weight m g of a free part [N]."""
     return float(program.mass[program.free].max() * program.g)
 
 
 def still(program: Program) -> ImpendingMotion:
-    """The motion of an assembly that is stable: none."""
+    """The impending motion of a stable assembly: all accelerations are 0."""
     count = len(program.names)
     return ImpendingMotion(
         np.zeros((count, 6)), np.zeros((count, 2)), np.zeros(count, dtype=bool), 0.0, 0.0
@@ -258,7 +271,7 @@ def still(program: Program) -> ImpendingMotion:
 
 
 def unknown(program: Program, proof: ForceProof | MotionProof | None = None) -> ImpendingMotion:
-    """What is told where no solver finished: which parts move, as far as a proof has them move."""
+    """The impending motion if no solver finished: only the parts that a proof moves are marked."""
     motion = still(program)
     moves = motion.moves
     if isinstance(proof, MotionProof) and proof.holds:
