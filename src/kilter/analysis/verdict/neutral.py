@@ -1,14 +1,15 @@
-"""Neutral motions: motions that cost no energy to first order.
+"""Numbers of neutral motions: motions that cost no energy to first order, without friction.
 
     two-sided:   dim {dp: J dp = 0, w.dp = 0}
-    one-sided:   dim span {dp: J dp >= 0, w.dp = 0}, less that
+    one-sided:   dim span {dp: J dp >= 0, w.dp = 0} - two-sided
 
-A box on a table has 3 and 0 (it slides and spins); an assembly with 0 and 0 is strictly
-held. Neutral motions are where second order matters: a ball on a ball is "stable" in first
-order. Friction is left out.
+A box on a table has 3 two-sided and 0 one-sided neutral motions: it slides and spins. An assembly
+without neutral motions is strictly stable. Along neutral motions second order decides: a ball on a
+ball is "stable" to first order.
 
-The span of the cone: every row that can open in it opens in one common motion, so one LP
-that maximises the sum of openings, each cut off at a bound, finds the rows that never open.
+The span of the cone follows from the rows that never open. All rows that can open do so in a
+common motion. Therefore a single linear program, which maximises the sum of the openings, each up
+to a bound, finds the rows that never open.
 """
 
 from __future__ import annotations
@@ -29,19 +30,21 @@ __all__ = ["LIMIT", "Neutral", "find_neutral"]
 
 
 LIMIT = 100
-"""Neutral motions are counted for up to this many free parts."""
+"""Largest number of free parts for which neutral motions are counted."""
 
 
 @dataclass(frozen=True, slots=True)
 class Neutral:
-    """Dimensions of the neutral motions."""
+    """Numbers of independent two-sided and one-sided neutral motions."""
 
     two_sided: int
     one_sided: int
 
 
 def find_neutral(program: Program) -> Neutral | None:
-    """Count the neutral motions; None above the limit, or where no solver finished.
+    """Count the neutral motions of a program.
+
+    Returns None for more than `LIMIT` free parts, or if no solver finishes.
 
     Examples
     --------
@@ -72,7 +75,7 @@ def find_neutral(program: Program) -> Neutral | None:
 
 
 def _unit_rows(problem: ScaledProblem) -> Array:
-    """Rows of J in scaled unknowns, each of length 1, each different one once; dense."""
+    """Rows of J in scaled unknowns, normalised to length 1; dense, shape (rows, freedoms)."""
     rows = problem.openings().toarray()
     length = np.linalg.norm(rows, axis=1)
     unit: Array = rows / np.where(length > 0, length, 1.0)[:, None]
@@ -80,17 +83,18 @@ def _unit_rows(problem: ScaledProblem) -> Array:
 
 
 def _rank(matrix: Array, blur: float) -> int:
+    """Number of singular values above `blur` times the largest."""
     if not len(matrix):
         return 0
     if len(matrix) > matrix.shape[1]:
-        # an array already; the stub of numpy knows no mode "r"
+        # the triangular factor has the same singular values; asarray is for numpy's type stub
         matrix = np.asarray(np.linalg.qr(matrix, mode="r"))
     values = np.linalg.svd(matrix, compute_uv=False)
     return int((values > blur * max(values.max(initial=0.0), TINY)).sum())
 
 
 def _never_open(problem: ScaledProblem, opening: Array, load: Array, blur: float) -> Mask | None:
-    """Rows that no motion of the cone opens; None where no solver finished the program."""
+    """Mask of the rows that no motion of the cone opens; None if no solver finishes."""
     from kilter.solvers.highs import find_optimum
 
     rows, count = opening.shape
@@ -100,7 +104,7 @@ def _never_open(problem: ScaledProblem, opening: Array, load: Array, blur: float
     matrix = vstack(
         [hstack([body, slack]), hstack([csc_array(load), csc_array((1, rows))])], format="csc"
     )
-    # motions up to 1/blur times the openings asked for: what opens less than that never does
+    # unknowns up to 1/sqrt(blur) per unit of opening: a row that opens less counts as closed
     reach = 1.0 / np.sqrt(blur)
     lp = LinearProgram(
         cost=np.concatenate([np.zeros(count), -np.ones(rows)]),

@@ -13,11 +13,11 @@ __all__ = ["floating_groups", "loose_parts", "remarks", "touching_nothing"]
 
 
 def remarks(assembly: Assembly, contacts: ContactSet) -> list[str]:
-    """Remarks of the reader, of the geometry and of the contacts, and if nothing can move."""
-    found = contacts.of(assembly).remarks()
+    """Remarks of the reader, the geometry and the contacts; a further remark if no part is free."""
+    texts = contacts.of(assembly).remarks()
     if assembly.geometry.grounded.all():
-        found.append("every part is held: nothing can move")
-    return found
+        texts.append("every part is held: nothing can move")
+    return texts
 
 
 def loose_parts(assembly: Assembly, contacts: ContactSet) -> list[str]:
@@ -29,8 +29,8 @@ def loose_parts(assembly: Assembly, contacts: ContactSet) -> list[str]:
 def floating_groups(assembly: Assembly, contacts: ContactSet) -> list[list[str]]:
     """Names of the parts of each group that touches no other part and has no held part.
 
-    The parts of a group are connected by contacts, open pairs, joints or bonds. Single parts are
-    no groups.
+    Contacts, open pairs, joints or bonds connect the parts of a group. A single part is not a
+    group.
     """
     named = [joint.parts for joint in assembly.joints] + [bond.parts for bond in assembly.bonds]
     index = assembly.index
@@ -38,7 +38,7 @@ def floating_groups(assembly: Assembly, contacts: ContactSet) -> list[list[str]]
     links = np.array(linked, dtype=np.int64).reshape(-1, 2)
     first, second = np.concatenate([contacts.adjacent, links]).T
     count = len(assembly.parts)
-    # the ground, index -1, is a further node, which is held
+    # the ground has index -1; the modulus maps it to a further node, which is held
     label = connected(count + 1, first % (count + 1), second % (count + 1))
     held = np.append(assembly.geometry.grounded, True)
     floats = ~np.isin(label, label[held])
@@ -48,4 +48,4 @@ def floating_groups(assembly: Assembly, contacts: ContactSet) -> list[list[str]]
 
 def touching_nothing(assembly: Assembly, contacts: ContactSet) -> list[str]:
     """Names of the free parts that touch nothing and are joined to nothing."""
-    return [one["part"] for one in contacts.of(assembly).nearest() if not one["grounded"]]
+    return [entry["part"] for entry in contacts.of(assembly).nearest() if not entry["grounded"]]

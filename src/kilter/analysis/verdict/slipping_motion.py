@@ -1,9 +1,10 @@
-"""Impending motion where bonds slip: Gauss's principle with what they take up.
+"""Impending motion with slipping bonds: Gauss's principle with the power that bonds absorb.
 
     min 1/2 (a - M^-1 w)^T M (a - M^-1 w) + sum S |a_t|,   J a >= 0
 
-A bond at its limit S pulls back along the slip that begins, whatever presses it. The motion is
-unique, as without such bonds, and is judged by the conditions that make it the least.
+A bond that slips resists with its shear strength S against the slip, independently of the normal
+force. The motion is unique, as without such bonds. Its residual in the optimality conditions is
+computed independently of the solver.
 """
 
 from __future__ import annotations
@@ -24,12 +25,14 @@ __all__ = ["find_slipping_motion"]
 
 
 def find_slipping_motion(program: Program) -> ImpendingMotion:
-    """The initial accelerations of all parts; not `known` where the solver fails.
+    """Compute the initial accelerations of all parts with slipping bonds.
+
+    If the solver fails, the result is not `known`.
 
     Parameters
     ----------
     program : Program
-        Without friction, with bonds that bear shear up to a force.
+        A program without friction, with bonds whose shear is limited by a force.
 
     Examples
     --------
@@ -50,7 +53,7 @@ def find_slipping_motion(program: Program) -> ImpendingMotion:
     if not program.free.any():
         return still(program)
     wide, rows = cone_problem(program), program.two_sided
-    answer = solve_conic(_slipping(wide), tolerance=CONIC)
+    answer = solve_conic(_slipping_program(wide), tolerance=CONIC)
     if not answer.found:
         return unknown(program)
     motion = wide.problem.motion(answer.x[: len(wide.problem.right)])
@@ -63,17 +66,17 @@ def find_slipping_motion(program: Program) -> ImpendingMotion:
     friction[wide.rough] = np.einsum("rd,rdi->ri", across, wide.directions)
     residual = max(
         optimality(program, motion, forces * program.arm * heaviest, friction * heaviest),
-        _misses(program, motion, friction * heaviest),
+        _shear_residual(program, motion, friction * heaviest),
     )
     acceleration = motion * program.g
     acceleration[:, 3:] /= metres_per_unit(program.units)
     return motion_of(program, acceleration, residual)
 
 
-def _slipping(wide: ConeProblem) -> ConicProgram:
-    """The principle in scaled unknowns, x = (a, bound of |a_t| at each bond)."""
+def _slipping_program(wide: ConeProblem) -> ConicProgram:
+    """Gauss's principle as a conic program, x = (scaled a, bound of |a_t| at each bond)."""
     program, rough = wide.program, len(wide.rough)
-    gauss = impending_motion(wide.problem)  # of which only the masses and the load count
+    gauss = impending_motion(wide.problem)  # only its objective is used: masses and load
     openings = csr_array(wide.problem.openings())
     count, size = len(program.part_a), openings.shape[1]
     order = np.argsort(~program.two_sided, kind="stable")
@@ -101,8 +104,12 @@ def _slipping(wide: ConeProblem) -> ConicProgram:
     )
 
 
-def _misses(program: Program, motion: Array, friction: Array) -> float:
-    """By how much forces across bonds are above their limits, or do not oppose slips [-]."""
+def _shear_residual(program: Program, motion: Array, friction: Array) -> float:
+    """Largest residual of the shear law at bonds, over the weight of the lighter part [-].
+
+    The residual is the excess of a shear force over its limit S, or the power that is missing
+    because the force does not oppose the slip with S.
+    """
     rows = program.gripping
     if not len(rows):
         return 0.0

@@ -1,7 +1,7 @@
-"""Verdict: the answer to Problem 1, with its evidence, and what follows from it.
+"""Verdict: the answer of `kilter.check`, with its evidence and derived quantities.
 
-What takes programs of its own (motion, displacements, forces, neutral motions) is found when
-it is first asked for, and kept.
+Motion, displacements, forces and neutral motions need further programs. They are computed at the
+first access and kept.
 """
 
 from __future__ import annotations
@@ -67,17 +67,18 @@ if TYPE_CHECKING:
 __all__ = ["Verdict", "Word"]
 
 BONDED_PARTS = 300
-"""Above this number of free parts the least share of bond strength is left to `margin`."""
+"""Largest number of free parts for which a check computes the least share of bond strength;
+`margin` has no such limit."""
 
 BARELY = 1e-3
-"""Instability below which the accuracy of the coordinates is asked about."""
+"""Kappa below which a warning mentions the accuracy of the coordinates [-]."""
 ROUNDING = 1e-15
-"""An acceleration up to this is none [g]."""
+"""Accelerations up to this count as zero [g]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Verdict(InCells):
-    """What `check` found, with its evidence.
+    """Answer of `check`, with its evidence.
 
     Attributes
     ----------
@@ -87,31 +88,31 @@ class Verdict(InCells):
     assembly : Assembly
     contacts : ContactSet
     program : Program
-        What was judged; the program is the one that the certificate speaks of.
+        The program against which the certificate is proved.
     judgement : Judgement
-        Forces and motion, judged.
+        The verified forces and motion.
     friction : FrictionAnswer or None
-        What friction guarantees, where the verdict rests on it.
+        The guarantee of friction; None if the verdict does not rest on friction.
     warnings : tuple of str
     seconds : mapping from str to float
-        Of each stage [s]; read-only.
+        Duration of each stage [s]; read-only.
     effort : float
-        Of the search of motions with friction.
+        Effort of the search for motions with friction.
     time_limit : float or None
-        What cut the answer short [s].
+        The time limit [s], if it cut the answer short; otherwise None.
     question : OpenQuestion or None
-        The open pairs that decide, where it is undecided because of them.
+        The open pairs that decide, if the verdict is undecided because of them.
     require : str
-        The level that is asked for (`kilter.tell.levels`).
+        The required level (`kilter.tell.levels`).
     measures : bool
-        Z, kappa and displacements of LP (9) are asked for where friction plays a part.
+        Whether z and the displacements are reported although the verdict rests on friction.
+    second_order : SecondOrder or None
+        Answer of second order: whether a neutral assembly is at a minimum of its energy. None
+        unless the verdict holds without friction.
     decision : Decision or None
         The decision from which this verdict was made.
     seconds_left : float or None
-        Seconds that the time limit left when the verdict was found.
-    second_order : SecondOrder or None
-        Of what is stable without friction, wherever a motion is neutral: is it a minimum of its
-        energy?
+        Remainder of the time limit after the verdict [s]; None without a time limit.
     """
 
     verdict: Word
@@ -138,18 +139,19 @@ class Verdict(InCells):
 
     @property
     def stable(self) -> bool:
-        """Whether it holds at the level that is asked for."""
+        """Whether the assembly holds at the required level."""
         return holds(self.level, self.require)
 
     @property
     def level(self) -> str | None:
-        """The level that it reaches, or None; strict only where that is asked for."""
-        asked = self.require == "strict" and self.verdict == "stable" and self.friction is None
-        return level_of(self.verdict, strict=asked and self._strict)
+        """The level that the assembly reaches, or None; strict only if strict is required."""
+        # the proof of the level strict is computed only on demand, and only without friction
+        examine = self.require == "strict" and self.verdict == "stable" and self.friction is None
+        return level_of(self.verdict, strict=examine and self._strict)
 
     @property
     def _strict(self) -> bool:
-        """Whether no small push makes it fall, as far as that is proved."""
+        """Whether it is proved that no small push makes the assembly fall."""
         second = self.second_order
         if second is None:
             return self._none_neutral
@@ -157,12 +159,12 @@ class Verdict(InCells):
 
     @property
     def _none_neutral(self) -> bool:
-        """Whether no motion costs nothing to first order."""
+        """Whether it is known that no neutral motion exists."""
         neutral = self.neutral
         return neutral is not None and neutral.two_sided == neutral.one_sided == 0
 
     def _second_order(self) -> dict[str, Any] | None:
-        """What second order says, wherever it is asked."""
+        """JSON data of second order; None if not examined or without neutral motions."""
         if self.second_order is None or self._none_neutral:
             return None
         return self.second_order.to_dict(self.program.names)
@@ -174,7 +176,10 @@ class Verdict(InCells):
 
     @property
     def why(self) -> str | None:
-        """Why it is only potentially stable: refuted, jams, squeeze or not-found; else None."""
+        """Reason for the verdict potentially-stable or balanced; None for other verdicts.
+
+        The values are "refuted", "jams", "squeeze", "not-found", "not-asked" and "balanced".
+        """
         if self.verdict == "balanced":
             return "balanced"
         if self.verdict != "potentially-stable" or self.friction is None:
@@ -183,7 +188,7 @@ class Verdict(InCells):
 
     @property
     def guarantee(self) -> str:
-        """Is there no other motion that obeys the contact law? proved, refuted or open."""
+        """Whether the contact law excludes every motion from rest: proved, refuted or open."""
         if self.verdict == "potentially-stable" and self.friction is not None:
             return self.friction.guarantee
         known = {"stable": "proved", "balanced": "proved", "unstable": "refuted"}
@@ -191,27 +196,27 @@ class Verdict(InCells):
 
     @property
     def seated(self) -> str | None:
-        """Has it a seat? yes, runs-away or not-found; None where it is not asked."""
-        asked = self.friction is not None and self.friction.examined
-        return self.friction.seating.seated if asked and self.friction is not None else None
+        """Result of the search for a seat: yes, runs-away or not-found; None if not examined."""
+        examined = self.friction is not None and self.friction.examined
+        return self.friction.seating.seated if examined and self.friction is not None else None
 
     @property
     def tries(self) -> tuple[int, int] | None:
-        """How many tries came to rest, put down loosely, and of how many; None: not asked."""
+        """Number of tries that came to rest, and number of all tries; None if not examined."""
         if self.friction is None or not self.friction.examined:
             return None
         return len(self.friction.tries), len(self.friction.settling.ends)
 
     @property
     def certificate(self) -> ForceProof | MotionProof | None:
-        """The proof that holds, if any."""
+        """The proof of the verdict: forces, or a motion if it is unstable; None if undecided."""
         if self.level is not None:
             return self.judgement.forces
         return self.judgement.motion if self.verdict == "unstable" else None
 
     @property
     def modelled(self) -> Program:
-        """The program with the contacts that are modelled, and no others."""
+        """The program of the certain contacts, without rows of possible further contacts."""
         if not self.program.kind.size or not (self.program.kind == POSSIBLE).any():
             return self.program
         return sealed(build_program(self.assembly, self.contacts))
@@ -219,7 +224,7 @@ class Verdict(InCells):
     @cached_property
     @on_one_thread
     def displacement(self) -> Displacement:
-        """LP (9) of the paper, without friction: z and displacements."""
+        """Optimum z of the displacement program, without friction, and its displacements."""
         if self.verdict in ("stable", "balanced") and self.friction is None:
             count = len(self.program.names)
             large = int(self.program.free.sum()) > DISPLACEMENT_LIMIT
@@ -228,10 +233,10 @@ class Verdict(InCells):
 
     @cached_property
     def motion(self) -> ImpendingMotion:
-        """Initial accelerations; none where the verdict is stable.
+        """Initial accelerations of all parts; zero if the assembly is stable.
 
-        Without friction by Gauss's principle. With friction a motion that obeys Coulomb's
-        law: where the verdict is potentially stable, the one that refutes the guarantee.
+        Without friction, they follow from Gauss's principle. With friction, they obey Coulomb's
+        law. For the verdict potentially-stable, they are the motion that refutes the guarantee.
         """
         motion = self._motion()
         return sealed(motion if motion.known else unknown(self.program, self.certificate))
@@ -241,7 +246,7 @@ class Verdict(InCells):
         if self.verdict in ("stable", "settles", "balanced"):
             return still(self.program)
         if self.modelled.cohesion.any():
-            rubs = self.modelled.mu.any()  # beside friction it is not known
+            rubs = self.modelled.mu.any()  # no method for slipping bonds together with friction
             return unknown(self.program) if rubs else find_slipping_motion(self.modelled)
         if self.verdict == "undecided" or not self.modelled.mu.any():
             return find_motion(self.modelled)
@@ -250,25 +255,25 @@ class Verdict(InCells):
             return still(self.program) if witness is None else motion_of(
                 self.program, witness.acceleration, witness.law.residual
             )  # fmt: skip
-        found = find_motion_with_friction(self.modelled, self.effort)
-        return find_motion(self.modelled) if found is None else found
+        motion = find_motion_with_friction(self.modelled, self.effort)
+        return find_motion(self.modelled) if motion is None else motion
 
     @property
     def measured(self) -> bool:
-        """Whether z and displacements of LP (9) are told: friction plays no part, or asked for."""
+        """Whether z and displacements are reported: without friction, or if `measures` is set."""
         rubs = self.friction is not None or bool(len(self.program.gripping))
         return self.measures or not rubs
 
     @property
     def instability(self) -> float | None:
-        """Kappa of the motion [-]; None with loads, or where no motion is known."""
-        none = self.level in ("settles", "equilibrium") and self.guarantee == "open"
-        known = not (self.assembly.loads or none) and self.motion.known
+        """Kappa of the motion [-]; None with loads, or if it is not known how the parts move."""
+        unclear = self.level in ("settles", "equilibrium") and self.guarantee == "open"
+        known = not (self.assembly.loads or unclear) and self.motion.known
         return self.motion.instability if known else None
 
     @cached_property
     def forces(self) -> ContactForces | None:
-        """Contact forces of the equilibrium; None where there is none."""
+        """Contact forces of the equilibrium; None if the proof has no forces."""
         proof = self.certificate
         if not isinstance(proof, ForceProof):
             return None
@@ -276,7 +281,7 @@ class Verdict(InCells):
 
     @cached_property
     def neutral(self) -> Neutral | None:
-        """Motions that cost no energy to first order, without friction."""
+        """Numbers of neutral motions without friction; None if they were not counted."""
         return find_neutral(self.modelled)
 
     @cached_property
@@ -284,8 +289,8 @@ class Verdict(InCells):
     def remedies(self) -> tuple[Remedy, ...]:
         """Options of the command line that were tried and would change the verdict.
 
-        They are found when they are first read, with as much work as the verdict may take, and
-        within what the time limit of the verdict leaves.
+        They are computed at the first access, each with the work limit of the verdict. The rest of
+        the time limit applies to all together. There are none if the time limit cut the verdict.
         """
         if self.decision is None or self.time_limit is not None:
             return ()
@@ -296,12 +301,12 @@ class Verdict(InCells):
 
     @property
     def tolerance(self) -> float:
-        """The relative tolerance of the verdict: the largest of any part [-]."""
+        """Relative tolerance of the verdict: the largest tolerance of all parts [-]."""
         return float(self.program.tolerance.max(initial=TOLERANCE))
 
     @property
     def barely(self) -> str:
-        """A word of caution where it is unstable by so little that rounding could do it."""
+        """Warning if rounding of coordinates could cause the instability; otherwise ""."""
         kappa = self.instability
         if self.verdict != "unstable" or kappa is None or kappa >= BARELY:
             return ""
@@ -330,19 +335,19 @@ class Verdict(InCells):
         return [n for n, m in zip(self.program.names, self.motion.moves, strict=True) if m]
 
     def words(self, part: int | str, *, slow: bool = False) -> str:
-        """How a part starts to move.
+        """Describe how a part starts to move.
 
         Parameters
         ----------
         part : str or int
-            Its name, or its position in the assembly.
+            Name of the part, or its index in the assembly.
         slow : bool
-            Also where it starts below the threshold of `moves`.
+            Whether to describe also accelerations below the threshold of `moves`.
 
         Raises
         ------
         InputError
-            If there is no such part.
+            If the assembly has no such part.
         """
         k = self.assembly.index_of(part)
         if self.assembly.parts[k].grounded:
@@ -360,19 +365,26 @@ class Verdict(InCells):
 
     @property
     def summary(self) -> str:
-        """The fastest parts and how they start to move, in one sentence."""
+        """A sentence about the fastest parts and how they start to move."""
         motion = self.motion
         which = np.flatnonzero(motion.moves)
         if not (motion.known or len(which)):
             return "the moving parts are not known"
         speed = motion.relative[which].max(axis=1)
+        # parts that the proof moves come first, then faster parts
         order = which[np.lexsort([-speed, ~self.moved_by_proof[which]])]
         names = self.program.names
         fastest = [f"{names[k]} {self.words(int(k))}" for k in order[:NAMED]]
         return motion_summary(fastest, len(which))
 
     def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
-        """The proof as data; `options`: how the assembly was read, for `verify`."""
+        """The proof as JSON data, which `verify` accepts.
+
+        Parameters
+        ----------
+        options : dict, optional
+            Options with which the assembly was read, so that `verify` reads it alike.
+        """
         proof = make_proof(
             self.assembly,
             self.contacts,
@@ -388,14 +400,14 @@ class Verdict(InCells):
         return proof
 
     def with_seconds(self, **more: float) -> Verdict:
-        """The same verdict with times of further stages [s]; what was found is kept."""
+        """The same verdict with durations of further stages [s]; computed quantities are kept."""
         other = copy.copy(self)
         object.__setattr__(other, "seconds", MappingProxyType({**self.seconds, **more}))
         return other
 
     @on_one_thread
     def to_dict(self) -> dict[str, Any]:
-        """The answer of `kilter check --json`, and every fact that its text tells."""
+        """The answer of `kilter check --json`, with every fact that its text reports."""
         assembly, contacts, neutral = self.assembly, self.contacts, self.neutral
         tries, moved_by_proof = self.tries, self.moved_by_proof
         return {
@@ -451,11 +463,10 @@ class Verdict(InCells):
         }
 
     def _bonds_needed(self) -> dict[str, Any] | None:
-        """The least share of the bond strength with which it holds, and the pairs that fail first.
+        """The least share of the bond strength that suffices, and the pairs that fail first.
 
-        None without bonds, if it does not hold, or if it has more than `BONDED_PARTS` free parts.
-        The contact forces of the answer are only one equilibrium of many, and their use of bonds
-        may be larger.
+        None without bonds, without a level, or for more than `BONDED_PARTS` free parts. The contact
+        forces of the answer are one equilibrium of many, so they may load bonds more.
         """
         large = int(self.program.free.sum()) > BONDED_PARTS
         if not self.assembly.bonds or self.level is None or large:
@@ -467,14 +478,14 @@ class Verdict(InCells):
         return {"share": factor.value, "fail": pairs}
 
     def _cautions(self) -> list[str]:
-        """Warnings that only the motions bring."""
+        """Warnings that depend on the motion and the displacements."""
         failed = self.measured and self.displacement.z is None
         unfinished = "no solver finished the displacement program: z and displacements are left out"
         open_motion = [] if self.motion.known else [NO_MOTION]
         return [*filter(None, [self.barely]), *([unfinished] if failed else []), *open_motion]
 
     def _part(self, k: int, moved_by_proof: Mask) -> dict[str, Any]:
-        """A part of the answer: its mass, and how it starts to move."""
+        """JSON data of part `k`: its mass, and how it starts to move."""
         part, motion = self.assembly.parts[k], self.motion
         shift = self.displacement.displacement if self.measured else None
         slow = not motion.moves.any() and motion.relative[k].max() > ROUNDING
@@ -488,12 +499,12 @@ class Verdict(InCells):
             "moves": bool(motion.moves[k]),
             "moved_by_proof": bool(moved_by_proof[k]),
             "motion": self.words(k),
-            # told where no part is above the threshold of `moves`
+            # reported only if no part is above the threshold of `moves`
             "slow_motion": self.words(k, slow=True) if slow and not part.grounded else None,
         }
 
     def _repr_html_(self) -> str:
-        """What a notebook shows."""
+        """HTML that a notebook displays."""
         return html_of(self.to_dict())
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""Pieces of the answer of a check as JSON data: what it rests on, friction, forces."""
+"""JSON data for the answer of a check: densities, certificate, friction and forces."""
 
 from __future__ import annotations
 
@@ -21,7 +21,11 @@ __all__ = ["certificate_answer", "density_answer", "forces_answer", "friction_an
 
 
 def density_answer(assembly: Assembly) -> dict[str, Any]:
-    """What the masses of the free parts without a given mass rest on [kg/m^3]."""
+    """Densities from which masses of free parts are computed [kg/m^3].
+
+    `given` is the range of the stated densities. `default` is the density of the parts without
+    mass and density. Either is None if no part uses it.
+    """
     free = [part.density for part in assembly.parts if not part.grounded and part.mass is None]
     given = [density for density in free if density is not None]
     return {
@@ -33,7 +37,7 @@ def density_answer(assembly: Assembly) -> dict[str, Any]:
 def certificate_answer(
     proof: ForceProof | MotionProof | None, judgement: Judgement
 ) -> dict[str, Any]:
-    """Which proof holds, and how well the forces and the motion that were judged do."""
+    """Kind of the proof that holds, and errors of the best forces and of the best motion."""
     forces, motion = judgement.forces, judgement.motion
     kind = None if proof is None else "forces" if isinstance(proof, ForceProof) else "motion"
     return {
@@ -45,7 +49,7 @@ def certificate_answer(
 
 
 def friction_answer(answer: FrictionAnswer | None, effort: float) -> dict[str, Any] | None:
-    """How the guarantee came about, where the verdict rests on friction."""
+    """Evidence of the guarantee of friction; None if the guarantee was not examined."""
     if answer is None or not answer.examined:
         return None
     witness, seating, exclusion = answer.witness, answer.seating, answer.exclusion
@@ -76,14 +80,14 @@ def friction_answer(answer: FrictionAnswer | None, effort: float) -> dict[str, A
 def forces_answer(
     found: ContactForces | None, contacts: ContactSet, program: Program
 ) -> dict[str, Any] | None:
-    """Forces of equilibrium, on the second part of each patch."""
+    """Forces of equilibrium [N] on the second part of each patch; None if there are none."""
     if found is None:
         return None
     rows = np.argsort(found.patch_of, kind="stable")
     ends = np.cumsum(np.bincount(found.patch_of, minlength=len(found.patch)))
     points = program.point[found.rows]
     patches = []
-    for k, own in enumerate(np.split(rows, ends[:-1]) if len(ends) else []):
+    for k, members in enumerate(np.split(rows, ends[:-1]) if len(ends) else []):
         patch = found.patch[k]
         presses, rubs = np.isfinite(found.center[k]).all(), np.isfinite(found.utilisation[k])
         used = found.bond_utilisation[k]
@@ -96,8 +100,8 @@ def forces_answer(
                 "center": found.center[k].tolist() if presses else None,
                 "utilisation": float(found.utilisation[k]) if rubs else None,
                 "bond_utilisation": float(used) if np.isfinite(used) else None,
-                "points": points[own].tolist(),
-                "forces": (found.force[own] + 0.0).tolist(),
+                "points": points[members].tolist(),
+                "forces": (found.force[members] + 0.0).tolist(),
             }
         )
     return {"least": found.least, "residual": found.residual, "patches": patches}
