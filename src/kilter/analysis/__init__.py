@@ -1,1 +1,1 @@
-"""Questions asked of a program, one a file."""
+"""Analyses of assemblies: verdicts, margins, regions, plans, and the verification of proofs."""
