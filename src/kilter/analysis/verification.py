@@ -47,7 +47,7 @@ class Verification:
     residual : float or None
         Largest imbalance of a part over its weight [-]; None without forces.
     power : float or None
-        Power of the motion, scaled so that the fastest part has speed 1 [W]; None without a motion.
+        Power of the motion if the fastest part moves at 1 m/s [W]; None without a motion.
     notes : tuple of str
         Further verified statements, and statements that a proof file cannot prove.
     held : tuple of str
@@ -121,7 +121,7 @@ def verify(
     Raises
     ------
     InputError
-        If a file cannot be read, or if the data have not the form of a proof.
+        If a file cannot be read, or if the data do not have the form of a proof.
 
     Examples
     --------
@@ -168,7 +168,7 @@ def proof_tolerance(proof: dict[str, Any]) -> Tolerance:
     Raises
     ------
     InputError
-        If the data have not the form of a proof.
+        If the data do not have the form of a proof.
     """
     require_form(proof)
     values = proof["tolerance"]
@@ -188,7 +188,7 @@ def verify_bundle(assembly: Assembly, contacts: ContactSet, bundle: dict[str, An
     Raises
     ------
     InputError
-        If an entry has not the form of a proof.
+        If an entry does not have the form of a proof.
     """
     reasons, residual, power, counts = [], [], [], Counter[str]()
     if bundle.get("digest") != digest_of(bundle):
