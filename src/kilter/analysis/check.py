@@ -169,7 +169,7 @@ def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> s
     second = decision.second_order
     if second is not None and second.state == "balanced":
         rolling = second.rolling.state if second.rolling is not None else None
-        # a stable verdict in a balanced state: with friction, a fall by rolling is not proved
+        # rolling was not examined, so with friction the fall is not proved
         if rolling is None and decision.verdict == "stable":
             rolling = "open"
         moving = [decision.program.names[k] for k in second.moving]

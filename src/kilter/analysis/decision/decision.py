@@ -1,4 +1,4 @@
-"""Decision: verdict, level and evidence about one assembly, as every command reports them."""
+"""Decision: verdict, level and evidence about an assembly, as every command reports them."""
 
 from __future__ import annotations
 
