@@ -309,13 +309,18 @@ def test_fewest_supports_of_many_are_those_of_enumeration() -> None:
             "differ from the candidates that it names",
             lambda p: p["rules"]["candidates"][2].update(part="voussoir-0"),
         ),
-        ("it states 'not fewer', but", lambda p: p["proofs"][0].update(about="not fewer")),
         ("it has no proof that the fewest supports hold it", lambda p: p["rules"].update(least=3)),
     ],
 )
 def test_a_change_is_refused(why: str, change: Callable[[Proof], object]) -> None:
     made = arch(9, ratio=0.3, friction=0.6).without("voussoir-4")
     assert why in rechecked(kilter.hold(made), change)
+
+
+def test_a_proof_by_forces_is_no_proof_that_fewer_do_not_hold() -> None:
+    made = arch(9, ratio=0.3, friction=0.6).without("voussoir-4")
+    with pytest.raises(kilter.InputError, match=r"proofs\[0\]\.proof\.motion is missing"):
+        rechecked(kilter.hold(made), lambda p: p["proofs"][0].update(about="not fewer"))
 
 
 def test_out_of_effort_a_bound_is_told() -> None:

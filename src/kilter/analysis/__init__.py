@@ -1,1 +1,1 @@
-"""Analyses of an assembly, a file for each question."""
+"""Analyses of assemblies: verdicts, margins, regions, plans, and the verification of proofs."""

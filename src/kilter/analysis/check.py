@@ -1,11 +1,13 @@
-"""Problem 1 answered in full: verdict, proof, moving parts and their motion.
+"""`kilter.check`: the verdict on an assembly, with its proof and the motion of its parts.
 
-An assembly that is stable without friction is stable whatever the friction, and whatever contacts
-are not modelled: more forces can only help, and without friction any solution of the contact law
-has a.M a <= w.a <= 0. Otherwise, with friction, equilibrium is decided in Coulomb's cones, and
-if it exists, its guarantee (`kilter.friction.answer`). An unstable assembly is decided
-again with every force that contacts which are not modelled might bring; if those could hold
-it, the verdict is undecided, with the reason.
+Forces of equilibrium without friction prove stability, whatever the friction and whatever further
+contacts exist. More forces only help, and without friction every solution of the contact law has
+a.M a <= w.a <= 0. Otherwise, with friction, forces of equilibrium are computed in Coulomb's cones.
+If they exist, the guarantee of friction follows (`kilter.friction.answer`). If they do not, the
+assembly is examined again with every force that contacts not modelled might add. If these forces
+could hold it, the verdict is undecided, and the answer gives the reason.
+
+`kilter.analysis.decision.cascade` makes this decision. This module adds sentence and warnings.
 """
 
 from __future__ import annotations
@@ -39,10 +41,10 @@ from kilter.work import EFFORT, Work, units_of
 __all__ = ["check"]
 
 CUT = "stopped at the time limit: the answer is what was proved until then"
-"""Warning of an answer that the time limit cut short."""
+"""Warning in an answer that the time limit cut short."""
 
 FAR_APART = 1e9
-"""Ratio of masses above which accelerations lose their digits."""
+"""Ratio of the largest to the least mass above which accelerations of light parts are inexact."""
 
 
 @on_one_thread
@@ -57,36 +59,40 @@ def check(
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Verdict:
-    """Does the assembly stay together under gravity?
+    """Decide whether an assembly stays together under gravity, and prove the answer.
 
     Parameters
     ----------
     assembly : Assembly
-        It has at least one held part. Friction and the direction of gravity are its own:
-        ``check(assembly.with_friction(0.6).with_down([0.1, 0, -1]))``.
+        At least one part must be held. The assembly contains friction and the direction of
+        gravity: ``check(assembly.with_friction(0.6).with_down([0.1, 0, -1]))``.
     contacts : ContactSet, optional
-        Detected from the geometry by default.
+        Contacts of this assembly; by default they are detected from its geometry.
     tolerance : Tolerance, optional
-        When faces count as touching.
+        Tolerances of this detection: gap, angle and clearance of faces that touch.
     require : {"equilibrium", "settles", "proved", "strict"}
-        The level at which `Verdict.stable` is true; "strict": no small push makes it fall.
+        The level from which `Verdict.stable` is true.
     measures : bool
-        Whether z, kappa and the displacements of LP (9) are computed with friction, too. They leave
-        it out.
+        Whether to report z, kappa and the displacements although friction plays a part. They do
+        not include friction.
     effort : float
-        Limit of the guarantee of friction: the search for a motion, and the proof that none
-        exists. Work is counted, not timed: 0 quick, 1 usual, each further unit ten times
-        more; past it the guarantee is open.
+        Work limit of the guarantee of friction: the search for a motion, and the proof that no
+        motion exists. 0 is quick, 1 is usual, and each further unit allows about ten times more
+        work. Work is counted in operations, not in time. At the limit the guarantee is open.
     time_limit : float, optional
-        Time after which the answer is the part that is proved until then; a warning states this.
-        The clock is read between steps, so answers at a limit may differ from run to run.
+        Time limit [s]. At the limit the answer contains the proofs completed until then, and a
+        warning. The clock is read between steps, so such an answer may differ from run to run.
     progress : callable, optional
-        Called with a word at each stage.
+        Function that is called with the name of each stage.
+
+    Returns
+    -------
+    Verdict
 
     Raises
     ------
     InputError
-        If nothing is held, or the geometry is not usable.
+        If no part is held, if an argument is invalid, or if the geometry is not usable.
 
     Examples
     --------
@@ -141,7 +147,7 @@ def check(
 
 
 def _work(effort: float, time_limit: float | None, progress: Callable[[str], None] | None) -> Work:
-    """The work budget of a check."""
+    """The work limit of a check, with validated effort and time limit."""
     effort = number(effort, "effort", lowest=0)
     if time_limit is not None:
         time_limit = number(time_limit, "time_limit", lowest=0)
@@ -149,6 +155,7 @@ def _work(effort: float, time_limit: float | None, progress: Callable[[str], Non
 
 
 def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> str:
+    """The verdict of a decision as a sentence for users."""
     if decision.verdict == "undecided":
         if decision.question is None:
             return f"Undecided: {'; '.join(decision.reasons)}."
@@ -162,6 +169,7 @@ def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> s
     second = decision.second_order
     if second is not None and second.state == "balanced":
         rolling = second.rolling.state if second.rolling is not None else None
+        # rolling was not examined, so with friction the fall is not proved
         if rolling is None and decision.verdict == "stable":
             rolling = "open"
         moving = [decision.program.names[k] for k in second.moving]
@@ -191,6 +199,7 @@ def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> s
 
 
 def _warnings(assembly: Assembly, contacts: ContactSet, decision: Decision) -> list[str]:
+    """Warnings about the input, about open pairs and about parts that touch nothing."""
     warnings = remarks(assembly, contacts)
     friction, program = decision.friction, decision.program
     if friction is not None and program.cohesion.any():

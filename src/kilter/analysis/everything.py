@@ -1,8 +1,8 @@
-"""Every answer about an assembly that a page shows, asked for once, each within its limit.
+"""All answers about an assembly that a page shows, each up to its limit of size.
 
-The verdict and the region are computed at every size that a page can show. Results that take many
-programs (the nearest direction if none is stable, the stability map, forces for every
-ray) are computed only for small assemblies, and `notes` lists those that were left out.
+The verdict and the region are computed for every size that a page can show. Answers that need many
+programs are computed for small assemblies only: the direction nearest to stable, the stability map,
+and forces for every ray. `notes` lists the omitted answers.
 """
 
 from __future__ import annotations
@@ -39,25 +39,27 @@ T = TypeVar("T")
 Tell = Callable[[str], None]
 
 REGION_PARTS = 3000
-"""Up to this many free parts the stable region is looked for."""
+"""Largest number of free parts for which the stable region is computed."""
 FRICTION_PARTS = 60
-"""In space, up to this many free parts its region is found with friction."""
+"""Largest number of free parts for which a region in space is computed with friction."""
 NEAREST_PARTS = 40
-"""Up to this many free parts the nearest direction is looked for where none is stable."""
+"""Largest number of free parts for which the direction nearest to stable is computed."""
 MAP_PARTS = 40
-"""Up to this many free parts the stability map is looked for."""
+"""Largest number of free parts for which the stability map is computed."""
 MAP_PROGRAMS = 1500
-"""A map that needs more programs is left out."""
+"""Largest number of programs for a stability map; a larger map is omitted."""
 MAP_MOTIONS = 12_000
-"""Vertices of the map times free parts: above this its motions take too long."""
+"""Largest number of map vertices times free parts; with more, the map is omitted, because its
+motions take too long."""
 MARGIN_PARTS = PUSHED
-"""Up to this many free parts margins are looked for, each part's weakest push among them."""
+"""Largest number of free parts for which margins are computed, including pushes on each part."""
 REST_PARTS = 3
-"""Up to this many free parts it is asked how it rests in each direction of its region."""
+"""Largest number of free parts for which the places of rest in the region are computed."""
 CHANGE_PARTS = 40
-"""Up to this many free bricks it is looked for which one to add or to take away."""
+"""Largest number of free bricks for which a brick to add or to remove is computed."""
 RAY_FORCES = 60_000
-"""Rays times contact points: above this their forces would fill the page."""
+"""Largest number of rays times contact points; with more, the forces of rays are omitted, because
+they would fill the page."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,13 +69,15 @@ class Balance:
     Attributes
     ----------
     down : ndarray, shape (3,)
+        Direction of gravity.
     points : ndarray, shape (K, 3)
-        Points of the forces [length unit].
+        Contact points, world frame [length unit].
     parts : ndarray of int, shape (K, 2)
+        Indices of the two parts at each point.
     forces : ndarray, shape (K, 3)
-        On the second part [N].
+        Force on the second part at each point, world frame [N].
     pull : ndarray, shape (K,), or None
-        Largest pull of the bonds there [N]; None without bonds.
+        Strength of the bond in tension at each point [N]; None if the assembly has no bonds.
     """
 
     down: Array
@@ -85,19 +89,20 @@ class Balance:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Answered:
-    """A direction of gravity, answered in full.
+    """The full answer for a direction of gravity.
 
     Attributes
     ----------
     down : ndarray, shape (3,)
+        Direction of gravity.
     check : dict
         The answer of `kilter check --json`.
     balance : Balance or None
-        The forces of that answer.
+        The forces of that answer; None if no forces balance the parts.
     sentence : str
-        Special property of this direction.
+        A sentence about this direction; empty for the given direction.
     path : PathPlaces or None
-        Path of the fall of a balanced assembly.
+        The path along which a balanced assembly falls.
     """
 
     down: Array
@@ -109,16 +114,17 @@ class Answered:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MapMotions:
-    """The stability map with a motion a vertex; world frame, without friction.
+    """The stability map with a motion for each vertex; world frame, without friction.
 
     Attributes
     ----------
     vertices : ndarray, shape (V, 3)
-        z(g) = -max over vertices of q.g [kg x length unit].
+        Vertices q of the map [kg x length unit]: z(g) = -max over q of q.g for a direction g.
     mass : float
-        Of the free parts [kg].
+        Mass of the free parts [kg].
     motions : ndarray, shape (V, N, 6)
-        The displacement of LP (9) of least 2-norm for which that vertex is the farthest.
+        Displacement of least 2-norm of the displacement program, for a direction of gravity in
+        the middle of the partition of each vertex.
     """
 
     vertices: Array
@@ -128,31 +134,34 @@ class MapMotions:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Everything:
-    """All that a page shows.
+    """All answers that a page shows.
 
     Attributes
     ----------
     assembly : Assembly
     contacts : ContactSet
     given : Answered
-        Gravity as in the file or as asked for.
+        The answer for the direction of gravity of the assembly.
     recommended : Answered or None
+        The answer for the direction that `kilter.orient` recommends, or for the centre of the
+        region.
     region : dict or None
         The answer of `kilter region --json`.
     inner : Cone or None
-        Inner cone of the region, if friction makes its boundary round: the facets
-        of `region` are then those of an outer cone.
+        Inner cone of the region, if friction makes its boundary round. The facets of `region` then
+        belong to an outer cone. None for an exact region.
     none : bool
-        It is proved that no direction is stable, whatever further forces there may be.
+        Whether it is proved that no direction is stable, whatever further forces act.
     rays : sequence of Balance
-        Forces for each ray, and both signs of each line, of the region.
+        Forces for each ray of the region, and for both signs of each line.
     map : MapMotions or None
+        The stability map.
     margin : dict or None
         The answer of `kilter margin --json`, for gravity as given.
     change : Improvement or None
-        Brick to add or to take away, for models of bricks.
+        The brick to add or to remove, for models of bricks.
     notes : sequence of str
-        Results that are not shown, with the reason.
+        Sentences about omitted answers, with the reasons.
     """
 
     assembly: Assembly
@@ -183,22 +192,25 @@ def everything(
     margins: bool = False,
     progress: Tell | None = None,
 ) -> Everything:
-    """Every answer about an assembly that a page shows.
+    """Compute all answers about an assembly that a page shows.
 
     Parameters
     ----------
     assembly : Assembly
         It has at least one held part.
     contacts, tolerance, effort, time_limit, progress
-        As of `kilter.check`.
+        The parameters of `kilter.check`. Here the time limit covers all answers together.
     margins : bool
-        Margins at every size, not only up to `MARGIN_PARTS` free parts; of bricks what to change
-        too, not only up to `CHANGE_PARTS`.
+        Whether margins, and changes of models of bricks, are computed without a limit of size.
+
+    Returns
+    -------
+    Everything
 
     Raises
     ------
     InputError
-        If nothing is held, or the geometry is not usable.
+        If no part is held, or if the geometry is not usable.
 
     Examples
     --------
@@ -215,7 +227,7 @@ def everything(
     left = None if time_limit is None else max(started + time_limit - time.perf_counter(), 0.0)
     verdict = check(assembly, contacts=contacts, effort=effort, time_limit=left, progress=progress)
     tell("motion")
-    given = _answered(verdict)
+    given = _full_answer(verdict)
     notes: list[str] = []
     deadline = None if time_limit is None else started + time_limit
 
@@ -229,12 +241,14 @@ def everything(
             notes.append(f"{name} left out, because the time limit was reached")
             return None
 
-    turned = in_time("the stable region is", _turned, assembly, contacts, effort, tell, notes)
-    found, recommended, none = turned or (None, None, False)
+    directions = in_time(
+        "the stable region is", _directions, assembly, contacts, effort, tell, notes
+    )
+    stable, recommended, none = directions or (None, None, False)
     rests = rays = vertex_map = None
-    if found is not None:
-        rests = in_time("the states of rest are", _with_rests, found, assembly, contacts) or found
-        rays = in_time("the forces of the region are", _rays, assembly, contacts, found)
+    if stable is not None:
+        rests = in_time("the states of rest are", _with_rests, stable, assembly, contacts) or stable
+        rays = in_time("the forces of the region are", _ray_forces, assembly, contacts, stable)
         vertex_map = in_time("the stability map is", _map, assembly, contacts, tell, notes)
     return Everything(
         assembly=assembly,
@@ -242,7 +256,7 @@ def everything(
         given=given,
         recommended=recommended,
         region=None if rests is None else rests.to_dict(),
-        inner=None if found is None or found.gap_deg is None else found.cone,
+        inner=None if stable is None or stable.gap_deg is None else stable.cone,
         none=none,
         rays=rays or (),
         map=vertex_map,
@@ -252,8 +266,8 @@ def everything(
     )
 
 
-def _answered(verdict: Verdict, sentence: str = "") -> Answered:
-    """A direction in full, with the forces of its answer if it holds."""
+def _full_answer(verdict: Verdict, sentence: str = "") -> Answered:
+    """The full answer for the direction of a verdict, with the forces if the assembly holds."""
     answer, down = verdict.to_dict(), verdict.assembly.down
     if answer["forces"] is None:
         return Answered(down, answer, None, sentence)
@@ -282,15 +296,19 @@ def _balance(down: Any, points: Any, parts: Any, forces: Any) -> Balance:
     )
 
 
-def _free(assembly: Assembly) -> int:
+def _free_count(assembly: Assembly) -> int:
+    """Number of free parts."""
     return sum(not part.grounded for part in assembly.parts)
 
 
-def _turned(
+def _directions(
     assembly: Assembly, contacts: ContactSet, effort: float, tell: Tell, notes: list[str]
 ) -> tuple[Region | None, Answered | None, bool]:
-    """The region, the direction that is recommended, and whether none is, proved."""
-    free = _free(assembly)
+    """The region, the answer for the recommended direction, and whether no direction is stable.
+
+    Reasons for omitted answers are appended to `notes`.
+    """
+    free = _free_count(assembly)
     if free > REGION_PARTS:
         notes.append(
             f"the page computes the stable region for up to {REGION_PARTS} free parts, so it "
@@ -300,29 +318,29 @@ def _turned(
     try:
         if free <= NEAREST_PARTS:
             answer = orient(assembly, contacts=contacts, progress=tell)
-            there = check(assembly.with_down(answer.down), contacts=contacts, effort=effort)
-            return answer.region, _answered(there, answer.sentence), answer.verdict == "none"
+            verdict = check(assembly.with_down(answer.down), contacts=contacts, effort=effort)
+            return answer.region, _full_answer(verdict, answer.sentence), answer.verdict == "none"
         tell("stable region")
-        found = _region(assembly, contacts, notes)
+        stable = _region(assembly, contacts, notes)
     except InputError as error:
         notes.append(f"the page answers only the given direction of gravity: {error.what}")
         return None, None, False
-    center = found.center if found.center is not None else _first(found, assembly.down)
+    center = stable.center if stable.center is not None else _nearest_line(stable, assembly.down)
     if center is None:
         notes.append(
             f"the page computes the direction nearest to stable for up to {NEAREST_PARTS} free "
             "parts; 'kilter orient' has no such limit"
         )
-        return found, None, False
+        return stable, None, False
     tell("recommended direction")
-    there = check(assembly.with_down(center), contacts=contacts, effort=effort)
-    return found, _answered(there, there.sentence), False
+    verdict = check(assembly.with_down(center), contacts=contacts, effort=effort)
+    return stable, _full_answer(verdict, verdict.sentence), False
 
 
 def _region(assembly: Assembly, contacts: ContactSet, notes: list[str]) -> Region:
-    """The region; for large rough assemblies in space, the part that needs no friction."""
+    """The stable region; without friction for a large assembly in space with friction."""
     rubs = bool((contacts.patch_mu > 0).any()) and not assembly.planar
-    if not rubs or _free(assembly) <= FRICTION_PARTS:
+    if not rubs or _free_count(assembly) <= FRICTION_PARTS:
         return region(assembly, contacts=contacts)
     notes.append(
         f"the page computes the region with friction for up to {FRICTION_PARTS} free parts, so it "
@@ -331,27 +349,27 @@ def _region(assembly: Assembly, contacts: ContactSet, notes: list[str]) -> Regio
     return common_region([assembly], contacts=[contacts])
 
 
-def _with_rests(found: Region, assembly: Assembly, contacts: ContactSet) -> Region:
-    """The region with its states of rest; unchanged with friction, or with many parts."""
+def _with_rests(stable: Region, assembly: Assembly, contacts: ContactSet) -> Region:
+    """The region with its places of rest; unchanged with friction, in the plane, or if large."""
     rubs = bool((contacts.patch_mu > 0).any())
-    if rubs or assembly.planar or _free(assembly) > REST_PARTS:
-        return found
-    return replace(found, rests=find_rests(found.cone, assembly, contacts))
+    if rubs or assembly.planar or _free_count(assembly) > REST_PARTS:
+        return stable
+    return replace(stable, rests=find_rests(stable.cone, assembly, contacts))
 
 
-def _first(found: Region, down: Array) -> Array | None:
-    """The direction nearest to gravity, for a region without a centre; None if it is empty."""
-    if not len(found.lines):
+def _nearest_line(stable: Region, down: Array) -> Array | None:
+    """Unit vector nearest to `down` in the span of the region's lines; None without lines."""
+    if not len(stable.lines):
         return None
-    along: Array = found.lines.T @ (found.lines @ down)
+    along: Array = stable.lines.T @ (stable.lines @ down)
     length = float(np.linalg.norm(along))
-    # rounding of an exact zero must not become a direction
-    return along / length if length > 1e-9 else np.asarray(found.lines[0])
+    # gravity perpendicular to all lines: rounding of an exact zero must not become a direction
+    return along / length if length > 1e-9 else np.asarray(stable.lines[0])
 
 
-def _rays(assembly: Assembly, contacts: ContactSet, found: Region) -> tuple[Balance, ...]:
-    """Forces for each ray and both signs of each line, if they are not too many."""
-    directions = len(found.rays) + 2 * len(found.lines)
+def _ray_forces(assembly: Assembly, contacts: ContactSet, stable: Region) -> tuple[Balance, ...]:
+    """Forces for each ray of a region and both signs of each line; empty if there are too many."""
+    directions = len(stable.rays) + 2 * len(stable.lines)
     if not directions or directions * len(contacts.points) > RAY_FORCES:
         return ()
     index = assembly.index
@@ -362,7 +380,7 @@ def _rays(assembly: Assembly, contacts: ContactSet, found: Region) -> tuple[Bala
             [[index[name] for name in point["parts"]] for point in proof.data["points"]],
             proof.data["forces"],
         )
-        for proof in found.proofs()
+        for proof in stable.proofs()
         if proof.about in ("ray", "line") and "forces" in proof.data
     )
 
@@ -370,8 +388,8 @@ def _rays(assembly: Assembly, contacts: ContactSet, found: Region) -> tuple[Bala
 def _margin(
     assembly: Assembly, contacts: ContactSet, always: bool, tell: Tell, notes: list[str]
 ) -> dict[str, Any] | None:
-    """The margins of gravity as given, if the assembly is small or they are requested."""
-    free = _free(assembly)
+    """The margins for the given gravity; None for a large assembly unless `always` is set."""
+    free = _free_count(assembly)
     if not free:
         return None
     if free > MARGIN_PARTS and not always:
@@ -380,16 +398,16 @@ def _margin(
             "--margins' and 'kilter margin' have no such limit"
         )
         return None
-    # what friction guarantees is said by the check
+    # effort 0, since the check already reports the guarantee of friction
     loads = bool(assembly.bonds)
     return margin(assembly, contacts=contacts, loads=loads, effort=0, progress=tell).to_dict()
 
 
 def _change(assembly: Assembly, always: bool, tell: Tell, notes: list[str]) -> Improvement | None:
-    """The brick to add or to take away, if the model is small or it is requested."""
+    """The brick to add or to remove; None for a large model unless `always` is set."""
     if not assembly.bonds or any(part.brick is None for part in assembly.parts):
         return None
-    if _free(assembly) > CHANGE_PARTS and not always:
+    if _free_count(assembly) > CHANGE_PARTS and not always:
         notes.append(
             f"the page looks for a brick to add or to remove in models of up to {CHANGE_PARTS} "
             "bricks; 'kilter report --margins' and 'kilter improve' have no such limit"
@@ -405,34 +423,35 @@ def _change(assembly: Assembly, always: bool, tell: Tell, notes: list[str]) -> I
 def _map(
     assembly: Assembly, contacts: ContactSet, tell: Tell, notes: list[str]
 ) -> MapMotions | None:
-    """The stability map with a motion for each vertex, if it is small enough."""
-    free = _free(assembly)
-    left = (
+    """The stability map with a motion for each vertex; None if the assembly or map is too large."""
+    free = _free_count(assembly)
+    consequence = (
         "so the ball shows the stable region without colours, and motions only for the directions "
         "of the buttons"
     )
     if free > MAP_PARTS:
-        notes.append(f"the page computes the map for up to {MAP_PARTS} free parts, {left}")
+        notes.append(f"the page computes the map for up to {MAP_PARTS} free parts, {consequence}")
         return None
     tell("stability map")
     program = build_program(assembly, contacts)
     try:
-        found = stability_map(program, limit=MAP_PROGRAMS)
+        full_map = stability_map(program, limit=MAP_PROGRAMS)
     except SolverError:
-        notes.append(f"the stability map needs more than {MAP_PROGRAMS} programs, {left}")
+        notes.append(f"the stability map needs more than {MAP_PROGRAMS} programs, {consequence}")
         return None
-    if len(found.vertices) * free > MAP_MOTIONS:
-        notes.append(f"the stability map has {len(found.vertices)} partitions, {left}")
+    if len(full_map.vertices) * free > MAP_MOTIONS:
+        notes.append(f"the stability map has {len(full_map.vertices)} partitions, {consequence}")
         return None
-    motions = np.array([_motion(program, found, k) for k in range(len(found.vertices))])
-    return MapMotions(np.asarray(found.vertices), found.mass, motions)
+    motions = np.array([_motion(program, full_map, k) for k in range(len(full_map.vertices))])
+    return MapMotions(np.asarray(full_map.vertices), full_map.mass, motions)
 
 
-def _motion(program: Program, found: StabilityMap, vertex: int) -> Array:
-    """The displacement of LP (9) of least 2-norm in the middle of a partition, shape (N, 6)."""
-    nothing = np.zeros((len(program.names), 6))
-    middle = found.partition(vertex).sum(axis=0)
-    if not middle.any() or not found.vertices[vertex].any():
-        return nothing
+def _motion(program: Program, full_map: StabilityMap, vertex: int) -> Array:
+    """Optimal displacement of least 2-norm for the middle of a vertex's partition, shape (N, 6)."""
+    at_rest = np.zeros((len(program.names), 6))
+    middle = full_map.partition(vertex).sum(axis=0)
+    # the vertex 0 belongs to the stable directions, for which nothing moves
+    if not middle.any() or not full_map.vertices[vertex].any():
+        return at_rest
     motion = find_displacement(program.turned(middle)).displacement
-    return nothing if motion is None else motion
+    return at_rest if motion is None else motion

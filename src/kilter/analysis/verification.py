@@ -1,8 +1,8 @@
-"""Proofs recomputed: the file read anew, its contacts found anew, and no solver.
+"""Verification of proof files from the assembly, without any solver.
 
-Both are held against the proof number by number, and its forces and motions are judged
-again (`kilter.mechanics.recheck`); the steps that exclude every motion are repeated
-(`kilter.friction.exclusion_file`).
+The assembly is read and its contacts are detected anew, and both are compared with the proof number
+by number. Forces and motions of the proof are tested again (`kilter.mechanics.recheck`). The steps
+that exclude every motion with friction are repeated (`kilter.friction.exclusion_file`).
 """
 
 from __future__ import annotations
@@ -35,28 +35,30 @@ __all__ = ["Verification", "proof_tolerance", "verify", "verify_proof"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Verification:
-    """Whether a proof holds, its statement, and the reasons if it does not hold.
+    """Result of the verification of a proof.
 
     Attributes
     ----------
     holds : bool
+        Whether the proof holds.
     verdict : str
-        Statement of the proof.
+        The statement of the proof: a verdict, or the kind of a bundle of proofs.
     reasons : tuple of str
-        Why it does not hold.
+        Reasons why the proof does not hold; empty if it holds.
     residual : float or None
-        Worst imbalance of a part over its weight [-], of a proof by forces.
+        Largest imbalance of a part over its weight [-]; None without forces.
     power : float or None
-        Power of the motion, whose fastest part moves by 1 [W].
+        Power of the motion if the fastest part moves at 1 m/s [W]; None without a motion.
     notes : tuple of str
-        Further results, and facts that a proof file cannot contain.
+        Further verified statements, and statements that a proof file cannot prove.
     held : tuple of str
-        Parts that are held.
+        Names of the held parts.
     gravity : tuple of float
-        [m/s^2]
+        Gravity vector [m/s^2].
     units : str
+        Length unit of the assembly.
     options, tolerance : dict
-        How the file was read for the proof, and when faces counted as touching.
+        Options with which the file was read for the proof, and tolerances of contact detection.
     """
 
     holds: bool
@@ -100,23 +102,27 @@ def verify(
     *,
     progress: Callable[[str], None] | None = None,
 ) -> Verification:
-    """Does a proof hold? Recomputed from the file, without any solver.
+    """Verify a proof from the assembly, without any solver.
 
     Parameters
     ----------
     assembly : Assembly or path
-        A file is read as it was for the proof: parts held, left out, direction of gravity.
-        An assembly is taken as it is.
+        A file is read with the options of the proof: held parts, omitted parts, gravity. An
+        assembly is used unchanged.
     proof : dict or path
-        Data from `Verdict.proof`, `Region.proof`, `Margin.proof`, `Order.proof` or
-        `Fixture.proof` returned, or the file that ``--proof`` of their commands wrote.
+        The result of `Verdict.proof`, `Region.proof`, `Margin.proof`, `Order.proof` or
+        `Fixture.proof`, or a file that the option ``--proof`` of their commands wrote.
     progress : callable, optional
-        Called with a word at each stage.
+        Function that is called with the name of each stage.
+
+    Returns
+    -------
+    Verification
 
     Raises
     ------
     InputError
-        If a file cannot be read, or has no proof.
+        If a file cannot be read, or if the data do not have the form of a proof.
 
     Examples
     --------
@@ -135,6 +141,7 @@ def verify(
         data = read_json(Path(proof))
     try:
         several = isinstance(data, dict) and is_bundle(data)
+        # all proofs of a bundle share options and tolerances, so the first supplies them
         first = next(split_bundle(data))[1] if several else data
         require_form(first)
         assert isinstance(first, dict)
@@ -149,20 +156,20 @@ def verify(
                 assembly, reading, tolerance=tolerance, progress=progress
             )
         require_assembly(assembly, "verify")
-        found = known or contacts(assembly, tolerance=tolerance, progress=progress)
+        touching = known or contacts(assembly, tolerance=tolerance, progress=progress)
         recompute = verify_bundle if several else verify_proof
-        return recompute(assembly, found, data)
+        return recompute(assembly, touching, data)
     except InputError as error:
         raise error.located(file=file) from None
 
 
 def proof_tolerance(proof: dict[str, Any]) -> Tolerance:
-    """The contact tolerance that a proof was made with.
+    """The contact tolerance with which a proof was made.
 
     Raises
     ------
     InputError
-        If it has not the form of a proof.
+        If the data do not have the form of a proof.
     """
     require_form(proof)
     values = proof["tolerance"]
@@ -177,10 +184,12 @@ def proof_tolerance(proof: dict[str, Any]) -> Tolerance:
 def verify_bundle(assembly: Assembly, contacts: ContactSet, bundle: dict[str, Any]) -> Verification:
     """Recompute every proof of a region, a margin, a plan or a fixture.
 
+    The residual is the largest of all proofs, the power is the least.
+
     Raises
     ------
     InputError
-        If a file has no proof.
+        If an entry does not have the form of a proof.
     """
     reasons, residual, power, counts = [], [], [], Counter[str]()
     if bundle.get("digest") != digest_of(bundle):
@@ -190,15 +199,15 @@ def verify_bundle(assembly: Assembly, contacts: ContactSet, bundle: dict[str, An
     proof: dict[str, Any] = {}
     verdicts = []
     for about, proof in split_bundle(bundle):
-        what = about["about"]
+        subject = about["about"]
         other, touching = apply_change(assembly, contacts, about["change"])
-        found = verify_proof(other, touching, proof)
-        wrong = [*found.reasons, *filter(None, [subject_mismatch(about, proof)])]
+        result = verify_proof(other, touching, proof)
+        wrong = [*result.reasons, *filter(None, [subject_mismatch(about, proof)])]
         of = next((about[key] for key in ("part", "parts", "vector", "value") if key in about), "")
-        reasons += [f"{what} {of}: {one}" for one in wrong]
-        counts[f"{what}: {'held by forces' if 'forces' in proof else 'a motion starts'}"] += 1
-        residual += [] if found.residual is None else [found.residual]
-        power += [] if found.power is None else [found.power]
+        reasons += [f"{subject} {of}: {reason}" for reason in wrong]
+        counts[f"{subject}: {'held by forces' if 'forces' in proof else 'a motion starts'}"] += 1
+        residual += [] if result.residual is None else [result.residual]
+        power += [] if result.power is None else [result.power]
         verdicts.append(proof["verdict"])
     reasons += _wrong_together(assembly, contacts, bundle, verdicts)
     return Verification(
@@ -207,7 +216,7 @@ def verify_bundle(assembly: Assembly, contacts: ContactSet, bundle: dict[str, An
         tuple(reasons),
         max(residual, default=None),
         min(power, default=None),
-        tuple(f"{count} x {what}" for what, count in counts.items()),
+        tuple(f"{count} x {statement}" for statement, count in counts.items()),
         held=tuple(part.name for part in assembly if part.grounded),
         gravity=tuple(assembly.gravity.tolist()),
         units=assembly.units,
@@ -220,18 +229,19 @@ JUDGES = {
     "plan": (require_plan_form, wrong_order),
     "hold": (require_hold_form, wrong_hold),
 }
-"""For files of several proofs: the form of their statements, and the judge of all together."""
+"""For each kind of bundle: the form of its statements, and the reasons why valid proofs do not
+form a plan or a fixture."""
 
 
 def _wrong_together(
     assembly: Assembly, contacts: ContactSet, bundle: Mapping[str, Any], verdicts: Sequence[str]
 ) -> list[str]:
-    """Reasons why valid proofs together are no plan, or no fixture.
+    """Reasons why proofs that hold separately do not form a valid plan or fixture.
 
     Raises
     ------
     InputError
-        If the statements of the proofs do not have their form.
+        If the data of the plan or fixture do not have the required form.
     """
     if bundle["kind"] not in JUDGES:
         return []
@@ -247,16 +257,16 @@ def _wrong_together(
 
 
 def verify_proof(assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]) -> Verification:
-    """Recompute a proof from an assembly and the contacts found in it.
+    """Recompute a single proof from an assembly and its contacts.
 
     Raises
     ------
     InputError
-        If it is no proof: keys are missing, or of the wrong kind.
+        If keys of the proof are missing or have the wrong type.
     """
     require_form(proof)
-    found = recheck(assembly, contacts, proof)
-    reasons, notes = list(found.reasons), list(found.notes)
+    result = recheck(assembly, contacts, proof)
+    reasons, notes = list(result.reasons), list(result.notes)
     friction = proof.get("friction")
     if not reasons and friction is not None and friction["guarantee"] == "proved":
         program = build_program(assembly, contacts)
@@ -275,8 +285,8 @@ def verify_proof(assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]
         not reasons,
         proof["verdict"],
         tuple(reasons),
-        found.residual,
-        found.power,
+        result.residual,
+        result.power,
         tuple(notes),
         held=tuple(part.name for part in assembly if part.grounded),
         gravity=tuple(assembly.gravity.tolist()),
@@ -287,9 +297,9 @@ def verify_proof(assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]
 
 
 def _wrong_word(verdict: str, second: Mapping[str, Any] | None, *, rubs: bool) -> list[str]:
-    """Compare a verdict without friction with the word that its second order gives.
+    """Compare a verdict that needs no friction with the verdict that its second order proves.
 
-    `rubs`: a contact has friction. Then a fall counts only if rolling falls, too.
+    `rubs`: whether a contact has friction. Then a fall counts only if rolling falls, too.
     """
     state = None if second is None else second["state"]
     falls = second is not None and second.get("rolling", None if rubs else "falls") == "falls"

@@ -69,7 +69,7 @@ def decide(
     work : Work, optional
         Work that the guarantee of friction may take, and the time limit of every step.
     known : Judgement, optional
-        A judgement of the certain contacts with friction, if one exists already. It is used
+        Judgement of the certain contacts with friction, if it exists already. It is used
         instead of step 2.
     second_order : bool
         Whether second order separates balanced from stable.

@@ -105,7 +105,7 @@ class Verdict(InCells):
     require : str
         The required level (`kilter.tell.levels`).
     measures : bool
-        Whether z and the displacements are reported although the verdict rests on friction.
+        Whether z, kappa and the displacements are reported although friction plays a part.
     second_order : SecondOrder or None
         Answer of second order: whether a neutral assembly is at a minimum of its energy. None
         unless the verdict holds without friction.
@@ -260,7 +260,7 @@ class Verdict(InCells):
 
     @property
     def measured(self) -> bool:
-        """Whether z and displacements are reported: without friction, or if `measures` is set."""
+        """Whether z, kappa and displacements are reported: without friction, or by `measures`."""
         rubs = self.friction is not None or bool(len(self.program.gripping))
         return self.measures or not rubs
 
