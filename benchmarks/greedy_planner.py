@@ -138,7 +138,9 @@ def timed(work: Callable[[], Any]) -> tuple[Any, float]:
 def compared(name: str, assembly: kilter.Assembly, screws: Pairs) -> str:
     """A line of the table for an assembly."""
     contacts = kilter.contacts(assembly)
-    plan, first = timed(lambda: kilter.plan(assembly, contacts=contacts, screws=screws))
+    plan, first = timed(
+        lambda: kilter.plan(assembly, kilter.PlanRules(screws=screws), contacts=contacts)
+    )
     greedy = Greedy(assembly, contacts, screws)
     found, second = timed(
         lambda: next(filter(None, (greedy.order(hold) for hold in range(3))), None)

@@ -85,7 +85,7 @@ def answered(family: str, seed: int, directions: int) -> Any:
     for hold in range(MOST + 1):
         used = time.process_time()
         try:
-            orders.append(kilter.plan(assembly, hold=hold))
+            orders.append(kilter.plan(assembly, kilter.PlanRules(hold=hold)))
         except kilter.InputError as error:
             yield refused(assembly, str(error))
             return

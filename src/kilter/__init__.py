@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from kilter.analysis.planning.hold.hold import hold as hold
     from kilter.analysis.planning.order.order import Order as Order
     from kilter.analysis.planning.order.plan import plan as plan
+    from kilter.analysis.planning.order.plan_rules import PlanRules as PlanRules
     from kilter.analysis.planning.order.plan_step import Step as Step
     from kilter.analysis.planning.states.state import State as State
     from kilter.analysis.planning.states.states import States as States
@@ -134,6 +135,7 @@ _HOMES = {
     "Improvement": "kilter.analysis.margins.improve",
     "Margin": "kilter.analysis.margins.margin",
     "Order": "kilter.analysis.planning.order.order",
+    "PlanRules": "kilter.analysis.planning.order.plan_rules",
     "Orientation": "kilter.analysis.turning.orientation",
     "Region": "kilter.analysis.regions.region",
     "Report": "kilter.publish",

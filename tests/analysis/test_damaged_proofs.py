@@ -28,7 +28,7 @@ FEW, MANY = 60, 1500
 """Exchanges that are tried of each file: always, and with the slow tests."""
 MAKERS: dict[str, Callable[[Any], Any]] = {
     "plan": kilter.plan,
-    "no plan": lambda assembly: kilter.plan(assembly, hold=0),
+    "no plan": lambda assembly: kilter.plan(assembly, kilter.PlanRules(hold=0)),
     "hold": kilter.hold,
     "region": kilter.region,
     "margin": lambda assembly: kilter.margin(assembly, push=[1, 0, 0]),

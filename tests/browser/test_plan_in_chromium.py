@@ -137,7 +137,7 @@ def test_every_picture_is_there_when_it_is_printed(
 def test_an_impossibility_has_no_film_and_shows_how_parts_fall(
     opened: Callable, tmp_path: Path
 ) -> None:
-    order = kilter.plan(arch(9, ratio=0.3, friction=0.6, planar=False), hold=0)
+    order = kilter.plan(arch(9, ratio=0.3, friction=0.6, planar=False), kilter.PlanRules(hold=0))
     page = opened(page_of(order, tmp_path))
     assert page.text("verdict") == "Impossible"
     assert not page.page.is_visible("#player")

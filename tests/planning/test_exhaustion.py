@@ -31,7 +31,7 @@ def from_both_sides(hold: int) -> Order:
     """An arch of nine of which left and right take turns: at most two must be held."""
     order = sorted(range(9), key=lambda k: min(k, 8 - k))
     chain = [(f"voussoir-{a}", f"voussoir-{b}") for a, b in pairwise(order)]
-    return kilter.plan(arch(9, ratio=0.3, friction=0.6), before=chain, hold=hold)
+    return kilter.plan(arch(9, ratio=0.3, friction=0.6), kilter.PlanRules(before=chain, hold=hold))
 
 
 @pytest.mark.slow
@@ -45,7 +45,7 @@ def test_an_arch_from_both_sides_needs_two() -> None:
 
 @pytest.mark.parametrize(("degrees", "verdict"), [(29.9, "found"), (30.1, "impossible")])
 def test_what_comes_first_slides_above_the_angle_of_friction(degrees: float, verdict: str) -> None:
-    order = kilter.plan(leaning(degrees, SLIDES), before=[("A", "B")], hold=0)
+    order = kilter.plan(leaning(degrees, SLIDES), kilter.PlanRules(before=[("A", "B")], hold=0))
     assert order.verdict == verdict
     assert not wrong(order)
 

@@ -71,7 +71,7 @@ def test_a_tower_is_put_up_from_below_and_nothing_else_is_asked() -> None:
 
 @pytest.mark.slow
 def test_what_was_asked_for_is_among_the_needs() -> None:
-    order = kilter.plan(scene("wall"), before=[("brick-0-3", "brick-0-2")])
+    order = kilter.plan(scene("wall"), kilter.PlanRules(before=[("brick-0-3", "brick-0-2")]))
     [asked] = [one for one in explain(order).needs if one.why == "asked"]
     assert (asked.before, asked.after) == ("brick-0-3", "brick-0-2")
 
@@ -80,7 +80,7 @@ def test_parts_that_move_as_one_stop_as_one() -> None:
     made = [block("plate", [0, 0, 0], [3, 2, 1]), block("knob", [1, 0.5, 1], [2, 1.5, 2])]
     lid = block("lid", [0, 0, 2], [3, 2, 3])
     whole = Assembly([floor([-1, -1], [4, 3]), *made, lid])
-    order = kilter.plan(whole, groups=[["plate", "knob"]])
+    order = kilter.plan(whole, kilter.PlanRules(groups=[["plate", "knob"]]))
     assert [step.parts for step in order.steps] == [("plate", "knob"), ("lid",)]
     [need] = explain(order).needs
     assert (need.before, need.after) == ("plate", "lid")

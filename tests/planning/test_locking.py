@@ -67,7 +67,7 @@ def test_each_is_locked_by_the_other() -> None:
     proof = proof_of(order)
     assert not reasons(order, proof)
     assert "none can move before another" in order.to_dict()["sentence"]
-    assert kilter.plan(Assembly(parts), together=True).found
+    assert kilter.plan(Assembly(parts), kilter.PlanRules(together=True)).found
     del proof["proofs"][0]
     assert "'B' is not locked by the base" in reasons(order, proof)
 

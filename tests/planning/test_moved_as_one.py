@@ -24,7 +24,7 @@ def test_two_that_leave_only_as_one() -> None:
     made = hooked()
     alone = kilter.plan(made)
     assert alone.verdict == "impossible"
-    order = kilter.plan(made, together=True)
+    order = kilter.plan(made, kilter.PlanRules(together=True))
     [step] = order.steps
     assert (step.parts, step.direction) == (("A", "B"), (0.0, -1.0, 0.0))
     assert order.to_dict()["steps"][0]["parts"] == ["A", "B"]
@@ -33,7 +33,7 @@ def test_two_that_leave_only_as_one() -> None:
 
 def test_with_the_ledges_off_each_leaves_alone() -> None:
     """Then nothing has to move as one, and nothing does."""
-    order = kilter.plan(hooked(lid=False), together=True)
+    order = kilter.plan(hooked(lid=False), kilter.PlanRules(together=True))
     assert sorted(step.parts for step in order.steps) == [("A",), ("B",)]
 
 
@@ -53,7 +53,7 @@ def test_sets_that_stop_one_another() -> None:
 
 
 def test_a_group_goes_in_as_one() -> None:
-    order = kilter.plan(scene("tower"), groups=["cube-[23]"])
+    order = kilter.plan(scene("tower"), kilter.PlanRules(groups=["cube-[23]"]))
     assert [step.parts for step in order.steps] == [
         ("cube-1",), ("cube-2", "cube-3"), ("cube-4",), ("cube-5",)
     ]  # fmt: skip
@@ -63,7 +63,9 @@ def test_a_group_goes_in_as_one() -> None:
 
 def test_a_group_that_spans_a_part_cannot_close_round_it() -> None:
     """Cubes below and above one that is not of the group: no way for it, none for them."""
-    order = kilter.plan(scene("tower"), groups=[["cube-2", "cube-4"]], directions=[[0, 0, 1]])
+    order = kilter.plan(
+        scene("tower"), kilter.PlanRules(groups=[["cube-2", "cube-4"]], directions=[[0, 0, 1]])
+    )
     assert order.verdict == "none-found"
 
 
@@ -76,7 +78,7 @@ def test_groups_that_make_no_sense() -> None:
         (["*"], "held from the start"),
     ):
         with pytest.raises(InputError, match=why):
-            kilter.plan(tower, groups=groups)
+            kilter.plan(tower, kilter.PlanRules(groups=groups))
 
 
 def key_at_the_mouth() -> Assembly:

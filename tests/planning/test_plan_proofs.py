@@ -40,11 +40,13 @@ def row() -> Assembly:
 @cache
 def planned(name: str) -> Order:
     made: dict[str, Callable[[], Order]] = {
-        "arch": lambda: kilter.plan(arch(5, ratio=0.3, friction=0.6), never_hold="voussoir-0"),
-        "no order": lambda: kilter.plan(arch(5, ratio=0.3, friction=0.6), hold=0),
+        "arch": lambda: kilter.plan(
+            arch(5, ratio=0.3, friction=0.6), kilter.PlanRules(never_hold="voussoir-0")
+        ),
+        "no order": lambda: kilter.plan(arch(5, ratio=0.3, friction=0.6), kilter.PlanRules(hold=0)),
         "tower": lambda: kilter.plan(scene("tower")),
-        "screw": lambda: kilter.plan(screwed(), screws=[("post", "ring")]),
-        "row": lambda: kilter.plan(row(), before=[("b2", "b0")]),
+        "screw": lambda: kilter.plan(screwed(), kilter.PlanRules(screws=[("post", "ring")])),
+        "row": lambda: kilter.plan(row(), kilter.PlanRules(before=[("b2", "b0")])),
     }
     return made[name]()
 

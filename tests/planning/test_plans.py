@@ -72,7 +72,7 @@ def test_an_arch_needs_one_part_held_and_that_is_proved(
     count: int, ratio: float, reached: int
 ) -> None:
     made = arch(count, ratio=ratio, friction=0.6)
-    none = kilter.plan(made, hold=0)
+    none = kilter.plan(made, kilter.PlanRules(hold=0))
     assert (none.verdict, none.found) == ("impossible", False)
     assert len(none.falling) == count - reached
     proof = rechecked(none)
@@ -93,7 +93,9 @@ def test_an_arch_needs_one_part_held_and_that_is_proved(
 def test_fewest_held_steps_of_an_arch(count: int, ratio: float, held: int) -> None:
     """All voussoirs that do not stand alone, less the keystone: no order has fewer."""
     for hold in (1, 2):
-        order = kilter.plan(arch(count, ratio=ratio, friction=0.6), fewest="held-steps", hold=hold)
+        order = kilter.plan(
+            arch(count, ratio=ratio, friction=0.6), kilter.PlanRules(fewest="held-steps", hold=hold)
+        )
         assert (order.held_steps, order.least) == (held, "as-tried")
 
 
@@ -101,7 +103,7 @@ def test_fewest_held_steps_of_an_arch(count: int, ratio: float, held: int) -> No
 def test_fewest_held_steps_are_those_of_all_orders() -> None:
     """Against every order of seven voussoirs, set by set."""
     made = arch(7, ratio=0.3, friction=0.6)
-    order = kilter.plan(made, fewest="held-steps", hold=1)
+    order = kilter.plan(made, kilter.PlanRules(fewest="held-steps", hold=1))
     states = order.states
     removal = Removal(states.contacts)
     stones = [k for k, free in enumerate(~made.geometry.grounded) if free]
@@ -125,7 +127,9 @@ def test_fewest_held_steps_are_those_of_all_orders() -> None:
         return min(found)
 
     assert order.held_steps == least(bits_of(states.mask("*")))
-    worst = kilter.plan(made, before=[(f"voussoir-{k}", f"voussoir-{k + 1}") for k in range(6)])
+    worst = kilter.plan(
+        made, kilter.PlanRules(before=[(f"voussoir-{k}", f"voussoir-{k + 1}") for k in range(6)])
+    )
     assert worst.held_steps > order.held_steps
 
 
@@ -137,7 +141,7 @@ def test_what_is_said_of_fewer() -> None:
     )  # fmt: skip
     made = arch(9, ratio=0.3, friction=0.6)
     assert kilter.plan(made).least == "always"
-    words = kilter.plan(made, fewest="held-steps").to_dict()["sentence"]
+    words = kilter.plan(made, kilter.PlanRules(fewest="held-steps")).to_dict()["sentence"]
     assert words.endswith(
         "Along the directions that were tried no order has fewer steps with held parts."
     )
@@ -206,11 +210,11 @@ def key_in_a_slot() -> Assembly:
 
 def test_what_bars_the_way_leaves_first() -> None:
     """The key lifts out, then what lies on the slab, then the slab: by upward ways alone."""
-    order = kilter.plan(key_in_a_slot(), directions=[[0, 0, 1]])
+    order = kilter.plan(key_in_a_slot(), kilter.PlanRules(directions=[[0, 0, 1]]))
     parts = [step.part for step in order.steps]
     assert parts.index("slab") < parts.index("bar")
     assert all(step.direction == (0.0, 0.0, -1.0) for step in order.steps)
-    sideways = kilter.plan(key_in_a_slot(), directions=[[0, -1, 0]])
+    sideways = kilter.plan(key_in_a_slot(), kilter.PlanRules(directions=[[0, -1, 0]]))
     assert [step.part for step in sideways.steps][-1] == "key"
 
 
@@ -235,11 +239,13 @@ def test_a_way_of_two_pieces() -> None:
 
 def test_precedence_is_kept_to() -> None:
     with pytest.raises(InputError, match="the precedence has a cycle"):
-        kilter.plan(scene("tower"), before=[("cube-1", "cube-2"), ("cube-2", "cube-1")])
+        kilter.plan(
+            scene("tower"), kilter.PlanRules(before=[("cube-1", "cube-2"), ("cube-2", "cube-1")])
+        )
     table = Assembly([floor([-3, -3], [3, 3]), *(block(f"b{k}", [k, 0, 0], [k + 0.5, 1, 1])
                                                 for k in range(-2, 3))])  # fmt: skip
     for pair in (("b-2", "b2"), ("b2", "b-2")):
-        order = [step.part for step in kilter.plan(table, before=[pair]).steps]
+        order = [step.part for step in kilter.plan(table, kilter.PlanRules(before=[pair])).steps]
         assert order.index(pair[0]) < order.index(pair[1])
 
 
@@ -263,10 +269,10 @@ def test_none_found_is_no_proof() -> None:
 @pytest.mark.slow
 def test_parts_that_may_not_be_held() -> None:
     made = arch(9, ratio=0.3, friction=0.6)
-    none = kilter.plan(made, never_hold="voussoir-*")
+    none = kilter.plan(made, kilter.PlanRules(never_hold="voussoir-*"))
     assert none.verdict == "impossible"
     rechecked(none)
-    left = kilter.plan(made, never_hold=["voussoir-[0-3]"])
+    left = kilter.plan(made, kilter.PlanRules(never_hold=["voussoir-[0-3]"]))
     assert not {name for step in left.steps for name in step.held} & {f"voussoir-{k}"
                                                                     for k in range(4)}  # fmt: skip
 
@@ -315,19 +321,19 @@ def test_the_table_of_steps_is_read_as_csv() -> None:
 def test_wrong_input() -> None:
     tower = scene("tower")
     with pytest.raises(InputError, match="no part is named"):
-        kilter.plan(tower, before=[("cube-1", "nobody")])
+        kilter.plan(tower, kilter.PlanRules(before=[("cube-1", "nobody")]))
     with pytest.raises(InputError, match="everything is held"):
         kilter.plan(tower.with_grounded("*"))
     with pytest.raises(InputError, match="hold is -1"):
-        kilter.plan(tower, hold=-1)
+        kilter.plan(tower, kilter.PlanRules(hold=-1))
     with pytest.raises(InputError, match="fewest is 'parts'"):
-        kilter.plan(tower, fewest="parts")
+        kilter.plan(tower, kilter.PlanRules(fewest="parts"))
     with pytest.raises(InputError, match="a direction is 'up'"):
-        kilter.plan(tower, directions=["up"])
+        kilter.plan(tower, kilter.PlanRules(directions=["up"]))
     with pytest.raises(InputError, match="no 'cube-2' surrounds the shaft"):
-        kilter.plan(tower, screws=[("cube-1", "cube-2")])
+        kilter.plan(tower, kilter.PlanRules(screws=[("cube-1", "cube-2")]))
     with pytest.raises(InputError, match="held from the start"):
-        kilter.plan(tower, before=[("cube-1", "base")])
+        kilter.plan(tower, kilter.PlanRules(before=[("cube-1", "base")]))
 
 
 def test_of_two_that_are_alike_the_first_leaves_first() -> None:
@@ -364,9 +370,9 @@ def test_a_bridge_of_levers_has_its_weights_first() -> None:
     assert (order.verdict, order.holds_max, len(order.steps)) == ("found", 0, 5)
     rechecked(order)
     upwards = ["arm-left", "arm-right", "deck", "weight-left", "weight-right"]
-    held = kilter.plan(bridge, sequence=upwards)
+    held = kilter.plan(bridge, kilter.PlanRules(sequence=upwards))
     assert (held.verdict, held.holds_max) == ("found", 2)
-    assert kilter.plan(bridge, sequence=upwards, hold=1).verdict == "fails"
+    assert kilter.plan(bridge, kilter.PlanRules(sequence=upwards, hold=1)).verdict == "fails"
 
 
 @pytest.mark.slow
@@ -380,17 +386,17 @@ def test_a_real_bridge_without_holds_that_needs_two_by_height() -> None:
     free = np.flatnonzero(~bridge.geometry.grounded)
     height = bridge.geometry.center[free, 2].round(6)
     upwards = [bridge.names[k] for k in free[np.argsort(height, kind="stable")]]
-    held = kilter.plan(bridge, sequence=upwards)
+    held = kilter.plan(bridge, kilter.PlanRules(sequence=upwards))
     assert (held.verdict, held.holds_max) == ("found", 2)
     rechecked(held)
-    assert kilter.plan(bridge, sequence=upwards, hold=1).verdict == "fails"
+    assert kilter.plan(bridge, kilter.PlanRules(sequence=upwards, hold=1)).verdict == "fails"
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(not DATA.is_dir(), reason="real assemblies are not here")
 def test_a_dome_needs_one_stone_held() -> None:
     dome = kilter.load(DATA / "learn2assemble" / "dome", ground=["72"], friction=0.55)
-    none = kilter.plan(dome, hold=0)
+    none = kilter.plan(dome, kilter.PlanRules(hold=0))
     assert (none.verdict, len(none.falling)) == ("impossible", 36)
     rechecked(none)
     order = kilter.plan(dome)
@@ -404,7 +410,7 @@ def test_a_dome_needs_one_stone_held() -> None:
 def test_nuts_come_after_their_bolts() -> None:
     pytest.importorskip("OCP")
     made = kilter.load(DATA / "cax-if" / "as1-oc-214.stp", ground=["plate"], friction=0.3)
-    order = kilter.plan(made, screws=[("*bolt", "*nut"), ("rod", "nut_*")])
+    order = kilter.plan(made, kilter.PlanRules(screws=[("*bolt", "*nut"), ("rod", "nut_*")]))
     assert (order.verdict, order.holds_max) == ("found", 0)
     place = {step.part: k for k, step in enumerate(order.steps)}
     for bolt in [name for name in place if name.endswith("bolt")]:

@@ -34,14 +34,16 @@ def tipping() -> float:
 
 @pytest.mark.parametrize("share", [0.99, 1.01])
 def test_a_plank_tips_beyond_a_force(share: float) -> None:
-    order = kilter.plan(plank(), press=share * tipping(), hold=0, directions=[[0, 0, 1]])
+    order = kilter.plan(
+        plank(), kilter.PlanRules(press=share * tipping(), hold=0, directions=[[0, 0, 1]])
+    )
     assert order.found == (share < 1)
     if order.found:
         assert not reasons(order, proof_of(order))
 
 
 def test_a_hold_takes_what_the_plank_does_not() -> None:
-    order = kilter.plan(plank(), press=1.01 * tipping(), directions=[[0, 0, 1]])
+    order = kilter.plan(plank(), kilter.PlanRules(press=1.01 * tipping(), directions=[[0, 0, 1]]))
     assert [step.held for step in order.steps] == [(), ("plank",)]
     proof = proof_of(order)
     assert not reasons(order, proof)
@@ -52,7 +54,7 @@ def test_a_hold_takes_what_the_plank_does_not() -> None:
 
 @pytest.mark.slow
 def test_a_proof_without_its_pressed_states_is_refused() -> None:
-    order = kilter.plan(scene("tower"), press=5.0)
+    order = kilter.plan(scene("tower"), kilter.PlanRules(press=5.0))
     proof = proof_of(order)
     assert not reasons(order, proof)
     proof["proofs"] = [one for one in proof["proofs"] if one["about"] != "pressed"]
@@ -62,10 +64,9 @@ def test_a_proof_without_its_pressed_states_is_refused() -> None:
 def test_a_sequence_says_where_it_cannot_be_pressed() -> None:
     order = kilter.plan(
         plank(),
-        press=1.01 * tipping(),
-        hold=0,
-        directions=[[0, 0, 1]],
-        sequence=["plank", "weight"],
+        kilter.PlanRules(
+            press=1.01 * tipping(), hold=0, directions=[[0, 0, 1]], sequence=["plank", "weight"]
+        ),
     )
     assert [step.fails for step in order.steps] == [
         (), ("the standing parts do not withstand the pressing force",)
@@ -75,4 +76,4 @@ def test_a_sequence_says_where_it_cannot_be_pressed() -> None:
 def test_no_force_is_none() -> None:
     assert all(step.pressed is None for step in kilter.plan(scene("tower")).steps)
     with pytest.raises(InputError, match="press"):
-        kilter.plan(scene("tower"), press=-1.0)
+        kilter.plan(scene("tower"), kilter.PlanRules(press=-1.0))

@@ -22,7 +22,7 @@ CUBES = [f"cube-{k}" for k in range(1, 6)]
 def test_the_order_of_a_plan_is_confirmed() -> None:
     made = arch(9, ratio=0.3, friction=0.6)
     plan = kilter.plan(made)
-    order = kilter.plan(made, sequence=[step.parts for step in plan.steps])
+    order = kilter.plan(made, kilter.PlanRules(sequence=[step.parts for step in plan.steps]))
     assert [step.held for step in order.steps] == [step.held for step in plan.steps]
     assert (order.verdict, order.level) == ("found", plan.level)
     assert order.to_dict()["sentence"].startswith("It can be put together in this order, in 9")
@@ -31,7 +31,7 @@ def test_the_order_of_a_plan_is_confirmed() -> None:
 
 def test_an_order_the_other_way_round_fails_at_each_step() -> None:
     """Cubes from the top: nothing to stand on, until the lowest is put under the others."""
-    order = kilter.plan(scene("tower"), sequence=CUBES[::-1], hold=0)
+    order = kilter.plan(scene("tower"), kilter.PlanRules(sequence=CUBES[::-1], hold=0))
     assert order.verdict == "fails"
     first, second, *_, last = order.steps
     assert first.fails == ("it touches no standing part",)
@@ -48,9 +48,9 @@ def test_an_order_the_other_way_round_fails_at_each_step() -> None:
 def test_holds_that_are_needed_are_told() -> None:
     made = arch(9, ratio=0.3, friction=0.6)
     one_side = [f"voussoir-{k}" for k in range(9)]
-    order = kilter.plan(made, sequence=one_side)
+    order = kilter.plan(made, kilter.PlanRules(sequence=one_side))
     assert (order.found, order.holds_max) == (True, 1)
-    assert kilter.plan(made, sequence=one_side, hold=0).verdict == "fails"
+    assert kilter.plan(made, kilter.PlanRules(sequence=one_side, hold=0)).verdict == "fails"
 
 
 def test_a_step_without_a_way_proves_nothing() -> None:
@@ -67,8 +67,8 @@ def test_a_step_without_a_way_proves_nothing() -> None:
             block("lid", [-1, -1, 1], [2, 2, 1.5]),
         ]
     )
-    assert kilter.plan(made, sequence=["inside", "lid"]).found
-    order = kilter.plan(made, sequence=["lid", "inside"])
+    assert kilter.plan(made, kilter.PlanRules(sequence=["inside", "lid"])).found
+    order = kilter.plan(made, kilter.PlanRules(sequence=["lid", "inside"]))
     assert [step.fails for step in order.steps] == [
         (), ("no free path was found along the directions that were tried",)
     ]  # fmt: skip
@@ -78,13 +78,15 @@ def test_a_step_without_a_way_proves_nothing() -> None:
 
 
 def test_parts_that_come_too_early() -> None:
-    order = kilter.plan(scene("tower"), sequence=CUBES, before=[("cube-5", "cube-2")])
+    order = kilter.plan(
+        scene("tower"), kilter.PlanRules(sequence=CUBES, before=[("cube-5", "cube-2")])
+    )
     assert [step.part for step in order.steps if step.fails] == ["cube-5"]
     assert order.steps[-1].fails == ("it must come before 'cube-2'",)
 
 
 def test_sequences_from_files(tmp_path: Path) -> None:
-    order = kilter.plan(scene("tower"), groups=["cube-[23]"])
+    order = kilter.plan(scene("tower"), kilter.PlanRules(groups=["cube-[23]"]))
     wanted = [["cube-1"], ["cube-2", "cube-3"], ["cube-4"], ["cube-5"]]
     texts = {
         "a.csv": order.table(),
@@ -126,4 +128,4 @@ def test_files_that_are_no_sequence(tmp_path: Path, name: str, text: str, why: s
 )
 def test_sequences_that_make_no_sense(sequence: list[str], why: str) -> None:
     with pytest.raises(InputError, match=why):
-        kilter.plan(scene("tower"), sequence=sequence)
+        kilter.plan(scene("tower"), kilter.PlanRules(sequence=sequence))

@@ -179,7 +179,7 @@ def clamp() -> Assembly:
 
 @pytest.mark.slow
 def test_every_place_of_the_way_of_a_nut_is_free() -> None:
-    order = kilter.plan(clamp(), screws=[("bolt", "nut")])
+    order = kilter.plan(clamp(), kilter.PlanRules(screws=[("bolt", "nut")]))
     assert order.found
     assert order.steps[-1].over == "bolt"
     assert entered(order, 500) == []
@@ -196,7 +196,7 @@ def test_every_place_of_every_way_of_a_step_file_with_screws_is_free() -> None:
     if not file.is_file():
         pytest.skip("real assemblies are not here")
     made = kilter.load(file, ground=["plate"], friction=0.3)
-    order = kilter.plan(made, screws=[("*bolt", "*nut"), ("rod", "nut_*")])
+    order = kilter.plan(made, kilter.PlanRules(screws=[("*bolt", "*nut"), ("rod", "nut_*")]))
     assert order.found
     assert sum(step.over is not None for step in order.steps) == 8
     assert entered(order, 500) == []
@@ -204,8 +204,8 @@ def test_every_place_of_every_way_of_a_step_file_with_screws_is_free() -> None:
 
 @pytest.mark.slow
 def test_every_place_of_the_way_of_parts_that_move_as_one_is_free() -> None:
-    stacked = kilter.plan(scene("tower"), groups=["cube-[23]"])
-    hooks = kilter.plan(hooked(), together=True)
+    stacked = kilter.plan(scene("tower"), kilter.PlanRules(groups=["cube-[23]"]))
+    hooks = kilter.plan(hooked(), kilter.PlanRules(together=True))
     for order in (stacked, hooks):
         assert any(len(step.parts) > 1 for step in order.steps)
         assert entered(order, 500) == []

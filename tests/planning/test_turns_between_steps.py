@@ -21,8 +21,8 @@ FIRST = [("A", "B")]
 def test_turned_once_where_it_would_slide() -> None:
     """A alone slides off; level it stands, and with B in it is turned back."""
     made = leaning(30.0)
-    assert kilter.plan(made, before=FIRST, hold=0).verdict == "impossible"
-    order = kilter.plan(made, before=FIRST, turn=True)
+    assert kilter.plan(made, kilter.PlanRules(before=FIRST, hold=0)).verdict == "impossible"
+    order = kilter.plan(made, kilter.PlanRules(before=FIRST, turn=True))
     assert (order.verdict, order.turns, order.holds_max) == ("found", 1, 0)
     assert [step.part for step in order.steps] == ["A", "B"]
     downs = [step["down"] for step in order.to_dict()["steps"]]
@@ -36,14 +36,14 @@ def test_turned_once_where_it_would_slide() -> None:
 @pytest.mark.parametrize(("share", "turns"), [(1.01, 0), (0.99, 1)])
 def test_no_turn_where_friction_holds(share: float, turns: int) -> None:
     made = leaning(30.0, share * np.tan(np.radians(30.0)))
-    order = kilter.plan(made, before=FIRST, turn=True)
+    order = kilter.plan(made, kilter.PlanRules(before=FIRST, turn=True))
     assert (order.turns, order.holds_max) == (turns, 0)
     assert not reasons(order, proof_of(order))
 
 
 @pytest.mark.parametrize("change", ["left out", "elsewhere", "forbidden"])
 def test_turns_that_are_not_proved_are_refused(change: str) -> None:
-    order = kilter.plan(leaning(30.0), before=FIRST, turn=True)
+    order = kilter.plan(leaning(30.0), kilter.PlanRules(before=FIRST, turn=True))
     proof = proof_of(order)
     [turned] = [one for one in proof["proofs"] if one["about"] == "turned"]
     if change == "left out":
@@ -74,7 +74,7 @@ def test_a_run_takes_another_direction_for_what_comes_before() -> None:
         ],
         gravity=[4.0, 4.0, -8.0],
     )
-    order = kilter.plan(made, before=[*FIRST, ("C", "D")], turn=True)
+    order = kilter.plan(made, kilter.PlanRules(before=[*FIRST, ("C", "D")], turn=True))
     assert (order.turns, order.holds_max) == (1, 0)
     assert not reasons(order, proof_of(order))
     level = [step.part for step in order.steps if step.turned is not None]
@@ -93,15 +93,15 @@ def test_a_common_direction_of_two_slopes() -> None:
 
 
 def test_what_needs_no_turn_has_none() -> None:
-    order = kilter.plan(scene("tower"), turn=True)
+    order = kilter.plan(scene("tower"), kilter.PlanRules(turn=True))
     assert (order.turns, len(order.steps)) == (0, 5)
 
 
 def test_turns_of_two_orders() -> None:
     """B leans on the stop by itself: an order that begins with it needs no turn."""
-    free = kilter.plan(leaning(30.0), fewest="turns", hold=0)
+    free = kilter.plan(leaning(30.0), kilter.PlanRules(fewest="turns", hold=0))
     assert ([step.part for step in free.steps], free.turns, free.least) == (["B", "A"], 0, "always")
-    bound = kilter.plan(leaning(30.0), fewest="turns", hold=0, before=FIRST)
+    bound = kilter.plan(leaning(30.0), kilter.PlanRules(fewest="turns", hold=0, before=FIRST))
     assert ([step.part for step in bound.steps], bound.turns) == (["A", "B"], 1)
     assert bound.least == "as-tried"
     words = "Along the directions that were tried no order has fewer turns with nothing held."
@@ -111,7 +111,7 @@ def test_turns_of_two_orders() -> None:
 
 @pytest.mark.parametrize(("fewest", "turns", "held"), [("holds", 1, 0), ("turns", 0, 1)])
 def test_a_hold_in_place_of_a_turn(fewest: str, turns: int, held: int) -> None:
-    order = kilter.plan(leaning(30.0), before=FIRST, turn=True, fewest=fewest)
+    order = kilter.plan(leaning(30.0), kilter.PlanRules(before=FIRST, turn=True, fewest=fewest))
     assert (order.turns, order.holds_max, order.least) == (turns, held, "always")
     assert not reasons(order, proof_of(order))
 
@@ -120,7 +120,7 @@ def test_a_hold_in_place_of_a_turn(fewest: str, turns: int, held: int) -> None:
 def test_a_turn_from_the_angle_of_friction_on(degrees: float, turns: int) -> None:
     """On a slope a block slides where its angle is more than arctan mu."""
     made = leaning(degrees, np.tan(np.radians(30.0)))
-    order = kilter.plan(made, before=FIRST, fewest="turns", hold=0)
+    order = kilter.plan(made, kilter.PlanRules(before=FIRST, fewest="turns", hold=0))
     assert (order.turns, order.least) == (turns, "as-tried" if turns else "always")
 
 
@@ -146,7 +146,7 @@ def test_of_two_turns_it_is_open_whether_they_are_the_fewest() -> None:
         gravity=[4.0, 4.0, -8.0],
     )
     chain = [*FIRST, ("B", "C"), ("C", "D")]
-    order = kilter.plan(made, before=chain, fewest="turns", hold=0)
+    order = kilter.plan(made, kilter.PlanRules(before=chain, fewest="turns", hold=0))
     assert (order.turns, order.least) == (2, None)
     downs = [step["down"] for step in order.to_dict()["steps"]]
     assert downs[0][0] == pytest.approx(0, abs=1e-9)
@@ -157,6 +157,6 @@ def test_of_two_turns_it_is_open_whether_they_are_the_fewest() -> None:
 
 def test_what_goes_not_with_turns() -> None:
     with pytest.raises(InputError, match="turns cannot be combined with"):
-        kilter.plan(scene("tower"), turn=True, press=1.0)
+        kilter.plan(scene("tower"), kilter.PlanRules(turn=True, press=1.0))
     with pytest.raises(InputError, match="turns cannot be combined with"):
-        kilter.plan(scene("tower"), fewest="turns", press=1.0)
+        kilter.plan(scene("tower"), kilter.PlanRules(fewest="turns", press=1.0))

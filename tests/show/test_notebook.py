@@ -56,7 +56,7 @@ def test_a_viewer_without_programs_gets_a_figure() -> None:
     assert drawn is not None
     assert "<svg" in drawn[:600]
     assert "<script" not in drawn
-    none = kilter.plan(scene("tower"), hold=0)
+    none = kilter.plan(scene("tower"), kilter.PlanRules(hold=0))
     assert none.found or none.show()._repr_svg_() is None
 
 

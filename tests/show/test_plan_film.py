@@ -84,7 +84,7 @@ def test_a_nut_turns_as_a_right_handed_thread_does_and_ends_at_rest() -> None:
 
 
 def test_without_an_order_there_is_no_film(tmp_path: Path) -> None:
-    none = kilter.plan(arch(9, ratio=0.3, friction=0.6), hold=0)
+    none = kilter.plan(arch(9, ratio=0.3, friction=0.6), kilter.PlanRules(hold=0))
     for write in (kilter.animate, kilter.draw):
         with pytest.raises(InputError, match="there are no steps to show"):
             write(none)

@@ -89,7 +89,7 @@ def test_a_tower_is_pulled_apart_upwards_each_above_the_one_below() -> None:
 
 
 def test_an_impossibility_shows_how_each_part_falls() -> None:
-    order = kilter.plan(arch(9, ratio=0.3, friction=0.6), hold=0)
+    order = kilter.plan(arch(9, ratio=0.3, friction=0.6), kilter.PlanRules(hold=0))
     data = data_of(page_of(order))["plan"]
     assert (data["verdict"], data["steps"]) == ("impossible", [])
     names = [order.states.assembly.names[one["part"]] for one in data["falls"]]
@@ -125,7 +125,7 @@ def test_the_page_of_a_plan_is_written_by_report(tmp_path: object) -> None:
 
 def test_a_given_order_that_fails_says_where() -> None:
     names = [f"cube-{k}" for k in (2, 1, 3, 4, 5)]
-    order = kilter.plan(scene("tower"), sequence=names)
+    order = kilter.plan(scene("tower"), kilter.PlanRules(sequence=names))
     assert order.verdict == "fails"
     data = data_of(page_of(order))["plan"]
     assert (data["word"], len(data["steps"]), data["falls"]) == ("This order fails", 5, [])

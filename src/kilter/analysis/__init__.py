@@ -1,1 +1,1 @@
-"""Analyses of assemblies: verdicts, margins, regions, plans, and the verification of proofs."""
+"""Verdicts, margins, regions, plans, and the verification of proofs."""

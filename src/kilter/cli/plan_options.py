@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -13,6 +13,9 @@ from kilter.cli.options import Require
 from kilter.cli.order_files import as_typed
 from kilter.errors import InputError
 from kilter.files.sequence import read_sequence
+
+if TYPE_CHECKING:
+    from kilter.analysis.planning.order.plan_rules import PlanRules
 
 __all__ = ["PlanOptions"]
 
@@ -152,28 +155,29 @@ class PlanOptions:
             require=None if self.require == "equilibrium" else self.require,
         )
 
-    def arguments(self) -> dict[str, Any]:
-        """Return the options as keyword arguments of `kilter.plan`.
+    def rules(self) -> PlanRules:
+        """Return the options about the order as rules of `kilter.plan`.
 
         Raises
         ------
         InputError
             If a direction, a pair of names or the file of the sequence is invalid.
         """
-        return {
-            "hold": self.hold,
-            "directions": [_direction(word) for word in self.directions or ("axes", "normals")],
-            "before": [pair_of("--before", words) for words in self.before or ()],
-            "never_hold": self.never_hold or (),
-            "screws": [pair_of("--screws", words) for words in self.screws or ()],
-            "groups": self.group or (),
-            "together": self.together,
-            "fewest": self.fewest,
-            "sequence": None if self.sequence is None else read_sequence(self.sequence),
-            "press": self.press,
-            "turn": self.turn,
-            "require": self.require,
-        }
+        from kilter.analysis.planning.order.plan_rules import MOST_HELD, PlanRules
+
+        return PlanRules(
+            hold=MOST_HELD if self.hold is None else self.hold,
+            directions=[_direction(word) for word in self.directions or ("axes", "normals")],
+            before=[pair_of("--before", words) for words in self.before or ()],
+            never_hold=self.never_hold or (),
+            screws=[pair_of("--screws", words) for words in self.screws or ()],
+            groups=self.group or (),
+            together=self.together,
+            fewest=self.fewest,
+            sequence=None if self.sequence is None else read_sequence(self.sequence),
+            press=self.press,
+            turn=self.turn,
+        )
 
 
 def _direction(word: str) -> str | list[float]:

@@ -34,7 +34,8 @@ def plan(asked: Asked, options: PlanOptions) -> int:
         assembly, contacts = asked.read(progress)
         order = find(
             assembly,
-            **options.arguments(),
+            options.rules(),
+            require=options.require,
             effort=asked.effort,
             time_limit=asked.time_limit,
             contacts=contacts,

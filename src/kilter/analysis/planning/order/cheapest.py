@@ -20,10 +20,7 @@ from heapq import heappop, heappush
 
 from kilter.analysis.planning.order.search import OrderSearch, Removed
 
-__all__ = ["FEWEST", "Searched", "find_fewest_held_steps", "find_order", "held_steps_of"]
-
-FEWEST = ("holds", "held-steps", "turns")
-"""Quantities that a plan can minimize."""
+__all__ = ["Searched", "find_fewest_held_steps", "find_order", "held_steps_of"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,17 +12,17 @@ Without such a proof, the answer "none found" covers only the tried paths.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from kilter.analysis.planning.order.cheapest import FEWEST, Searched, find_order
+from kilter.analysis.planning.order.cheapest import Searched, find_order
 from kilter.analysis.planning.order.closure import find_unreachable
 from kilter.analysis.planning.order.exhaustion import find_refused
 from kilter.analysis.planning.order.given_order import judge_order, sets_of_order
 from kilter.analysis.planning.order.locking import Locked, find_locked
 from kilter.analysis.planning.order.order import Order
+from kilter.analysis.planning.order.plan_rules import PlanRules, turns_alone
 from kilter.analysis.planning.order.plan_step import steps_of
 from kilter.analysis.planning.order.pressing import Pressing
 from kilter.analysis.planning.order.removal import Removal
@@ -45,8 +45,6 @@ from kilter.work import EFFORT, Work, units_of
 
 __all__ = ["plan"]
 
-MOST_HELD = 2
-"""Default of the largest number of parts held at once."""
 SEARCH = 40.0
 """Work of the search of an order, relative to the work of an effort [-]."""
 
@@ -54,18 +52,8 @@ SEARCH = 40.0
 @on_one_thread
 def plan(
     assembly: Assembly,
+    rules: PlanRules | None = None,
     *,
-    hold: int | None = None,
-    directions: Sequence[str | ArrayLike] = ("axes", "normals"),
-    before: Iterable[tuple[str, str]] = (),
-    never_hold: str | Iterable[str] = (),
-    screws: Iterable[tuple[str, str]] = (),
-    groups: Iterable[str | Iterable[str]] = (),
-    together: bool = False,
-    fewest: str = "holds",
-    sequence: Iterable[str | Iterable[str]] | None = None,
-    press: float = 0.0,
-    turn: bool = False,
     require: str = "equilibrium",
     effort: float = EFFORT,
     time_limit: float | None = None,
@@ -79,31 +67,9 @@ def plan(
     ----------
     assembly : Assembly
         Finished assembly with at least one grounded part; the grounded parts are the base.
-    hold : int, optional
-        Largest number of parts held at once, without the moved part; by default up to 2.
-    directions : sequence of "axes", "normals" or array_like, shape (3,)
-        Directions of motion in the world frame, in the order in which they are tried.
-    before : iterable of pairs of str
-        Pairs of patterns; parts of the first are inserted before parts of the second.
-    never_hold : str or iterable of str
-        Parts that must not be held.
-    screws : iterable of pairs of str
-        Bolts and nuts: a bolt stays while its nut is on, a nut comes off along its axis.
-    groups : iterable of str or of iterables of str
-        Groups of parts that move together. Nothing is assumed to join the parts of a group once
-        they are in place; their connection on the path is not analysed.
-    together : bool
-        Whether parts that block each other may move together if no part can leave alone.
-    fewest : {"holds", "held-steps", "turns"}
-        Quantity to be minimized: parts held at once, steps during which a part is held, or turns
-        between steps. "turns" implies `turn`.
-    sequence : iterable of str or of iterables of str, optional
-        Order to judge instead of a search; the parts of an entry with several names move together.
-    press : float
-        Force that presses each seated part along the last leg of its path [N].
-    turn : bool
-        Whether the standing parts, base included, may be turned between steps. Cannot be combined
-        with `press`, `together`, `sequence`, loads or the fewest held steps.
+    rules : PlanRules, optional
+        Allowed orders, held parts and paths, and the quantity to be minimised; by default up to 2
+        parts are held, and their number is minimised.
     require : {"equilibrium", "settles", "proved"}
         Level that `Order.holds` requires of every step; the search uses "equilibrium".
     effort : float
@@ -129,60 +95,59 @@ def plan(
     require_no_bonds(assembly, "plan", NOT_SET)
     assembly.require_grounded()
     level = require_level(require)
-    if fewest not in FEWEST:
-        raise InputError(f"fewest is {fewest!r:.40}", hint=f"give {' or '.join(FEWEST)}")
-    most = MOST_HELD if hold is None else _whole_number(hold)
-    press = number(press, "press", lowest=0)
-    turn = turn or fewest == "turns"
-    held_steps = fewest == "held-steps"
-    if turn and (press or together or sequence is not None or held_steps or assembly.loads):
-        raise InputError(
-            "turns cannot be combined with press, together, a sequence, held-steps or loads",
-            hint="leave the turns or the other option out",
-        )
+    rules = PlanRules() if rules is None else rules
+    if rules.turn and assembly.loads:
+        raise turns_alone()
     if time_limit is not None:
         time_limit = number(time_limit, "time_limit", lowest=0)
     budget = SEARCH * units_of(number(effort, "effort", lowest=0))
     work = Work(budget, progress, time_limit=time_limit)
     started = time.perf_counter()
-    after, units = later_parts(assembly, before), units_of_groups(assembly, groups)
-    if sequence is not None:
-        units = sets_of_order(assembly, sequence)
+    after, units = later_parts(assembly, rules.before), units_of_groups(assembly, rules.groups)
+    if rules.sequence is not None:
+        units = sets_of_order(assembly, rules.sequence)
     found = states(assembly, contacts=contacts, tolerance=tolerance, progress=progress)
     seconds = {"contacts": time.perf_counter() - started}
     between = time.perf_counter()
     whole = _whole_state(found)
     finished = found.decide(whole, require=level, effort=effort, work=work, finished=True)
-    turned = find_screws(found.contacts, screws)
-    removal = Removal(found.contacts, directions=directions, screws=turned)
-    barred = found.mask(never_hold) if never_hold else np.zeros(len(assembly), dtype=bool)
+    turned = find_screws(found.contacts, rules.screws)
+    removal = Removal(found.contacts, directions=rules.directions, screws=turned)
+    barred = (
+        found.mask(rules.never_hold) if rules.never_hold else np.zeros(len(assembly), dtype=bool)
+    )
     holdable = ~assembly.geometry.grounded & ~barred
-    pressing = Pressing(found, press) if press else None
-    search = OrderSearch(found, removal, after, holdable, work, units, together, pressing)
+    pressing = Pressing(found, rules.press) if rules.press else None
+    search = OrderSearch(found, removal, after, holdable, work, units, rules.together, pressing)
     falling: list[State] = []
     locked: list[Locked] = []
-    one_by_one = sequence is None and not together
+    one_by_one = rules.sequence is None and not rules.together
     one_by_one = one_by_one and bool(whole.stable) and not any(unit & (unit - 1) for unit in units)
     if one_by_one:
         work.stage("locked parts")
         locked = find_locked(found, removal)
         work.stage("parts that stand by themselves")
-        falling = [] if locked or turn else find_unreachable(found)[1]
+        falling = [] if locked or rules.turn else find_unreachable(found)[1]
     if not whole.stable:
         searched = Searched(None)
-    elif sequence is not None:
+    elif rules.sequence is not None:
         work.stage("the sequence")
-        searched = Searched(judge_order(search, units, most), most)
-    elif turn and not locked:
-        searched = find_with_turns(search, most, fewest)
+        searched = Searched(judge_order(search, units, rules.hold), rules.hold)
+    elif rules.turn and not locked:
+        searched = find_with_turns(search, rules.hold, rules.fewest)
     elif locked:
         searched = Searched(None)
     else:
-        searched = find_order(search, 1 if falling else 0, most, fewest)
+        searched = find_order(search, 1 if falling else 0, rules.hold, rules.fewest)
     refused = []
-    if search.exhausted and searched.order is None and one_by_one and not (turn or press):
+    if (
+        search.exhausted
+        and searched.order is None
+        and one_by_one
+        and not (rules.turn or rules.press)
+    ):
         try:
-            refused = [] if falling and most == 0 else find_refused(search, most)
+            refused = [] if falling and rules.hold == 0 else find_refused(search, rules.hold)
         except KeyboardInterrupt:
             searched = Searched(None, interrupted=True)
     seconds["search"] = time.perf_counter() - between
@@ -200,19 +165,19 @@ def plan(
         refused=tuple(refused),
         whole=whole,
         finished=finished,
-        hold=most,
+        hold=rules.hold,
         require=level,
         precedence=precedence_pairs(assembly, after, turned),
         never_held=tuple(np.array(assembly.names)[barred].tolist()),
-        directions=tuple(one if isinstance(one, str) else tuple(one) for one in directions),  # type: ignore[arg-type]
+        directions=tuple(one if isinstance(one, str) else tuple(one) for one in rules.directions),  # type: ignore[arg-type]
         screws=tuple(turned),
         moved_as_one=tuple(_names(assembly, unit) for unit in units if unit & (unit - 1)),
-        together=together,
+        together=rules.together,
         exhausted=search.exhausted,
-        press=press,
-        turn=turn,
-        given=sequence is not None,
-        fewest=fewest,
+        press=rules.press,
+        turn=rules.turn,
+        given=rules.sequence is not None,
+        fewest=rules.fewest,
         least=_least(searched, len(falling)),
         interrupted=searched.interrupted,
         time_limit=time_limit if work.cut else None,
@@ -233,13 +198,6 @@ def _least(searched: Searched, falling: int) -> str | None:
     if searched.least == 0 or (searched.least == 1 and falling > 1):
         return "always"
     return "as-tried" if searched.proved else None
-
-
-def _whole_number(hold: int) -> int:
-    """Return `hold` if it is a whole number of at least 0; raise InputError otherwise."""
-    if isinstance(hold, bool) or not isinstance(hold, int | np.integer) or hold < 0:
-        raise InputError(f"hold is {hold!r:.40}", hint="give a whole number, 0 or more")
-    return int(hold)
 
 
 def _whole_state(found: States) -> State:
