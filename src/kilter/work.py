@@ -120,8 +120,8 @@ class Work:
         self._count = [0.0]  # a list, so that shares count into the same number
         self._from = 0.0
         now = perf_counter()
-        own = inf if time_limit is None else now + time_limit
-        self._clock = _Clock(min(own, _DEADLINE.get()), now)
+        end = inf if time_limit is None else now + time_limit
+        self._clock = _Clock(min(end, _DEADLINE.get()), now)
 
     @classmethod
     def of(cls, given: Work | float) -> Work:

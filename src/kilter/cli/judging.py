@@ -99,12 +99,12 @@ def _check_file(asked: Asked, require: str, measures: bool) -> tuple[Verdict, di
 
     with Progress(asked.quiet) as progress:
         started = time.perf_counter()
-        assembly, found = asked.read(progress)
+        assembly, contact_set = asked.read(progress)
         _ = assembly.geometry
         read = time.perf_counter() - started
         verdict = decide(
             assembly,
-            contacts=found,
+            contacts=contact_set,
             tolerance=asked.tolerance,
             require=require,
             measures=measures,

@@ -397,21 +397,29 @@ def asks(
 
     def decorate(act: Callable[..., int]) -> Callable[..., int]:
         _, *declared = inspect.signature(act, eval_str=True).parameters.values()
-        own = [field for parameter in declared for field in _own_options(parameter)]
+        declared_options = [field for parameter in declared for field in _own_options(parameter)]
         limits = {"time_limit": (TimeLimit, None)} if timed else {}
         shared = READING | (SEARCHING if searches else limits)
         kept = {"proof": (Proof, None)} if proves else {}
         last = kept | (FORMS if answers else {}) | {"quiet": (Quiet, False)}
-        several = any(parameter.name == "files" for parameter in own)
+        several = any(parameter.name == "files" for parameter in declared_options)
         first = [] if several else [_parameter("file", File)]
         parameters = [
             *first,
-            *(parameter for parameter in own if parameter.default is inspect.Parameter.empty),
+            *(
+                parameter
+                for parameter in declared_options
+                if parameter.default is inspect.Parameter.empty
+            ),
             *(_parameter(name, *option) for name, option in shared.items()),
-            *(parameter for parameter in own if parameter.default is not inspect.Parameter.empty),
+            *(
+                parameter
+                for parameter in declared_options
+                if parameter.default is not inspect.Parameter.empty
+            ),
             *(_parameter(name, *option) for name, option in last.items()),
         ]
-        names = {parameter.name for parameter in own}
+        names = {parameter.name for parameter in declared_options}
 
         def command(**given: Any) -> int:
             asked = Asked.of({k: v for k, v in given.items() if k not in names})

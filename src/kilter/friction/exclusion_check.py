@@ -84,8 +84,8 @@ class _ProofState:
         """True if a case, or all cases into which it is divided, leave no power."""
         ready = [(bounds, root)]
         while ready:
-            own, case = ready.pop()
-            left = self._left(own, case)
+            closed, case = ready.pop()
+            left = self._left(closed, case)
             if left is None:
                 continue
             if not self._divisible(left, case):

@@ -97,13 +97,13 @@ def _step(step: ExclusionStep) -> dict[str, Any]:
             "equal": given.equal.tolist(),
             "positive": given.positive.tolist(),
             "cones": given.cones.tolist(),
-            "matrices": [one.T[np.tril_indices(len(one))].tolist() for one in given.squares],
+            "matrices": [entry.T[np.tril_indices(len(entry))].tolist() for entry in given.squares],
         }}  # fmt: skip
     if isinstance(step, PowerStep):
         return {"power": _power(step)}
     if isinstance(step, ShrinkStep):
         return {"shrink": [
-            {"number": one.number, **_power(one.multipliers)} for one in step.quantities
+            {"number": entry.number, **_power(entry.multipliers)} for entry in step.quantities
         ]}  # fmt: skip
     return {"cases": list(_tree(step))}
 
@@ -120,7 +120,7 @@ def _tree(root: CaseStep) -> Iterator[dict[str, Any]]:
         case = ready.pop()
         ready += case.cases[::-1]
         yield {
-            "powers": [_power(one) for one in case.powers],
+            "powers": [_power(power) for power in case.powers],
             "point": case.point,
             "patch": case.patch,
             "cases": len(case.cases),

@@ -114,7 +114,7 @@ def moment_forms(law: ReducedLaw, scale: float) -> MomentForms:
     count, points, groups = len(law.load), len(law.group), len(law.mu)
     wide = groups * law.directions
     ends = starts([1, count, points, wide, groups])
-    one, motion, fn, ft, slip = (np.arange(a, b) for a, b in pairwise(ends))
+    ones, motion, fn, ft, slip = (np.arange(a, b) for a, b in pairwise(ends))
     width = int(ends[-1])
     unit = eye_array(width, format="csr")
     forces = csr_array(vstack([law.normal, law.tangent]))
@@ -133,7 +133,7 @@ def moment_forms(law: ReducedLaw, scale: float) -> MomentForms:
     bodies = _bodies(law)
     touching = _pushed_bodies(forces, owner, bodies, patches)
     return MomentForms(
-        law, scale, csr_array(vstack(blocks, format="csr")), int(one[0]), motion, fn, un, total,
+        law, scale, csr_array(vstack(blocks, format="csr")), int(ones[0]), motion, fn, un, total,
         slip, zero, ft.reshape(groups, law.directions), ut.reshape(groups, law.directions),
         np.arange(at[5], at[-1]).reshape(patches, count), patch, bodies, touching,
     )  # fmt: skip

@@ -159,14 +159,14 @@ def _zero_rows(forms: MomentForms) -> _RowBuilder:
 
 def _nonnegative_rows(forms: MomentForms) -> _RowBuilder:
     """Products that are not negative."""
-    rows, one, count = _RowBuilder(), forms.one, len(forms.motion)
+    rows, constant, count = _RowBuilder(), forms.one, len(forms.motion)
     total, ft = forms.total[:, None], forms.ft
     signs = np.concatenate([[1.0], -np.ones(forms.law.directions)])
     rows.add(np.hstack([total, ft]), np.hstack([total, ft]), signs)
-    ball = np.concatenate([[one], forms.motion])[None]
+    ball = np.concatenate([[constant], forms.motion])[None]
     rows.add(ball, ball, np.concatenate([[1.0], -np.ones(count)]))
     rays = np.concatenate([forms.fn, forms.un])
-    rows.add(np.full((len(rays), 1), one), rays[:, None])
+    rows.add(np.full((len(rays), 1), constant), rays[:, None])
     first, second = np.triu_indices(len(rays))
     nonzero = first + len(forms.fn) != second  # fn un is 0
     rows.add(rays[first[nonzero]][:, None], rays[second[nonzero]][:, None])

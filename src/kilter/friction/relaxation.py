@@ -86,11 +86,11 @@ class Relaxation:
         groups, wide = len(law.mu), len(law.mu) * law.directions
         points = len(law.group)
         # a twist that differs from the ut of a group has separate columns
-        own = [law.directions == 2 and rows.shape[0] == 3 for rows in law.twist]
+        is_planar = [law.directions == 2 and rows.shape[0] == 3 for rows in law.twist]
         self._template = MatrixTemplate({
             "motion": len(law.load), "one": 1, "square": 1, "fn": points, "un": points,
             "ft": wide, "ut": wide, "slip": groups, "loss": groups, "total": groups,
-            "rest": groups * len(self.directions), "twist": 3 * sum(own),
+            "rest": groups * len(self.directions), "twist": 3 * sum(is_planar),
         })  # fmt: skip
         self.columns, self.width = self._template.columns, self._template.width
         self._of = self._template.of
@@ -98,8 +98,8 @@ class Relaxation:
             self._of(name).reshape(groups, law.directions) for name in ("ut", "ft")
         )
         self._own_twist, self.twist_columns = (
-            np.array(own, dtype=bool),
-            self._columns_of_twists(own),
+            np.array(is_planar, dtype=bool),
+            self._columns_of_twists(is_planar),
         )
         self._patch_ends = _patch_ends(law)
         self._add_dynamics()
@@ -112,15 +112,15 @@ class Relaxation:
         self._twist_reach = np.concatenate([
             np.empty(0),
             *(np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel())
-              for rows, alone in zip(law.twist, own, strict=True) if alone),
+              for rows, alone in zip(law.twist, is_planar, strict=True) if alone),
         ])  # fmt: skip
 
     # rows ------------------------------------------------------------------------------------
 
-    def _columns_of_twists(self, own: list[bool]) -> list[Index]:
+    def _columns_of_twists(self, is_planar: list[bool]) -> list[Index]:
         """Columns of the twist of each patch."""
         columns, place = [], self.columns["twist"].start
-        for patch, alone in enumerate(own):
+        for patch, alone in enumerate(is_planar):
             if alone:
                 columns.append(place + np.arange(3))
                 place += 3

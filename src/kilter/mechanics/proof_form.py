@@ -117,8 +117,8 @@ def optional_keys(**forms: Form) -> Form:
 
     def fault(value: Any, place: str) -> str:
         known = value if isinstance(value, dict) else {}
-        there = {key: form for key, form in forms.items() if known.get(key) is not None}
-        return keys(**there)(value, place)
+        present = {key: form for key, form in forms.items() if known.get(key) is not None}
+        return keys(**present)(value, place)
 
     return fault
 

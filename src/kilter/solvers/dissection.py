@@ -76,19 +76,19 @@ def fronts(place: Array, first: Index, second: Index, width: int) -> list[Front]
     graph = csr_array((np.ones(len(ends[0])), ends), shape=(count, count))
     sets = _dissect(place, graph, LEAF // width)
     owner, rank = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
-    order = np.concatenate([own for own, _ in sets])
+    order = np.concatenate([members for members, _ in sets])
     rank[order] = np.arange(count)
-    owner[order] = np.repeat(np.arange(len(sets)), [len(own) for own, _ in sets])
+    owner[order] = np.repeat(np.arange(len(sets)), [len(members) for members, _ in sets])
     earliest = np.minimum(owner[first], owner[second])
     sorted_links = np.argsort(earliest, kind="stable")
     bounds = np.searchsorted(earliest[sorted_links], np.arange(len(sets) + 1))
     result: list[Front] = []
-    for k, (own, children) in enumerate(sets):
+    for k, (members, children) in enumerate(sets):
         links = sorted_links[bounds[k] : bounds[k + 1]]
         adjacent = [first[links], second[links], *(result[child].border for child in children)]
         touched = np.unique(rank[np.concatenate(adjacent)])
         border = order[touched]
-        result.append(Front(own, border[owner[border] != k], links, children))
+        result.append(Front(members, border[owner[border] != k], links, children))
     return result
 
 

@@ -47,7 +47,7 @@ UNDONE = "not every loose try was finished for lack of effort"
 
 def check_facts(answer: Answer) -> list[Fact]:
     """Return the facts of a verdict, each a term and its words."""
-    found = [
+    facts = [
         ("parts", parts_phrase(answer["parts"])),
         ("units", f"{answer['units']}; {_density(answer['density'])}"),
         ("mass", f"{mass(_free_mass(answer['parts']))} (all free parts)"),
@@ -56,30 +56,30 @@ def check_facts(answer: Answer) -> list[Fact]:
         *joint_facts(answer),
         ("proof", _proof(answer)),
     ]
-    found += open_facts(answer)
-    found += remedy_facts(answer)
+    facts += open_facts(answer)
+    facts += remedy_facts(answer)
     friction = answer["friction"]
     if friction is not None:
-        found.append(("guarantee", _guarantee(answer["guarantee"], friction)))
+        facts.append(("guarantee", _guarantee(answer["guarantee"], friction)))
     if answer["seated"] is not None:
-        found.append(("seated", SEATED[answer["seated"]]))
-        found.append(("settles", _settles(answer["tries"], friction)))
+        facts.append(("seated", SEATED[answer["seated"]]))
+        facts.append(("settles", _settles(answer["tries"], friction)))
     if answer["level"] is not None:
-        found.append(("level", _level(answer)))
+        facts.append(("level", _level(answer)))
     forces = forces_phrase(answer["forces"])
     if forces is not None:
-        found.append(("forces", forces))
+        facts.append(("forces", forces))
     if answer["bonds_needed"] is not None:
-        found.append(("bonds", bond_words(**answer["bonds_needed"])))
+        facts.append(("bonds", bond_words(**answer["bonds_needed"])))
     if answer["z"] is not None and answer["verdict"] != "stable":
-        found.append(("instability", instability_phrase(answer)))
+        facts.append(("instability", instability_phrase(answer)))
     second = answer.get("second_order")
     if second is not None:
-        found.append(("second order", second_order_words(second)))
+        facts.append(("second order", second_order_words(second)))
     if answer["neutral"] is not None:
         closed = answer["counted_gap"] is not None
-        found.append(("neutral", _neutral_words(**answer["neutral"], second=second, closed=closed)))
-    return [*found, *_seconds(answer)]
+        facts.append(("neutral", _neutral_words(**answer["neutral"], second=second, closed=closed)))
+    return [*facts, *_seconds(answer)]
 
 
 def _level(answer: Answer) -> str:

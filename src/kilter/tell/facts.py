@@ -118,18 +118,18 @@ def _verify_facts(answer: Answer) -> list[Fact]:
         if answer["residual"] is not None
         else f"a motion that gains {answer['power']:.4g} W at 1 m/s"
     )
-    found = [("proof", figure)]
-    found += [("" if k else "notes", words) for k, words in enumerate(answer["notes"])]
+    rows = [("proof", figure)]
+    rows += [("" if k else "notes", words) for k, words in enumerate(answer["notes"])]
     held = [plain(name) for name in answer["held"]]
-    found.append(("held", some(held) or "joints to the ground"))
-    found.append(("gravity", gravity_phrase(answer)))
+    rows.append(("held", some(held) or "joints to the ground"))
+    rows.append(("gravity", gravity_phrase(answer)))
     if answer["options"]:
         options = ", ".join(_option(name, value) for name, value in answer["options"].items())
-        found.append(("read with", options))
+        rows.append(("read with", options))
     limits, unit = answer["tolerance"], answer["units"]
     gap = f"{limits['gap']:g} {unit}" if limits["gap"] else f"{limits['relative_gap']:g} of a part"
     degrees = math.degrees(limits["angle"])
-    return [*found, ("touching", touching_phrase(gap, degrees, limits.get("clearance"), unit))]
+    return [*rows, ("touching", touching_phrase(gap, degrees, limits.get("clearance"), unit))]
 
 
 def _option(name: str, value: Any) -> str:
@@ -140,17 +140,17 @@ def _option(name: str, value: Any) -> str:
 
 def _assembly_facts(answer: Answer) -> list[Fact]:
     """Return the facts of an assembly file."""
-    found = [("parts", parts_phrase(answer["parts"])), ("units", answer.get("units", "m"))]
+    rows = [("parts", parts_phrase(answer["parts"])), ("units", answer.get("units", "m"))]
     if "gravity" in answer:
-        found.append(("gravity", f"{vector(answer['gravity'])} m/s^2"))
+        rows.append(("gravity", f"{vector(answer['gravity'])} m/s^2"))
     if answer.get("friction"):
         friction = number(answer["friction"])
-        found.append(("friction", f"{friction} at contacts without a given coefficient"))
-    found += joint_facts(answer)
+        rows.append(("friction", f"{friction} at contacts without a given coefficient"))
+    rows += joint_facts(answer)
     for key in ("loads", "contacts"):
         if answer.get(key):
-            found.append((key, f"{len(answer[key])} given"))
-    return found
+            rows.append((key, f"{len(answer[key])} given"))
+    return rows
 
 
 _FACTS_OF_KIND: dict[str, Callable[[Answer], list[Fact]]] = {

@@ -19,29 +19,29 @@ UNKNOWN = {
 
 def margin_facts(answer: Answer) -> list[Fact]:
     """Return the facts of margins, each a term and its words."""
-    found = [*joint_facts(answer), ("tilt", _tilt(answer))]
+    facts = [*joint_facts(answer), ("tilt", _tilt(answer))]
     about = answer["about"]
     if about is not None:
         turn = about["tilt_deg"]
         words = "a full turn is held" if turn is None else angle(turn)
-        found.append(("about axis", words + _starting(about["limit"])))
-    found.append(("friction", _least_friction(answer)))
+        facts.append(("about axis", words + _starting(about["limit"])))
+    facts.append(("friction", _least_friction(answer)))
     if answer["bond_limit"] is not None or answer["missing"].get("bond") is not None:
-        found.append(("bonds", _bonds(answer)))
+        facts.append(("bonds", _bonds(answer)))
     limits = answer["load_limits"]
     if limits is not None:
         ends = answer["load_factor"]
         none = "none: no load factor is held, however small or large"
         words = UNKNOWN.get(answer["missing"].get("load_factor"), none + _as_drawn(answer))
         words = words if ends is None else _interval(ends) + _starting(limits[1])
-        found.append(("load factor", words))
+        facts.append(("load factor", words))
     if answer["load_factor_bracket"] is not None:
-        found.append(("bracket", _bracket(answer["load_factor_bracket"]["greatest"])))
+        facts.append(("bracket", _bracket(answer["load_factor_bracket"]["greatest"])))
     if "none" in [why for key, why in answer["missing"].items() if key.startswith("push of")]:
-        found.append(("pushes", "no push is resisted: it is not in equilibrium as given"))
-    found += _worst_case(answer["uncertainty"])
+        facts.append(("pushes", "no push is resisted: it is not in equilibrium as given"))
+    facts += _worst_case(answer["uncertainty"])
     helps = [remedy["sentence"] for remedy in answer["helps"]]
-    return found + [("" if k else "helps", words) for k, words in enumerate(helps)]
+    return facts + [("" if k else "helps", words) for k, words in enumerate(helps)]
 
 
 def _as_drawn(answer: Answer) -> str:
@@ -155,9 +155,9 @@ def _worst_case(worst: Answer | None) -> list[Fact]:
         if tilt is not None:
             words = f"{'' if exact else 'at least '}{angle(tilt)} of tilt"
         words += " (exact)" if exact else " (a bound: it may be more)"
-    found = [("worst case", words)]
+    facts = [("worst case", words)]
     if worst["missing"].get("load_factor") in UNKNOWN:
-        found.append(("", f"load factor {UNKNOWN[worst['missing']['load_factor']]}"))
+        facts.append(("", f"load factor {UNKNOWN[worst['missing']['load_factor']]}"))
     if worst["load_factor"] is not None:
-        found.append(("", f"load factor {_interval(worst['load_factor'])}"))
-    return found
+        facts.append(("", f"load factor {_interval(worst['load_factor'])}"))
+    return facts

@@ -181,12 +181,12 @@ def open_facts(answer: Mapping[str, Any]) -> list[tuple[str, str]]:
         return []
     kinds = [pair["kind"] for pair in pairs]
     counted = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
-    found = [("open pairs", f"{len(kinds)}: {counted}")]
+    facts = [("open pairs", f"{len(kinds)}: {counted}")]
     if joined is not None:
         least = (
             "no smaller set of open pairs is enough"
             if joined["smallest"]
             else "each of these pairs is needed"
         )
-        found.append(("if joined", f"{VERDICTS[joined['verdict']].lower()}; {least}"))
-    return found
+        facts.append(("if joined", f"{VERDICTS[joined['verdict']].lower()}; {least}"))
+    return facts

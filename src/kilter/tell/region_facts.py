@@ -24,21 +24,21 @@ def orient_facts(answer: Answer) -> list[Fact]:
         f"quaternion (w, x, y, z) {vector(answer['rotation'])}: rotates this direction to the "
         "gravity of the file"
     )
-    found = [
+    facts = [
         ("down", f"{vector(answer['down'])}: direction of gravity in the assembly's frame"),
         ("turn", turn),
     ]
     if answer["found"]:
         margin = angle(answer["tilt_margin_deg"])
         outside = "that is not held" if answer["friction"] else "that is unstable"
-        found.append(("margin", f"{margin} to the nearest direction {outside}"))
-        found.append(("region", region_phrase(**answer["region"])))
+        facts.append(("margin", f"{margin} to the nearest direction {outside}"))
+        facts.append(("region", region_phrase(**answer["region"])))
         if answer["residual"] is not None:
-            found.append(("proof", balance_phrase(answer["residual"])))
+            facts.append(("proof", balance_phrase(answer["residual"])))
     else:
-        found.append(("instability", instability_phrase(answer)))
-        found += _nearest(answer["nearest"], answer["units"])
-    return [*found, *joint_facts(answer), ("programs", f"{answer['programs']} solved")]
+        facts.append(("instability", instability_phrase(answer)))
+        facts += _nearest(answer["nearest"], answer["units"])
+    return [*facts, *joint_facts(answer), ("programs", f"{answer['programs']} solved")]
 
 
 def _nearest(near: Answer | None, units: str) -> list[Fact]:
@@ -83,26 +83,26 @@ def region_words(answer: Answer, *, proved_none: bool) -> str:
 
 def region_facts(answer: Answer) -> list[Fact]:
     """Return the facts of a region, each a term and its words."""
-    found = [("kind", f"{answer['kind']}, dimension {answer['dimension']}")]
+    facts = [("kind", f"{answer['kind']}, dimension {answer['dimension']}")]
     if answer["center"] is not None:
         center = f"{vector(answer['center'])}: the direction with the widest tilt margin"
-        found.append(("center", center))
+        facts.append(("center", center))
     if answer["half_angle_deg"] is not None:
         half = angle(answer["half_angle_deg"])
-        found.append(("half angle", f"{half}, of the widest circular cone inside"))
+        facts.append(("half angle", f"{half}, of the widest circular cone inside"))
     if answer["gap_deg"] is not None:
         gap = f"at most {answer['gap_deg']:.3g} deg between rays (inside) and facets (outside)"
-        found.append(("gap", gap))
+        facts.append(("gap", gap))
     for name, meaning in DIRECTIONS.items():
         listed = [vector(row) for row in answer[name][:ROWS]]
-        found += [
+        facts += [
             ("" if k else name, words if k else f"{words}  ({meaning})")
             for k, words in enumerate(listed)
         ]
         if len(answer[name]) > ROWS:
-            found.append(("", f"and {len(answer[name]) - ROWS} more"))
+            facts.append(("", f"and {len(answer[name]) - ROWS} more"))
     return [
-        *found,
+        *facts,
         *_rests(answer),
         *joint_facts(answer),
         ("programs", f"{answer['programs']} solved"),

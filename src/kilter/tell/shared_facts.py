@@ -57,7 +57,7 @@ def bond_words(share: float, fail: Sequence[Sequence[str]]) -> str:
 
 def joint_facts(answer: Answer) -> list[Fact]:
     """Return a row for each kind of joint."""
-    found: list[Fact] = []
+    facts: list[Fact] = []
     joints = answer.get("joints", ())
     short = shortened(dict.fromkeys(name for joint in joints for name in joint["parts"]))
     for kind in dict.fromkeys(joint["kind"] for joint in joints):
@@ -66,8 +66,8 @@ def joint_facts(answer: Answer) -> list[Fact]:
             for joint in joints
             if joint["kind"] == kind
         ]
-        found.append(("" if found else "joints", f"{len(pairs)} {kind}: {some(pairs)}"))
-    return found
+        facts.append(("" if facts else "joints", f"{len(pairs)} {kind}: {some(pairs)}"))
+    return facts
 
 
 def touching_phrase(gap: str, degrees: float, clearance: float | None, unit: str) -> str:

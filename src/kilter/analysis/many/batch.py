@@ -159,22 +159,22 @@ def run_batch(
         )
     question = dataclasses.replace(question, base=base)
     with open_folder(Path(output), files, question, size=size) as folder:
-        found = Batch(folder.path, [folder.file(k) for k in range(folder.chunks)])
+        tables = Batch(folder.path, [folder.file(k) for k in range(folder.chunks)])
         left = []
         for k in range(folder.chunks):
             rows = folder.read(k)
             if rows is None:
                 left.append(k)
             else:
-                found.add(rows)
-        found.found_there = found.rows
+                tables.add(rows)
+        tables.found_there = tables.rows
         workers = _workers(cluster, min(count, max(len(left), 1)), question)
         try:
-            _run(workers, folder, files, left, found, progress or (lambda done, of: None))
+            _run(workers, folder, files, left, tables, progress or (lambda done, of: None))
         finally:
             workers.end()
-    found.errors.sort()
-    return found
+    tables.errors.sort()
+    return tables
 
 
 def _workers(cluster: str | None, count: int, question: BatchQuestion) -> Workers:
@@ -188,13 +188,13 @@ def _run(
     folder: BatchFolder,
     files: Sequence[str],
     left: Sequence[int],
-    found: Batch,
+    tables: Batch,
     progress: Callable[[int, int], None],
 ) -> None:
     """Have the chunks that are left judged, and write them."""
     waiting = deque(Task(k, tuple((n, files[n]) for n in folder.places(k))) for k in left)
     rows: dict[int, dict[int, BatchRow]] = {k: {} for k in left}
-    progress(found.rows, folder.count)
+    progress(tables.rows, folder.count)
     while rows:
         while waiting and workers.free:
             workers.take(waiting.popleft())
@@ -202,14 +202,14 @@ def _run(
             if judged is None:
                 judged, again = _died(task)
                 waiting.extendleft(reversed(again))
-            own = rows[task.chunk]
-            own |= {row["index"]: row for row in judged}
-            if len(own) == len(folder.places(task.chunk)):
-                whole = [own[n] for n in folder.places(task.chunk)]
+            chunk_rows = rows[task.chunk]
+            chunk_rows |= {row["index"]: row for row in judged}
+            if len(chunk_rows) == len(folder.places(task.chunk)):
+                whole = [chunk_rows[n] for n in folder.places(task.chunk)]
                 folder.write(task.chunk, whole)
                 del rows[task.chunk]
-                found.add(whole)
-        progress(found.rows, folder.count)
+                tables.add(whole)
+        progress(tables.rows, folder.count)
 
 
 def _died(task: Task) -> tuple[list[BatchRow], list[Task]]:

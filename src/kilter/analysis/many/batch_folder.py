@@ -125,11 +125,11 @@ def open_folder(
 def _same(manifest: Path, asked: dict[str, Any]) -> tuple[str, int]:
     """Form and size of the chunks of the batch in a folder, if it is this batch."""
     try:
-        there = json.loads(manifest.read_text(encoding="utf-8"))
-        form, size = str(there.pop("form")), int(there.pop("rows"))
+        written = json.loads(manifest.read_text(encoding="utf-8"))
+        form, size = str(written.pop("form")), int(written.pop("rows"))
     except (OSError, ValueError, KeyError, AttributeError):
-        there, form, size = None, "", 0
-    if there != asked:
+        written, form, size = None, "", 0
+    if written != asked:
         raise InputError(
             "has another batch: other files, or other options",
             file=str(manifest.parent),

@@ -38,23 +38,23 @@ def listed_files(source: str | Path) -> tuple[Path, list[str]]:
     try:
         if path.is_dir():
             chosen = [e for e in path.iterdir() if _is_assembly(e)]
-            base, found = path, sorted((e.name for e in chosen), key=natural_key)
+            base, listed = path, sorted((e.name for e in chosen), key=natural_key)
         else:
             lines = path.read_text(encoding="utf-8").splitlines()
             words = [line.strip() for line in lines]
-            base, found = path.parent, [w for w in words if w and not w.startswith("#")]
+            base, listed = path.parent, [w for w in words if w and not w.startswith("#")]
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(
             f"cannot be read: {getattr(error, 'strerror', None) or 'it is not a text file'}",
             file=str(path),
             hint="give a folder of assemblies, or a text file with a path in each line",
         ) from None
-    if not found:
+    if not listed:
         hint = "name a file in each line"
         if path.is_dir():
             hint = "subfolders are not searched; name their files in a list, a file in each line"
         raise InputError("it contains no assembly", file=str(path), hint=hint)
-    return base.resolve(), found
+    return base.resolve(), listed
 
 
 def _is_assembly(entry: Path) -> bool:

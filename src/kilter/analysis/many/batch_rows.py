@@ -72,16 +72,16 @@ def judged_rows(files: Sequence[tuple[int, str]], question: BatchQuestion) -> li
             rows[index] = error_row(index, file, _words(error))
     given, names = list(read.values()), dict(files)
     try:
-        found = [check_many(given, **question.options)]
+        verdict_sets = [check_many(given, **question.options)]
     except Exception:  # a fault in one assembly must not lose the other rows
-        found = []
+        verdict_sets = []
     for place, index in enumerate(read):
-        if found:
-            rows[index] = _row(index, names[index], given[place], found[0], place)
+        if verdict_sets:
+            rows[index] = _row(index, names[index], given[place], verdict_sets[0], place)
             continue
         try:
-            one = check_many([given[place]], **question.options)
-            rows[index] = _row(index, names[index], given[place], one, 0)
+            single = check_many([given[place]], **question.options)
+            rows[index] = _row(index, names[index], given[place], single, 0)
         except Exception as error:
             rows[index] = error_row(index, names[index], _words(error))
     return [rows[index] for index, _ in files]
@@ -94,19 +94,19 @@ def _read(file: str, question: BatchQuestion) -> Assembly:
     return fasten_as_read(assembly, question.reading, tolerance=question.tolerance)[0]
 
 
-def _row(index: int, file: str, assembly: Assembly, found: Verdicts, k: int) -> BatchRow:
-    if k in found.errors:
-        return error_row(index, file, _words(found.errors[k]), parts=len(assembly))
+def _row(index: int, file: str, assembly: Assembly, verdicts: Verdicts, k: int) -> BatchRow:
+    if k in verdicts.errors:
+        return error_row(index, file, _words(verdicts.errors[k]), parts=len(assembly))
     return {
         "index": index,
         "file": file,
-        "verdict": str(found.verdict[k]),
-        "level": found.level[k],
-        "stable": bool(found.stable[k]),
+        "verdict": str(verdicts.verdict[k]),
+        "level": verdicts.level[k],
+        "stable": bool(verdicts.stable[k]),
         "parts": len(assembly),
-        "residual": _number(found.residual[k]),
-        "power": _number(found.power[k]),
-        "violation": _number(found.violation[k]),
+        "residual": _number(verdicts.residual[k]),
+        "power": _number(verdicts.power[k]),
+        "violation": _number(verdicts.violation[k]),
         "error": None,
     }
 

@@ -86,7 +86,7 @@ class LocalWorkers:
 
     def finished(self, seconds: float) -> list[tuple[Task, list[BatchRow] | None]]:
         """Tasks that end within a time [s]; None in place of rows if their worker died."""
-        found = []
+        done_tasks = []
         for key, _ in self._ready.select(seconds):
             worker: subprocess.Popen[bytes] = key.data
             assert worker.stdout is not None
@@ -108,8 +108,8 @@ class LocalWorkers:
             elif worker in self._idle:
                 self._idle.remove(worker)
             if task is not None:
-                found.append((task, rows))
-        return found
+                done_tasks.append((task, rows))
+        return done_tasks
 
     def end(self) -> None:
         """Let all go, whatever they are at."""

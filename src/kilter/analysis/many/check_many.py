@@ -96,8 +96,10 @@ def check_many(
     rows: dict[int, Row] = {}
     for first in range(0, len(given), AT_ONCE):
         last = min(first + AT_ONCE, len(given))
-        for which, found in _together(given, first, last, tolerance):
-            rows |= {k: Row.of(found, n) for n, k in enumerate(which.tolist()) if found.settles(n)}
+        for which, decided in _together(given, first, last, tolerance):
+            rows |= {
+                k: Row.of(decided, n) for n, k in enumerate(which.tolist()) if decided.settles(n)
+            }
         for k in range(first, last):
             if k not in rows:
                 rows[k] = _alone(given, k, options)

@@ -40,13 +40,13 @@ class Row:
     error: KilterError | None = None
 
     @classmethod
-    def of(cls, found: Together, n: int) -> Row:
+    def of(cls, decided: Together, n: int) -> Row:
         """Row of the assembly with index `n` in a joint computation."""
-        proofs = found.proofs(n)
-        if found.stable[n]:
-            return cls("stable", residual=float(proofs.residual[n]), together=(found, n))
+        proofs = decided.proofs(n)
+        if decided.stable[n]:
+            return cls("stable", residual=float(proofs.residual[n]), together=(decided, n))
         power, violation = float(proofs.power[n]), float(proofs.violation[n])
-        return cls("unstable", power=power, violation=violation, together=(found, n))
+        return cls("unstable", power=power, violation=violation, together=(decided, n))
 
     @classmethod
     def of_verdict(cls, verdict: Verdict) -> Row:
@@ -173,8 +173,8 @@ class Verdicts(Sequence[Verdict]):
         """Return the program and the proof of verdict k, or None if no proof is stored."""
         row = self._rows[range(len(self))[k]]
         if row.together is not None:
-            found, n = row.together
-            return found.certificate(n)
+            decided, n = row.together
+            return decided.certificate(n)
         return row.certificate
 
     def __repr__(self) -> str:

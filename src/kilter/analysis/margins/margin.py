@@ -188,7 +188,7 @@ class Margin:
             "loads": [load.to_dict(program) for load in self.loads],
             "missing": dict(self.missing),
             "uncertainty": None if self.uncertainty is None else self.uncertainty.to_dict(program),
-            "helps": [one.to_dict() for one in self.helps],
+            "helps": [change.to_dict() for change in self.helps],
             "warnings": list(self.warnings),
             "seconds": self.seconds,
         }
@@ -369,7 +369,7 @@ def margin(
     asked: dict[str, object] = {"about": turned, "friction": friction, "bond": bond}
     asked |= {f"push of {program.names[part]}": push for part, push in pushes.items()}
     asked |= {f"load on {program.names[part]}": load for part, load in taken.items()}
-    missing |= {what: one.why for what, one in asked.items() if isinstance(one, NoLimit)}
+    missing |= {what: result.why for what, result in asked.items() if isinstance(result, NoLimit)}
     for what, ends in (("load_factor", factor), ("bracket", sure)):
         whys = [end.why for end in ends or () if isinstance(end, NoLimit)]
         if whys:
@@ -425,9 +425,9 @@ def margin(
     )
 
 
-def _known(found: T | NoLimit | None) -> T | None:
+def _known(limit: T | NoLimit | None) -> T | None:
     """A limit; None if there is no limit."""
-    return None if isinstance(found, NoLimit) else found
+    return None if isinstance(limit, NoLimit) else limit
 
 
 def _both_ends(

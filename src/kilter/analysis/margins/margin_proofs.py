@@ -61,10 +61,10 @@ class KnownLimits(Protocol):
     def push(self) -> Array | None: ...
 
 
-def margin_proofs(found: KnownLimits, *, options: dict[str, Any]) -> list[About]:
+def margin_proofs(limits: KnownLimits, *, options: dict[str, Any]) -> list[About]:
     """Proofs of tilt or nearest held direction, least friction, load factor, pushes, loads."""
     proofs = []
-    for what, (within, beyond), change, upwards, motion in _limits(found):
+    for what, (within, beyond), change, upwards, motion in _limits(limits):
         steps = AROUND_LIMIT if within == beyond else (0.0, *AROUND_LIMIT)
         for held in (True, False):
             sign = -1.0 if held == upwards else 1.0
@@ -73,7 +73,7 @@ def margin_proofs(found: KnownLimits, *, options: dict[str, Any]) -> list[About]
                 at = value + sign * step * max(abs(value), 1.0)
                 if at < 0 and what in ("friction", "bond"):
                     break
-                data = _proof(found, change(at), held, None if held else motion, options)
+                data = _proof(limits, change(at), held, None if held else motion, options)
                 if data is not None:
                     about = {"about": what, "value": at, "held": held, "change": change(at)}
                     proofs.append((about, data))
@@ -82,14 +82,19 @@ def margin_proofs(found: KnownLimits, *, options: dict[str, Any]) -> list[About]
 
 
 def _limits(
-    found: KnownLimits,
+    limits: KnownLimits,
 ) -> Iterator[tuple[str, tuple[float, float], Change, bool, MotionProof | None]]:
     """Name, sides, the change at a value, whether more is beyond, and the motion there.
 
     The sides are the values that are held and not held, if both are proved; else a single value.
     """
-    tilt, nearest, friction, factor = found.tilt, found.nearest, found.friction, found.load_factor
-    down = found.program.down
+    tilt, nearest, friction, factor = (
+        limits.tilt,
+        limits.nearest,
+        limits.friction,
+        limits.load_factor,
+    )
+    down = limits.program.down
     if tilt is not None and tilt.limit.mechanism is not None and (tilt.down != down).any():
         sides = tilt.angle, tilt.angle
         yield "tilt", sides, _turned(down, tilt.down), True, tilt.limit.mechanism
@@ -99,24 +104,24 @@ def _limits(
     if friction is not None and friction.value > 0 and friction.attained:
         sides = friction.value, friction.lower
         yield "friction", sides, lambda mu: {"mu": mu}, False, friction.mechanism
-    if found.bond is not None and found.bond.value > 0:
-        sides = found.bond.value, found.bond.value
-        yield "bond", sides, lambda share: {"strength": share}, False, found.bond.limit.mechanism
+    if limits.bond is not None and limits.bond.value > 0:
+        sides = limits.bond.value, limits.bond.value
+        yield "bond", sides, lambda share: {"strength": share}, False, limits.bond.limit.mechanism
     if factor is not None and factor[1] is not None and np.isfinite(factor[1].value):
         greatest = factor[1]
         sides = greatest.value, greatest.value
-        yield "load factor", sides, _loaded(found), True, greatest.mechanism
-    for push in found.pushes:
+        yield "load factor", sides, _loaded(limits), True, greatest.mechanism
+    for push in limits.pushes:
         if np.isfinite(push.force):
-            weight = float(found.program.weight[found.program.free].sum())
-            pushed = _pushed(found.assembly, push.part, push.direction * weight)
+            weight = float(limits.program.weight[limits.program.free].sum())
+            pushed = _pushed(limits.assembly, push.part, push.direction * weight)
             sides = push.force / weight, push.force / weight
             yield f"push of {push.part}", sides, pushed, True, push.limit.mechanism
-    for load in found.loads:
+    for load in limits.loads:
         if 0 < load.load < np.inf:
             share, beyond = load.load / load.unit, load.beyond / load.unit
             sides = share, beyond if np.isfinite(beyond) else share
-            pressed = _pushed(found.assembly, load.part, down * load.unit)
+            pressed = _pushed(limits.assembly, load.part, down * load.unit)
             yield f"load on {load.part}", sides, pressed, True, load.limit.mechanism
 
 
@@ -132,18 +137,18 @@ def _load(part: str, force: Array, torque: Array, point: Array | None = None) ->
     return {"part": part, "force": force.tolist(), "torque": torque.tolist(), "point": where}
 
 
-def _loaded(found: KnownLimits) -> Change:
+def _loaded(limits: KnownLimits) -> Change:
     """A share of the loads or of the body force."""
-    assembly, program = found.assembly, found.program
-    if found.push is None:
+    assembly, program = limits.assembly, limits.program
+    if limits.push is None:
         return lambda share: {
             "loads": [
-                _load(one.part, share * one.force, share * one.torque, one.point)
-                for one in assembly.loads
+                _load(load.part, share * load.force, share * load.torque, load.point)
+                for load in assembly.loads
             ]
         }
-    given = [_load(one.part, one.force, one.torque, one.point) for one in assembly.loads]
-    push = found.push * program.g
+    given = [_load(load.part, load.force, load.torque, load.point) for load in assembly.loads]
+    push = limits.push * program.g
     return lambda share: {
         "loads": given
         + [
@@ -155,19 +160,19 @@ def _loaded(found: KnownLimits) -> Change:
 
 
 def _pushed(assembly: Assembly, part: str, force: Array) -> Change:
-    given = [_load(one.part, one.force, one.torque, one.point) for one in assembly.loads]
+    given = [_load(load.part, load.force, load.torque, load.point) for load in assembly.loads]
     return lambda share: {"loads": [*given, _load(part, share * force, np.zeros(3))]}
 
 
 def _proof(
-    found: KnownLimits,
+    limits: KnownLimits,
     change: dict[str, Any],
     held: bool,
     motion: MotionProof | None,
     options: dict[str, Any],
 ) -> dict[str, Any] | None:
     """The proof of a changed assembly; None if it has no proof."""
-    assembly, contacts = apply_change(found.assembly, found.contacts, change)
+    assembly, contacts = apply_change(limits.assembly, limits.contacts, change)
     return _certified(assembly, contacts, held, motion, options)
 
 

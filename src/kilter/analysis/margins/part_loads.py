@@ -85,14 +85,14 @@ def find_part_load(
     """
     opening = opening or Opening(cone_problem(program))
     unit = float(program.weight[program.free].sum() + program.pull.sum())
-    found = _asked(program, part, unit, opening)
-    if isinstance(found, NoLimit) or not 0 < found.load < np.inf:
-        return found
-    if found.beyond - found.load <= SIDES_NEAR * found.load:
-        return found
-    nearer = _asked(program, part, found.load, opening)
-    better = isinstance(nearer, PartLoad) and nearer.beyond < found.beyond
-    return nearer if better else found
+    limit = _asked(program, part, unit, opening)
+    if isinstance(limit, NoLimit) or not 0 < limit.load < np.inf:
+        return limit
+    if limit.beyond - limit.load <= SIDES_NEAR * limit.load:
+        return limit
+    nearer = _asked(program, part, limit.load, opening)
+    better = isinstance(nearer, PartLoad) and nearer.beyond < limit.beyond
+    return nearer if better else limit
 
 
 def _asked(program: Program, part: int, unit: float, opening: Opening) -> PartLoad | NoLimit:

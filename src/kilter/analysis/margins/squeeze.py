@@ -84,7 +84,7 @@ def held_by_squeeze(program: Program) -> ForceProof | None:
             break
         rows = pressed[: len(smooth.part_a)]
         levels.append(_Level(rows, *wide.gathered(press)))
-        wide, stuck = _sticking(smooth, np.any([one.rows for one in levels], axis=0))
+        wide, stuck = _sticking(smooth, np.any([step.rows for step in levels], axis=0))
     judged = judge(stuck) if levels else None
     if judged is None or not judged.stable or judged.forces is None:
         return None

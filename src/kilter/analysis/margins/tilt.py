@@ -183,7 +183,7 @@ def find_tilt_margin(program: Program) -> TiltMargin | NoLimit:
         return NoLimit("none" if NoLimit("none") in limits else "failed")
     limit = limits[face.answer]
     assert isinstance(limit, Limit)
-    least = min(one.value for one in limits if isinstance(one, Limit))
+    least = min(bound.value for bound in limits if isinstance(bound, Limit))
     if least < -TOLERANCE and judge(program).stable is False:
         return NoLimit("none")
     if face.outer >= STEEPEST * (1 - TILT_AGREES):  # unlimited in every direction
@@ -249,22 +249,22 @@ def find_nearest_held(program: Program) -> NearestHeld | NoLimit:
     >>> bool(found.lower <= 1e-7 <= found.angle + 1e-12), round(found.angle * 1e7, 2)
     (True, 1.0)
     """
-    found = _projected(program)
-    if isinstance(found, NoLimit):
-        return found
-    angle, lower, held = _between(program.down, found), 0.0, found
+    nearest = _projected(program)
+    if isinstance(nearest, NoLimit):
+        return nearest
+    angle, lower, held = _between(program.down, nearest), 0.0, nearest
     mechanism: MotionProof | None = None
-    aim, start = program.down, program.turned(found)
+    aim, start = program.down, program.turned(nearest)
     for _ in range(NEARER):
-        if not (aim - found).any():
+        if not (aim - nearest).any():
             break
-        limit = find_limit(start, gravity_wrench(program, aim - found), most=1.0)
+        limit = find_limit(start, gravity_wrench(program, aim - nearest), most=1.0)
         if isinstance(limit, NoLimit):
             break
-        there = found + min(limit.value, 1.0) * (aim - found)
-        there = there / float(np.linalg.norm(there))
-        if _between(program.down, there) < angle:
-            angle, held = _between(program.down, there), there
+        held_down = nearest + min(limit.value, 1.0) * (aim - nearest)
+        held_down = held_down / float(np.linalg.norm(held_down))
+        if _between(program.down, held_down) < angle:
+            angle, held = _between(program.down, held_down), held_down
         if limit.mechanism is None:
             break
         moment = (program.mass * program.free) @ limit.mechanism.motion[:, :3]
@@ -294,14 +294,14 @@ def _projected(program: Program) -> Array | NoLimit:
         answer = solve_conic(nearest, tolerance=CONIC_SHARP)
     if not answer.optimal:
         return NoLimit("failed")
-    found = answer.x[-len(axes) :] @ axes
-    size = float(np.linalg.norm(found))
-    return NoLimit("none") if size < NO_PROJECTION else found / size
+    vector = answer.x[-len(axes) :] @ axes
+    size = float(np.linalg.norm(vector))
+    return NoLimit("none") if size < NO_PROJECTION else vector / size
 
 
-def _between(one: Array, other: Array) -> float:
+def _between(first: Array, other: Array) -> float:
     """The angle between two directions [rad]."""
-    return float(angle_between(one, other))
+    return float(angle_between(first, other))
 
 
 def across_gravity(program: Program) -> Array:

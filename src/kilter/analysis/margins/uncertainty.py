@@ -229,16 +229,16 @@ def _by_corners(program: Program, ranges: Ranges, push: Array | None, kind: Kind
     missing: dict[str, Why] = {}
     for mass, shift in _corners(program, ranges):
         count += 1
-        one = corner(program, mass, shift)
-        limits = _limits(one, push)
+        changed = corner(program, mass, shift)
+        limits = _limits(changed, push)
         if isinstance(limits, NoLimit):
             _add(missing, ("load_factor",), limits)
         else:
             factor = max(factor[0], limits[0]), min(factor[1], limits[1])
         still = (
-            find_limit(one, np.zeros_like(one.applied), most=1.0)
+            find_limit(changed, np.zeros_like(changed.applied), most=1.0)
             if loaded
-            else find_tilt_margin(one)
+            else find_tilt_margin(changed)
         )
         if isinstance(still, NoLimit):
             _add(missing, ("held",) if loaded else ("held", "tilt"), still)

@@ -149,12 +149,12 @@ def _helps(
         return ()
     weight = program.load - program.applied + (limit.value * along if by_mass else 0.0)
     power = np.where(program.free, (weight * motion).sum(axis=1), 0.0)
-    found = [
+    changes = [
         _hold(program, limit, along, motion, power, of, held),
         _friction(program, limit, motion, slope / pace, of),
         _mass(program, -power * slope / pace, of),
     ]
-    return tuple(one for one in found if one is not None)
+    return tuple(change for change in changes if change is not None)
 
 
 def _words(of: str, gain: float) -> str:
@@ -193,10 +193,10 @@ def _gain_of_holding(program: Program, part: int, limit: Limit, along: Array, of
     free[part] = False
     held = program.with_rows(free=free)
     if of == "tilt":
-        found = find_tilt_margin(held) if free.any() else None
-        if isinstance(found, NoLimit):  # also where the numbers fail: no gain is known
+        tilt = find_tilt_margin(held) if free.any() else None
+        if isinstance(tilt, NoLimit):  # also where the numbers fail: no gain is known
             return 0.0
-        after = np.pi / 2 if found is None else found.angle
+        after = np.pi / 2 if tilt is None else tilt.angle
         return float(np.degrees(after - np.arctan(limit.value)))
     if not free.any():
         return np.inf

@@ -68,10 +68,10 @@ def edges_of(normals: Array, rays: Array) -> Iterator[tuple[int, int, float]]:
         angle = np.arctan2(rays[on] @ np.cross(normal, side), rays[on] @ side)
         order = np.argsort(angle)
         following = np.roll(order, -1)
-        for one, other in zip(order, following, strict=True):
-            apart = (angle[other] - angle[one]) % (2 * np.pi)
+        for first, other in zip(order, following, strict=True):
+            apart = (angle[other] - angle[first]) % (2 * np.pi)
             if apart <= np.pi / 2 + SAME_RAY:  # else what is between is not of the cone
-                yield int(on[one]), int(on[other]), 0.5 * float(apart)
+                yield int(on[first]), int(on[other]), 0.5 * float(apart)
 
 
 def cone_around(rays: Array, blur: float) -> Cone:

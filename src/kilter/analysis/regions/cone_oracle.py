@@ -129,34 +129,38 @@ class ConeOracle:
     def support(self, direction: Array) -> Reach:
         """How far the cone reaches in a unit direction."""
         self._kept.change_cost(self._columns, -direction)
-        found = self._solved()
+        solution = self._solved()
         for share in FORCE_PRICES:
-            if not self._jams(found):
+            if not self._jams(solution):
                 break
             price = np.full(len(self._pushes), share * self._tolerance)
             self._kept.change_cost(self._pushes, price)
-            found = self._solved()
+            solution = self._solved()
             self._kept.change_cost(self._pushes, np.zeros(len(self._pushes)))
-        return self._reach(direction, found)
+        return self._reach(direction, solution)
 
     def _solved(self) -> Solution:
         """The optimum of the present program, or at least a point, which is judged afterwards."""
-        found = self._kept.solve()
-        return found if found.found and len(found.multipliers) else found.required("the region")
+        solution = self._kept.solve()
+        return (
+            solution
+            if solution.found and len(solution.multipliers)
+            else solution.required("the region")
+        )
 
-    def _jams(self, found: Solution) -> bool:
+    def _jams(self, solution: Solution) -> bool:
         """Whether the forces are so large that only the rounding of the data holds them."""
-        size = float(np.linalg.norm(found.x[self._columns]))
-        largest = float(np.abs(found.x[: self._forces]).max(initial=0.0))
+        size = float(np.linalg.norm(solution.x[self._columns]))
+        largest = float(np.abs(solution.x[: self._forces]).max(initial=0.0))
         return largest > size * self._jam
 
-    def _reach(self, direction: Array, found: Solution) -> Reach:
-        g = found.x[self._columns]
+    def _reach(self, direction: Array, solution: Solution) -> Reach:
+        g = solution.x[self._columns]
         length = float(np.linalg.norm(g))
-        witness = -found.multipliers[: self._rows]
+        witness = -solution.multipliers[: self._rows]
         if length < NO_DIRECTION:
             return Reach(0.0, np.zeros(len(g)), np.zeros(self._forces), witness)
-        forces = found.x[: self._forces] / self._size / length
+        forces = solution.x[: self._forces] / self._size / length
         return Reach(max(float(direction @ g) / length, 0.0), g / length, forces, witness)
 
     def focus(self, axis: Array) -> None:
@@ -169,10 +173,10 @@ class ConeOracle:
         """Forces that balance a direction of the cone as well as they can, shape (n,)."""
         self._kept.change_cost(self._columns, np.zeros(self.dimension))
         self._kept.change_bounds(self._columns, direction, direction)
-        found = self._solved()
+        solution = self._solved()
         far = np.full(self.dimension, FAR)
         self._kept.change_bounds(self._columns, -far, far)
-        forces: Array = found.x[: self._forces] / self._size
+        forces: Array = solution.x[: self._forces] / self._size
         return forces
 
 
@@ -207,7 +211,7 @@ def intersection(cones: Sequence[Cone], first: Array) -> tuple[Cone, int]:
     cone = make_cone(
         np.array([e for e, _, _ in grown.equations]),
         np.array([q for q, _ in grown.facets]),
-        np.array([found.point for found in grown.points]),
+        np.array([reach.point for reach in grown.points]),
         blur,
     )
     return cone, oracle.programs

@@ -89,13 +89,13 @@ class KnownSet:
 
     def ask(self, direction: Array) -> SupportPoint | None:
         """Query the oracle once; add its plane, and leave its point to the caller."""
-        found = self._oracle(direction)
+        reach = self._oracle(direction)
         self.asked += 1
-        if found is None:
+        if reach is None:
             self.failed = True
-        elif found.reach < self.outer:
-            self.outer, self.normal, self.answer = found.reach, found.normal, self.asked - 1
-        return found
+        elif reach.reach < self.outer:
+            self.outer, self.normal, self.answer = reach.reach, reach.normal, self.asked - 1
+        return reach
 
     def settle(self, facet: int) -> bool:
         """Confirm a facet of the hull, or add a point beyond it; True if it is confirmed."""
@@ -103,8 +103,8 @@ class KnownSet:
         hull = self.hull
         normal, offset = hull.normals[facet], float(hull.offsets[facet])
         if not self._is_known(facet):
-            found = self.ask(normal)
-            if found is not None and hull.add(found.point):
+            reach = self.ask(normal)
+            if reach is not None and hull.add(reach.point):
                 return False
             self._planes = np.vstack([self._planes.reshape(-1, len(normal)), normal])
             self._levels = np.append(self._levels, offset)
@@ -214,9 +214,9 @@ def nearest_face(
     known = KnownSet(oracle)
     points = []
     for direction in directions:
-        found = known.ask(direction)
-        if found is not None:
-            points.append(found.point)
+        reach = known.ask(direction)
+        if reach is not None:
+            points.append(reach.point)
         elif not points:
             return None
     size = float(np.abs(np.array(points)).max(initial=0.0))

@@ -117,15 +117,15 @@ def friction_cone(
     for share in SHARES:
         while search.cut(share * np.radians(gap_deg)):
             pass
-        found = search.answer()
-        if found.gap <= np.radians(gap_deg):
+        cone = search.answer()
+        if cone.gap <= np.radians(gap_deg):
             break
-    return found
+    return cone
 
 
 def _exact(program: Program, progress: Callable[[str], None] | None) -> StableCone:
     rays = pyramid(program, 2)
-    found = stable_cone(rays, progress=progress)
+    cone = stable_cone(rays, progress=progress)
     opening = Opening(cone_problem(program))
 
     def judged(proof: Proof) -> ForceProof | MotionProof:
@@ -136,8 +136,8 @@ def _exact(program: Program, progress: Callable[[str], None] | None) -> StableCo
         # what a simplex leaves of a violation is mended
         return motion if motion.holds else check_motion(turned, opening.mended(motion.motion))
 
-    proofs = tuple(replace(proof, certificate=judged(proof)) for proof in found.proofs)
-    return replace(found, proofs=proofs)
+    proofs = tuple(replace(proof, certificate=judged(proof)) for proof in cone.proofs)
+    return replace(cone, proofs=proofs)
 
 
 class _Cutting:
@@ -163,7 +163,7 @@ class _Cutting:
 
     def cut(self, most: float) -> bool:
         """Cut off every extreme ray of the outer cone farther than this; return whether one was."""
-        found = False
+        is_cut = False
         for direction in extreme_rays(self.normals):
             k = self._known(direction)
             if k is None:
@@ -178,8 +178,8 @@ class _Cutting:
             if facet is not None and self.angle[k] > most:
                 self.facets.append(facet)
                 self.between[k] = None
-                found = True
-        return found
+                is_cut = True
+        return is_cut
 
     def _known(self, direction: Array) -> int | None:
         """The known extreme ray that equals this ray."""
@@ -266,12 +266,12 @@ class _Cutting:
         if isinstance(limit, NoLimit):
             return angle, None
         share = min(limit.value, 1.0)
-        there = start + share * (direction - start)
-        ray = self._ray(there / float(np.linalg.norm(there)), _scaled(limit.forces, there))
+        toward = start + share * (direction - start)
+        ray = self._ray(toward / float(np.linalg.norm(toward)), _scaled(limit.forces, toward))
         angle = angle if ray is None else min(angle, _between(direction, ray))
         if limit.mechanism is None:
             return angle, None
-        return angle, self._facet(direction, there, limit.mechanism.motion, BEYOND_FAR)
+        return angle, self._facet(direction, toward, limit.mechanism.motion, BEYOND_FAR)
 
     def _normal(self, motion: Array) -> Array:
         """Outward normal of the facet of a motion: the sum of mass times step, unit; or 0."""
@@ -316,6 +316,6 @@ def _scaled(proof: ForceProof, down: Array) -> tuple[Array, Array]:
     return proof.forces / length, proof.friction / length
 
 
-def _between(one: Array, other: Array) -> float:
+def _between(first: Array, other: Array) -> float:
     """Angle between two unit vectors [rad]."""
-    return float(2 * np.arcsin(min(float(np.linalg.norm(one - other)) / 2, 1.0)))
+    return float(2 * np.arcsin(min(float(np.linalg.norm(first - other)) / 2, 1.0)))

@@ -133,8 +133,8 @@ def _rest(known: Array, vector: Array) -> Array:
     return vector
 
 
-def _is_new(found: Reach, points: list[Reach], blur: float) -> bool:
-    return all(np.linalg.norm(found.point - other.point) > blur for other in points)
+def _is_new(reach: Reach, points: list[Reach], blur: float) -> bool:
+    return all(np.linalg.norm(reach.point - other.point) > blur for other in points)
 
 
 def _close(
@@ -151,17 +151,19 @@ def _close(
         normals, tight = facets_of(inside, blur)
         sets = [frozenset(np.flatnonzero(row).tolist()) for row in tight]
         # a proved facet holds all the points that an unknown one does not
-        unknown = [k for k, own in enumerate(sets) if not any(own <= other for other in held)]
+        unknown = [
+            k for k, members in enumerate(sets) if not any(members <= other for other in held)
+        ]
         if not unknown:
             break
-        q, own = normals[unknown[0]], sets[unknown[0]]
+        q, members = normals[unknown[0]], sets[unknown[0]]
         tell()
         reach = oracle.support(-(q @ span))
         if reach.angle > blur and _is_new(reach, points, blur):
             points.append(reach)
         else:
             proved.append((q, reach))
-            held.append(own)
+            held.append(members)
     chosen = [_match(q, proved) for q in normals]
     return [(q @ span, reach) for q, reach in zip(normals, chosen, strict=True)]
 
@@ -173,7 +175,7 @@ def _match(normal: Array, proved: list[tuple[Array, Reach]]) -> Reach:
 
 def _focus(oracle: Oracle, points: list[Reach]) -> None:
     """From now on query across the mean of the points, if they lie well to one side."""
-    rows = np.array([found.point for found in points])
+    rows = np.array([reach.point for reach in points])
     mean = rows.mean(axis=0)
     length = float(np.linalg.norm(mean))
     if length > WIDE and (rows @ mean / length).min() > WIDE:
@@ -182,4 +184,4 @@ def _focus(oracle: Oracle, points: list[Reach]) -> None:
 
 def _inside(span: Array, points: list[Reach]) -> Array:
     """Points in coordinates of the span, unit, shape (n, D)."""
-    return unit_rows(np.array([found.point for found in points]) @ span.T)
+    return unit_rows(np.array([reach.point for reach in points]) @ span.T)

@@ -160,12 +160,12 @@ class Region(InCells):
 
         If False, every direction in it is still held, and more may be.
         """
-        return self.complete and all(found.exact for found in self.found)
+        return self.complete and all(part.exact for part in self.found)
 
     @property
     def gap_deg(self) -> float | None:
         """Angle between the inner and the outer cone [deg]; None if they are the same."""
-        gaps = [found.gap for found in self.found if not found.exact]
+        gaps = [part.gap for part in self.found if not part.exact]
         return float(np.degrees(max(gaps))) if gaps else None
 
     @property
@@ -176,7 +176,7 @@ class Region(InCells):
     @property
     def proved(self) -> bool:
         """Whether every ray, line, facet and equation has a proof that holds."""
-        return all(found.proved for found in self.found)
+        return all(part.proved for part in self.found)
 
     def contains(self, directions: ArrayLike, margin: float = 0.0) -> Mask:
         """Whether directions of gravity, shape (..., 3), are stable; see `Cone.contains`.
@@ -227,9 +227,9 @@ class Region(InCells):
                 hint="write the proof of each file by itself, or use `proofs`",
             )
         proofs = []
-        for one in self.proofs(options=options):
-            about = {"about": one.about, "vector": one.vector.tolist()}
-            proofs.append((about | {"change": {"down": one.data["down"]}}, one.data))
+        for entry in self.proofs(options=options):
+            about = {"about": entry.about, "vector": entry.vector.tolist()}
+            proofs.append((about | {"change": {"down": entry.data["down"]}}, entry.data))
         return make_bundle("region", proofs)
 
     def to_dict(self) -> dict[str, Any]:
@@ -243,7 +243,7 @@ class Region(InCells):
         ('ray', [[0.0, 0.0, -1.0]], 0.0)
         """
         cone, center = self.cone, self.center
-        slack = max(found.slack for found in self.found)
+        slack = max(part.slack for part in self.found)
         return {
             "kind": cone.kind,
             "dimension": cone.dimension,
@@ -260,8 +260,8 @@ class Region(InCells):
             "joints": joints_answer(self.assemblies[0]),
             "open_pairs": [
                 pair
-                for assembly, own in zip(self.assemblies, self.contacts, strict=True)
-                for pair in open_pairs_answer(assembly, own)
+                for assembly, contact_set in zip(self.assemblies, self.contacts, strict=True)
+                for pair in open_pairs_answer(assembly, contact_set)
             ],
             "level": self.level,
             "pairs_decide": self.pairs_decide,
@@ -355,17 +355,17 @@ def region(
         raise InputError("rests are available only without friction", hint="leave friction out")
     limit = None if time_limit is None else time_limit - (time.perf_counter() - started)
     with given_direction_known(assembly, contacts, limit):
-        found = _region(assembly, contacts, rubs, gap_deg, started, progress)
+        stable = _region(assembly, contacts, rubs, gap_deg, started, progress)
         pairs = still_open(contacts.open_pairs, assembly)
         if pairs:
             names = assembly.names
             joints = [Joint((names[pair.parts[0]], names[pair.parts[1]])) for pair in pairs]
             joined = assembly.with_joints(joints)
             other = _region(joined, contacts, rubs, gap_deg, time.perf_counter(), progress)
-            found = replace(found, joined=other)
+            stable = replace(stable, joined=other)
         if not rests:
-            return found
-        return replace(found, rests=find_rests(found.cone, assembly, contacts))
+            return stable
+        return replace(stable, rests=find_rests(stable.cone, assembly, contacts))
 
 
 def _region(
@@ -382,20 +382,20 @@ def _region(
     program = program if rubs else program.frictionless
     between = time.perf_counter()
     if rubs:
-        found = friction_cone(program, gap_deg=gap_deg, progress=progress)
+        cone = friction_cone(program, gap_deg=gap_deg, progress=progress)
     else:
-        found = stable_cone(program, progress=progress)
+        cone = stable_cone(program, progress=progress)
     seconds = {"contacts": between - started, "solve": time.perf_counter() - between}
     return Region(
-        cone=found.cone,
-        facets=found.facets,
+        cone=cone.cone,
+        facets=cone.facets,
         friction=rubs,
         complete=not further_forces(contacts, rubs),
         assemblies=(assembly,),
         contacts=(contacts,),
-        found=(found,),
-        programs=found.programs,
-        warnings=tuple(warnings_of(assembly, contacts, program, found, gap_deg)),
+        found=(cone,),
+        programs=cone.programs,
+        warnings=tuple(warnings_of(assembly, contacts, program, cone, gap_deg)),
         seconds=seconds,
     )
 
@@ -438,26 +438,26 @@ def common_region(
         raise InputError("no assembly is given", hint="give a list that is not empty")
     given = list(contacts) if contacts is not None else [None for _ in assemblies]
     regions = []
-    for assembly, own in zip(assemblies, given, strict=True):
+    for assembly, contact_set in zip(assemblies, given, strict=True):
         require_assembly(assembly, "common_region")
         require_no_bonds(assembly, "common_region", NO_CONE)
         assembly.require_grounded()
         begun = time.perf_counter()
-        touching = own or detect.contacts(assembly, tolerance=tolerance, progress=progress)
+        touching = contact_set or detect.contacts(assembly, tolerance=tolerance, progress=progress)
         regions.append(_region(assembly, touching, False, GAP_DEG, begun, progress))
     started = time.perf_counter()
-    cone, programs = intersection([one.cone for one in regions], assemblies[0].down)
-    seconds = {key: sum(one.seconds[key] for one in regions) for key in regions[0].seconds}
+    cone, programs = intersection([member.cone for member in regions], assemblies[0].down)
+    seconds = {key: sum(member.seconds[key] for member in regions) for key in regions[0].seconds}
     seconds["solve"] += time.perf_counter() - started
     return Region(
         cone=cone,
         facets=cone.facets,
         friction=False,
-        complete=all(one.complete for one in regions),
+        complete=all(member.complete for member in regions),
         assemblies=tuple(assemblies),
-        contacts=tuple(one.contacts[0] for one in regions),
-        found=tuple(one.found[0] for one in regions),
-        programs=programs + sum(one.programs for one in regions),
+        contacts=tuple(member.contacts[0] for member in regions),
+        found=tuple(member.found[0] for member in regions),
+        programs=programs + sum(member.programs for member in regions),
         warnings=tuple(_common_warnings(cone, regions)),
         seconds=seconds,
     )
@@ -466,11 +466,11 @@ def common_region(
 def _common_warnings(cone: Cone, regions: Sequence[Region]) -> list[str]:
     """Warnings of each, and that nothing is left."""
     warnings = [
-        f"{one.assemblies[0].source or f'assembly {k + 1}'}: {text}"
-        for k, one in enumerate(regions)
-        for text in one.warnings
+        f"{member.assemblies[0].source or f'assembly {k + 1}'}: {text}"
+        for k, member in enumerate(regions)
+        for text in member.warnings
     ]
-    if cone.kind == "none" and all(one.kind != "none" for one in regions):
+    if cone.kind == "none" and all(member.kind != "none" for member in regions):
         warnings.append(
             "no direction is stable for all assemblies, although each of them has stable directions"
         )

@@ -109,9 +109,9 @@ def common_proofs(
     stable = [("ray", ray, ray) for ray in cone.rays]
     stable += [("line", line, sign * line) for line in cone.lines for sign in (1.0, -1.0)]
     proofs = []
-    for k, (assembly, own) in enumerate(zip(assemblies, contacts, strict=True)):
+    for k, (assembly, contact_set) in enumerate(zip(assemblies, contacts, strict=True)):
         for about, vector, down in stable:
-            judged = judge(build_program(assembly.with_down(down), own).frictionless).forces
+            judged = judge(build_program(assembly.with_down(down), contact_set).frictionless).forces
             if judged is not None:
                 proofs.append((Proof(about, vector, down, judged), k))
     beyond = [("facet", q, -q, cone.rays[np.abs(cone.rays @ q) <= cone.blur]) for q in cone.facets]
@@ -136,8 +136,8 @@ def _unstable(
     for angle in BEYOND_CONE[2:]:
         down = base + angle * outward
         down = down / np.linalg.norm(down)
-        for k, (assembly, own) in enumerate(zip(assemblies, contacts, strict=True)):
-            judged = judge(build_program(assembly.with_down(down), own).frictionless)
+        for k, (assembly, contact_set) in enumerate(zip(assemblies, contacts, strict=True)):
+            judged = judge(build_program(assembly.with_down(down), contact_set).frictionless)
             if judged.stable is False and judged.motion is not None:
                 return [(Proof(about, vector, down, judged.motion), k)]
     return []

@@ -30,7 +30,7 @@ NAMED = 0.01
 
 
 def warnings_of(
-    assembly: Assembly, contacts: ContactSet, program: Program, found: StableCone, gap_deg: float
+    assembly: Assembly, contacts: ContactSet, program: Program, stable: StableCone, gap_deg: float
 ) -> list[str]:
     """Warnings about a stable cone and its assembly, in words.
 
@@ -50,21 +50,23 @@ def warnings_of(
             f"touches nothing, so it falls whatever the orientation: {some_names(alone)}"
         )
     whole = 2 if program.planar else 3
-    if not rubs and 0 < found.cone.dimension < whole and not further_forces(contacts, rubs):
-        warnings.append(_knife_edge(program, found))
+    if not rubs and 0 < stable.cone.dimension < whole and not further_forces(contacts, rubs):
+        warnings.append(_knife_edge(program, stable))
     if program.tolerance[program.free].max(initial=0.0) > TOLERANCE:
         warnings.append(
             "the coordinates have limited accuracy: directions within "
-            f"{np.degrees(found.cone.blur):.2g} deg of the boundary count as on the boundary"
+            f"{np.degrees(stable.cone.blur):.2g} deg of the boundary count as on the boundary"
         )
-    if np.degrees(found.gap) > gap_deg:
+    if np.degrees(stable.gap) > gap_deg:
         warnings.append(
-            f"the boundary of the region is known only to {np.degrees(found.gap):.2g} deg instead"
+            f"the boundary of the region is known only to {np.degrees(stable.gap):.2g} deg instead"
             f" of the required {gap_deg:g} deg"
         )
-    missing = sum(not proof.certificate.holds for proof in found.proofs)
+    missing = sum(not proof.certificate.holds for proof in stable.proofs)
     if missing:
-        warnings.append(f"{missing} of {len(found.proofs)} proofs exceed the tolerance of the data")
+        warnings.append(
+            f"{missing} of {len(stable.proofs)} proofs exceed the tolerance of the data"
+        )
     return warnings
 
 
@@ -90,12 +92,12 @@ def _inner(assembly: Assembly, contacts: ContactSet, rubs: bool) -> list[str]:
     ]
 
 
-def _knife_edge(program: Program, found: StableCone) -> str:
+def _knife_edge(program: Program, stable: StableCone) -> str:
     """Meaning of a cone thinner than space, and the parts to hold."""
-    cone = found.cone
+    cone = stable.cone
     tilts = [
         proof
-        for proof in found.proofs
+        for proof in stable.proofs
         if proof.about == "equation" and isinstance(proof.certificate, MotionProof)
     ]
     axes = [proof.vector for proof in tilts[::2]]

@@ -113,8 +113,8 @@ def _directions(cone: Cone) -> Array:
     listed = np.vstack([center, cone.lines, -cone.lines, cone.rays])
     same = np.linalg.norm(listed[:, None] - listed, axis=-1) <= cone.blur
     first = ~np.tril(same, -1).any(axis=1)
-    found: Array = listed[first][:MOST_RESTS]
-    return found
+    places: Array = listed[first][:MOST_RESTS]
+    return places
 
 
 def _rest(down: Array, cone: Cone, assembly: Assembly, contacts: ContactSet) -> PlaceOfRest:

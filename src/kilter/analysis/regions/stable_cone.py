@@ -148,19 +148,19 @@ def stable_cone(program: Program, *, progress: Callable[[str], None] | None = No
     best: StableCone | None = None
     programs = 0
     for price in (*PRICES, None) if coarse else (None, *PRICES[::-1]):
-        found = _at_price(problem, price, blur, progress)
-        programs += found.programs
-        if best is None or _held(found) > _held(best):
-            best = found
+        stable = _at_price(problem, price, blur, progress)
+        programs += stable.programs
+        if best is None or _held(stable) > _held(best):
+            best = stable
         if best.proved:
             break
     assert best is not None
     return replace(best, programs=programs)
 
 
-def _held(found: StableCone) -> float:
+def _held(cone: StableCone) -> float:
     """The fraction of the proofs that hold."""
-    holds = [float(proof.certificate.holds) for proof in found.proofs]
+    holds = [float(proof.certificate.holds) for proof in cone.proofs]
     return float(np.mean(holds or [1.0]))
 
 
@@ -186,7 +186,7 @@ def _at_price(
     cone = make_cone(
         np.array([*across, *(e @ axes for e, _, _ in grown.equations)]).reshape(-1, 3),
         np.array([q @ axes for q, _ in grown.facets]).reshape(-1, 3),
-        np.array([found.point @ axes for found in grown.points]).reshape(-1, 3),
+        np.array([reach.point @ axes for reach in grown.points]).reshape(-1, 3),
         blur,
     )
     proofs = (*_stable(problem, cone, grown, oracle), *_unstable(problem, cone, grown))
@@ -223,9 +223,9 @@ def _forces(
 ) -> ForceProof:
     """Forces for a direction: those with which it was found, or new ones."""
     program = problem.program.turned(down)
-    for found in grown.points:
-        if np.linalg.norm(found.point @ axes - down) <= SAME_POINT:
-            proof = check_forces(program, problem.forces(found.forces))
+    for reach in grown.points:
+        if np.linalg.norm(reach.point @ axes - down) <= SAME_POINT:
+            proof = check_forces(program, problem.forces(reach.forces))
             if proof.holds:
                 return proof
     proof = check_forces(program, problem.forces(oracle.forces(axes @ down)))
@@ -239,20 +239,20 @@ def _unstable(problem: ScaledProblem, cone: Cone, grown: Grown) -> list[Proof]:
     """Motions for a direction just outside each facet, and on both sides of each equation."""
     _, axes = _loads(problem)
     proofs = []
-    for normal, found in grown.facets:
+    for normal, reach in grown.facets:
         q = normal @ axes
         on = [p.point @ axes for p in grown.points if abs(p.point @ normal) <= cone.blur]
-        proofs.append(_motion(problem, "facet", q, -q, np.array(on), found))
+        proofs.append(_motion(problem, "facet", q, -q, np.array(on), reach))
     points = [p.point @ axes for p in grown.points]
     for normal, *sides in grown.equations:
         e = normal @ axes
-        for sign, found in zip((1.0, -1.0), sides, strict=True):
-            proofs.append(_motion(problem, "equation", e, sign * e, np.array(points), found))
+        for sign, reach in zip((1.0, -1.0), sides, strict=True):
+            proofs.append(_motion(problem, "equation", e, sign * e, np.array(points), reach))
     return proofs
 
 
 def _motion(
-    problem: ScaledProblem, about: str, vector: Array, outward: Array, on: Array, found: Reach
+    problem: ScaledProblem, about: str, vector: Array, outward: Array, on: Array, reach: Reach
 ) -> Proof:
     """A direction just outside and the motion that proves it, as near as the proof holds.
 
@@ -260,7 +260,7 @@ def _motion(
     needs a power above the tolerance and above 1e6 times the violation.
     """
     program = problem.program
-    motion = problem.motion(problem.over_weight(found.witness))
+    motion = problem.motion(problem.over_weight(reach.witness))
     base = on.mean(axis=0) if len(on) else np.zeros(3)
     if np.linalg.norm(base) < NO_DIRECTION:
         base = on[0] if len(on) else np.zeros(3)

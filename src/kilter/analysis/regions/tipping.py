@@ -87,8 +87,8 @@ def find_tipping(geometry: Geometry, part: int, down: Array) -> Tipping | None:
 
 def _corners(geometry: Geometry, part: int) -> Array:
     """Its vertices from its centre of mass, shape (m, 3)."""
-    own = slice(geometry.vertex_start[part], geometry.vertex_start[part + 1])
-    corners: Array = geometry.vertices[own] - geometry.center[part]
+    vertices = slice(geometry.vertex_start[part], geometry.vertex_start[part + 1])
+    corners: Array = geometry.vertices[vertices] - geometry.center[part]
     return corners
 
 
@@ -134,10 +134,10 @@ def _passes(hull: ConvexHull, corners: Array) -> tuple[Array, Array, tuple[Index
     first, second, ends = first[once], second[once], ends[once]
     flat = np.linalg.norm(cross(normals[first], normals[second]), axis=1) <= SAME_RAY
     count = len(facets)
-    _, one, face = np.unique(
+    _, first_index, face = np.unique(
         connected(count, first[flat], second[flat]), return_index=True, return_inverse=True
     )
-    normal, height = normals[one], -hull.equations[one, 3]
+    normal, height = normals[first_index], -hull.equations[first_index, 3]
     bent = ~flat
     f, g, ends = face[first[bent]], face[second[bent]], corners[ends[bent]]
     along = unit_rows(ends[:, 1] - ends[:, 0])
@@ -224,8 +224,10 @@ def _stands_as_turned(geometry: Geometry, part: int, down: Array, near: float) -
     known = (s.kind[rows] != FREE) & (s.doubt[rows] == 0)
     if not (known & aside & (upright | (s.kind[rows] == SPHERE))).all():
         return False
-    own = slice(geometry.triangle_start[part], geometry.triangle_start[part + 1])
-    flat = geometry.vertices[geometry.triangles[own][geometry.triangle_surface[own] < 0]]
+    triangles = slice(geometry.triangle_start[part], geometry.triangle_start[part + 1])
+    flat = geometry.vertices[
+        geometry.triangles[triangles][geometry.triangle_surface[triangles] < 0]
+    ]
     normal = unit_rows(cross(flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]))
     return bool((np.linalg.norm(cross(normal, down[None]), axis=1) <= SAME_RAY).all())
 

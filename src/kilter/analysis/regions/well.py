@@ -165,10 +165,10 @@ def _stiffness(
         return turns, np.zeros((0, 0))
     forms = gap_forms(program, features)
     mine = (program.part_b == part)[:, None, None]
-    own = np.where(mine, forms[:, 9:, 9:], forms[:, 3:6, 3:6])
-    if np.isnan(own).any():
+    blocks = np.where(mine, forms[:, 9:, 9:], forms[:, 3:6, 3:6])
+    if np.isnan(blocks).any():
         return turns, None
-    bent = -np.tensordot(forces, own, axes=1)
+    bent = -np.tensordot(forces, blocks, axes=1)
     return turns, turns.T @ (bent + bent.T) @ turns / 2
 
 

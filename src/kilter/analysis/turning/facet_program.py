@@ -108,7 +108,7 @@ def joint(program: Program, *, every: bool = False) -> DiamondOptimum:
     unit = unit_program(program)
     signs = facets_of_diamond(program)
     model = KeptProgram(_program(unit), warm="dual", goal="point")
-    found: list[FacetOptimum] = []
+    optima: list[FacetOptimum] = []
     for facet in signs:
         first = len(unit.lp.row_lower)
         lower = np.concatenate([np.where(facet[unit.axes] > 0, 0.0, -np.inf)] * 2)
@@ -116,11 +116,11 @@ def joint(program: Program, *, every: bool = False) -> DiamondOptimum:
         rows = first + np.arange(len(lower))
         model.change_sides(rows, lower, np.full(len(lower), np.inf))
         answer = model.solve().required("the orientation of a facet")
-        found.append(_facet(program, unit, facet, answer.x, answer.multipliers[rows]))
-        if not every and found[-1].z >= -OPTIMAL * unit.mass:
+        optima.append(_facet(program, unit, facet, answer.x, answer.multipliers[rows]))
+        if not every and optima[-1].z >= -OPTIMAL * unit.mass:
             break
-    best = max(found, key=lambda one: one.z)
-    return DiamondOptimum(best.gravity, best.z, tuple(found), model.solves)
+    best = max(optima, key=lambda optimum: optimum.z)
+    return DiamondOptimum(best.gravity, best.z, tuple(optima), model.solves)
 
 
 def _program(unit: UnitProgram) -> LinearProgram:

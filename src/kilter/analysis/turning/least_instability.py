@@ -192,7 +192,7 @@ def _solved(quadratic: ConicProgram) -> Array:
 
     answer = solve_quadratic(quadratic, tolerance=1e-10, polish=False)
     if answer.residual > KAPPA_RESIDUAL:
-        answer = min([answer, solve_quadratic(quadratic)], key=lambda one: one.residual)
+        answer = min([answer, solve_quadratic(quadratic)], key=lambda solution: solution.residual)
     return answer.x if answer.found else answer.required("the least instability").x
 
 

@@ -117,9 +117,9 @@ def nearest(
     >>> round(found.kappa.value, 6)
     0.333333
     """
-    found = walk(program) if method == "walk" else solved or joint(program)
-    length = float(np.linalg.norm(found.gravity))
-    on_diamond = _displaced(program, found.gravity / length, found.z, found.programs)
+    optimum = walk(program) if method == "walk" else solved or joint(program)
+    length = float(np.linalg.norm(optimum.gravity))
+    on_diamond = _displaced(program, optimum.gravity / length, optimum.z, optimum.programs)
     sphere = nearest_on_sphere(program)
     if sphere is None:  # a direction is stable: the diamond has found it
         on_sphere = on_diamond

@@ -128,8 +128,8 @@ class Orientation:
     def to_dict(self) -> dict[str, Any]:
         """The answer as JSON data, that of ``kilter orient --json``."""
         near, verdict, forces = self.nearest, self.check, self.judgement.forces
-        there: dict[str, Any] = {"parts": [], "unsupported": [], "tolerance": None}
-        there = there if verdict is None else verdict.to_dict()
+        verdict_data: dict[str, Any] = {"parts": [], "unsupported": [], "tolerance": None}
+        verdict_data = verdict_data if verdict is None else verdict.to_dict()
         return {
             "verdict": self.verdict,
             "found": self.found,
@@ -144,10 +144,10 @@ class Orientation:
             "instability": self.instability,
             "units": self.assembly.units,
             "joints": joints_answer(self.assembly),
-            "parts": there["parts"],
-            "unsupported": there["unsupported"],
+            "parts": verdict_data["parts"],
+            "unsupported": verdict_data["unsupported"],
             "open_pairs": open_pairs_answer(self.assembly, self.region.contacts[0]),
-            "tolerance": there["tolerance"],
+            "tolerance": verdict_data["tolerance"],
             "region": {
                 "kind": self.region.kind,
                 "half_angle_deg": self.region.half_angle_deg,

@@ -82,12 +82,12 @@ class Reachable:
 
     def _on_both_sides(self, direction: Array, level: float) -> list[Array]:
         """The farthest points of Q off the plane ``direction . q = level``, none of them on it."""
-        found = []
+        sides = []
         for sign in (1.0, -1.0):
             answer = self.work.solve(sign * direction)
             if -answer.z > sign * level + 1e2 * OUTSIDE_HULL:
-                found.append(answer.q)
-        return found
+                sides.append(answer.q)
+        return sides
 
 
 def _span(points: Array) -> Array:

@@ -195,8 +195,8 @@ def walk(program: Program, *, every: bool = False) -> Walk:
         )  # fmt: skip
         if z >= -OPTIMAL * mass and not every:
             break
-    best = max(facets, key=lambda one: one.z)
-    stops = [stop for one in facets for stop in one.stops]
+    best = max(facets, key=lambda facet: facet.z)
+    stops = [stop for facet in facets for stop in facet.stops]
     return Walk(
         gravity=best.gravity,
         z=best.z,
@@ -204,9 +204,9 @@ def walk(program: Program, *, every: bool = False) -> Walk:
         programs=programs + work.programs,
         partitions=partitions,
         stops={word: stops.count(word) for word in ("interior", "revisited", "broken off")},
-        failed=sum(one.failed for one in facets),
+        failed=sum(facet.failed for facet in facets),
         restarts=len(stops) - len(facets),
-        published=max(one.published for one in facets),
+        published=max(facet.published for facet in facets),
     )
 
 
@@ -237,30 +237,30 @@ def _one_walk(work: VirtualWork, trail: _Trail, start: Array) -> None:
     """The published walk from a start; it leaves its path and how it ended in the trail."""
     here, seen = start, len(trail.path)
     for _ in range(PARTITIONS):
-        found = work.solve(here)
+        optimum = work.solve(here)
         partition = work.partition()
         trail.partitions += 1
         if len(trail.path) == seen:
-            trail.reach(here, found.z)
-        there = _summit(work, trail, found, partition, here)
-        trail.reach(there, -float(found.q @ there))
-        if (partition @ there > SAME_ON_DIAMOND).all():
+            trail.reach(here, optimum.z)
+        summit = _summit(work, trail, optimum, partition, here)
+        trail.reach(summit, -float(optimum.q @ summit))
+        if (partition @ summit > SAME_ON_DIAMOND).all():
             trail.stops.append("interior")
             return
-        arc = there - here
+        arc = summit - here
         boundary = trail.path[seen + 1 : -1]
         if (
-            any(np.abs(there - point).max() < SAME_ON_DIAMOND for point in boundary)
+            any(np.abs(summit - point).max() < SAME_ON_DIAMOND for point in boundary)
             or not arc.any()
         ):
             trail.stops.append("revisited")
             return
-        here = _on_facet(there + WALK_STEP * arc / np.abs(arc).sum(), trail.signs)
+        here = _on_facet(summit + WALK_STEP * arc / np.abs(arc).sum(), trail.signs)
     trail.stops.append("broken off")
 
 
 def _summit(
-    work: VirtualWork, trail: _Trail, found: Optimum, partition: Array, here: Array
+    work: VirtualWork, trail: _Trail, optimum: Optimum, partition: Array, here: Array
 ) -> Array:
     """The g of facet and partition with the greatest z = -q.g; `here` if none is greater."""
     axes, signs = work.unit.axes, trail.signs[work.unit.axes]
@@ -269,17 +269,17 @@ def _summit(
     upper = np.append(np.full(len(partition), np.inf), 1.0)
     answer = solve_linear(
         LinearProgram(
-            found.q[axes] * signs, csc_array(rows), lower, upper,
+            optimum.q[axes] * signs, csc_array(rows), lower, upper,
             np.zeros(len(axes)), np.ones(len(axes)),
         ),
         presolve=False,
     )  # fmt: skip
     trail.programs += 1
-    if not answer.optimal or answer.objective >= -found.z - 1e-3 * OPTIMAL:
+    if not answer.optimal or answer.objective >= -optimum.z - 1e-3 * OPTIMAL:
         return here
-    there = np.zeros(3)
-    there[axes] = signs * answer.x
-    return _on_facet(there, trail.signs)
+    summit = np.zeros(3)
+    summit[axes] = signs * answer.x
+    return _on_facet(summit, trail.signs)
 
 
 def _on_facet(point: Array, signs: Array) -> Array:

@@ -78,30 +78,30 @@ def friction_answer(answer: FrictionAnswer | None, effort: float) -> dict[str, A
 
 
 def forces_answer(
-    found: ContactForces | None, contacts: ContactSet, program: Program
+    forces: ContactForces | None, contacts: ContactSet, program: Program
 ) -> dict[str, Any] | None:
     """Forces of equilibrium [N] on the second part of each patch; None if there are none."""
-    if found is None:
+    if forces is None:
         return None
-    rows = np.argsort(found.patch_of, kind="stable")
-    ends = np.cumsum(np.bincount(found.patch_of, minlength=len(found.patch)))
-    points = program.point[found.rows]
+    rows = np.argsort(forces.patch_of, kind="stable")
+    ends = np.cumsum(np.bincount(forces.patch_of, minlength=len(forces.patch)))
+    points = program.point[forces.rows]
     patches = []
     for k, members in enumerate(np.split(rows, ends[:-1]) if len(ends) else []):
-        patch = found.patch[k]
-        presses, rubs = np.isfinite(found.center[k]).all(), np.isfinite(found.utilisation[k])
-        used = found.bond_utilisation[k]
+        patch = forces.patch[k]
+        presses, rubs = np.isfinite(forces.center[k]).all(), np.isfinite(forces.utilisation[k])
+        used = forces.bond_utilisation[k]
         patches.append(
             {
                 "parts": [program.names[i] for i in contacts.patch_parts[patch]],
                 "kind": str(contacts.patch_kind[patch]),
-                "resultant": found.resultant[k].tolist(),
-                "normal_force": float(found.normal_force[k]),
-                "center": found.center[k].tolist() if presses else None,
-                "utilisation": float(found.utilisation[k]) if rubs else None,
+                "resultant": forces.resultant[k].tolist(),
+                "normal_force": float(forces.normal_force[k]),
+                "center": forces.center[k].tolist() if presses else None,
+                "utilisation": float(forces.utilisation[k]) if rubs else None,
                 "bond_utilisation": float(used) if np.isfinite(used) else None,
                 "points": points[members].tolist(),
-                "forces": (found.force[members] + 0.0).tolist(),
+                "forces": (forces.force[members] + 0.0).tolist(),
             }
         )
-    return {"least": found.least, "residual": found.residual, "patches": patches}
+    return {"least": forces.least, "residual": forces.residual, "patches": patches}

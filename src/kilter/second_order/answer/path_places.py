@@ -94,14 +94,14 @@ class PathPlaces:
 
 @on_one_thread
 def find_path_places(
-    assembly: Assembly, found: SecondOrder, *, work: Work | None = None
+    assembly: Assembly, answer: SecondOrder, *, work: Work | None = None
 ) -> PathPlaces | None:
     """The fall of a balanced assembly without friction.
 
     Parameters
     ----------
     assembly : Assembly
-    found : SecondOrder
+    answer : SecondOrder
         Answer for the assembly; all balanced clusters fall at once.
     work : Work, optional
         The path ends once the work is over.
@@ -114,7 +114,7 @@ def find_path_places(
     """
     falling = [
         cluster
-        for cluster in found.clusters or (found,)
+        for cluster in answer.clusters or (answer,)
         if cluster.state == "balanced" and cluster.configuration is not None
     ]
     if not falling or assembly.contacts or assembly.joints or assembly.bonds:

@@ -145,23 +145,23 @@ def _of_parts(answer: SecondOrder, groups: RigidGroups) -> SecondOrder:
 
 
 def with_rolling(
-    found: SecondOrder, assembly: Assembly, contacts: ContactSet, program: Program
+    second_order: SecondOrder, assembly: Assembly, contacts: ContactSet, program: Program
 ) -> SecondOrder:
     """A balanced answer with the result about rolling; other answers are returned as they are.
 
     Parameters
     ----------
-    found : SecondOrder
+    second_order : SecondOrder
     assembly : Assembly
     contacts : ContactSet
     program : Program
         These contacts with friction.
     """
-    answers = found.clusters or (found,)
+    answers = second_order.clusters or (second_order,)
     program = RigidGroups.of(assembly).merged(with_sharp(program, contacts), assembly)
     parted = clusters(program)
-    if found.state != "balanced" or len(parted) != len(answers) or not program.mu.any():
-        return found
+    if second_order.state != "balanced" or len(parted) != len(answers) or not program.mu.any():
+        return second_order
     features = features_of(program, contacts)
     answers = tuple(
         replace(answer, rolling=find_rolling(cluster.program, features.take(cluster.rows)))
@@ -172,7 +172,7 @@ def with_rolling(
     rollings = [answer.rolling for answer in answers if answer.rolling is not None]
     state = worst_rolling(rolling.state for rolling in rollings)
     worst = next(rolling for rolling in rollings if rolling.state == state)
-    return replace(found, rolling=worst, clusters=answers if found.clusters else ())
+    return replace(second_order, rolling=worst, clusters=answers if second_order.clusters else ())
 
 
 class _ClusterSearch:

@@ -104,15 +104,15 @@ class Fixture:
         proof, program = state.forces, state.program
         of = self.supported.support_rows(program)
         total = proof.forces[:, None] * program.normal + proof.friction
-        found: list[Array | None] = []
+        pushes: list[Array | None] = []
         for k in sorted(state.chosen):
-            one = self.candidates[k]
+            support = self.candidates[k]
             place = self.supported.place_of(k)
             push = total[of == place].sum(axis=0) if place is not None else None
-            if push is not None and one.capacity:
-                push = push - one.capacity * one.pushing(self.supported.assembly)
-            found.append(push)
-        return found
+            if push is not None and support.capacity:
+                push = push - support.capacity * support.pushing(self.supported.assembly)
+            pushes.append(push)
+        return pushes
 
     def to_dict(self) -> dict[str, Any]:
         """Return the answer as JSON data, as printed by ``kilter hold --json``."""
@@ -128,17 +128,17 @@ class Fixture:
             "supports": None
             if self.supports is None
             else [
-                {**one.to_dict(), "force": None if push is None else push.tolist()}
-                for one, push in zip(self.supports, forces, strict=True)
+                {**entry.to_dict(), "force": None if push is None else push.tolist()}
+                for entry, push in zip(self.supports, forces, strict=True)
             ],
             "least": self.least,
             "fewest": self.fewest,
             "motions": [
                 {
-                    "stopped_by": [self.candidates[k].name for k in sorted(one.shares)],
-                    "moving": _moving(one.state),
+                    "stopped_by": [self.candidates[k].name for k in sorted(entry.shares)],
+                    "moving": _moving(entry.state),
                 }
-                for one in self.found.motions
+                for entry in self.found.motions
             ],
             "candidates": len(self.candidates),
             "most": self.most,
@@ -183,14 +183,14 @@ class Fixture:
         stated: list[tuple[str, SupportedState]] = []
         if self.found.state is not None:
             stated.append(("held", self.found.state))
-        stated += [("not fewer", one.state) for one in self.found.motions]
+        stated += [("not fewer", entry.state) for entry in self.found.motions]
         proofs = []
         for about, state in stated:
             gripped, others = self.supported.given(state.chosen)
-            change = {"held": gripped, "supports": [one.to_dict() for one in others]}
-            own = {"about": about, "supports": sorted(state.chosen), "change": change}
-            proofs.append((own, self._proof(state, change, options or {})))
-        rules = {"candidates": [one.to_dict() for one in self.candidates], "least": self.least}
+            change = {"held": gripped, "supports": [entry.to_dict() for entry in others]}
+            statement = {"about": about, "supports": sorted(state.chosen), "change": change}
+            proofs.append((statement, self._proof(state, change, options or {})))
+        rules = {"candidates": [entry.to_dict() for entry in self.candidates], "least": self.least}
         return make_bundle("hold", proofs, rules=rules)
 
     def _proof(
@@ -211,7 +211,7 @@ class Fixture:
     def __repr__(self) -> str:
         if self.supports is None:
             return f"<Fixture: {self.verdict}, {self.least} or more>"
-        names: Sequence[str] = [one.name for one in self.supports]
+        names: Sequence[str] = [support.name for support in self.supports]
         return f"<Fixture: {', '.join(names) or 'nothing'}>"
 
     def __bool__(self) -> bool:

@@ -95,13 +95,13 @@ def hold(
     work.stage("the fewest supports")
     interrupted = False
     try:
-        found = find_least_supports(given, work, most=most, require=require, effort=effort)
+        least = find_least_supports(given, work, most=most, require=require, effort=effort)
     except KeyboardInterrupt:
-        found, interrupted = LeastSupports(None, 0, None, ()), True
+        least, interrupted = LeastSupports(None, 0, None, ()), True
     seconds["solve"] = time.perf_counter() - between
     return Fixture(
         supported=given,
-        found=found,
+        found=least,
         most=most,
         require=require,
         time_limit=time_limit if work.cut else None,

@@ -43,21 +43,21 @@ def wrong_hold(
         Of its proofs.
     """
     rules = bundle["rules"]
-    candidates = [Support.from_dict(one) for one in rules["candidates"]]
-    for one in candidates:
-        one.require_of(assembly)
+    candidates = [Support.from_dict(item) for item in rules["candidates"]]
+    for item in candidates:
+        item.require_of(assembly)
     held: list[tuple[frozenset[int], About]] = []
     falling: list[tuple[frozenset[int], About]] = []
     for entry, verdict in zip(bundle["proofs"], verdicts, strict=True):
-        there = frozenset(entry["supports"])
-        if entry["change"] != _change(assembly, candidates, there):
+        present = frozenset(entry["supports"])
+        if entry["change"] != _change(assembly, candidates, present):
             yield f"{entry['about']}: its supports differ from the candidates that it names"
             continue
         if entry["about"] not in FALLS or (verdict == "unstable") != FALLS[entry["about"]]:
             yield f"it states {entry['about']!r:.40}, but the verdict of its state is {verdict}"
             continue
-        (falling if FALLS[entry["about"]] else held).append((there, entry))
-    shares = [_shares(assembly, contacts, candidates, *one) for one in falling]
+        (falling if FALLS[entry["about"]] else held).append((present, entry))
+    shares = [_shares(assembly, contacts, candidates, *item) for item in falling]
     least = len(candidates) + 1 if not held else rules["least"]
     if len(held) > 1 or (held and len(held[0][0]) < least):
         yield "it has no proof that the fewest supports hold it"
@@ -70,14 +70,14 @@ FALLS = {"held": False, "not fewer": True}
 
 
 def _change(
-    assembly: Assembly, candidates: Sequence[Support], there: frozenset[int]
+    assembly: Assembly, candidates: Sequence[Support], present: frozenset[int]
 ) -> dict[str, Any]:
     """Return the change of the file that applies a subset of the candidates."""
-    chosen = [candidates[k] for k in sorted(there)]
-    gripped = {one.part for one in chosen if one.kind == "grip"}
+    chosen = [candidates[k] for k in sorted(present)]
+    gripped = {support.part for support in chosen if support.kind == "grip"}
     return {
         "held": [name for name in assembly.names if name in gripped],
-        "supports": [one.to_dict() for one in chosen if one.kind != "grip"],
+        "supports": [support.to_dict() for support in chosen if support.kind != "grip"],
     }
 
 
@@ -85,15 +85,17 @@ def _shares(
     assembly: Assembly,
     contacts: ContactSet,
     candidates: Sequence[Support],
-    there: frozenset[int],
+    present: frozenset[int],
     entry: About,
 ) -> dict[int, float]:
     """The shares that the other candidates take of the motion of a proof."""
-    every = with_supports(assembly, contacts, [one for one in candidates if one.kind != "grip"])
+    every = with_supports(
+        assembly, contacts, [support for support in candidates if support.kind != "grip"]
+    )
     program = build_program(*apply_change(assembly, contacts, entry["change"]), possible=True)
     motion = np.zeros((len(program.names), 6))
     number = {name: k for k, name in enumerate(program.names)}
     for name, six in entry["proof"]["motion"].items():
         motion[number[name]] = six
     proof = check_motion(program, motion)
-    return shares_of(candidates, build_program(*every), len(contacts.patch_mu), proof, there)
+    return shares_of(candidates, build_program(*every), len(contacts.patch_mu), proof, present)

@@ -95,12 +95,12 @@ def find_least_supports(
     lower: SupportedState | None = None  # the first set in equilibrium, below the level
 
     def answer(state: SupportedState | None, enough: bool | None) -> LeastSupports:
-        sure = least_cover([one.shares for one in motions], limit)
+        sure = least_cover([motion.shares for motion in motions], limit)
         least = limit + 1 if sure is None else len(sure)
         return LeastSupports(state, least, enough, tuple(motions))
 
     while True:
-        chosen = least_cover([*(one.shares for one in motions), *passed], limit)
+        chosen = least_cover([*(motion.shares for motion in motions), *passed], limit)
         if chosen is None or work.over:
             if lower is not None:
                 return answer(lower, True)
@@ -144,16 +144,16 @@ def _judged(given: Supported, chosen: frozenset[int], work: Work) -> SupportedSt
 def _fewest_that_stop(given: Supported, state: SupportedState, work: Work) -> Stopping:
     """A motion that few supports can stop: half of them added, a quarter, ... while one is left."""
     every = frozenset(range(len(given.supports)))
-    found = Stopping(state, given.shares(state))
+    stopping = Stopping(state, given.shares(state))
     needed: set[int] = set()
-    size = max(len(found.shares) // 2, 1)
-    while (left := sorted(set(found.shares) - needed)) and len(found.shares) > 1:
+    size = max(len(stopping.shares) // 2, 1)
+    while (left := sorted(set(stopping.shares) - needed)) and len(stopping.shares) > 1:
         size = min(size, max(len(left) // 2, 1))
-        other = _judged(given, (every - set(found.shares)) | set(left[:size]), work)
+        other = _judged(given, (every - set(stopping.shares)) | set(left[:size]), work)
         if other.stable is False:
-            found = Stopping(other, given.shares(other))
+            stopping = Stopping(other, given.shares(other))
         elif size == 1:
             needed.add(left[0])
         else:
             size //= 2
-    return found
+    return stopping

@@ -39,19 +39,19 @@ def candidates_of(
     InputError
         If no candidate is given, a word is unknown, or a support does not fit the assembly.
     """
-    found: list[Support] = []
+    candidates: list[Support] = []
     words = list(asked)
     if not words:
         raise InputError("there are no candidates for supports", hint=f"give {', '.join(WORDS)}")
-    for one in words:
-        if isinstance(one, Support):
-            one.require_of(assembly)
-            found.append(one)
-        elif one in WORDS:
-            found += WORDS[one](assembly, contacts)
+    for word in words:
+        if isinstance(word, Support):
+            word.require_of(assembly)
+            candidates.append(word)
+        elif word in WORDS:
+            candidates += WORDS[word](assembly, contacts)
         else:
-            raise InputError(f"a candidate is {one!r:.60}", hint=f"give {', '.join(WORDS)}")
-    return found
+            raise InputError(f"a candidate is {word!r:.60}", hint=f"give {', '.join(WORDS)}")
+    return candidates
 
 
 def _grips(assembly: Assembly, contacts: ContactSet) -> Iterator[Support]:
@@ -66,10 +66,10 @@ def _props(assembly: Assembly, contacts: ContactSet) -> Iterator[Support]:
         if part.grounded:
             continue
         along, owner = _hits(assembly, geometry.center[k], down)
-        own = along[owner == k]
-        if not len(own):
+        heights = along[owner == k]
+        if not len(heights):
             continue  # its centre of mass is not above any of it
-        foot, below = own.max(), (owner != k) & (along > 0)
+        foot, below = heights.max(), (owner != k) & (along > 0)
         gap = float(contacts.tolerance.gap_of(geometry.size[[k]])[0])
         below &= along > foot - gap
         if not below.any():
@@ -116,8 +116,8 @@ def _faces(corners: Array) -> Iterator[tuple[Array, Array]]:
     center = np.stack(
         [np.bincount(face.reshape(-1), area * middle[:, axis]) for axis in range(3)], axis=1
     )
-    for one in np.flatnonzero(total > LEAST_FACE * area.sum()):
-        yield center[one] / total[one], normal[first[one]]
+    for label in np.flatnonzero(total > LEAST_FACE * area.sum()):
+        yield center[label] / total[label], normal[first[label]]
 
 
 def _hits(assembly: Assembly, point: Array, direction: Array) -> tuple[Array, Array]:
@@ -125,7 +125,7 @@ def _hits(assembly: Assembly, point: Array, direction: Array) -> tuple[Array, Ar
     g = assembly.geometry
     count = len(assembly)
     corners = [g.corners_of(k) for k in range(count)]
-    owner = np.repeat(np.arange(count), [len(one) for one in corners])
+    owner = np.repeat(np.arange(count), [len(ring) for ring in corners])
     a, b, c = np.concatenate(corners).transpose(1, 0, 2)
     side = cross(np.broadcast_to(direction, c.shape), c - a)
     det = np.einsum("ij,ij->i", b - a, side)

@@ -77,7 +77,7 @@ class Supported:
     ) -> None:
         self.assembly, self.contacts, self.supports = assembly, contacts, tuple(supports)
         self.asked = 0
-        self._acting = [k for k, one in enumerate(supports) if one.kind != "grip"]
+        self._acting = [k for k, support in enumerate(supports) if support.kind != "grip"]
         self._loaded, self._touching = with_supports(
             assembly, contacts, [supports[k] for k in self._acting]
         )
@@ -138,16 +138,16 @@ class Supported:
         """Rows and loads of a set of supports, and its gripped parts held."""
         gripped, _ = self.given(chosen)
         held = np.array([name in gripped for name in self._loaded.names], dtype=bool)
-        there = np.array([k in chosen for k in self._acting], dtype=bool)
-        program = replace(whole, applied=whole.applied - self._loads(~there, whole))
+        present = np.array([k in chosen for k in self._acting], dtype=bool)
+        program = replace(whole, applied=whole.applied - self._loads(~present, whole))
         of = self.support_rows(program)
-        on = (of < 0) | np.append(there, True)[of]
+        on = (of < 0) | np.append(present, True)[of]
         return self._programs.taken(program.taking(on), np.ones(len(held), dtype=bool), held)
 
     def support_rows(self, program: Program) -> Index:
         """Return for each row the index of its support among the supports without grips, or -1."""
-        own = (program.kind == CONTACT) & (program.source >= self._first)
-        return np.where(own, program.source - self._first, -1)
+        is_support = (program.kind == CONTACT) & (program.source >= self._first)
+        return np.where(is_support, program.source - self._first, -1)
 
     def place_of(self, support: int) -> int | None:
         """Number of a support among those that are no grips; None of a grip."""
@@ -157,11 +157,11 @@ class Supported:
         """Loads of some supports on each part, shape (N, 6)."""
         loads = np.zeros((len(program.names), 6))
         for place in np.flatnonzero(which):
-            one = self.supports[self._acting[place]]
-            part = self.assembly.index[one.part]
-            force = -one.capacity * one.pushing(self.assembly)
+            support = self.supports[self._acting[place]]
+            part = self.assembly.index[support.part]
+            force = -support.capacity * support.pushing(self.assembly)
             loads[part, :3] += force
-            loads[part, 3:] += cross(one.point - program.center[part], force)
+            loads[part, 3:] += cross(support.point - program.center[part], force)
         return loads
 
     def shares(self, state: SupportedState) -> Shares:
@@ -175,7 +175,7 @@ def shares_of(
     whole: Program,
     first: int,
     proof: MotionProof,
-    there: frozenset[int],
+    present: frozenset[int],
 ) -> dict[int, float]:
     """Which supports beside those that are there may stop a motion, and to which share.
 
@@ -189,7 +189,7 @@ def shares_of(
     proof : MotionProof
         Of the assembly with those that are there; its motion may lack the held part that stands
         for the outside.
-    there : frozenset of int
+    present : frozenset of int
     """
     motion = np.zeros((len(whole.names), 6))
     motion[: len(proof.motion)] = proof.motion
@@ -198,20 +198,20 @@ def shares_of(
     rows = {int(whole.source[k]) - first: k for k in np.flatnonzero(whole.kind == CONTACT)}
     keeps = proof.ratio * LEFT >= RULED_OUT
     number = {name: k for k, name in enumerate(whole.names)}
-    found, place = {}, -1
-    for k, one in enumerate(supports):
-        place += one.kind != "grip"
-        if k in there:
+    share_of, place = {}, -1
+    for k, support in enumerate(supports):
+        place += support.kind != "grip"
+        if k in present:
             continue
-        row = rows.get(place) if one.kind != "grip" else None
-        if one.kind == "grip":
-            share = float(moves[number[one.part]])
+        row = rows.get(place) if support.kind != "grip" else None
+        if support.kind == "grip":
+            share = float(moves[number[support.part]])
         elif row is None:  # between parts that are held
             share = 0.0
         elif bad[row] < 0 or not keeps:
-            share = float(bad[row] < 0 or one.capacity > 0)
+            share = float(bad[row] < 0 or support.capacity > 0)
         else:
-            share = min(one.capacity * float(opening[row]) / proof.power, 1.0)
+            share = min(support.capacity * float(opening[row]) / proof.power, 1.0)
         if share > 0:
-            found[k] = share
-    return found
+            share_of[k] = share
+    return share_of

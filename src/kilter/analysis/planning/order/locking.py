@@ -86,20 +86,20 @@ def find_locked(states: States, removal: Removal) -> list[Locked]:
         present = base | sum(1 << k for k in core)
         loose = [k for k in core if removal.lets_go(1 << k, present)]
         if not loose:
-            found = [(k, _locked(states, removal, k, present)) for k in core]
-            loose = [k for k, locked in found if locked is None]
+            proofs = [(k, _locked(states, removal, k, present)) for k in core]
+            loose = [k for k, locked in proofs if locked is None]
             if not loose:
-                return sorted((one for _, one in found if one), key=lambda one: one.part)
+                return sorted((proof for _, proof in proofs if proof), key=lambda proof: proof.part)
         core = [k for k in core if k not in loose]
     return []
 
 
 def _locked(states: States, removal: Removal, part: int, present: int) -> Locked | None:
     """Return the proof that the other present parts lock a part, or None."""
-    there = mask_of(present, len(states.assembly))
-    held = there.copy()
+    is_present = mask_of(present, len(states.assembly))
+    held = is_present.copy()
     held[part] = False
-    state = states.judge(there, held)
+    state = states.judge(is_present, held)
     rows = holding_rows(state.program, part, removal.threads)
     multipliers = multipliers_of(opening(state.program, part, rows))
     if multipliers is None or not state.stable:
@@ -152,8 +152,8 @@ def multipliers_of(rows: Array) -> Array | None:
     count = len(rows)
     if count <= rows.shape[1] or np.linalg.matrix_rank(rows, tol=LOCKS) < rows.shape[1]:
         return None
-    zero, one = np.zeros(rows.shape[1]), np.ones(count)
-    program = LinearProgram(one, csc_array(rows.T), zero, zero, one, one / LOCKS)
+    zero, ones = np.zeros(rows.shape[1]), np.ones(count)
+    program = LinearProgram(ones, csc_array(rows.T), zero, zero, ones, ones / LOCKS)
     answer = solve_linear(program)
     if not answer.found:
         return None

@@ -76,12 +76,12 @@ def wrong_order(
     shows = ("step", "falls alone", "finished falls", "locked", "refused")
     if not any(entries[kind] for kind in shows):
         yield "it has neither an order nor a proof that there is none"
-    if entries["finished falls"] and [one["change"] for one in entries["finished falls"]] != [
+    if entries["finished falls"] and [item["change"] for item in entries["finished falls"]] != [
         {"without": [], "held": []}
     ]:
         yield "the motion is not a motion of the finished assembly"
     if entries["step"]:
-        if [one["change"] for one in entries["whole"]] != [{"without": [], "held": []}]:
+        if [item["change"] for item in entries["whole"]] != [{"without": [], "held": []}]:
             yield "the finished assembly has no proof"
         rules = Rules.of(assembly, contacts, bundle["rules"])
         yield from _wrong_steps(assembly, contacts, rules, entries["step"])
@@ -145,8 +145,10 @@ def _wrong_steps(
             reasons.append("its state does not have the parts that stand before it")
         if not _hang_on(standing, parts, touching):
             reasons.append(f"{said} touches no standing part")
-        there = np.array([name in standing and name != over for name in assembly.names])
-        if any(_stopped(assembly, sweeps, part, bits_of(there), step["legs"]) for part in moved):
+        is_present = np.array([name in standing and name != over for name in assembly.names])
+        if any(
+            _stopped(assembly, sweeps, part, bits_of(is_present), step["legs"]) for part in moved
+        ):
             reasons.append(f"a part blocks the path of {said}")
         yield from (f"step {number}: {reason}" for reason in reasons)
         standing.update(parts)
@@ -157,12 +159,12 @@ def _wrong_steps(
 
 def _hang_on(standing: set[str], parts: Sequence[str], touching: dict[str, set[str]]) -> bool:
     """Whether contacts connect all of `parts` with the standing parts."""
-    there, left = set(standing), set(parts)
+    reached, left = set(standing), set(parts)
     while left:
-        near = {part for part in left if touching[part] & there}
+        near = {part for part in left if touching[part] & reached}
         if not near:
             return False
-        there |= near
+        reached |= near
         left -= near
     return True
 
@@ -172,18 +174,18 @@ def _touching(assembly: Assembly, contacts: ContactSet) -> dict[str, set[str]]:
     neighbours: dict[str, set[str]] = {name: set() for name in assembly.names}
     pairs = [(assembly.names[a], assembly.names[b]) for a, b in contacts.patch_parts.tolist()]
     for a, b in [*pairs, *(joint.parts for joint in assembly.joints)]:
-        for one, other in ((a, b), (b, a)):
-            if one in neighbours:  # the ground is no part
-                neighbours[one].add(other)
+        for first, other in ((a, b), (b, a)):
+            if first in neighbours:  # the ground is no part
+                neighbours[first].add(other)
     return neighbours
 
 
-def _stopped(assembly: Assembly, sweeps: Sweeps, part: int, there: int, legs: Any) -> bool:
-    """Whether a part of the set `there` blocks the path, or the path has no endless last leg."""
+def _stopped(assembly: Assembly, sweeps: Sweeps, part: int, present: int, legs: Any) -> bool:
+    """Whether a part of the set `present` blocks the path, or the path has no endless last leg."""
     start = np.zeros(3)
-    others = [k for k in range(len(assembly)) if there >> k & 1 and k != part]
+    others = [k for k in range(len(assembly)) if present >> k & 1 and k != part]
     for vector, length in legs:
-        x, y, z = (float(one) for one in unit(np.array(vector, dtype=float)).round(12))
+        x, y, z = (float(component) for component in unit(np.array(vector, dtype=float)).round(12))
         distance = np.inf if length is None else float(length)
         if not distance > 0 or any(
             sweeps.pair_stops(part, other, (x, y, z), distance=distance, start=start)
@@ -213,22 +215,22 @@ def _enough(
         else:
             may = np.array([name in parts - rules.never_held for name in assembly.names])
             sets.setdefault(number, []).append(bits_of(may))
-    for number, found in sets.items():
+    for number, values in sets.items():
         held = len(steps[number - 1]["change"]["held"])
-        if least_hitting_set(found, held - 1) is not None:
+        if least_hitting_set(values, held - 1) is not None:
             yield f"step {number}: fewer than {held} held parts may be enough"
 
 
 def _wrong_closure(assembly: Assembly, falling: Sequence[About]) -> Iterator[str]:
     """Yield the parts that are not proved to fall alone on all reached parts."""
-    alone = {one["part"] for one in falling}
+    alone = {entry["part"] for entry in falling}
     base = {part.name for part in assembly if part.grounded}
     reached = set(assembly.names) - alone
-    for one in falling:
-        change = one["change"]
-        there = set(assembly.names) - set(change["without"])
-        if there != reached | {one["part"]} or set(change["held"]) != reached - base:
-            yield f"{one['part']!r} is not proved to fall on all parts that can be reached"
+    for entry in falling:
+        change = entry["change"]
+        present = set(assembly.names) - set(change["without"])
+        if present != reached | {entry["part"]} or set(change["held"]) != reached - base:
+            yield f"{entry['part']!r} is not proved to fall on all parts that can be reached"
 
 
 def _wrong_exhaustion(
@@ -244,17 +246,17 @@ def _wrong_exhaustion(
         if set(change["held"]) != standing - base - parts:
             yield f"refused {_of(cut)}: other parts are free in the proof"
             return
-        there = bits_of(np.array([name in standing for name in names]))
+        present = bits_of(np.array([name in standing for name in names]))
         may = bits_of(np.array([name in parts - rules.never_held for name in names]))
-        motions.setdefault(there, []).append(may)
+        motions.setdefault(present, []).append(may)
     touching = _touching(assembly, contacts)
 
     def goes_on(part: int, rest: int) -> bool:
         """Whether the bit set `rest` may remain after the removal of `part`."""
-        there = {name for k, name in enumerate(names) if rest >> k & 1}
-        one = names[part.bit_length() - 1]
-        early = any(first == one and second in there for first, second in rules.precedence)
-        if early or not _hang_on(base, sorted(there - base), touching):
+        present = {name for k, name in enumerate(names) if rest >> k & 1}
+        moved = names[part.bit_length() - 1]
+        early = any(first == moved and second in present for first, second in rules.precedence)
+        if early or not _hang_on(base, sorted(present - base), touching):
             return False
         return least_hitting_set(motions.get(rest, []), rules.hold) is not None
 
@@ -268,21 +270,21 @@ def _wrong_locking(
 ) -> Iterator[str]:
     """Yield the parts that the multipliers do not prove to be locked by the others and the base."""
     base = {part.name for part in assembly if part.grounded}
-    core = {one["part"] for one in locked}
+    core = {entry["part"] for entry in locked}
     screws = frozenset(
         (assembly.index_of(bolt), assembly.index_of(nut)) for bolt, nut, _ in threads
     )
     states = build_state_programs(assembly, contacts)
-    for one in locked:
-        name, change = one["part"], one["change"]
-        there = set(assembly.names) - set(change["without"])
-        if name in base or there != core | base or set(change["held"]) != core - {name}:
+    for entry in locked:
+        name, change = entry["part"], entry["change"]
+        standing = set(assembly.names) - set(change["without"])
+        if name in base or standing != core | base or set(change["held"]) != core - {name}:
             yield f"{name!r} is not locked by the base and the other parts of the proof"
             continue
-        present = np.array([other in there for other in assembly.names])
+        present = np.array([other in standing for other in assembly.names])
         held = present & (np.array(assembly.names) != name)
         program, part = states.of(present, held), assembly.index_of(name)
-        multipliers = np.array(one["multipliers"], dtype=float)
+        multipliers = np.array(entry["multipliers"], dtype=float)
         rows = holding_rows(program, part, screws)
         if multipliers.shape != rows.shape or not shuts(
             opening(program, part, rows), multipliers[rows]
@@ -294,34 +296,38 @@ def _wrong_pressing(
     assembly: Assembly, force: float, steps: Sequence[About], pressed: Sequence[About]
 ) -> Iterator[str]:
     """Yield the steps without a proof under the force that presses their parts in."""
-    if sorted(one["step"] for one in pressed) != (list(range(1, len(steps) + 1)) if force else []):
+    if sorted(entry["step"] for entry in pressed) != (
+        list(range(1, len(steps) + 1)) if force else []
+    ):
         yield "not every step has a proof with the pressing force"
         return
     mass = dict(zip(assembly.names, assembly.geometry.mass.tolist(), strict=True))
-    own = [(load.part, load.force, load.torque, load.point) for load in assembly.loads]
-    for one in pressed:
-        step = steps[one["step"] - 1]
-        change, parts = one["change"], step["parts"]
+    given_loads = [(load.part, load.force, load.torque, load.point) for load in assembly.loads]
+    for entry in pressed:
+        step = steps[entry["step"] - 1]
+        change, parts = entry["change"], step["parts"]
         x, y, z = (-float(value) for value in unit(np.array(step["legs"][0][0], dtype=float)))
         press = press_loads(parts, [mass[name] for name in parts], (x, y, z), force)
-        wanted = own + [(load["part"], load["force"], load["torque"], None) for load in press]
+        wanted = given_loads + [
+            (load["part"], load["force"], load["torque"], None) for load in press
+        ]
         given = [tuple(load[key] for key in LOAD) for load in change["loads"]]
         standing = set(step["change"]["without"]) - set(parts)
         if set(change["without"]) != standing or change["held"] != step["change"]["held"]:
-            yield f"step {one['step']}: the proof presses other parts"
+            yield f"step {entry['step']}: the proof presses other parts"
         elif len(given) != len(wanted) or not all(map(_same_load, given, wanted)):
-            yield f"step {one['step']}: the proof has another pressing force"
+            yield f"step {entry['step']}: the proof has another pressing force"
 
 
 LOAD = ("part", "force", "torque", "point")
 """Keys of a load in the file."""
 
 
-def _same_load(one: Sequence[Any], other: Sequence[Any]) -> bool:
+def _same_load(first: Sequence[Any], other: Sequence[Any]) -> bool:
     """Whether two loads are equal up to rounding."""
-    if one[0] != other[0] or (one[3] is None) != (other[3] is None):
+    if first[0] != other[0] or (first[3] is None) != (other[3] is None):
         return False
-    pairs = [(a, b) for a, b in zip(one[1:], other[1:], strict=True) if a is not None]
+    pairs = [(a, b) for a, b in zip(first[1:], other[1:], strict=True) if a is not None]
     return all(np.allclose(a, b, rtol=SAME_LOAD, atol=0) for a, b in pairs)
 
 
@@ -333,10 +339,12 @@ def _wrong_turns(
     assembly: Assembly, may: bool, steps: Sequence[About], turned: Sequence[About]
 ) -> Iterator[str]:
     """Yield the steps after which the turn to the next direction of gravity is not proved."""
-    own = assembly.down
-    downs = [unit(np.array(one["change"].get("down", own), dtype=float)) for one in steps] + [own]
-    following = [one["change"] for one in steps[1:]] + [{"without": [], "held": []}]
-    between = {one["step"]: one["change"] for one in turned}
+    given_down = assembly.down
+    downs = [
+        unit(np.array(entry["change"].get("down", given_down), dtype=float)) for entry in steps
+    ] + [given_down]
+    following = [entry["change"] for entry in steps[1:]] + [{"without": [], "held": []}]
+    between = {entry["step"]: entry["change"] for entry in turned}
     if turned and not may:
         yield "it has turns, but its rules do not allow turns"
     for number, after in enumerate(following, 1):

@@ -70,16 +70,20 @@ def order_proof(
     if whole.stable is False:
         stated.append(({"about": "finished falls"}, whole, states))
     stated += [
-        ({"about": "falls alone", "part": names[int(np.flatnonzero(one.free)[0])]}, one, states)
-        for one in falling
+        ({"about": "falls alone", "part": names[int(np.flatnonzero(entry.free)[0])]}, entry, states)
+        for entry in falling
     ]
     stated += [
         (
-            {"about": "locked", "part": names[one.part], "multipliers": one.multipliers.tolist()},
-            one.state,
+            {
+                "about": "locked",
+                "part": names[entry.part],
+                "multipliers": entry.multipliers.tolist(),
+            },
+            entry.state,
             states,
         )
-        for one in locked
+        for entry in locked
     ]
     stated += [
         ({"about": "refused", "parts": _names(names, cut)}, cut.state, states)

@@ -64,14 +64,14 @@ class Rules:
     def broken(self, step: Mapping[str, Any], standing: set[str]) -> Iterator[str]:
         """Yield the rules that a step breaks if it follows the standing parts."""
         parts, held = set(step["parts"]), step["change"]["held"]
-        there = standing | parts
+        present = standing | parts
         if len(held) > self.hold or len(set(held)) < len(held):
             yield f"{len(held)} parts are held, more than {self.hold}"
         for name in held:
             if name in self.never_held or name not in standing:
                 yield f"{name!r} is held, but must not be held"
         for first, second in self.precedence:
-            if second in parts and first not in there:
+            if second in parts and first not in present:
                 yield f"{second!r} is put in before {first!r}"
         for group in self.groups:
             if parts & group and not group <= parts:

@@ -106,28 +106,32 @@ def plan(
     after, units = later_parts(assembly, rules.before), units_of_groups(assembly, rules.groups)
     if rules.sequence is not None:
         units = sets_of_order(assembly, rules.sequence)
-    found = states(assembly, contacts=contacts, tolerance=tolerance, progress=progress)
+    part_states = states(assembly, contacts=contacts, tolerance=tolerance, progress=progress)
     seconds = {"contacts": time.perf_counter() - started}
     between = time.perf_counter()
-    whole = _whole_state(found)
-    finished = found.decide(whole, require=level, effort=effort, work=work, finished=True)
-    turned = find_screws(found.contacts, rules.screws)
-    removal = Removal(found.contacts, directions=rules.directions, screws=turned)
+    whole = _whole_state(part_states)
+    finished = part_states.decide(whole, require=level, effort=effort, work=work, finished=True)
+    turned = find_screws(part_states.contacts, rules.screws)
+    removal = Removal(part_states.contacts, directions=rules.directions, screws=turned)
     barred = (
-        found.mask(rules.never_hold) if rules.never_hold else np.zeros(len(assembly), dtype=bool)
+        part_states.mask(rules.never_hold)
+        if rules.never_hold
+        else np.zeros(len(assembly), dtype=bool)
     )
     holdable = ~assembly.geometry.grounded & ~barred
-    pressing = Pressing(found, rules.press) if rules.press else None
-    search = OrderSearch(found, removal, after, holdable, work, units, rules.together, pressing)
+    pressing = Pressing(part_states, rules.press) if rules.press else None
+    search = OrderSearch(
+        part_states, removal, after, holdable, work, units, rules.together, pressing
+    )
     falling: list[State] = []
     locked: list[Locked] = []
     one_by_one = rules.sequence is None and not rules.together
     one_by_one = one_by_one and bool(whole.stable) and not any(unit & (unit - 1) for unit in units)
     if one_by_one:
         work.stage("locked parts")
-        locked = find_locked(found, removal)
+        locked = find_locked(part_states, removal)
         work.stage("parts that stand by themselves")
-        falling = [] if locked or rules.turn else find_unreachable(found)[1]
+        falling = [] if locked or rules.turn else find_unreachable(part_states)[1]
     if not whole.stable:
         searched = Searched(None)
     elif rules.sequence is not None:
@@ -155,11 +159,11 @@ def plan(
     steps = steps_of(search, searched.order or [], level, effort)
     seconds["solve"] = time.perf_counter() - between
     return Order(
-        states=found,
+        states=part_states,
         steps=tuple(steps),
         best=()
         if searched.order
-        else tuple(n for one in search.best for n in _names(assembly, one.set)),
+        else tuple(n for entry in search.best for n in _names(assembly, entry.set)),
         falling=tuple(falling),
         locked=tuple(locked),
         refused=tuple(refused),
@@ -169,7 +173,10 @@ def plan(
         require=level,
         precedence=precedence_pairs(assembly, after, turned),
         never_held=tuple(np.array(assembly.names)[barred].tolist()),
-        directions=tuple(one if isinstance(one, str) else tuple(one) for one in rules.directions),  # type: ignore[arg-type]
+        directions=tuple(
+            entry if isinstance(entry, str) else tuple(np.asarray(entry).tolist())
+            for entry in rules.directions
+        ),
         screws=tuple(turned),
         moved_as_one=tuple(_names(assembly, unit) for unit in units if unit & (unit - 1)),
         together=rules.together,
@@ -183,9 +190,9 @@ def plan(
         time_limit=time_limit if work.cut else None,
         counts={
             "states": search.visited,
-            "programs": found.counts["programs"] + found.counts["cones"],
+            "programs": part_states.counts["programs"] + part_states.counts["cones"],
             "sweeps": removal.sweeps.tests,
-            "no_goods": found.no_goods,
+            "no_goods": part_states.no_goods,
         },
         seconds=seconds,
     )
@@ -200,13 +207,13 @@ def _least(searched: Searched, falling: int) -> str | None:
     return "as-tried" if searched.proved else None
 
 
-def _whole_state(found: States) -> State:
+def _whole_state(part_states: States) -> State:
     """Return the state of the finished assembly with only its grounded parts held."""
-    assembly = found.assembly
+    assembly = part_states.assembly
     grounded = assembly.geometry.grounded
     if grounded.all():
         raise InputError("everything is held: there is nothing to put together")
-    return found.judge(np.ones(len(assembly), dtype=bool), grounded)
+    return part_states.judge(np.ones(len(assembly), dtype=bool), grounded)
 
 
 def _names(assembly: Assembly, *sets: int) -> tuple[str, ...]:

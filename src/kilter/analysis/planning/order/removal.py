@@ -86,8 +86,15 @@ class Removal:
         self._up = -contacts.assembly.down
         self._angle = contacts.tolerance.angle
         self._touching = _touching(contacts)
-        self._given = [_direction(one) if not isinstance(one, str) else one for one in directions]
-        unknown = [one for one in directions if isinstance(one, str) and one not in SUGGESTED]
+        self._given = [
+            _direction(direction) if not isinstance(direction, str) else direction
+            for direction in directions
+        ]
+        unknown = [
+            direction
+            for direction in directions
+            if isinstance(direction, str) and direction not in SUGGESTED
+        ]
         if unknown or not self._given:
             raise InputError(
                 f"a direction is {unknown[0] if unknown else 'missing'!r}",

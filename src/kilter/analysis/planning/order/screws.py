@@ -28,11 +28,11 @@ def find_screws(contacts: ContactSet, named: Iterable[tuple[str, str]]) -> list[
         If a pattern matches no part, or no nut of a pair is round a bolt.
     """
     assembly = contacts.assembly
-    found: dict[tuple[int, int], Screw] = {}
+    screw_of: dict[tuple[int, int], Screw] = {}
     for pair in named:
         if isinstance(pair, str) or len(pair) != 2:
             raise InputError(f"screws have {pair!r:.60}", hint="give pairs of a bolt and a nut")
-        bolts, nuts = (sorted(map(assembly.index_of, assembly.matching(one))) for one in pair)
+        bolts, nuts = (sorted(map(assembly.index_of, assembly.matching(entry))) for entry in pair)
         wanted = {(bolt, nut) for bolt in bolts for nut in nuts if bolt != nut}
         fits = coaxial_fits(assembly, wanted, contacts.tolerance, thickest=THREAD, thinnest=THREAD)
         screws = [(fit.parts, fit.axis) for fit in fits if fit.parts in wanted]
@@ -42,6 +42,6 @@ def find_screws(contacts: ContactSet, named: Iterable[tuple[str, str]]) -> list[
                 hint="name the bolt, then the nut",
             )
         for (bolt, nut), axis in screws:
-            x, y, z = (float(one) + 0.0 for one in axis.round(12))
-            found.setdefault((bolt, nut), Screw(bolt, nut, (x, y, z)))
-    return list(found.values())
+            x, y, z = (float(entry) + 0.0 for entry in axis.round(12))
+            screw_of.setdefault((bolt, nut), Screw(bolt, nut, (x, y, z)))
+    return list(screw_of.values())

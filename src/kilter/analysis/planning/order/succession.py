@@ -20,7 +20,7 @@ def later_parts(assembly: Assembly, before: Iterable[tuple[str, str]]) -> list[i
     for pair in before:
         if isinstance(pair, str) or len(pair) != 2:
             raise InputError(f"before has {pair!r:.60}", hint="give pairs of names")
-        first, second = (sorted(assembly.matching(one)) for one in pair)
+        first, second = (sorted(assembly.matching(pattern)) for pattern in pair)
         for name in first:
             for other in second:
                 if assembly[other].grounded and not assembly[name].grounded:
@@ -60,4 +60,4 @@ def precedence_pairs(
         for other in range(len(names))
         if later[k] >> other & 1
     ]
-    return (*asked, *((names[one.bolt], names[one.nut]) for one in screws))
+    return (*asked, *((names[screw.bolt], names[screw.nut]) for screw in screws))

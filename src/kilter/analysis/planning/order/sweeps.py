@@ -242,10 +242,10 @@ def _near(
 def _heights(shadow: _Shadow, rows: Index, points: Array) -> Array:
     """Return the heights of plane points, shape (n, 2), each on its own triangle."""
     plane, height = shadow.plane[rows], shadow.height[rows]
-    one, two, off = plane[:, 1] - plane[:, 0], plane[:, 2] - plane[:, 0], points - plane[:, 0]
-    area = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
+    edge, two, off = plane[:, 1] - plane[:, 0], plane[:, 2] - plane[:, 0], points - plane[:, 0]
+    area = edge[:, 0] * two[:, 1] - edge[:, 1] * two[:, 0]
     s = (off[:, 0] * two[:, 1] - off[:, 1] * two[:, 0]) / area
-    t = (one[:, 0] * off[:, 1] - one[:, 1] * off[:, 0]) / area
+    t = (edge[:, 0] * off[:, 1] - edge[:, 1] * off[:, 0]) / area
     rise = height - height[:, :1]
     result: Array = height[:, 0] + s * rise[:, 1] + t * rise[:, 2]
     return result

@@ -98,21 +98,21 @@ def _components(
 
     reached: dict[int, int] = {}
     for unit in units:
-        found, new = unit, unit
-        while new and not found & base:
-            one = unit_of[(new & -new).bit_length() - 1]
-            new &= ~one
-            met = stopping(one)
+        component, new = unit, unit
+        while new and not component & base:
+            other = unit_of[(new & -new).bit_length() - 1]
+            new &= ~other
+            met = stopping(other)
             if met & base:
-                found |= met
+                component |= met
                 break
-            more = sum({unit_of[part] for part in members(met & ~found, size).tolist()})
-            found |= more
+            more = sum({unit_of[part] for part in members(met & ~component, size).tolist()})
+            component |= more
             new |= more
-        reached[unit] = found
+        reached[unit] = component
     return [
-        found
-        for found in dict.fromkeys(reached.values())
-        if not found & base and found not in units
-        and all(reached[one] == found for one in units if one & found)
+        component
+        for component in dict.fromkeys(reached.values())
+        if not component & base and component not in units
+        and all(reached[other] == component for other in units if other & component)
     ]  # fmt: skip

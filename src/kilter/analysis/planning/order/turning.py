@@ -86,9 +86,9 @@ class TurningSearch:
     def states(self, down: Direction) -> States:
         """Return the states of the assembly under a direction of gravity."""
         if down not in self._states:
-            own = self.search.states
-            turned = States(own.assembly.with_down(down), own.contacts)
-            self._states[down] = own if down == self._own() else turned
+            part_states = self.search.states
+            turned = States(part_states.assembly.with_down(down), part_states.contacts)
+            self._states[down] = part_states if down == self._own() else turned
         return self._states[down]
 
     def find(self, most: int, fewest: str) -> list[Removed] | None:
@@ -98,9 +98,9 @@ class TurningSearch:
             allowed.sort(key=lambda limits: limits[1])
         for hold, turns in allowed:
             self.search.work.stage(f"an order with {hold} held, {turns} turns")
-            found = self._find(hold, turns)
-            if found is not None or self.search.work.over:
-                return found
+            order = self._find(hold, turns)
+            if order is not None or self.search.work.over:
+                return order
         return None
 
     def _own(self) -> Direction:
@@ -118,27 +118,27 @@ class TurningSearch:
         while waiting:
             present, left, run, removals = waiting[-1]
             if present == search.base:
-                return self._settled(order, [one[2] for one in waiting[1:]])
+                return self._settled(order, [entry[2] for entry in waiting[1:]])
             if search.work.over:
                 return None
-            found = next(
+            choice = next(
                 (
-                    (one, then, rest)
-                    for one, then, rest in removals
-                    if (present & ~one.set, rest, then.down) not in dead
+                    (entry, then, rest)
+                    for entry, then, rest in removals
+                    if (present & ~entry.set, rest, then.down) not in dead
                 ),
                 None,
             )
-            if found is None:
+            if choice is None:
                 dead.add((present, left, run.down))
                 waiting.pop()
                 if order:
                     order.pop()
                 continue
-            one, then, rest = found
-            order.append(one)
+            entry, then, rest = choice
+            order.append(entry)
             search.note(order, hold)
-            after = present & ~one.set
+            after = present & ~entry.set
             waiting.append((after, rest, then, self._removals(after, then, rest, hold)))
         search.exhausted = True
         return None
@@ -147,15 +147,15 @@ class TurningSearch:
         """Return the removals with their states under the final direction of their run."""
         downs = {run.number: run.down for run in runs}
         settled = []
-        for one, run in zip(order, runs, strict=True):
+        for step, run in zip(order, runs, strict=True):
             if run.first:
-                settled.append(one)
+                settled.append(step)
                 continue
-            states, between = self.states(downs[run.number]), one.between
+            states, between = self.states(downs[run.number]), step.between
             if between is not None:
                 between = states.judge(between.present, between.present & ~between.free)
-            state = states.judge(one.state.present, one.state.present & ~one.state.free)
-            settled.append(replace(one, state=state, turned=states, between=between))
+            state = states.judge(step.state.present, step.state.present & ~step.state.free)
+            settled.append(replace(step, state=state, turned=states, between=between))
         return settled
 
     def _removals(
@@ -206,7 +206,7 @@ class TurningSearch:
         self, moved: int, legs: tuple[Leg, ...], present: int, run: _Run, turns: int
     ) -> Iterator[tuple[Removed, _Run, int]]:
         """Yield a removal with a turn, which begins a new run."""
-        key = next(one for one in reversed(run.states) if one[0] == present)
+        key = next(entry for entry in reversed(run.states) if entry[0] == present)
         rest = present & ~moved
         down = self._down((key, (rest, 0)))
         if down is None or np.linalg.norm(np.add(down, run.down)) < OPPOSITE:
@@ -234,12 +234,14 @@ class TurningSearch:
     def _down(self, keys: tuple[tuple[int, int], ...]) -> Direction | None:
         """Return a direction under which all given states are proved to hold, or None."""
         if keys not in self._common:
-            own = self.search.states
-            masks = [(self._mask(there), self._mask(held)) for there, held in keys]
-            programs = [own.judge(*one).program for one in masks]
-            down = common_down([one for one in programs if one.free.any()])
-            self.search.work.charge(1000.0 * sum(len(one.part_a) for one in programs))
-            if down is not None and not all(self.states(down).judge(*one).stable for one in masks):
+            part_states = self.search.states
+            masks = [(self._mask(present), self._mask(held)) for present, held in keys]
+            programs = [part_states.judge(*entry).program for entry in masks]
+            down = common_down([entry for entry in programs if entry.free.any()])
+            self.search.work.charge(1000.0 * sum(len(entry.part_a) for entry in programs))
+            if down is not None and not all(
+                self.states(down).judge(*entry).stable for entry in masks
+            ):
                 down = None
             self._common[keys] = down
         return self._common[keys]
@@ -255,17 +257,18 @@ def common_down(programs: Sequence[Program]) -> Direction | None:
 
     if not programs:
         return None
-    problems = [scaled_problem(pyramid(one, SIDES)) for one in programs]
+    problems = [scaled_problem(pyramid(entry, SIDES)) for entry in programs]
     right = []
     for problem in problems:
         wrench = np.zeros((3, len(problem.program.mass), 6))
         for axis in range(3):
             wrench[axis, :, axis] = problem.program.mass * problem.program.g
-        right.append(np.column_stack([problem.scaled_load(one) for one in wrench]))
+        right.append(np.column_stack([problem.scaled_load(entry) for entry in wrench]))
     matrix = hstack(
-        [block_diag([one.matrix for one in problems]), csc_array(-np.vstack(right))], format="csc"
+        [block_diag([entry.matrix for entry in problems]), csc_array(-np.vstack(right))],
+        format="csc",
     )
-    lower = [np.where(one.program.two_sided, -np.inf, 0.0) for one in problems]
+    lower = [np.where(entry.program.two_sided, -np.inf, 0.0) for entry in problems]
     bounds = np.concatenate([*lower, -np.ones(3)])
     count, zero = len(bounds), np.zeros(matrix.shape[0])
     upper = np.concatenate([np.full(count - 3, np.inf), np.ones(3)])
@@ -274,9 +277,9 @@ def common_down(programs: Sequence[Program]) -> Direction | None:
         for sign in (-1.0, 1.0):
             cost = np.zeros(count)
             cost[count - 3 + axis] = sign
-            found = solve_linear(LinearProgram(cost, matrix, zero, zero, bounds, upper))
-            if found.found:
-                total += found.x[-3:]
+            optimum = solve_linear(LinearProgram(cost, matrix, zero, zero, bounds, upper))
+            if optimum.found:
+                total += optimum.x[-3:]
     size = float(np.linalg.norm(total))
     if size < SMALL:
         return None
@@ -303,6 +306,6 @@ def find_with_turns(search: OrderSearch, most: int, fewest: str) -> Searched:
     if order is None:
         return Searched(None)
     if fewest == "turns":
-        turns = sum(one.between is not None for one in order)
+        turns = sum(step.between is not None for step in order)
         return Searched(order, turns, proved=turns <= 1)
-    return Searched(order, max(one.held for one in order) - search.base.bit_count())
+    return Searched(order, max(step.held for step in order) - search.base.bit_count())

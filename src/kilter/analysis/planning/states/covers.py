@@ -41,9 +41,9 @@ def least_cover(motions: Sequence[Shares], most: int) -> frozenset[int] | None:
     (True, True)
     """
     for size in range(most + 1):
-        found = _cover(motions, size, frozenset(), frozenset())
-        if found is not None:
-            return found
+        cover = _cover(motions, size, frozenset(), frozenset())
+        if cover is not None:
+            return cover
     return None
 
 
@@ -51,20 +51,20 @@ def _cover(
     motions: Sequence[Shares], size: int, chosen: frozenset[int], barred: frozenset[int]
 ) -> frozenset[int] | None:
     """The set with at most so many members more, none of the barred ones."""
-    left = [(one, sum(one.get(k, 0.0) for k in sorted(chosen))) for one in motions]
-    left = [(one, share) for one, share in left if share < ENOUGH]
+    left = [(motion, sum(motion.get(k, 0.0) for k in sorted(chosen))) for motion in motions]
+    left = [(motion, share) for motion, share in left if share < ENOUGH]
     if not left:
         return chosen
     branches = []
-    for one, share in left:
-        open_to = sorted((-a, k) for k, a in one.items() if k not in barred and k not in chosen)
+    for motion, share in left:
+        open_to = sorted((-a, k) for k, a in motion.items() if k not in barred and k not in chosen)
         if share - sum(a for a, _ in open_to[:size]) < ENOUGH:
             return None
         branches.append([k for _, k in open_to])
     closed = barred
-    for member in min(branches, key=lambda one: (len(one), one)):
-        found = _cover(motions, size - 1, chosen | {member}, closed)
-        if found is not None:
-            return found
+    for member in min(branches, key=lambda motion: (len(motion), motion)):
+        cover = _cover(motions, size - 1, chosen | {member}, closed)
+        if cover is not None:
+            return cover
         closed = closed | {member}
     return None

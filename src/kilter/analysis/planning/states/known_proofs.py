@@ -128,15 +128,15 @@ def motions_for_others(outer: Program, state: Program, proof: MotionProof) -> li
     both = moves[a] & moves[b]
     label = connected(len(moving), a[both], b[both])
     alone = [(label == k) & moving for k in np.unique(label[moving])]
-    found = []
+    groups = []
     for group in alone:
-        one = check_motion(state, np.where(group[:, None], proof.motion, 0.0))
-        if one.holds:
-            found.append((one, group))
-    if not found:
-        found = [(proof, sizes > 0)]
-    found.sort(key=lambda pair: -pair[0].ratio)
-    return [_known(outer, one, group) for one, group in found]
+        motion = check_motion(state, np.where(group[:, None], proof.motion, 0.0))
+        if motion.holds:
+            groups.append((motion, group))
+    if not groups:
+        groups = [(proof, sizes > 0)]
+    groups.sort(key=lambda pair: -pair[0].ratio)
+    return [_known(outer, motion, group) for motion, group in groups]
 
 
 def _known(outer: Program, proof: MotionProof, moving: Mask) -> KnownMotion:

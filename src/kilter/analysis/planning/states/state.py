@@ -55,8 +55,8 @@ class State:
     def moves(self) -> Mask:
         """Mask of the parts that move, shape (N,)."""
         if self.motion is None:
-            told = None if self.stable is not False else self.verdict
-            named = set() if told is None else set(told.moving)
+            proved_verdict = None if self.stable is not False else self.verdict
+            named = set() if proved_verdict is None else set(proved_verdict.moving)
             return np.array([name in named for name in self.names], dtype=bool)
         sizes = part_sizes(self.program, self.motion.motion, per_radius=False)
         moves: Mask = sizes > STILL * sizes.max(initial=0.0)

@@ -97,6 +97,6 @@ def build_state_programs(assembly: Assembly, contacts: ContactSet) -> StateProgr
 
 def parts_of(program: Program, rows: Index) -> Mask:
     """Parts that some rows name, shape (N,); the ground is none."""
-    found = np.zeros(len(program.names) + 1, dtype=bool)
-    found[program.part_a[rows]] = found[program.part_b[rows]] = True
-    return found[:-1]
+    is_part = np.zeros(len(program.names) + 1, dtype=bool)
+    is_part[program.part_a[rows]] = is_part[program.part_b[rows]] = True
+    return is_part[:-1]
