@@ -89,7 +89,8 @@ def region_facts(answer: Answer) -> list[Fact]:
         facts.append(("center", center))
     if answer["half_angle_deg"] is not None:
         half = angle(answer["half_angle_deg"])
-        facts.append(("half angle", f"{half}, of the widest circular cone inside"))
+        inside = "sector" if answer["dimension"] == 2 else "circular cone"
+        facts.append(("half angle", f"{half}, of the widest {inside} inside"))
     if answer["gap_deg"] is not None:
         gap = f"at most {answer['gap_deg']:.3g} deg between rays (inside) and facets (outside)"
         facts.append(("gap", gap))
