@@ -47,7 +47,7 @@ def test_the_level_of_a_plan_is_at_most_that_of_the_finished_assembly(run) -> No
     assert run("check", squeezed)[0] == 3
     code, plan = run("plan", squeezed, "--require", "proved", "--proof", "p.json")
     assert (code, plan["level"], plan["finished"]["level"]) == (3, "equilibrium", "equilibrium")
-    assert "finished assembly: equilibrium" in text_of(plan)
+    assert "of the finished assembly (equilibrium)" in text_of(plan)
     assert main(["verify", "a.kilter.json", "p.json"]) == 0
 
 

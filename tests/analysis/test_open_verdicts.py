@@ -105,7 +105,6 @@ def sloped(gap: float, mu: float) -> Assembly:
     return Assembly(parts, friction=0.5, friction_pairs=pairs).with_down(down)
 
 
-@pytest.mark.slow
 def test_what_friction_proves_holds_with_the_open_pairs_as_contacts_too() -> None:
     assert judged(sloped(5e-3, 0.01)).verdict == "stable"  # nothing is open
     touching = judged(sloped(0.0, 0.01))

@@ -174,7 +174,7 @@ def test_wrong_bonds_are_one_sentence():
         (lambda: Bond(("a", "b"), pull=1.0, kind="morter"), "did you mean 'mortar'"),
         (lambda: Bond(("a", "b"), pull=1.0, points=[[0, 0, 0]]), "no normal"),
         (lambda: Bond(("a",), pull=1.0), "give a pair"),
-        (lambda: Assembly(parts, bonds=twice), "two bonds act at all contacts"),
+        (lambda: Assembly(parts, bonds=twice), "two of them act at all contacts"),
         (lambda: Assembly(parts, bonds=[Bond(("low", "tip"), pull=1.0)]), "no part is named"),
     ):
         with pytest.raises(kilter.InputError, match=why):

@@ -145,7 +145,7 @@ def test_a_list_names_files_beside_it_and_options_reach_them(piles: Path, tmp_pa
         kilter.batch(piles / "pile-1.kilter.json", tmp_path / "other")
     with pytest.raises(InputError, match="cannot be read"):
         kilter.batch(tmp_path / "none", tmp_path / "other")
-    with pytest.raises(InputError, match="rows would lie among"):
+    with pytest.raises(InputError, match="contains the files to check"):
         kilter.batch(piles, piles)
     (tmp_path / "barred" / ".batch.lock").mkdir(parents=True)  # where the lock should be
     with pytest.raises(InputError, match="cannot be written"):

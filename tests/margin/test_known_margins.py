@@ -425,7 +425,7 @@ def test_where_no_tilt_fails_there_is_no_direction_that_does(name):
     answer = kilter.margin(scene(name), effort=0)
     assert (answer.tilt_deg, answer.tilt_down) == (90.0, None)
     assert answer.to_dict()["tilt_down"] is None
-    assert "more than 90 deg" in str(facts(answer.to_dict()))
+    assert "at least 90 deg" in str(facts(answer.to_dict()))
 
 
 @pytest.mark.slow

@@ -132,7 +132,7 @@ def test_several_shapes_of_a_link_are_one_part(tmp_path: Path) -> None:
         ([link("a", '<box size="1 1"/>')], "part 'a': size of a box is '1 1'; give 3 numbers"),
         (
             [link("a", '<mesh filename="a.dae"/>')],
-            r"part 'a': a mesh file has the type \.dae; write",
+            r"part 'a': mesh files of type \.dae cannot be read; write",
         ),
         ([BASE, joint("base", "arm", "fixed", "0 0 0")], "the child 'arm' of the joint .* is not"),
         (

@@ -18,6 +18,7 @@ from kilter.analysis.verification import verify_bundle
 from kilter.cli import main
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
+from kilter.scenes.friction import books
 from kilter.scenes.pieces import block, floor
 from kilter.work import Work
 
@@ -441,10 +442,11 @@ def test_the_supports_raise_the_assembly_to_the_required_level() -> None:
 
 def test_a_grip_on_a_loaded_part_carries_its_load() -> None:
     """Books between a wall and a plate that a load presses: a grip replaces that load."""
-    fixture = kilter.hold(scene("books"), require="settles")
+    row = books(2)
+    fixture = kilter.hold(row, require="settles")
     assert fixture.verdict == "held"
     assert rechecked(fixture) == ""
-    loaded = {load.part for load in scene("books").loads}
-    gripped = scene("books").with_grips(loaded)
+    loaded = {load.part for load in row.loads}
+    gripped = row.with_grips(loaded)
     assert not gripped.loads
     assert all(gripped.parts[gripped.index[name]].grounded for name in loaded)

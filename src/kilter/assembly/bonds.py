@@ -201,7 +201,7 @@ def require_apart(bonds: tuple[Bond, ...]) -> None:
         if bond.points is None and pair in seen:
             names = " and ".join(repr(name) for name in bond.parts)
             raise InputError(
-                f"two bonds act at all contacts of {names}",
+                f"the bonds of {names} conflict: two of them act at all contacts of the pair",
                 hint="remove a bond, or give the points of each",
             )
         if bond.points is None:

@@ -37,8 +37,8 @@ def orient(
         Method,
         typer.Option(
             "--method",
-            help="Method for the direction nearest to stable: joint programs, or the walk of the "
-            "paper.",
+            help="Algorithm if no direction is stable: 'joint' solves a program for each facet of "
+            "the directions, 'walk' is the published search.",
             rich_help_panel=FORM,
         ),
     ] = Method.JOINT,

@@ -146,7 +146,7 @@ def _open_reader(path: Path) -> tuple[Any, str]:
 
 
 def _transfer(reader: Any, units: str) -> Any:
-    """The OCCT document with the product tree of a reader."""
+    """The OCCT document into which the reader's product tree is transferred."""
     from OCP.TCollection import TCollection_ExtendedString
     from OCP.TDocStd import TDocStd_Document
     from OCP.XCAFDoc import XCAFDoc_DocumentTool

@@ -207,7 +207,7 @@ class _Robot:
         path = self._mesh_path(_text(row, "filename"))
         if path.suffix.lower() not in MESHES:
             raise InputError(
-                f"a mesh file has the type {path.suffix or '(no ending)'}",
+                f"mesh files of type {path.suffix or '(no ending)'} cannot be read",
                 hint=f"write it as {', '.join(MESHES)}",
             )
         bodies = [mesh for mesh, _ in read_bodies(path).in_units("m")]

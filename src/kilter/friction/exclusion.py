@@ -60,7 +60,7 @@ so many are not affordable, cases get the third fraction of the remaining work, 
 bound.
 """
 BY_MOMENTS = 0.8
-"""Fraction of the work after which moments begin no further step."""
+"""Fraction of the work limit after which no further moment relaxation is started [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -152,7 +152,7 @@ def pushing_rows(pushes: PossibleContacts, number: Index | int = -1) -> ForceRow
 
 
 def possible_rows(possible: PossibleContacts, geometry: Geometry) -> ForceRows:
-    """Rows of every force that contacts outside the model could transmit, with any friction."""
+    """Rows of all forces that contacts outside the model could transmit, friction unlimited."""
     sharp = np.flatnonzero((possible.mu > 0) & ~possible.two_sided)
     points = possible.take(sharp)
     return ForceRows.join(

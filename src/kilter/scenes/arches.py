@@ -98,7 +98,10 @@ def arch(
     True
     """
     if not (0 < span <= 180 and 0 < ratio < 2 and count >= 1):
-        raise InputError(f"an arch of {count} voussoirs, ratio {ratio:g}, span {span:g} deg")
+        raise InputError(
+            f"no arch has {count} voussoirs, ratio {ratio:g} and span {span:g} deg",
+            hint="give 1 or more voussoirs, a ratio between 0 and 2, a span of up to 180 deg",
+        )
     inner, outer = radius * (1 - ratio / 2), radius * (1 + ratio / 2)
     joints = np.pi / 2 + np.radians(span) * (np.arange(count + 1) / count - 0.5)
     parts = voussoirs(joints, inner, outer, sectors=sectors)

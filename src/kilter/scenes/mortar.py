@@ -95,7 +95,8 @@ def pier_in_wind(
 ) -> Assembly:
     """A pier of courses, with the force of wind toward +y at the middle of each course.
 
-    The pier overturns about its foot, H = n h: q b H^2 / 2 against (n W + p b d) d / 2.
+    The wind overturns the pier about its foot if q b H^2 / 2 > (n W + p b d) d / 2. The height is
+    H = n h; a course has width b, depth d, height h and weight W.
 
     Parameters
     ----------

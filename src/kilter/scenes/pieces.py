@@ -202,7 +202,10 @@ def cells(xs: ArrayLike, ys: ArrayLike, zs: ArrayLike, solid: ArrayLike) -> Mesh
     grid = [np.asarray(line, dtype=np.float64) for line in (xs, ys, zs)]
     filled = np.asarray(solid, dtype=bool)
     if filled.shape != tuple(len(line) - 1 for line in grid) or not filled.any():
-        raise InputError(f"cells of shape {filled.shape} do not fit the grid")
+        raise InputError(
+            f"cells of shape {filled.shape} do not fit the grid",
+            hint="give a truth value for each cell between the coordinates, at least one True",
+        )
     quads = np.concatenate([_sides(filled, axis) for axis in range(3)])
     shape = tuple(len(line) for line in grid)
     rows = np.ravel_multi_index(tuple(np.moveaxis(quads, -1, 0)), shape)

@@ -33,7 +33,7 @@ def floating_block(index: int = 2, *, count: int = 5) -> Assembly:
         Number of cubes.
     """
     if not -count <= index < count:
-        raise InputError(f"there is no cube {index} of {count}")
+        raise InputError(f"there is no cube {index} of {count}", hint=f"give 0 to {count - 1}")
     heights = np.zeros(count)
     heights[index] = 1.0
     cubes = [

@@ -141,7 +141,10 @@ def _bricks(
                 continue
             if width not in shapes:
                 if width * length <= gap:
-                    raise InputError(f"gap {gap:g} is too large for a brick of width {width:g}")
+                    raise InputError(
+                        f"gap {gap:g} is too large for a brick of width {width:g}",
+                        hint="give a smaller gap",
+                    )
                 shapes[width] = Box([width * length - gap, depth, height])
             yield Part(f"brick-{row}-{number}", shapes[width], Pose((x, 0.0, z)), density=density)
             number += 1

@@ -53,7 +53,7 @@ ACROSS = 1e-7
 LEVEL = 1e-7
 """Largest curvature of the energy along a free motion, over the largest of all [-]."""
 FLAT = 2e-9
-"""A motion is flat if all its gap forms are below this, over the largest [-]."""
+"""A motion is flat if its quadratic gap forms are all below this share of the largest form [-]."""
 DROPS = 2e-8
 """Least opening and least power of the second derivative of a path of length 1 [-]."""
 SLIPS = 1e-4

@@ -194,8 +194,8 @@ def _neutral_words(
             else "none: strictly held, every motion costs energy"
         )
     words = (
-        f"{two_sided} two-sided and {one_sided} one-sided independent motions change no energy to "
-        "first order; only for these second order (curvature) matters"
+        f"{two_sided} two-sided and {one_sided} one-sided independent motions do not change the "
+        "energy to first order; second order (curvature) examines these motions"
     )
     if second is None or second["state"] != "open":
         return words

@@ -73,7 +73,7 @@ def _tilt(answer: Answer) -> str:
         return UNKNOWN.get(why, none + _as_drawn(answer))
     if answer["tilt_down"] is None:
         held = "forces that hold it exist" if answer["level"] == "equilibrium" else "it holds"
-        return f"more than 90 deg: {held} after every tilt up to 90 deg"
+        return f"at least 90 deg: {held} after every tilt up to a right angle"
     down = vector(answer["tilt_down"])
     if lower is None:
         upper, held = answer["tilt_upper_deg"], f"the nearest held direction of gravity is {down}"

@@ -20,7 +20,10 @@ class NextStep:
 
 
 HOLD = NextStep(("hold",), "finds the fewest supports that hold it")
-MARGIN = NextStep(("margin",), "finds the tilt, the least friction and the loads at which it fails")
+MARGIN = NextStep(
+    ("margin",),
+    "finds how far it may tilt, how little friction it needs and how much load it withstands",
+)
 VIEW = NextStep(("view",), "shows its motion and its contact forces in 3D in the browser")
 CONTACTS = NextStep(("contacts",), "lists contacts and near pairs, and why these are rejected")
 AFTER_CHECK = {

@@ -139,10 +139,10 @@ def order_facts(answer: Answer) -> list[tuple[str, str]]:
     )
     rows = [("base", some_names(answer["base"]))]
     if answer["level"] is not None:
-        words = f"{answer['level']}, the lowest level of its states"
+        words = f"{answer['level']}: the lowest level of the steps and of the finished assembly"
         finished = answer["finished"]["level"]
         if any(step["level"] != finished for step in answer["steps"]):
-            words += f"; finished assembly: {finished}"
+            words += f" ({finished})"
         if answer["found"] and not answer["holds"]:
             words += f" (required: {answer['require']})"
         rows.append(("level", words))

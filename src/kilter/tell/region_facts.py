@@ -19,7 +19,7 @@ DIRECTIONS = {
 
 
 def orient_facts(answer: Answer) -> list[Fact]:
-    """Return the facts of a recommended or nearest direction, each a term and its words."""
+    """Return the lines of the answer of `orient`: pairs of a term and its words."""
     turn = (
         f"quaternion (w, x, y, z) {vector(answer['rotation'])}: rotates this direction to the "
         "gravity of the file"

@@ -153,7 +153,7 @@ def run_batch(
     base, files = listed_files(source)
     if Path(output).resolve() == base and Path(source).is_dir():
         raise InputError(
-            "the rows would lie among the files to check",
+            "the folder of the answers contains the files to check",
             file=str(output),
             hint="give another folder",
         )

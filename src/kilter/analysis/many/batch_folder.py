@@ -171,7 +171,9 @@ def _alone(path: Path) -> Iterator[None]:
             _lock(handle)
         except OSError:
             raise InputError(
-                "another run is writing to it", file=str(path), hint="wait, or give another folder"
+                "another run is writing to this folder",
+                file=str(path),
+                hint="wait, or give another folder",
             ) from None
         yield
     finally:

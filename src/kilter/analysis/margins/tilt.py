@@ -234,10 +234,12 @@ def _boundary(program: Program, basis: Array, direction: Array, limit: Limit) ->
 def find_nearest_held(program: Program) -> NearestHeld | NoLimit:
     """The held direction of gravity nearest to the given direction, which is not held.
 
-    A convex projection, by a conic program that is repeated if it fails: accurate to the
-    root of its gap. From there limits lead to the boundary: toward gravity as given, then toward
-    the nearest point of the plane at which the mechanism of that limit gains no power, which
-    bounds the turn from below. No limit: none is held within a right angle, or both failed.
+    A conic program projects the given direction onto the held directions; its error is the root of
+    the solver's gap. Two exact limits refine this direction. The first limit is computed on the
+    line from it toward the given direction. The mechanism of this limit gains no power on a plane
+    of directions, whose nearest point bounds the angle from below. The second limit is computed
+    on the line toward that point. The result is a `NoLimit` if no direction within a right angle
+    is held, or if the solvers failed.
 
     Examples
     --------

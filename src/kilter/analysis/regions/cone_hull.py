@@ -114,9 +114,9 @@ def cone_around(rays: Array, blur: float) -> Cone:
 def facets_of(points: Array, blur: float) -> tuple[Array, Mask]:
     """Facets of the cone of unit points that span R^D, D = 1, 2, 3.
 
-    Unit inward normals, shape (F, D), and which points lie on each, shape (F, n). Of
-    planes that hold the same points a single plane is kept, fitted to all of them; a plane whose
-    points all lie on another is no facet.
+    Unit inward normals, shape (F, D), and which points lie on each, shape (F, n). Planes through
+    the same points, within `blur`, are replaced by a plane that is fitted to these points. A plane
+    whose points all lie on another plane is not a facet.
     """
     normals = _across_pairs(points, blur)
     products = normals @ points.T

@@ -162,7 +162,10 @@ class _Cutting:
         return -np.array([facet.vector for facet in self.facets]).reshape(-1, 3)
 
     def cut(self, most: float) -> bool:
-        """Cut off every extreme ray of the outer cone farther than this; return whether one was."""
+        """Cut off the extreme rays of the outer cone that are too far from the inner cone.
+
+        `most` is the largest allowed angle [rad]. Return whether a ray was cut off.
+        """
         is_cut = False
         for direction in extreme_rays(self.normals):
             k = self._known(direction)

@@ -109,7 +109,7 @@ def bricks_of(assembly: Assembly) -> tuple[BrickModel, StudRules, float]:
             raise InputError("it is not a brick", part=part.name, hint=hint)
     if assembly.loads or assembly.joints or not assembly.bonds:
         raise InputError(
-            "the bricks have loads or joints, or no bonds",
+            "this needs bricks with bonds, and without loads or joints",
             hint="give an assembly as it was read from a file of bricks",
         )
     parts, bricks = assembly.parts, [part.brick for part in assembly.parts if part.brick]

@@ -206,7 +206,7 @@ def _piece_products(facets: Facets, frames: FacetFrame, rows: Index) -> tuple[In
 def _intersect_pieces(
     frames: FacetFrame, pieces: _ConvexPieces, row: Index, a: Index, b: Index
 ) -> Pieces:
-    """Overlaps of the pieces a and b of the facets of each row."""
+    """Intersections of convex pieces: of piece a with piece b, in the frame of facet pair `row`."""
     flat_a = frames.flat(pieces.points(a), row)
     # facet j faces the other way: its corners run clockwise in the frame
     flat_b = _reverse_corners(frames.flat(pieces.points(b), row), pieces.count[b])

@@ -29,7 +29,7 @@ CROWD = 1500
 
 
 class _PlanePatch(NamedTuple):
-    """A patch of several pieces: row of the frame that represents it, and its data."""
+    """A patch that is merged from several pieces, in the facet frame with the index `frame`."""
 
     frame: int
     normal: Array

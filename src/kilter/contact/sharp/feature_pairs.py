@@ -34,7 +34,7 @@ __all__ = [
 ]
 
 _Side = tuple[Index, Index]
-"""Features of one side of the pairs: rows in the block, and features."""
+"""Features near one side of the pairs: rows of the pair block, and indices of the features."""
 
 FACE, EDGE, CORNER = 0, 1, 2
 """Kinds of features of a part."""

@@ -179,7 +179,10 @@ def _grip(program: Program) -> Array:
 
 
 def _velocity(program: Program, motion: Array, part: Index) -> Array:
-    """Velocities of the contact points as points of these parts, shape (K, 3); 0 for the ground."""
+    """Velocities of material points of the given parts at the contact points, shape (K, 3).
+
+    Points of the ground have the velocity 0.
+    """
     padded = np.vstack([motion, np.zeros((1, 6))])[part]
     center = np.vstack([program.center, np.zeros((1, 3))])[part]
     return padded[:, :3] + cross(padded[:, 3:], program.point - center)

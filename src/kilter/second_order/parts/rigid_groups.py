@@ -103,7 +103,7 @@ class RigidGroups:
         return np.where(part >= 0, self.first[part], part)
 
     def between(self, program: Program, assembly: Assembly) -> Mask:
-        """Rows of the program of the single parts that are not within a group, shape (K,)."""
+        """Mask of the rows, in a program of single parts, that join two groups; shape (K,)."""
         free = np.append(~self.held, False)
         joint = program.kind == JOINT
         fixed = np.array([joint.kind == "fixed" for joint in assembly.joints] or [False])

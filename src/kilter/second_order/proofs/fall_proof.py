@@ -61,9 +61,9 @@ class Configuration:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fall:
-    """A path that leads down, and the motion of all parts to a place on it, shape (N, 6).
+    """A path of decreasing energy, and the motion of all parts to a configuration on it.
 
-    The place is None if the path alone is the proof (`by_path_alone`).
+    The motion has shape (N, 6). It is None if the path alone is the proof (`by_path_alone`).
     """
 
     FORM: ClassVar[Form] = keys(
@@ -168,7 +168,15 @@ def is_on(path: Path, columns: Array) -> bool:
 def find_configuration(
     assembly: Assembly, contacts: ContactSet, program: Program, problem: Stationary, path: Path
 ) -> tuple[Configuration | None, str]:
-    """A configuration on a path that is apart and lower, or None and the reason."""
+    """Find a configuration on a path of lower energy at which no parts penetrate.
+
+    Returns
+    -------
+    Configuration or None
+        None if no examined configuration has these properties.
+    str
+        The reason for None; otherwise empty.
+    """
     assert problem.scale is not None
     for step in STEPS:
         bent = step**2 * path.second / 2

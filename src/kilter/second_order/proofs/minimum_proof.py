@@ -256,10 +256,11 @@ def _wrong_forces(problem: Stationary, forces: Array) -> str:
 
 
 def _wrong_spaces(problem: Stationary, proof: MinimumProof, carries: Mask, neutral: Array) -> str:
-    """Why basis, free motions and sides may miss a critical motion; empty if they do not.
+    """Reason why the subspaces of a proof may miss a critical motion; empty if they do not.
 
-    `carries`, shape (K,): rows with force on average over the leaves; `neutral`: orthonormal basis
-    of their null space.
+    The subspaces are its basis, its free motions and its sides. `carries`, shape (K,), marks the
+    contact rows whose force, averaged over the cases of the proof, is not zero. `neutral` is an
+    orthonormal basis of the motions that do not open these rows.
     """
     forces = np.mean([leaf.forces for leaf in proof.leaves], axis=0)
     spanned = np.hstack([proof.basis, proof.free])

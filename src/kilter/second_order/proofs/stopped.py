@@ -151,7 +151,7 @@ class StopForms:
 
     @property
     def size(self) -> float:
-        """Largest curvature, at least 1 [-]."""
+        """Largest absolute coefficient of the quadratic forms, or 1 if that is smaller [-]."""
         blocks = (self.coupling, self.curvature)
         return float(max(np.abs(block).max(initial=1.0) for block in blocks))
 

@@ -134,7 +134,7 @@ def _even(problem: Stationary, critical: Critical, free: Array) -> Array:
 
 
 class _Question:
-    """A configuration with its critical motions across the free motions."""
+    """A configuration, and its critical motions orthogonal to the free motions."""
 
     def __init__(
         self,

@@ -181,7 +181,7 @@ def _touching(assembly: Assembly, contacts: ContactSet) -> dict[str, set[str]]:
 
 
 def _stopped(assembly: Assembly, sweeps: Sweeps, part: int, present: int, legs: Any) -> bool:
-    """Whether a part of the set `present` blocks the path, or the path has no endless last leg."""
+    """Whether a part of the set `present` blocks the path, or its last leg is bounded."""
     start = np.zeros(3)
     others = [k for k in range(len(assembly)) if present >> k & 1 and k != part]
     for vector, length in legs:
