@@ -156,7 +156,7 @@ class Removal:
     def touching(
         self, moved: int, present: Mask, direction: Direction
     ) -> tuple[list[int], list[int]]:
-        """Return the present parts that touch moved parts, and those of them that these slide on."""
+        """Return the present parts that touch moved parts, and those of them that they slide on."""
         other, normals = self._touched(moved)
         here = present[other]
         slides = here & (np.abs(normals @ np.array(direction)) <= self._angle)
