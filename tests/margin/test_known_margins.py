@@ -17,7 +17,7 @@ from kilter.analysis.margins import load_limit, tilt
 from kilter.analysis.margins.least_friction import find_least_friction
 from kilter.analysis.margins.limit_sides import LimitSides
 from kilter.analysis.margins.load_limit import Limit, NoLimit, find_limit, gravity_wrench, with_more
-from kilter.analysis.margins.margin import PUSHED
+from kilter.analysis.margins.margin_question import PUSHED
 from kilter.analysis.margins.pushes import find_weakest_push
 from kilter.analysis.margins.tilt import (
     find_nearest_held,

@@ -16,7 +16,8 @@ import numpy as np
 
 from kilter.analysis.check import check
 from kilter.analysis.margins.improve import Improvement, improve
-from kilter.analysis.margins.margin import PUSHED, margin
+from kilter.analysis.margins.margin import margin
+from kilter.analysis.margins.margin_question import PUSHED
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.region import Region, common_region, region
 from kilter.analysis.regions.rests import find_rests

@@ -10,8 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -19,54 +18,28 @@ from kilter.analysis.check import check
 from kilter.analysis.decision.fitted_normals import fits_left_out
 from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
 from kilter.analysis.margins.least_friction import LeastFriction, find_least_friction
-from kilter.analysis.margins.limit_level import LevelTilt, find_level_tilt, verdict_outside
-from kilter.analysis.margins.load_limit import (
-    Limit,
-    NoLimit,
-    Why,
-    find_limit,
-    finite,
-    gravity_wrench,
-)
+from kilter.analysis.margins.limit_level import LevelTilt
+from kilter.analysis.margins.load_limit import Limit, Why, finite
 from kilter.analysis.margins.margin_proofs import margin_proofs
-from kilter.analysis.margins.part_loads import PartLoad, find_part_load
-from kilter.analysis.margins.pushes import Push, find_weakest_push
-from kilter.analysis.margins.tilt import (
-    NearestHeld,
-    TiltMargin,
-    find_nearest_held,
-    find_tilt_margin,
-    tilt_about,
-)
-from kilter.analysis.margins.uncertainty import Ranges, Uncertainty, find_uncertainty
-from kilter.analysis.margins.what_helps import Help, what_helps
+from kilter.analysis.margins.margin_question import MarginQuestion, margin_question
+from kilter.analysis.margins.margin_steps import MarginSteps
+from kilter.analysis.margins.part_loads import PartLoad
+from kilter.analysis.margins.pushes import Push
+from kilter.analysis.margins.tilt import NearestHeld, TiltMargin, tilt_about
+from kilter.analysis.margins.uncertainty import Ranges, Uncertainty
+from kilter.analysis.margins.what_helps import Help
 from kilter.analysis.open_pairs.open_question import open_pair_names, open_pairs_answer
-from kilter.analysis.turning_tolerances import (
-    ACROSS_GRAVITY,
-)
 from kilter.analysis.verdict.answers import joints_answer
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
-from kilter.assembly import Assembly, require_assembly
-from kilter.assembly.bonds import NO_CONE, NOT_RANGED, require_no_bonds
+from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance
-from kilter.errors import InputError, TimeLimitReached, some_names
 from kilter.mechanics.bundle import make_bundle
-from kilter.mechanics.coulomb_cones import cone_problem
-from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program, build_program
-from kilter.rigid import unit
-from kilter.tell.levels import level_of, require_level
 from kilter.threads import on_one_thread
-from kilter.work import EFFORT, Work, stop_after, units_of
+from kilter.work import EFFORT, Work, units_of
 
-__all__ = ["PUSHED", "Margin", "margin"]
-
-
-T = TypeVar("T")
-
-PUSHED = 20
-"""Free parts up to which every part's weakest push is sought where it is not asked for."""
+__all__ = ["Margin", "margin"]
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -300,17 +273,17 @@ def margin(
     >>> round(margin(scene("tower")).friction.value, 6)
     0.0
     """
-    tell = progress or (lambda stage: None)
     started = time.perf_counter()
-    require_assembly(assembly, "margin")
-    direction = None if push is None else unit(push, "push")
-    require = require_level(require)
-    axis = None if about is None else _axis(assembly, about)
-    if axis is not None:
-        _require_turnable(assembly)
-    if ranges is not None:
-        require_no_bonds(assembly, "the worst case over ranges", NOT_RANGED)
-    parts = _pushed(assembly, pushed)
+    question = margin_question(
+        assembly,
+        push=push,
+        about=about,
+        pushed=pushed,
+        loads=loads,
+        ranges=ranges,
+        bracket=bracket,
+        require=require,
+    )
     verdict = check(
         assembly,
         contacts=contacts,
@@ -319,215 +292,75 @@ def margin(
         time_limit=time_limit,
         progress=progress,
     )
-    program = build_program(assembly, verdict.contacts)
-    warnings = list(verdict.warnings)
-    if verdict.contacts.open_pairs:
-        left_out = open_pair_names(assembly, verdict.contacts)
-        warnings.append(
-            f"open pairs are left out; the margins may be larger if they hold: {left_out}"
-        )
-    warnings += fits_left_out(assembly, verdict.contacts, program)
-    tell("tilt")
-    missing: dict[str, Why] = {}
-    limit = None if time_limit is None else time_limit - (time.perf_counter() - started)
-    work = Work(units_of(effort), progress, time_limit=limit)
-
-    def in_time(step: Callable[..., T], *arguments: Any) -> T | NoLimit:
-        """The result of a step, or the reason that the time limit was reached."""
-        try:
-            with stop_after(work.seconds):
-                return step(*arguments)
-        except TimeLimitReached:
-            return NoLimit("time")
-
-    gravity = in_time(_tilt, program, warnings, missing)
-    if isinstance(gravity, NoLimit):
-        missing["tilt"], gravity = gravity.why, None
-    tilt = gravity if isinstance(gravity, TiltMargin) else None
-    nearest = gravity if isinstance(gravity, NearestHeld) else None
-    degrees, down = _boundary(gravity)
-    turned = None if axis is None else in_time(tilt_about, program, axis)
-    tell("friction" if degrees is None else f"tilt {degrees:.6g} deg; friction")
-    fitted = build_program(assembly, verdict.contacts, fitted=True)
-    friction = in_time(find_least_friction, fitted)
-    least = "" if isinstance(friction, NoLimit) else f"friction {friction.value:.6g}; "
-    bond = in_time(find_bond_factor, program, verdict.contacts) if assembly.bonds else None
-    tell(f"{least}load factor")
-    factor = _both_ends(in_time(_load_factor, assembly, program, direction))
-    smooth = program.frictionless
-    sure = _both_ends(in_time(_load_factor, assembly, smooth, direction)) if bracket else None
-    tell("pushes")
-    opening = Opening(cone_problem(program))
-    pushes = {}
-    for part in parts:
-        pushes[part] = in_time(partial(find_weakest_push, opening=opening), program, part)
-        tell(f"pushes: {len(pushes)} of {len(parts)}")
-    taken, loaded = {}, _pushed(assembly, pushed, most=None) if loads else []
-    for part in loaded:
-        taken[part] = in_time(partial(find_part_load, opening=opening), program, part)
-        tell(f"loads: {len(taken)} of {len(loaded)}")
-    asked: dict[str, object] = {"about": turned, "friction": friction, "bond": bond}
-    asked |= {f"push of {program.names[part]}": push for part, push in pushes.items()}
-    asked |= {f"load on {program.names[part]}": load for part, load in taken.items()}
-    missing |= {what: result.why for what, result in asked.items() if isinstance(result, NoLimit)}
-    for what, ends in (("load_factor", factor), ("bracket", sure)):
-        whys = [end.why for end in ends or () if isinstance(end, NoLimit)]
-        if whys:
-            missing[what] = next(why for why in ("time", "failed", "none") if why in whys)
-    warnings += _missing_words(missing)
-    if pushed is None and int(program.free.sum()) > PUSHED:
-        warnings.append(
-            f"the pushes, and the gain of holding a part, are left out above {PUSHED} free parts;"
-            " --part NAME computes those of a part"
-        )
-    worst = in_time(_worst, program, ranges, direction, warnings, tell)
-    if isinstance(worst, NoLimit):
-        missing["uncertainty"], worst = worst.why, None
-    greatest = None if factor is None else _known(factor[1])
-    outside, level_tilt = None, None
-    if tilt is not None and down is not None:
-        touching, toward = verdict.contacts, tilt.toward
-        outside = _known(in_time(verdict_outside, assembly, touching, tilt.angle, toward, work))
-        if require != "equilibrium" and level_of(verdict.verdict) not in (None, "equilibrium"):
-            tell(f"tilt at the level {require}")
-            level_tilt = _known(
-                in_time(find_level_tilt, assembly, verdict.contacts, down, require, work)
-            )
-    helps = in_time(partial(what_helps, held=parts), program, tilt, greatest, direction)
-    if isinstance(helps, NoLimit):
-        missing["what helps"], helps = helps.why, ()
+    remaining = None if time_limit is None else time_limit - (time.perf_counter() - started)
+    work = Work(units_of(effort), progress, time_limit=remaining)
+    limits = _limits(question, verdict, work, progress or (lambda stage: None))
     seconds = {**verdict.seconds, "total": time.perf_counter() - started}
     return Margin(
         assembly=assembly,
         contacts=verdict.contacts,
         verdict=verdict,
-        program=program,
-        tilt=tilt,
-        tilt_deg=degrees,
-        tilt_down=down,
-        nearest=nearest,
-        outside=outside,
-        level_tilt=level_tilt,
-        require=require,
-        about=_known(turned),
-        friction=_known(friction),
-        bond=_known(bond),
-        load_factor=None if factor is None else (_known(factor[0]), _known(factor[1])),
-        guaranteed=None if sure is None else (_known(sure[0]), _known(sure[1])),
-        pushes=tuple(push for push in pushes.values() if isinstance(push, Push)),
-        loads=tuple(load for load in taken.values() if isinstance(load, PartLoad)),
-        push=direction,
-        missing=missing,
-        uncertainty=worst,
-        helps=helps,
-        warnings=tuple(warnings),
+        require=question.require,
+        push=question.push,
         seconds=seconds,
+        **limits,
     )
 
 
-def _known(limit: T | NoLimit | None) -> T | None:
-    """A limit; None if there is no limit."""
-    return None if isinstance(limit, NoLimit) else limit
+def _limits(
+    question: MarginQuestion, verdict: Verdict, work: Work, tell: Callable[[str], None]
+) -> dict[str, Any]:
+    """Compute the limits of a margin: the members of `Margin` that need a program."""
+    assembly = question.assembly
+    program = build_program(assembly, verdict.contacts)
+    warnings = [*verdict.warnings, *_left_out(assembly, verdict.contacts, program)]
+    steps = MarginSteps(question, verdict, program, work, tell, warnings)
+    gravity = steps.tilt()
+    tilt = gravity if isinstance(gravity, TiltMargin) else None
+    degrees, down = _boundary(gravity)
+    axis = question.axis
+    turned = None if axis is None else steps.limit("about", tilt_about, program, axis)
+    tell("friction" if degrees is None else f"tilt {degrees:.6g} deg; friction")
+    fitted = build_program(assembly, verdict.contacts, fitted=True)
+    friction = steps.limit("friction", find_least_friction, fitted)
+    bonded = (find_bond_factor, program, verdict.contacts)
+    bond = steps.limit("bond", *bonded) if assembly.bonds else None
+    tell(f"{'' if friction is None else f'friction {friction.value:.6g}; '}load factor")
+    factor = steps.load_factor("load_factor", program)
+    sure = steps.load_factor("bracket", program.frictionless) if question.bracket else None
+    pushes, part_loads = steps.parts()
+    steps.warn_of_missing()
+    worst = steps.worst_case()
+    outside, level_tilt = (None, None) if tilt is None or down is None else steps.beyond(tilt)
+    return {
+        "program": program,
+        "tilt": tilt,
+        "tilt_deg": degrees,
+        "tilt_down": down,
+        "nearest": gravity if isinstance(gravity, NearestHeld) else None,
+        "outside": outside,
+        "level_tilt": level_tilt,
+        "about": turned,
+        "friction": friction,
+        "bond": bond,
+        "load_factor": factor,
+        "guaranteed": sure,
+        "pushes": pushes,
+        "loads": part_loads,
+        "uncertainty": worst,
+        "helps": steps.helps(tilt, None if factor is None else factor[1]),
+        "missing": steps.missing,
+        "warnings": tuple(warnings),
+    }
 
 
-def _both_ends(
-    ends: tuple[Limit | NoLimit, Limit | NoLimit] | NoLimit | None,
-) -> tuple[Limit | NoLimit, Limit | NoLimit] | None:
-    """Both ends of a load factor, each with the same reason if neither is known."""
-    return (ends, ends) if isinstance(ends, NoLimit) else ends
-
-
-def _missing_words(missing: dict[str, Why]) -> list[str]:
-    """Warnings about limits without a value, and about an assembly that resists no push."""
-    failed = [what for what, why in missing.items() if why == "failed"]
-    words = [f"not known, because the solver failed: {some_names(failed)}"] if failed else []
-    late = [what for what, why in missing.items() if why == "time"]
-    words += [f"not known, because the time limit was reached: {some_names(late)}"] if late else []
-    if any(
-        what.startswith(("push of", "load on")) and why == "none" for what, why in missing.items()
-    ):
-        words.append("it is not in equilibrium as given, so it resists no push and no load")
-    return words
-
-
-def _axis(assembly: Assembly, about: Any) -> Array:
-    axis = unit(about, "axis of the tilt")
-    if abs(float(axis @ assembly.down)) > ACROSS_GRAVITY:
-        raise InputError(
-            f"the axis {axis.tolist()} is not perpendicular to gravity",
-            hint="give a horizontal axis",
-        )
-    if assembly.planar and abs(abs(float(axis[1])) - 1) > ACROSS_GRAVITY:
-        raise InputError(
-            "the axis is not perpendicular to the plane", hint="give 0 1 0 for planar assemblies"
-        )
-    return axis
-
-
-def _require_turnable(assembly: Assembly) -> None:
-    """Reject a tilt about an axis with loads or bonds, which do not turn with gravity."""
-    require_no_bonds(assembly, "a tilt about an axis", NO_CONE)
-    if assembly.loads:
-        raise InputError(
-            "a tilt about an axis is not defined with loads: they do not turn with gravity",
-            file=assembly.source or None,
-            part=assembly.loads[0].part,
-            hint="leave the loads out, or compute the margins without an axis",
-        )
-
-
-def _pushed(assembly: Assembly, names: list[str] | None, *, most: int | None = PUSHED) -> list[int]:
-    """The named parts; without names all free parts, if there are at most `most` of them."""
-    free = [k for k, part in enumerate(assembly.parts) if not part.grounded]
-    if names is None:
-        return free if most is None or len(free) <= most else []
-    chosen = []
-    for name in names:
-        k = assembly.index_of(name)
-        if assembly.parts[k].grounded:
-            raise InputError("it is held, so no push moves it", part=name, hint="name a free part")
-        chosen.append(k)
-    return chosen
-
-
-def _worst(
-    program: Program,
-    ranges: Ranges | None,
-    push: Array | None,
-    warnings: list[str],
-    tell: Callable[[str], None],
-) -> Uncertainty | None:
-    """The worst case over the intervals, with a warning if it was not computed."""
-    if ranges is None:
-        return None
-    tell("uncertainty")
-    worst = find_uncertainty(program, ranges, push=push)
-    if worst is None:
-        warnings.append(
-            "no worst case: there are too many parts and contacts for intervals of masses or"
-            " centres; without --mass-range and --com-range there is no such limit"
-        )
-    return worst
-
-
-def _tilt(
-    program: Program, warnings: list[str], missing: dict[str, Why]
-) -> TiltMargin | NearestHeld | None:
-    """The tilt margin, or the nearest held direction if gravity as given is not held."""
-    if program.applied.any():
-        warnings.append("no tilt margin: given loads do not turn with gravity")
-        return None
-    if program.has_strength:
-        warnings.append("no tilt margin: bond forces do not turn with gravity")
-        return None
-    tilt = find_tilt_margin(program)
-    if isinstance(tilt, TiltMargin):
-        return tilt
-    nearest = find_nearest_held(program)
-    if tilt.why == "failed" or isinstance(nearest, NoLimit):
-        missing["tilt"] = nearest.why if isinstance(nearest, NoLimit) else tilt.why
-        return None
-    return nearest
+def _left_out(assembly: Assembly, contacts: ContactSet, program: Program) -> list[str]:
+    """Warnings about open pairs and fitted normals, which the margins leave out."""
+    fits = fits_left_out(assembly, contacts, program)
+    if not contacts.open_pairs:
+        return fits
+    names = open_pair_names(assembly, contacts)
+    return [f"open pairs are left out; the margins may be larger if they hold: {names}", *fits]
 
 
 def _boundary(gravity: TiltMargin | NearestHeld | None) -> tuple[float | None, Array | None]:
@@ -538,19 +371,3 @@ def _boundary(gravity: TiltMargin | NearestHeld | None) -> tuple[float | None, A
         return -float(np.degrees(gravity.angle)), gravity.down
     fails = gravity.angle < np.pi / 2
     return float(np.degrees(gravity.angle)), gravity.down if fails else None
-
-
-def _load_factor(
-    assembly: Assembly, program: Program, direction: Array | None
-) -> tuple[Limit | NoLimit, Limit | NoLimit] | None:
-    """Least and greatest factor of a body force, or of the given loads."""
-    if direction is not None:
-        base, wrench = program, gravity_wrench(program, direction)
-    elif assembly.loads:
-        base = program.with_rows(applied=np.zeros_like(program.applied))
-        wrench = program.applied
-    else:
-        return None
-    ends = find_limit(base, -wrench), find_limit(base, wrench)
-    whys = {end.why for end in ends if isinstance(end, NoLimit)}
-    return (NoLimit("none"), NoLimit("none")) if whys == {"none", "failed"} else ends

@@ -1,0 +1,236 @@
+"""Steps of a margin: each step computes a limit, or notes why the limit has no value."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any, TypeVar
+
+import numpy as np
+
+from kilter.analysis.margins.limit_level import LevelTilt, find_level_tilt, verdict_outside
+from kilter.analysis.margins.load_limit import Limit, NoLimit, Why, find_limit, gravity_wrench
+from kilter.analysis.margins.margin_question import PUSHED, MarginQuestion
+from kilter.analysis.margins.part_loads import PartLoad, find_part_load
+from kilter.analysis.margins.pushes import Push, find_weakest_push
+from kilter.analysis.margins.tilt import (
+    NearestHeld,
+    TiltMargin,
+    find_nearest_held,
+    find_tilt_margin,
+)
+from kilter.analysis.margins.uncertainty import Uncertainty, find_uncertainty
+from kilter.analysis.margins.what_helps import Help, what_helps
+from kilter.analysis.verdict.verdict import Verdict
+from kilter.errors import TimeLimitReached, some_names
+from kilter.mechanics.coulomb_cones import cone_problem
+from kilter.mechanics.opening import Opening
+from kilter.mechanics.program import Program
+from kilter.tell.levels import level_of
+from kilter.work import Work, stop_after
+
+__all__ = ["Ends", "MarginSteps"]
+
+T = TypeVar("T")
+
+Ends = tuple[Limit | None, Limit | None]
+"""Limits at the least and the greatest load factor; None for an end that has no limit."""
+
+
+@dataclass(slots=True, eq=False)
+class MarginSteps:
+    """The steps of a margin, under its time limit.
+
+    An answer at the time limit still has the limits of the steps that ended before it.
+
+    Attributes
+    ----------
+    question : MarginQuestion
+    verdict : Verdict
+    program : Program
+        The modelled contacts, with friction.
+    work : Work
+    tell : callable
+        Function that is called with the name of each stage.
+    warnings : list of str
+    missing : dict
+        The reason for each requested limit that has no value.
+    """
+
+    question: MarginQuestion
+    verdict: Verdict
+    program: Program
+    work: Work
+    tell: Callable[[str], None]
+    warnings: list[str]
+    missing: dict[str, Why] = field(default_factory=dict)
+
+    def limit(
+        self, name: str, step: Callable[..., T | NoLimit | None], *arguments: Any
+    ) -> T | None:
+        """The result of a step; None if there is none, and then `missing` has the reason."""
+        result = self._in_time(step, *arguments)
+        if isinstance(result, NoLimit):
+            self.missing[name] = result.why
+            return None
+        return result
+
+    def tilt(self) -> TiltMargin | NearestHeld | None:
+        """The tilt margin, or the nearest held direction if gravity as given is not held."""
+        self.tell("tilt")
+        if self.program.applied.any():
+            self.warnings.append("no tilt margin: given loads do not turn with gravity")
+            return None
+        if self.program.has_strength:
+            self.warnings.append("no tilt margin: bond forces do not turn with gravity")
+            return None
+        gravity = self._in_time(_tilt_or_nearest, self.program)
+        if isinstance(gravity, NoLimit):
+            self.missing["tilt"] = gravity.why
+            return None
+        return gravity
+
+    def load_factor(self, name: str, program: Program) -> Ends | None:
+        """Least and greatest load factor of a program; None if no load is given."""
+        ends = self._in_time(_load_factor, self.question, program)
+        if ends is None:
+            return None
+        least, greatest = (ends, ends) if isinstance(ends, NoLimit) else ends
+        whys = [end.why for end in (least, greatest) if isinstance(end, NoLimit)]
+        if whys:
+            self.missing[name] = next(why for why in ("time", "failed", "none") if why in whys)
+        return _known(least), _known(greatest)
+
+    def pushes(self, opening: Opening) -> tuple[Push, ...]:
+        """The weakest push of each part of the question."""
+        find = partial(find_weakest_push, opening=opening)
+        return self._of_parts("push of", "pushes", find, self.question.pushed)
+
+    def loads(self, opening: Opening) -> tuple[PartLoad, ...]:
+        """The largest further load straight down on each part of the question."""
+        find = partial(find_part_load, opening=opening)
+        return self._of_parts("load on", "loads", find, self.question.loaded)
+
+    def parts(self) -> tuple[tuple[Push, ...], tuple[PartLoad, ...]]:
+        """Pushes and loads of the parts; both use one factorisation."""
+        self.tell("pushes")
+        opening = Opening(cone_problem(self.program))
+        return self.pushes(opening), self.loads(opening)
+
+    def warn_of_missing(self) -> None:
+        """Add warnings about limits that have no value, and about omitted pushes."""
+        self.warnings += _missing_words(self.missing)
+        if self.question.omits_pushes:
+            self.warnings.append(
+                f"the pushes, and the gain of holding a part, are left out above {PUSHED} free"
+                " parts; --part NAME computes those of a part"
+            )
+
+    def worst_case(self) -> Uncertainty | None:
+        """The worst case over the intervals, with a warning if it was not computed."""
+        ranges = self.question.ranges
+        if ranges is None:
+            return None
+        self.tell("uncertainty")
+        find = partial(find_uncertainty, push=self.question.push)
+        worst = self._in_time(find, self.program, ranges)
+        if isinstance(worst, NoLimit):
+            self.missing["uncertainty"] = worst.why
+            return None
+        if worst is None:
+            self.warnings.append(
+                "no worst case: there are too many parts and contacts for intervals of masses or"
+                " centres; without --mass-range and --com-range there is no such limit"
+            )
+        return worst
+
+    def beyond(self, tilt: TiltMargin) -> tuple[str | None, LevelTilt | None]:
+        """The verdict just beyond the tilt margin, and the tilt up to the required level."""
+        assembly, touching = self.question.assembly, self.verdict.contacts
+        require = self.question.require
+        outside = self._in_time(
+            verdict_outside, assembly, touching, tilt.angle, tilt.toward, self.work
+        )
+        level_tilt = None
+        if require != "equilibrium" and level_of(self.verdict.verdict) not in (None, "equilibrium"):
+            self.tell(f"tilt at the level {require}")
+            level_tilt = _known(
+                self._in_time(find_level_tilt, assembly, touching, tilt.down, require, self.work)
+            )
+        return _known(outside), level_tilt
+
+    def helps(self, tilt: TiltMargin | None, factor: Limit | None) -> tuple[Help, ...]:
+        """The changes that raise the tilt margin, or else the greatest load factor, most."""
+        find = partial(what_helps, held=self.question.pushed)
+        helps = self.limit("what helps", find, self.program, tilt, factor, self.question.push)
+        return helps or ()
+
+    def _in_time(self, step: Callable[..., T], *arguments: Any) -> T | NoLimit:
+        """The result of a step, or the reason that the time limit was reached."""
+        try:
+            with stop_after(self.work.seconds):
+                return step(*arguments)
+        except TimeLimitReached:
+            return NoLimit("time")
+
+    def _of_parts(
+        self,
+        name: str,
+        stage: str,
+        find: Callable[[Program, int], T | NoLimit],
+        parts: list[int],
+    ) -> tuple[T, ...]:
+        """The limits of parts that have one, in the order of the parts."""
+        limits = []
+        for count, part in enumerate(parts, 1):
+            limits.append(
+                self.limit(f"{name} {self.program.names[part]}", find, self.program, part)
+            )
+            self.tell(f"{stage}: {count} of {len(parts)}")
+        return tuple(limit for limit in limits if limit is not None)
+
+
+def _known(limit: T | NoLimit | None) -> T | None:
+    """A limit; None if there is no limit."""
+    return None if isinstance(limit, NoLimit) else limit
+
+
+def _tilt_or_nearest(program: Program) -> TiltMargin | NearestHeld | NoLimit:
+    """The tilt margin; if gravity as given is proved not to be held, the nearest held direction."""
+    tilt = find_tilt_margin(program)
+    if isinstance(tilt, TiltMargin):
+        return tilt
+    nearest = find_nearest_held(program)
+    # without a proof that gravity as given is not held, a nearest direction answers nothing
+    failed = tilt.why == "failed" and not isinstance(nearest, NoLimit)
+    return tilt if failed else nearest
+
+
+def _missing_words(missing: dict[str, Why]) -> list[str]:
+    """Warnings about limits without a value, and about an assembly that resists no push."""
+    failed = [name for name, why in missing.items() if why == "failed"]
+    words = [f"not known, because the solver failed: {some_names(failed)}"] if failed else []
+    late = [name for name, why in missing.items() if why == "time"]
+    words += [f"not known, because the time limit was reached: {some_names(late)}"] if late else []
+    of_parts = (why for name, why in missing.items() if name.startswith(("push of", "load on")))
+    if "none" in of_parts:
+        words.append("it is not in equilibrium as given, so it resists no push and no load")
+    return words
+
+
+def _load_factor(
+    question: MarginQuestion, program: Program
+) -> tuple[Limit | NoLimit, Limit | NoLimit] | None:
+    """Least and greatest factor of a body force, or of the given loads."""
+    if question.push is not None:
+        base, wrench = program, gravity_wrench(program, question.push)
+    elif question.assembly.loads:
+        base = program.with_rows(applied=np.zeros_like(program.applied))
+        wrench = program.applied
+    else:
+        return None
+    ends = find_limit(base, -wrench), find_limit(base, wrench)
+    # the proof that no factor is held covers both ends: an end at which the solver failed, too
+    whys = {end.why for end in ends if isinstance(end, NoLimit)}
+    return (NoLimit("none"), NoLimit("none")) if whys == {"none", "failed"} else ends
