@@ -4,6 +4,7 @@
     python benchmarks/agreement.py 50 --first 100        seeds 100 to 149
     python benchmarks/agreement.py 60 --family voronoi   a single family
     python benchmarks/agreement.py --real ../shared/data real files too, in place of a tenth
+    python benchmarks/agreement.py --log rows.jsonl      a row a case; a later run continues it
 
 Families: arch, pile, wedge, round, voronoi (3D cells with shared faces), squeezed (blocks between
 walls, troughs, ladders), bricks, bonded, open (parts pushed into overlap or out of contact), real.
@@ -14,16 +15,17 @@ Rules, each counted as tests and contradictions:
 plan        the verdict of the finished assembly in a plan = the verdict of check
 hold        with the supports of `hold --require L`, check reaches level L
 limit       just inside a limit check holds at the level of the limit, just outside it does not:
-            tilt, least friction, load factor of a body force, tilt at level settles or proved
+            tilt, least friction, load factor of a body force, the weakest push of a part; each
+            at equilibrium and at settles
 region      a direction is in the region iff check holds there at equilibrium; directions between
             the inner and the outer cone, and regions that open pairs decide, are left out
 orient      check holds at the recommended direction, at the reported level
 report      the page and the notebook show the verdict and the sentence of check
-many        check_many and batch give the verdict of check
+many        check_many and the row of batch give the verdict of check, batch also its level
 remedy      each printed remedy, typed as a command, has the verdict that its line states
 verify      the proof of check passes `verify`
 
-Balanced assemblies are counted. They hold to first order: the rules compare `first_order`.
+Balanced assemblies are counted apart: the tests of their rules have names that end in "balanced".
 Exit code 1 if there is a contradiction.
 """
 
@@ -43,8 +45,8 @@ import tempfile
 import time
 import traceback
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, field, replace
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -61,8 +63,11 @@ from random_voronoi import random_voronoi
 
 import kilter
 from kilter.analysis.everything import everything
+from kilter.analysis.many.batch_rows import BatchQuestion, judged_rows
+from kilter.analysis.margins.load_limit import NoLimit
 from kilter.assembly import Assembly
 from kilter.assembly.bricks.brick_assembly import assembly_of_bricks
+from kilter.assembly.interactions import Load
 from kilter.cli import main as command_line
 from kilter.contact import contacts
 from kilter.contact.contact_tolerances import GAP
@@ -122,7 +127,7 @@ class Case:
 
     def test(self, rule: str, agrees: bool, words: str) -> None:
         """Count a test of a rule, and note the contradiction."""
-        self.tests[rule] += 1
+        self.tests[f"{rule}, balanced" if self.verdict == "balanced" else rule] += 1
         if not agrees:
             self.wrong.append(f"{self.family} {self.seed}: {rule}: {words}")
 
@@ -204,6 +209,7 @@ def judge(family: str, seed: int, real: Path | None, folder: Path) -> Case | Non
         kilter.dump(assembly, folder / f"{family}-{seed}.kilter.json")
         for rule in (_verify, _plan, _hold, _limits, _region, _orient, _report, _many, _remedies):
             rule(case, assembly, verdict)
+        _batch(case, verdict, folder / f"{family}-{seed}.kilter.json")
     except Exception as error:
         last = traceback.extract_tb(error.__traceback__)[-1]
         place = f"{Path(last.filename).name}:{last.lineno}"
@@ -264,10 +270,12 @@ def _limits(case: Case, assembly: Assembly, verdict: Any) -> None:
     push /= np.linalg.norm(push)
     if assembly.planar:
         push = np.array([1.0, 0.0, 0.0])
+    free = [part.name for part in assembly.parts if not part.grounded]
+    pushed = free[case.seed % len(free) :][:1] if free else []
     margin = case.run(
         "margin",
         lambda: kilter.margin(
-            assembly, contacts=verdict.contacts, push=push, pushed=[], require="settles"
+            assembly, contacts=verdict.contacts, push=push, pushed=pushed, require="settles"
         ),
     )
     if margin is None:
@@ -298,14 +306,6 @@ def _beside_limits(
             if angle > 0:
                 down = _toward(assembly.down, margin.tilt.toward, angle)
                 yield f"tilt {angle:.6f}", assembly.with_down(down), "equilibrium", expected
-    at_level = margin.level_tilt
-    if at_level is not None:
-        for degrees, expected in (
-            (at_level.lower * (1 - NEAR), True),
-            (at_level.upper * (1 + NEAR) + 1e-3, False),
-        ):
-            down = _toward(assembly.down, margin.tilt.toward, np.radians(degrees))
-            yield f"tilt at settles {degrees:.6f}", assembly.with_down(down), "settles", expected
     if margin.friction is not None and margin.friction.value > 0 and not assembly.friction_pairs:
         least = float(margin.friction.value)
         for mu, expected in ((least * (1 + NEAR), True), (least * (1 - NEAR), False)):
@@ -320,6 +320,56 @@ def _beside_limits(
                 gravity = assembly.gravity + factor * np.linalg.norm(assembly.gravity) * push
                 loaded = replace(assembly, gravity=gravity)
                 yield f"load factor {factor:.6f}", loaded, "equilibrium", expected
+    for weakest in margin.pushes:
+        force = float(weakest.force)
+        for size, expected in ((weakest.lower * (1 - NEAR), True), (force * (1 + NEAR), False)):
+            if np.isfinite(size) and (expected or weakest.limit.mechanism is not None):
+                loaded = _pushed(assembly, weakest, size)
+                yield f"push {weakest.part} {size:.6g} N", loaded, "equilibrium", expected
+    if margin.at_level is not None:
+        yield from _beside_level_limits(assembly, margin, push)
+
+
+def _pushed(assembly: Assembly, weakest: Any, size: float) -> Assembly:
+    """The assembly with a force of a size [N] on a part, in the weakest direction of its push."""
+    load = Load(weakest.part, force=size * weakest.direction)
+    return replace(assembly, loads=[*assembly.loads, load])
+
+
+def _beside_level_limits(
+    assembly: Assembly, margin: Any, push: Any
+) -> Iterator[tuple[str, Assembly, str, bool]]:
+    """As `_beside_limits`, for the limits of a level above equilibrium."""
+    limits, size = margin.at_level, float(np.linalg.norm(assembly.gravity))
+
+    def turned(degrees: float) -> Assembly:
+        down = _toward(assembly.down, margin.tilt.toward, np.radians(degrees))
+        return assembly.with_down(down)
+
+    def loaded(factor: float) -> Assembly:
+        return replace(assembly, gravity=assembly.gravity + factor * size * push)
+
+    ways: list[tuple[str, Any, Callable[[float], Assembly]]] = [
+        ("tilt", limits.tilt, turned),
+        *(("load factor", end, loaded) for end in limits.factor),
+        *(
+            (f"push {w.part}", limits.pushes[w.part], partial(_pushed, assembly, w))
+            for w in margin.pushes
+        ),
+    ]
+    if not assembly.friction_pairs:
+        ways.append(("mu", limits.friction, assembly.with_friction))
+    for name, limit, changed in ways:
+        if limit is None or isinstance(limit, NoLimit):
+            continue
+        toward = -1.0 if name == "mu" else 1.0
+        for value, shift, expected in (
+            (limit.inside, 1 - toward * NEAR, True),
+            (limit.outside, 1 + toward * NEAR, False),
+        ):
+            if np.isfinite(value) and abs(value) > NEAR:
+                words = f"{name} at {limits.level} {value * shift:.6g}"
+                yield words, changed(value * shift), limits.level, expected
 
 
 def _toward(down: Any, across: Any, angle: float) -> Any:
@@ -374,6 +424,14 @@ def _many(case: Case, assembly: Assembly, verdict: Any) -> None:
         case.test("many", many == [verdict.verdict], f"check_many {many}, check {verdict.verdict}")
 
 
+def _batch(case: Case, verdict: Any, path: Path) -> None:
+    rows = case.run("batch", lambda: judged_rows([(0, str(path))], BatchQuestion()))
+    for row in rows or ():
+        agrees = (row["verdict"], row["level"]) == (verdict.verdict, verdict.level)
+        words = f"batch {row['verdict']} {row['level']}, check {verdict.verdict} {verdict.level}"
+        case.test("batch", agrees, words)
+
+
 def _remedies(case: Case, assembly: Assembly, verdict: Any) -> None:
     remedies = case.run("remedies", lambda: verdict.to_dict()["remedies"])
     if not remedies:
@@ -404,39 +462,50 @@ def main() -> int:
     parser.add_argument("--family", choices=FAMILIES, action="append")
     parser.add_argument("--real", type=Path, help="folder of real assemblies")
     parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--log", type=Path, help="a row a case; cases that it has are not repeated")
     given = parser.parse_args()
     families = given.family or FAMILIES
-    seeds = range(given.first, given.first + given.count)
+    jobs = [(families[k % len(families)], k) for k in range(given.first, given.first + given.count)]
+    known = {} if given.log is None else _logged(given.log)
+    cases = [known[job] for job in jobs if job in known]
+    left = [job for job in jobs if job not in known]
     folder = Path(tempfile.mkdtemp(prefix="agreement-"))
-    jobs = [(families[seed % len(families)], seed, given.real, folder) for seed in seeds]
-    tests: collections.Counter[str] = collections.Counter()
-    words: collections.Counter[str] = collections.Counter()
-    words_of: list[str] = []
-    commands, cuts = 0, collections.Counter[str]()
-    wrong: list[str] = []
-    slowest: dict[str, tuple[float, str]] = {}
     with ProcessPoolExecutor(given.processes) as pool:
-        for case in pool.map(judge, *zip(*jobs, strict=True)):
+        futures = [pool.submit(judge, *job, given.real, folder) for job in left]
+        for future in as_completed(futures):
+            case = future.result()
             if case is None:
                 continue
-            tests += case.tests
-            words[f"{case.family} {case.verdict}"] += 1
-            words_of += [] if case.verdict == "error" else [case.verdict]
-            commands += len(case.seconds)
-            cuts.update(case.cut)
-            wrong += case.wrong
+            cases.append(case)
             for text in case.wrong:
                 print(text, flush=True)
-            for name, taken in case.seconds.items():
-                slowest[name] = max(
-                    slowest.get(name, (0.0, "")), (taken, f"{case.family} {case.seed}")
-                )
-    batched = kilter.batch(folder, folder / "rows", processes=given.processes)
-    checked = collections.Counter(words_of)
-    tests["batch"] += batched.rows
-    if batched.counts != checked:
-        wrong.append(f"batch {dict(batched.counts)}, check {dict(checked)}")
-        print(wrong[-1])
+            if given.log is not None:
+                with given.log.open("a", encoding="utf-8") as file:
+                    file.write(json.dumps(asdict(case)) + "\n")
+    return _print_counts(cases)
+
+
+def _logged(log: Path) -> dict[tuple[str, int], Case]:
+    """The cases of a log by family and seed."""
+    lines = log.read_text(encoding="utf-8").splitlines() if log.exists() else []
+    rows = [json.loads(line) for line in lines]
+    return {
+        (row["family"], row["seed"]): Case(**{**row, "tests": collections.Counter(row["tests"])})
+        for row in rows
+    }
+
+
+def _print_counts(cases: list[Case]) -> int:
+    """Print the counts of all cases; return 1 if there is a contradiction."""
+    tests: collections.Counter[str] = collections.Counter()
+    slowest: dict[str, tuple[float, str]] = {}
+    for case in cases:
+        tests.update(case.tests)
+        for name, taken in case.seconds.items():
+            row = (taken, f"{case.family} {case.seed}")
+            slowest[name] = max(slowest.get(name, (0.0, "")), row)
+    words = collections.Counter(f"{case.family} {case.verdict}" for case in cases)
+    cuts = collections.Counter(name for case in cases for name in case.cut)
     for title, counter in (("verdicts", words), ("tests", tests), ("cut at 20 CPU s", cuts)):
         print(title)
         for name, number in sorted(counter.items()):
@@ -444,7 +513,13 @@ def main() -> int:
     print("slowest of each command [CPU s]")
     for name, (taken, place) in sorted(slowest.items(), key=lambda item: -item[1][0]):
         print(f"  {taken:6.1f}  {name}: {place}")
-    print(f"{sum(cuts.values())} of {commands} commands cut, {len(wrong)} contradictions")
+    commands = sum(len(case.seconds) for case in cases)
+    wrong = [text for case in cases for text in case.wrong]
+    print("\n".join(wrong))
+    print(
+        f"{len(cases)} assemblies, {sum(cuts.values())} of {commands} commands cut, "
+        f"{len(wrong)} contradictions"
+    )
     return 1 if wrong else 0
 
 

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from kilter.errors import some
-from kilter.tell.numbers import angle, number, plain, vector
+from kilter.tell.numbers import angle, force, number, plain, vector
 from kilter.tell.shared_facts import Answer, Fact, bond_words, joint_facts
 
-__all__ = ["margin_facts"]
+__all__ = ["level_words", "margin_facts", "part_level_words"]
 
+LEVEL_WORDS = {
+    "settles": ("it settles", "as drawn it does not settle"),
+    "proved": ("no motion can start", "as drawn it is not proved that no motion can start"),
+}
+"""Words of a level that is reached, and of a level that is not."""
 UNKNOWN = {
     "failed": "not known: the solver failed",
     "time": "not known: the time limit was reached",
+    "effort": "not known: the work limit was reached (--effort 2 allows more)",
 }
 """Words of a limit whose program no solver finished."""
 
@@ -24,7 +30,8 @@ def margin_facts(answer: Answer) -> list[Fact]:
     if about is not None:
         turn = about["tilt_deg"]
         words = "a full turn is held" if turn is None else angle(turn)
-        facts.append(("about axis", words + _starting(about["limit"])))
+        at_level = _at_level(answer, "about_deg", angle)
+        facts.append(("about axis", words + _starting(about["limit"]) + at_level))
     facts.append(("friction", _least_friction(answer)))
     if answer["bond_limit"] is not None or answer["missing"].get("bond") is not None:
         facts.append(("bonds", _bonds(answer)))
@@ -33,7 +40,8 @@ def margin_facts(answer: Answer) -> list[Fact]:
         ends = answer["load_factor"]
         none = "none: no load factor is held, however small or large"
         words = UNKNOWN.get(answer["missing"].get("load_factor"), none + _as_drawn(answer))
-        words = words if ends is None else _interval(ends) + _starting(limits[1])
+        if ends is not None:
+            words = _interval(ends) + _starting(limits[1]) + _factor_at_level(answer)
         facts.append(("load factor", words))
     if answer["load_factor_bracket"] is not None:
         facts.append(("bracket", _bracket(answer["load_factor_bracket"]["greatest"])))
@@ -91,11 +99,86 @@ def _tilt(answer: Answer) -> str:
     words = f"{words}, {down}{_starting(answer['tilt_limit'])}"
     if answer["level"] == "equilibrium":
         words += "; up to this tilt forces that hold it exist"
-    at_level = answer["tilt_at_level"]
+    return words + _at_level(answer, "tilt_deg", angle, " toward this direction")
+
+
+def _at_level(
+    answer: Answer, key: str, words: Callable[[float], str], more: str = "", bound: str = "up to"
+) -> str:
+    """Return the words of a limit at the required level, or nothing if it was not required."""
+    at_level = answer["at_level"]
+    return (
+        ""
+        if at_level is None
+        else level_words(at_level["level"], at_level[key], words, more, bound)
+    )
+
+
+def level_words(
+    level: str,
+    limit: Answer | None,
+    words: Callable[[float], str],
+    more: str = "",
+    bound: str = "up to",
+) -> str:
+    """Return the words of a limit at a level, to follow those of the limit of equilibrium.
+
+    Parameters
+    ----------
+    level : {"settles", "proved"}
+    limit : dict or None
+        Its values `inside` and `outside`, and `why` they are unknown; None without a limit.
+    words : callable
+        Words of a value.
+    more : str
+        Words after the value.
+    bound : {"up to", "from mu ="}
+        The side of the value on which the level is reached.
+
+    Examples
+    --------
+    >>> level_words("settles", {"inside": 11.2, "outside": 11.3, "why": None}, angle)
+    '; it settles up to 11.2 deg'
+    """
+    if limit is None:
+        return ""
+    verb, fails = LEVEL_WORDS[level]
+    if limit["why"] == "none":
+        return (
+            f"; {fails}" if bound == "up to" else f"; {fails} with any coefficient that was tried"
+        )
+    if limit["why"] is not None:
+        return f"; the limit at the level {level} is {UNKNOWN[limit['why']]}"
+    if limit["outside"] is None:
+        return f"; {verb} {bound} {words(limit['inside'])}{more}, the largest value tried"
+    apart = abs(limit["outside"] - limit["inside"])
+    open_to = apart > 1e-3 * max(abs(limit["outside"]), abs(limit["inside"]))
+    until = f" (but not at {words(limit['outside'])})" if open_to else ""
+    return f"; {verb} {bound} {words(limit['inside'])}{more}{until}"
+
+
+def part_level_words(answer: Answer, key: str, part: str) -> str:
+    """Return the words of a part's push or load at the required level, or nothing.
+
+    `key` is "pushes" or "loads".
+    """
+    at_level = answer["at_level"]
     if at_level is None:
-        return words
-    verb = {"settles": "it settles", "proved": "no motion can start"}[at_level["level"]]
-    return f"{words}; {verb} up to {angle(at_level['tilt_deg'])} toward this direction"
+        return ""
+    return level_words(at_level["level"], at_level[key].get(part), force)
+
+
+def _factor_at_level(answer: Answer) -> str:
+    """Return the interval of load factors at the required level, or nothing."""
+    at_level = answer["at_level"]
+    ends = None if at_level is None else at_level["load_factor"]
+    if ends is None:
+        return ""
+    greatest = level_words(at_level["level"], ends[1], number)
+    least = ends[0]["inside"]
+    if ends[1]["why"] is not None or least is None:
+        return greatest
+    return greatest.replace(" up to ", f" from {number(least)} up to ", 1)
 
 
 def _least_friction(answer: Answer) -> str:
@@ -110,12 +193,13 @@ def _least_friction(answer: Answer) -> str:
             "no friction is needed"
             if attained
             else "any mu above 0 is enough, because parts are clamped between others"
+            + _at_level(answer, "friction", number, bound="from mu =")
         )
     lower = answer["friction_limit"]["lower"]
     words = f"mu >= {number(least)}, the same at every contact"
     if least - lower > 1e-6 * least:
         words += f" ({number(lower)} is proved not to be enough)"
-    return words
+    return words + _at_level(answer, "friction", number, bound="from mu =")
 
 
 def _bonds(answer: Answer) -> str:

@@ -12,6 +12,7 @@ from kilter.tell.contact_words import gap_words
 from kilter.tell.facts import kind_of
 from kilter.tell.hold_words import support_cells
 from kilter.tell.improve_words import HEAD, change_cells, improve_sentence
+from kilter.tell.margin_facts import part_level_words
 from kilter.tell.numbers import count, counts, force, mass, number, percent, plain, vector
 from kilter.tell.open_words import settling_options
 from kilter.tell.plan_words import step_cells
@@ -285,14 +286,20 @@ def push_table(answer: Answer) -> Table:
     """Return the least push that moves each part, the weakest first."""
 
     def row(push: Answer) -> Sequence[str]:
+        level = part_level_words(answer, "pushes", push["part"])
         if push["force"] is None:
-            return Name(push["part"]), "unlimited", ""
-        return Name(push["part"]), force(push["force"]), f"along {vector(push['direction'], 3)}"
+            return Name(push["part"]), "unlimited", level.removeprefix("; ")
+        along = f"along {vector(push['direction'], 3)}"
+        return Name(push["part"]), force(push["force"]), along + level
 
     def size(push: Answer) -> float:
         return math.inf if push["force"] is None else float(push["force"])
 
-    title = "Greatest push that each part resists at its centre of mass, in its weakest direction:"
+    exist = " (forces that hold it exist)" if answer["level"] == "equilibrium" else ""
+    title = (
+        "Greatest push that each part resists at its centre of mass, in its weakest "
+        f"direction{exist}:"
+    )
     return Table(title, (), sorted(answer["pushes"], key=size), row)
 
 
@@ -300,16 +307,22 @@ def load_table(answer: Answer) -> Table:
     """Return the greatest additional load of each part, straight down, the least first."""
 
     def row(entry: Answer) -> Sequence[str]:
+        level = part_level_words(answer, "loads", entry["part"])
         if entry["load"] is None:
-            return Name(entry["part"]), "unlimited", "", ""
+            return Name(entry["part"]), "unlimited", "", level.removeprefix("; ")
         starts = some([plain(name) for name in entry["moves"]], 3)
         words = f"then {starts} start{'s' if len(entry['moves']) == 1 else ''} to move"
-        return Name(entry["part"]), force(entry["load"]), mass(entry["mass"]), words * bool(starts)
+        moves = (words * bool(starts) + level).removeprefix("; ")
+        return Name(entry["part"]), force(entry["load"]), mass(entry["mass"]), moves
 
     def size(entry: Answer) -> float:
         return math.inf if entry["load"] is None else float(entry["load"])
 
-    title = "Greatest additional load that each part carries, straight down at its centre of mass:"
+    exist = " (forces that hold it exist)" if answer["level"] == "equilibrium" else ""
+    title = (
+        "Greatest additional load that each part carries, straight down at its centre of "
+        f"mass{exist}:"
+    )
     return Table(title, (), sorted(answer["loads"], key=size), row)
 
 

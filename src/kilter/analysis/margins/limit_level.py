@@ -1,60 +1,110 @@
-"""The level of a tilt limit: the verdict just outside it, and the limit of a higher level.
+"""The level of a limit: the verdict just outside it, and the limit of a higher level.
 
-A tilt margin is a limit of equilibrium: up to it forces that hold the assembly exist. Friction
-guarantees less, so a higher level may end earlier. `find_level_tilt` finds the tilt up to which
-the decision of `kilter.check` reaches that level, along the great circle to the tilt limit, by
-bisection. Both ends of the bracket are decided.
+A limit of equilibrium is the end of an interval in which forces that hold the assembly exist.
+Friction guarantees less, so a higher level may end earlier. `find_level_end` finds the value up to
+which the decision of `kilter.check` reaches that level, by bisection. Both ends of the bracket are
+decided. The total work of the decisions is bounded.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from kilter.analysis.decision.cascade import decide
-from kilter.analysis.decision.decision import Decision
+from kilter.analysis.margins.load_limit import NoLimit
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.tell.levels import holds
 from kilter.work import Work
 
-__all__ = ["LevelTilt", "find_level_tilt", "verdict_outside"]
+__all__ = ["LevelDecisions", "LevelLimit", "find_level_end", "turned_toward", "verdict_outside"]
 
 OUTSIDE = 1e-4
 """Turn beyond a tilt limit at which the verdict is decided [rad]; a larger turn may miss a thin
 sector of another verdict."""
-BELOW = (0.5, 0.75, 0.9, 0.97, 0.99, 0.999)
+NEAR = 1e-4
+"""Distance below a limit at which its level is decided first, as a share of the limit [-]."""
+BELOW = (0.5, 0.9, 0.99, 0.999)
 """Shares of a limit at which its level is decided again; more shares find more gaps [-]."""
 ROUNDS = 3
-"""Largest number of bisections, each below the tilt at which the level was missed."""
+"""Largest number of bisections, each below the value at which the level was missed."""
 STEPS = 12
-"""Bisections of a tilt; each further one halves the bracket and costs one decision."""
+"""Bisections of a value; each further one halves the bracket and costs one decision."""
+GROWTH = (1.0, 10.0, 100.0)
+"""Values that are decided without a limit of equilibrium, as shares of a given size [-]."""
+JUDGED_STEPS = 30
+"""Iterations that are charged for the equilibrium of a decision."""
+DECISION = 200_000.0
+"""Units that each decision is charged in addition: programs, contacts and tries of few parts."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class LevelTilt:
-    """The tilt up to which a level is reached.
+class LevelLimit:
+    """The value up to which a level is reached, from the assembly as drawn.
 
     Attributes
     ----------
     level : str
         "settles" or "proved".
-    lower, upper : float
-        Of the tilts that were decided, the greatest that reaches the level and the least that does
-        not [deg]. Both equal the tilt limit if every tilt that was decided reaches the level.
+    inside : float
+        The farthest value up to which every decided value reaches the level, in the unit of the
+        limit.
+    outside : float
+        The nearest value that was decided and does not reach it. It equals `inside` if every
+        decided value up to the limit of equilibrium reaches the level, and is infinite if no
+        such limit exists either.
     """
 
     level: str
-    lower: float
-    upper: float
+    inside: float
+    outside: float
 
-    def to_dict(self) -> dict[str, Any]:
-        """The level and both tilts as JSON data."""
-        return {"level": self.level, "tilt_deg": self.lower, "tilt_upper_deg": self.upper}
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LevelDecisions:
+    """First-order decisions at a level, whose work is counted.
+
+    Attributes
+    ----------
+    level : str
+        "settles" or "proved".
+    units : float
+        Work of each decision, as in a check.
+    work : Work
+        Work of all decisions together, and the time limit.
+    """
+
+    level: str
+    units: float
+    work: Work
+
+    def reach(self, assembly: Assembly, contacts: ContactSet) -> bool:
+        """Whether an assembly with these contacts reaches the level."""
+        part = self.work.beside(self.units)
+        decision = decide(
+            assembly,
+            contacts.of(assembly),
+            require=self.level,
+            work=part,
+            second_order=False,
+            question=False,
+        )
+        # equilibrium is not charged by the decision itself
+        self.work.conic(JUDGED_STEPS, 12 * len(decision.program.part_a))
+        self.work.charge(DECISION + part.spent)
+        return holds(decision.level, self.level)
+
+    def share(self, fraction: float) -> LevelDecisions:
+        """The same decisions with a fraction of the work that is left."""
+        return LevelDecisions(self.level, self.units, self.work.fraction_left(fraction))
+
+    def no_limit(self) -> NoLimit:
+        """The reason why the level was not decided: no time or no work is left."""
+        return NoLimit("time" if self.work.late else "effort")
 
 
 def verdict_outside(
@@ -73,81 +123,94 @@ def verdict_outside(
     work : Work
         Work whose time limit is kept.
     """
-    beyond = _toward(assembly.down, toward, angle + OUTSIDE)
-    return _decision(assembly, contacts, beyond, "equilibrium", work).verdict
-
-
-def find_level_tilt(
-    assembly: Assembly, contacts: ContactSet, down: Array, level: str, work: Work
-) -> LevelTilt | None:
-    """Find the tilt toward `down` up to which a level is reached; None if it fails without tilt.
-
-    Parameters
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-    down : ndarray, shape (3,)
-        Direction of gravity at the limit of equilibrium, unit, world frame.
-    level : {"settles", "proved"}
-    work : Work
-        Work allowed for each decision; its time limit ends the bisection.
-    """
-    lower, upper = 0.0, _angle(assembly.down, down)
-
-    def reaches(angle: float) -> bool:
-        turned = _toward(assembly.down, down, angle)
-        return holds(_decision(assembly, contacts, turned, level, work).level, level)
-
-    if not reaches(lower):
-        return None
-    limit = upper
-    if upper <= OUTSIDE or (reaches(upper - OUTSIDE) and _first_miss(reaches, upper) is None):
-        return LevelTilt(level, float(np.degrees(limit)), float(np.degrees(limit)))
-    for _ in range(ROUNDS):  # again below every miss that the samples find
-        for _ in range(STEPS):
-            if work.late:
-                break
-            middle = 0.5 * (lower + upper)
-            lower, upper = (middle, upper) if reaches(middle) else (lower, middle)
-        miss = None if work.late else _first_miss(reaches, lower)
-        if miss is None:
-            break
-        lower, upper = 0.0, miss
-    return LevelTilt(level, float(np.degrees(lower)), float(np.degrees(upper)))
-
-
-def _first_miss(reaches: Callable[[float], bool], angle: float) -> float | None:
-    """Least sampled angle below a limit at which the level is not reached [rad], or None.
-
-    A motion that refutes the level may be found at a smaller tilt although it was not found at a
-    larger tilt: the search for motions is not exhaustive.
-    """
-    missed = [share * angle for share in BELOW if not reaches(share * angle)]
-    return missed[0] if missed else None
-
-
-def _decision(
-    assembly: Assembly, contacts: ContactSet, down: Array, require: str, work: Work
-) -> Decision:
-    """First-order decision under another direction of gravity, with its own share of work."""
-    turned = assembly.with_down(down)
-    part = work.beside(work.allowed)
+    turned = assembly.with_down(turned_toward(assembly.down, toward, angle + OUTSIDE))
     return decide(
         turned,
         contacts.of(turned),
-        require=require,
-        work=part,
+        require="equilibrium",
+        work=work.beside(work.allowed),
         second_order=False,
         question=False,
-    )
+    ).verdict
 
 
-def _angle(first: Array, second: Array) -> float:
-    """Angle between two unit vectors [rad], also exact if they are nearly parallel."""
-    return float(2.0 * np.arctan2(np.linalg.norm(first - second), np.linalg.norm(first + second)))
+def find_level_end(
+    decisions: LevelDecisions,
+    reaches: Callable[[float], bool],
+    end: float,
+    *,
+    size: float = 1.0,
+) -> LevelLimit:
+    """Find the value up to which a level is reached, between 0, which reaches it, and a limit.
+
+    Parameters
+    ----------
+    decisions : LevelDecisions
+        The level, and the work that ends the search.
+    reaches : callable
+        Whether a value reaches the level; 0 does.
+    end : float
+        The limit of equilibrium, at least 0; infinite without a limit.
+    size : float
+        Values up to 100 times this size are decided if the limit is infinite.
+
+    Examples
+    --------
+    >>> decisions = LevelDecisions("settles", 0.0, Work())
+    >>> limit = find_level_end(decisions, lambda value: value <= 0.7, 1.0)
+    >>> 0.699 < limit.inside <= 0.7 < limit.outside < 0.701
+    True
+    >>> limit = find_level_end(decisions, lambda value: True, 1.0)
+    >>> limit.inside, limit.outside
+    (1.0, 1.0)
+    """
+    work, level = decisions.work, decisions.level
+    lower, upper = 0.0, end
+    if end == float("inf"):
+        for share in GROWTH:
+            if work.over:
+                break
+            if not reaches(share * size):
+                upper = share * size
+                break
+            lower = share * size
+        if upper == end:
+            return LevelLimit(level, lower, upper)
+    elif end == 0.0 or work.over:
+        return LevelLimit(level, 0.0, end)
+    elif reaches(end * (1 - NEAR)):
+        miss = _first_miss(reaches, end, work)
+        if miss is None:
+            return LevelLimit(level, end, end)
+        upper = miss
+    for _ in range(ROUNDS):  # again below every miss that the samples find
+        for _ in range(STEPS):
+            if work.over:
+                break
+            middle = 0.5 * (lower + upper)
+            lower, upper = (middle, upper) if reaches(middle) else (lower, middle)
+        miss = _first_miss(reaches, lower, work)
+        if miss is None:
+            break
+        lower, upper = 0.0, miss
+    return LevelLimit(level, lower, upper)
 
 
-def _toward(start: Array, end: Array, angle: float) -> Array:
+def _first_miss(reaches: Callable[[float], bool], end: float, work: Work) -> float | None:
+    """Least sampled value below a limit at which the level is not reached, or None.
+
+    A motion that refutes the level may be found at a smaller value although it was not found at a
+    larger value: the search for motions is not exhaustive.
+    """
+    for share in BELOW:
+        if work.over:
+            return None
+        if not reaches(share * end):
+            return share * end
+    return None
+
+
+def turned_toward(start: Array, end: Array, angle: float) -> Array:
     """The unit vector `start` turned toward the unit vector `end` by an angle [rad]."""
     across = end - (end @ start) * start
     size = float(np.linalg.norm(across))

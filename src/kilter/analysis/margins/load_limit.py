@@ -77,7 +77,7 @@ NEAR, CLOSE = 1e-6, 1e-9
 MODEST = 10.0
 """Upper end of the interval of shares that is tried first [-]."""
 
-Why = Literal["none", "failed", "time"]
+Why = Literal["none", "failed", "time", "effort"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -123,7 +123,7 @@ class NoLimit:
     """No limit is known.
 
     The reason `why` is "none" if it is proved that no share is held, "failed" if the solvers
-    failed, and "time" if the time limit was reached.
+    failed, "time" if the time limit was reached, and "effort" if no work was left.
     """
 
     why: Why

@@ -18,7 +18,7 @@ from kilter.analysis.check import check
 from kilter.analysis.decision.fitted_normals import fits_left_out
 from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
 from kilter.analysis.margins.least_friction import LeastFriction, find_least_friction
-from kilter.analysis.margins.limit_level import LevelTilt
+from kilter.analysis.margins.level_limits import LevelLimits, Limits
 from kilter.analysis.margins.load_limit import Limit, Why, finite
 from kilter.analysis.margins.margin_proofs import margin_proofs
 from kilter.analysis.margins.margin_question import MarginQuestion, margin_question
@@ -65,8 +65,8 @@ class Margin:
         Least turn that is held, from both sides, if gravity as given is not held.
     outside : str or None
         The verdict of `kilter.check` just beyond the tilt limit, at the level "equilibrium".
-    level_tilt : LevelTilt or None
-        The tilt up to which the level `require` is reached, if it is above "equilibrium".
+    at_level : LevelLimits or None
+        The values up to which the level `require` is reached, if it is above "equilibrium".
     require : str
     about : tuple of (float, Limit), or None
         Angle [rad] about the given axis, and the limit.
@@ -107,7 +107,7 @@ class Margin:
     tilt_down: Array | None
     nearest: NearestHeld | None
     outside: str | None
-    level_tilt: LevelTilt | None
+    at_level: LevelLimits | None
     require: str
     about: tuple[float, Limit] | None
     friction: LeastFriction | None
@@ -140,7 +140,7 @@ class Margin:
             "require": self.require,
             "tilt_deg": self.tilt_deg,
             "tilt_outside": self.outside,
-            "tilt_at_level": None if self.level_tilt is None else self.level_tilt.to_dict(),
+            "at_level": None if self.at_level is None else self.at_level.to_dict(),
             "tilt_lower_deg": None if tilt is None else float(np.degrees(tilt.lower)),
             "tilt_upper_deg": None
             if self.nearest is None
@@ -253,7 +253,7 @@ def margin(
     bracket : bool
         Also the load factors up to which no motion that obeys the contact law can start.
     require : {"equilibrium", "settles", "proved"}
-        Above "equilibrium", `Margin.level_tilt` is the tilt up to which this level is reached.
+        Above "equilibrium", `Margin.at_level` has the values up to which this level is reached.
     tolerance : Tolerance, optional
         When faces count as touching.
     effort, time_limit : float
@@ -331,7 +331,18 @@ def _limits(
     pushes, part_loads = steps.parts()
     steps.warn_of_missing()
     worst = steps.worst_case()
-    outside, level_tilt = (None, None) if tilt is None or down is None else steps.beyond(tilt)
+    outside = None if tilt is None or down is None else steps.beyond(tilt)
+    limits = Limits(friction=friction)
+    if program.mu.any():  # without friction, the limits of equilibrium are proved
+        limits = Limits(
+            tilt=tilt,
+            about=None if axis is None or turned is None else (axis, turned[0]),
+            friction=friction,
+            factor=factor or (),
+            force=question.push,
+            pushes=pushes,
+            loads=part_loads,
+        )
     return {
         "program": program,
         "tilt": tilt,
@@ -339,7 +350,7 @@ def _limits(
         "tilt_down": down,
         "nearest": gravity if isinstance(gravity, NearestHeld) else None,
         "outside": outside,
-        "level_tilt": level_tilt,
+        "at_level": steps.at_level(limits),
         "about": turned,
         "friction": friction,
         "bond": bond,

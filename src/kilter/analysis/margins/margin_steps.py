@@ -9,7 +9,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from kilter.analysis.margins.limit_level import LevelTilt, find_level_tilt, verdict_outside
+from kilter.analysis.margins.level_limits import LevelLimits, Limits, find_level_limits
+from kilter.analysis.margins.limit_level import verdict_outside
 from kilter.analysis.margins.load_limit import Limit, NoLimit, Why, find_limit, gravity_wrench
 from kilter.analysis.margins.margin_question import PUSHED, MarginQuestion
 from kilter.analysis.margins.part_loads import PartLoad, find_part_load
@@ -27,7 +28,6 @@ from kilter.errors import TimeLimitReached, some_names
 from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
-from kilter.tell.levels import level_of
 from kilter.work import Work, stop_after
 
 __all__ = ["Ends", "MarginSteps"]
@@ -145,20 +145,24 @@ class MarginSteps:
             )
         return worst
 
-    def beyond(self, tilt: TiltMargin) -> tuple[str | None, LevelTilt | None]:
-        """The verdict just beyond the tilt margin, and the tilt up to the required level."""
+    def beyond(self, tilt: TiltMargin) -> str | None:
+        """The verdict just beyond the tilt margin."""
         assembly, touching = self.question.assembly, self.verdict.contacts
-        require = self.question.require
-        outside = self._in_time(
-            verdict_outside, assembly, touching, tilt.angle, tilt.toward, self.work
-        )
-        level_tilt = None
-        if require != "equilibrium" and level_of(self.verdict.verdict) not in (None, "equilibrium"):
-            self.tell(f"tilt at the level {require}")
-            level_tilt = _known(
-                self._in_time(find_level_tilt, assembly, touching, tilt.down, require, self.work)
+        return _known(
+            self._in_time(
+                verdict_outside, assembly, touching, tilt.angle, tilt.toward, self.work
             )
-        return _known(outside), level_tilt
+        )
+
+    def at_level(self, limits: Limits) -> LevelLimits | None:
+        """The limits of the required level; None if it is "equilibrium"."""
+        level = self.question.require
+        if level == "equilibrium":
+            return None
+        self.tell(f"limits at the level {level}")
+        find = partial(find_level_limits, level=level, units=self.work.allowed, work=self.work)
+        assembly, touching = self.question.assembly, self.verdict.contacts
+        return self.limit("limits at the level", find, assembly, touching, limits)
 
     def helps(self, tilt: TiltMargin | None, factor: Limit | None) -> tuple[Help, ...]:
         """The changes that raise the tilt margin, or else the greatest load factor, most."""

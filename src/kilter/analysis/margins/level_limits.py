@@ -1,0 +1,295 @@
+"""The limits of a higher level: tilt, least friction, load factor, pushes and part loads.
+
+Each limit of `kilter.margin` is a limit of equilibrium. With `require` above "equilibrium", the
+answer adds for each limit the value up to which `kilter.check` reaches that level. The search goes
+from the assembly as drawn along the way to the limit (`limit_level.find_level_end`). The least
+friction is approached from a larger coefficient that reaches the level.
+
+All searches together may take `SHARE` times the work of a check; each gets an equal share.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from kilter.analysis.margins.least_friction import LeastFriction
+from kilter.analysis.margins.limit_level import (
+    LevelDecisions,
+    LevelLimit,
+    find_level_end,
+)
+from kilter.analysis.margins.load_limit import Limit, NoLimit, finite
+from kilter.analysis.margins.part_loads import PartLoad
+from kilter.analysis.margins.pushes import Push
+from kilter.analysis.margins.tilt import TiltMargin
+from kilter.arrays import Array, cross
+from kilter.assembly import Assembly
+from kilter.assembly.interactions import Load
+from kilter.contact import ContactSet, detect
+from kilter.work import Work
+
+__all__ = ["LevelLimits", "Limits", "find_level_limits"]
+
+SHARE = 10.0
+"""Work of all searches together, in units of the work of a check [-]."""
+LEAST_UNITS = 100_000.0
+"""Smallest work of a check that is counted, also with effort 0 [units]."""
+ROUGHER = (1.5, 3.0, 10.0)
+"""Friction coefficients that are decided first, as multiples of the least coefficient [-]."""
+SMALL_MU = 0.1
+"""Replaces the least coefficient in these multiples if every positive coefficient holds [-]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Limits:
+    """Limits of equilibrium for which the limits of a higher level are computed.
+
+    Attributes
+    ----------
+    tilt : TiltMargin or None
+    about : tuple of (ndarray of shape (3,), float), or None
+        Axis, and the greatest turn about it [rad].
+    friction : LeastFriction or None
+    factor : tuple of Limit or None
+        Least and greatest load factor, the least with the opposite sign; empty without loads.
+    force : ndarray, shape (3,), or None
+        Direction of the body force of the load factor; None for the given loads.
+    pushes : sequence of Push
+    loads : sequence of PartLoad
+    """
+
+    tilt: TiltMargin | None = None
+    about: tuple[Array, float] | None = None
+    friction: LeastFriction | None = None
+    factor: tuple[Limit | None, ...] = ()
+    force: Array | None = None
+    pushes: Sequence[Push] = ()
+    loads: Sequence[PartLoad] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LevelLimits:
+    """Limits of a level above equilibrium, or the reason why they are not known.
+
+    Attributes
+    ----------
+    level : str
+        "settles" or "proved".
+    tilt, about : LevelLimit, NoLimit or None
+        [deg]; None if there is no such limit of equilibrium.
+    friction : LevelLimit, NoLimit or None
+        [-]; `inside` is the larger coefficient.
+    factor : tuple of LevelLimit or NoLimit
+        Least and greatest load factor [-].
+    pushes, loads : dict of str to LevelLimit or NoLimit
+        By name of the part [N].
+    """
+
+    level: str
+    tilt: LevelLimit | NoLimit | None = None
+    about: LevelLimit | NoLimit | None = None
+    friction: LevelLimit | NoLimit | None = None
+    factor: tuple[LevelLimit | NoLimit, ...] = ()
+    pushes: dict[str, LevelLimit | NoLimit] = field(default_factory=dict)
+    loads: dict[str, LevelLimit | NoLimit] = field(default_factory=dict)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The level and its limits as JSON data: `inside`, `outside`, or `why` they are unknown."""
+        return {
+            "level": self.level,
+            "tilt_deg": _answer(self.tilt),
+            "about_deg": _answer(self.about),
+            "friction": _answer(self.friction),
+            "load_factor": [_answer(end) for end in self.factor] or None,
+            "pushes": {part: _answer(push) for part, push in self.pushes.items()},
+            "loads": {part: _answer(load) for part, load in self.loads.items()},
+        }
+
+
+def _answer(limit: LevelLimit | NoLimit | None) -> dict[str, Any] | None:
+    """A limit of a level as JSON data; None if there is no such limit."""
+    if limit is None:
+        return None
+    if isinstance(limit, NoLimit):
+        return {"inside": None, "outside": None, "why": limit.why}
+    return {"inside": finite(limit.inside), "outside": finite(limit.outside), "why": None}
+
+
+def find_level_limits(
+    assembly: Assembly,
+    contacts: ContactSet,
+    limits: Limits,
+    *,
+    level: str,
+    units: float,
+    work: Work,
+) -> LevelLimits:
+    """Find the limits up to which a level is reached, along the way to each limit.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    contacts : ContactSet
+    limits : Limits
+        Limits of equilibrium.
+    level : {"settles", "proved"}
+    units : float
+        Work of a single decision, that of a check.
+    work : Work
+        Work whose time limit is kept.
+    """
+    allowed = SHARE * max(units, LEAST_UNITS)
+    search = _Search(assembly, contacts, LevelDecisions(level, units, work.beside(allowed)))
+    steps = search.steps(limits)
+    drawn = None
+    if any(name != "friction" for name, _ in steps):
+        drawn = search.decisions.reach(assembly, contacts)
+    results: dict[Any, LevelLimit | NoLimit] = {}
+    for done, (name, step) in enumerate(steps):
+        if name != "friction" and not drawn:
+            results[name] = NoLimit("none")
+        elif search.decisions.work.over:
+            results[name] = search.decisions.no_limit()
+        else:
+            results[name] = step(search.decisions.share(1.0 / (len(steps) - done)))
+    return LevelLimits(
+        level,
+        tilt=results.get("tilt"),
+        about=results.get("about"),
+        friction=results.get("friction"),
+        factor=tuple(results[key] for key in (("factor", 0), ("factor", 1)) if key in results),
+        pushes={push.part: results["push", push.part] for push in limits.pushes},
+        loads={load.part: results["load", load.part] for load in limits.loads},
+    )
+
+
+_Step = tuple[Any, Callable[[LevelDecisions], LevelLimit | NoLimit]]
+"""Key of a limit, and the function that finds it with a share of the work."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Search:
+    """The assembly as drawn, and the decisions of the level."""
+
+    assembly: Assembly
+    contacts: ContactSet
+    decisions: LevelDecisions
+
+    def steps(self, limits: Limits) -> list[_Step]:
+        """The searches, each with its key."""
+        steps: list[_Step] = []
+        down = self.assembly.down
+        tilt, friction = limits.tilt, limits.friction
+        if tilt is not None and tilt.toward.any():
+            steps.append(("tilt", self._turn(tilt.toward, tilt.angle)))
+        if limits.about is not None:
+            axis, angle = limits.about
+            steps.append(("about", self._turn(cross(axis, down), min(angle, 2 * np.pi))))
+        if friction is not None:
+            steps.append(("friction", lambda share: self._least_friction(friction, share)))
+        if len(limits.factor) == 2 and None not in limits.factor:
+            first = 0.0 if limits.force is not None else 1.0
+            for side, sign in ((0, -1.0), (1, 1.0)):
+                end = limits.factor[side]
+                assert end is not None
+                steps.append((("factor", side), self._factor(limits.force, first, sign, end.value)))
+        for push in limits.pushes:
+            step = self._pushed(push.part, push.direction, push.force)
+            steps.append((("push", push.part), step))
+        for load in limits.loads:
+            steps.append((("load", load.part), self._pushed(load.part, down, load.load)))
+        return steps
+
+    def _turn(
+        self, toward: Array, angle: float
+    ) -> Callable[[LevelDecisions], LevelLimit | NoLimit]:
+        """The search over turns of gravity toward a horizontal direction [rad], in degrees."""
+        start = self.assembly.down
+
+        def step(share: LevelDecisions) -> LevelLimit:
+            def reaches(turn: float) -> bool:
+                down = np.cos(turn) * start + np.sin(turn) * toward
+                return share.reach(self.assembly.with_down(down), self.contacts)
+
+            limit = find_level_end(share, reaches, angle)
+            inside, outside = np.degrees([limit.inside, limit.outside]).tolist()
+            return replace(limit, inside=inside, outside=outside)
+
+        return step
+
+    def _factor(
+        self, force: Array | None, first: float, sign: float, end: float
+    ) -> Callable[[LevelDecisions], LevelLimit | NoLimit]:
+        """The search over load factors from the drawn factor to an end, `sign` times `end`."""
+        assembly = self.assembly
+        size = float(np.linalg.norm(assembly.gravity))
+
+        def step(share: LevelDecisions) -> LevelLimit | NoLimit:
+            def reaches(more: float) -> bool:
+                factor = first + sign * more
+                if force is not None:
+                    other = replace(assembly, gravity=assembly.gravity + factor * size * force)
+                else:
+                    loads = [
+                        replace(load, force=factor * load.force, torque=factor * load.torque)
+                        for load in assembly.loads
+                    ]
+                    other = replace(assembly, loads=loads)
+                return share.reach(other, self.contacts)
+
+            limit = find_level_end(share, reaches, max(end - sign * first, 0.0))
+            inside, outside = first + sign * limit.inside, first + sign * limit.outside
+            return replace(limit, inside=inside, outside=outside)
+
+        return step
+
+    def _pushed(
+        self, part: str, direction: Array, force: float
+    ) -> Callable[[LevelDecisions], LevelLimit | NoLimit]:
+        """The search over forces on a part in a direction [N]."""
+        assembly = self.assembly
+        weight = float(np.linalg.norm(assembly.gravity)) * float(assembly.geometry.mass.sum())
+
+        def step(share: LevelDecisions) -> LevelLimit:
+            def reaches(size: float) -> bool:
+                load = Load(part, force=size * direction)
+                return share.reach(replace(assembly, loads=[*assembly.loads, load]), self.contacts)
+
+            return find_level_end(share, reaches, force, size=weight)
+
+        return step
+
+    def _least_friction(
+        self, friction: LeastFriction, share: LevelDecisions
+    ) -> LevelLimit | NoLimit:
+        """The least coefficient that reaches the level, below a coefficient that reaches it."""
+        least = float(friction.value)
+        if least == 0.0 and friction.attained:  # equilibrium without friction is proved
+            return LevelLimit(share.level, 0.0, 0.0)
+        unit = least if least > 0.0 else SMALL_MU
+        given = [float(mu) for mu in np.unique(self.contacts.patch_mu) if mu > least]
+        tried = sorted({*given[:1], *(unit * more for more in ROUGHER)})
+        below = least
+        for top in tried:
+            if share.work.over:
+                return share.no_limit()
+            if share.reach(*self._rough(top)):
+                break
+            below = top
+        else:
+            return NoLimit("none")
+        limit = find_level_end(
+            share, lambda less: share.reach(*self._rough(top - less)), top - below
+        )
+        return replace(limit, inside=top - limit.inside, outside=top - limit.outside)
+
+    def _rough(self, mu: float) -> tuple[Assembly, ContactSet]:
+        """The assembly with the same friction coefficient at every contact, and its contacts."""
+        assembly = replace(self.assembly, friction=mu, friction_pairs=())
+        if self.assembly.contacts:  # their own coefficients would remain
+            return assembly, self.contacts.with_friction(mu)
+        return assembly, detect.detected_with_friction(self.contacts, mu)
