@@ -19,7 +19,7 @@ KEYS = {
     "tilt_limit", "about", "friction", "friction_limit", "load_factor", "load_factor_bracket",
     "bond", "bond_limit",
     "load_limits", "pushes", "loads", "missing", "uncertainty", "helps", "warnings", "seconds",
-    "exact", "open_pairs", "level", "require", "tilt_at_level", "tilt_outside",
+    "exact", "open_pairs", "level", "require", "at_level", "tilt_outside",
 }  # fmt: skip
 
 

@@ -233,8 +233,8 @@ def margin(
     """Find the limits up to which it holds: tilt, least friction, load factor and pushes.
 
     Up to each limit forces that hold it exist (level equilibrium). Beyond it no such forces exist,
-    and the answer names the parts that start to move. --require settles or proved adds the tilt up
-    to which that level is reached.
+    and the answer names the parts that start to move. --require settles or proved adds the value of
+    each limit up to which that level is reached.
 
     Exit code: 0, whatever the verdict.
     """

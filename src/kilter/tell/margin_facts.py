@@ -132,7 +132,7 @@ def level_words(
         Words of a value.
     more : str
         Words after the value.
-    bound : {"up to", "from mu ="}
+    bound : {"up to", "at mu ="}
         The side of the value on which the level is reached.
 
     Examples
@@ -152,8 +152,8 @@ def level_words(
     if limit["outside"] is None:
         return f"; {verb} {bound} {words(limit['inside'])}{more}, the largest value tried"
     apart = abs(limit["outside"] - limit["inside"])
-    open_to = apart > 1e-3 * max(abs(limit["outside"]), abs(limit["inside"]))
-    until = f" (but not at {words(limit['outside'])})" if open_to else ""
+    wide = apart > 1e-3 * max(abs(limit["outside"]), abs(limit["inside"]))
+    until = f" (not decided between it and {words(limit['outside'])})" if wide else ""
     return f"; {verb} {bound} {words(limit['inside'])}{more}{until}"
 
 
@@ -193,13 +193,13 @@ def _least_friction(answer: Answer) -> str:
             "no friction is needed"
             if attained
             else "any mu above 0 is enough, because parts are clamped between others"
-            + _at_level(answer, "friction", number, bound="from mu =")
+            + _at_level(answer, "friction", number, bound="at mu =")
         )
     lower = answer["friction_limit"]["lower"]
     words = f"mu >= {number(least)}, the same at every contact"
     if least - lower > 1e-6 * least:
         words += f" ({number(lower)} is proved not to be enough)"
-    return words + _at_level(answer, "friction", number, bound="from mu =")
+    return words + _at_level(answer, "friction", number, bound="at mu =")
 
 
 def _bonds(answer: Answer) -> str:

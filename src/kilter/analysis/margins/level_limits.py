@@ -18,6 +18,7 @@ import numpy as np
 
 from kilter.analysis.margins.least_friction import LeastFriction
 from kilter.analysis.margins.limit_level import (
+    NEAR,
     LevelDecisions,
     LevelLimit,
     find_level_end,
@@ -34,11 +35,11 @@ from kilter.work import Work
 
 __all__ = ["LevelLimits", "Limits", "find_level_limits"]
 
-SHARE = 10.0
+SHARE = 5.0
 """Work of all searches together, in units of the work of a check [-]."""
 LEAST_UNITS = 100_000.0
 """Smallest work of a check that is counted, also with effort 0 [units]."""
-ROUGHER = (1.5, 3.0, 10.0)
+ROUGHER = (1.0 + NEAR, 1.5, 3.0, 10.0)
 """Friction coefficients that are decided first, as multiples of the least coefficient [-]."""
 SMALL_MU = 0.1
 """Replaces the least coefficient in these multiples if every positive coefficient holds [-]."""
@@ -282,6 +283,8 @@ class _Search:
             below = top
         else:
             return NoLimit("none")
+        if top <= least * (1 + NEAR):
+            return LevelLimit(share.level, least, least)
         limit = find_level_end(
             share, lambda less: share.reach(*self._rough(top - less)), top - below
         )

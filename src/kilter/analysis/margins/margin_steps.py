@@ -149,9 +149,7 @@ class MarginSteps:
         """The verdict just beyond the tilt margin."""
         assembly, touching = self.question.assembly, self.verdict.contacts
         return _known(
-            self._in_time(
-                verdict_outside, assembly, touching, tilt.angle, tilt.toward, self.work
-            )
+            self._in_time(verdict_outside, assembly, touching, tilt.angle, tilt.toward, self.work)
         )
 
     def at_level(self, limits: Limits) -> LevelLimits | None:

@@ -1,0 +1,164 @@
+"""Limits at a level above equilibrium: bisection, bounded work, and the words of each limit."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kilter
+from kilter import Assembly
+from kilter.analysis.margins.level_limits import SHARE
+from kilter.analysis.margins.limit_level import (
+    DECISION,
+    NEAR,
+    LevelDecisions,
+    LevelLimit,
+    find_level_end,
+)
+from kilter.analysis.margins.load_limit import NoLimit
+from kilter.assembly import Load
+from kilter.cli import main
+from kilter.scenes import friction, scene, stacks
+from kilter.tell.levels import holds
+from kilter.tell.numbers import number
+from kilter.tell.text import text_of
+from kilter.work import Work
+
+
+def decisions(allowed: float = np.inf) -> LevelDecisions:
+    return LevelDecisions("settles", 0.0, Work(allowed))
+
+
+@pytest.mark.parametrize("limit", [1e-3, 0.2, 0.7, 0.9995])
+def test_bisection_encloses_the_value_at_which_the_level_ends(limit: float) -> None:
+    level_limit = find_level_end(decisions(), lambda value: value <= limit, 1.0)
+    assert level_limit.inside <= limit < level_limit.outside
+    assert level_limit.outside - level_limit.inside <= 2.0**-12
+
+
+def test_a_gap_below_the_limit_ends_the_level() -> None:
+    level_limit = find_level_end(decisions(), lambda value: not 0.4 < value < 0.6, 1.0)
+    assert level_limit.inside <= 0.4 < level_limit.outside
+    assert level_limit.outside - level_limit.inside <= 2.0**-11
+
+
+def test_without_a_limit_of_equilibrium_values_up_to_a_hundred_sizes_are_decided() -> None:
+    tried: list[float] = []
+
+    def reaches(value: float) -> bool:
+        tried.append(value)
+        return value <= 50.0
+
+    level_limit = find_level_end(decisions(), reaches, np.inf, size=2.0)
+    assert tried[:3] == [2.0, 20.0, 200.0]
+    assert level_limit.inside <= 50.0 < level_limit.outside < 50.1
+    unlimited = find_level_end(decisions(), lambda value: True, np.inf, size=2.0)
+    assert (unlimited.inside, unlimited.outside) == (200.0, np.inf)
+
+
+def test_the_work_ends_the_bisection() -> None:
+    budget = decisions(2.5)
+    count = []
+
+    def reaches(value: float) -> bool:
+        count.append(value)
+        budget.work.charge(1.0)
+        return value <= 0.3
+
+    level_limit = find_level_end(budget, reaches, 1.0)
+    assert count == [1 - NEAR, 0.5, 0.25]
+    assert (level_limit.inside, level_limit.outside) == (0.25, 0.5)
+
+
+def sides(assembly: Assembly, limit: LevelLimit | NoLimit, changed, shift: float = 1e-3):
+    """The levels just inside and just outside a limit at "settles"."""
+    assert isinstance(limit, LevelLimit)
+    values = limit.inside * (1 - shift), limit.outside * (1 + shift)
+    return [holds(kilter.check(changed(assembly, value)).level, "settles") for value in values]
+
+
+def aside(assembly: Assembly, factor: float) -> Assembly:
+    size = float(np.linalg.norm(assembly.gravity))
+    return replace(assembly, gravity=assembly.gravity + factor * size * np.array([1.0, 0, 0]))
+
+
+@pytest.mark.slow
+def test_a_block_on_a_slope_settles_up_to_every_limit_of_equilibrium() -> None:
+    block = stacks.block_on_slope(20.0, friction=0.5)
+    margin = kilter.margin(block, require="settles", push=[1, 0, 0])
+    limits = margin.at_level
+    assert limits is not None
+    assert isinstance(limits.friction, LevelLimit)
+    assert limits.friction.inside == pytest.approx(np.tan(np.radians(20.0)), rel=1e-6)
+    assert isinstance(limits.tilt, LevelLimit)
+    assert limits.tilt.inside == pytest.approx(np.degrees(np.arctan(0.5)) - 20.0, abs=1e-6)
+    assert sides(block, limits.factor[1], aside) == [True, False]
+    push = margin.pushes[0]
+
+    def pushed(assembly: Assembly, size: float) -> Assembly:
+        return replace(assembly, loads=[Load(push.part, force=size * push.direction)])
+
+    assert sides(block, limits.pushes[push.part], pushed, shift=0.02) == [True, False]
+
+
+@pytest.mark.slow
+def test_a_wedge_needs_more_friction_to_settle_than_for_equilibrium() -> None:
+    groove = friction.v_block(friction=0.84).with_down([0, 0.3, -1])
+    margin = kilter.margin(groove, require="settles", pushed=[])
+    assert margin.at_level is not None
+    limit = margin.at_level.friction
+    assert isinstance(limit, LevelLimit)
+    assert margin.friction.value < limit.outside < limit.inside < 1.1 * margin.friction.value
+    levels = [
+        kilter.check(groove.with_friction(mu)).level
+        for mu in (limit.inside * 1.001, limit.outside * 0.999)
+    ]
+    assert holds(levels[0], "settles")
+    assert levels[1] == "equilibrium"
+    assert f"it settles at mu = {number(limit.inside)}" in text_of(margin.to_dict())
+
+
+def test_an_assembly_that_does_not_settle_as_drawn_has_no_such_limit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    kilter.dump(scene("squeezed-block"), "a.kilter.json")
+    assert main(["margin", "a.kilter.json", "--require", "settles", "--json", "--quiet"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["level"] == "equilibrium"
+    pushes = answer["at_level"]["pushes"]
+    assert pushes["block"] == {"inside": None, "outside": None, "why": "none"}
+    assert "as drawn it does not settle" in text_of(answer)
+
+
+def test_all_searches_together_take_a_fixed_amount_of_work(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    spent: list[float] = []
+    reach = LevelDecisions.reach
+
+    def counted(self: LevelDecisions, *arguments) -> bool:
+        before = self.work.spent
+        answer = reach(self, *arguments)
+        spent.append(self.work.spent - before)
+        return answer
+
+    monkeypatch.setattr(LevelDecisions, "reach", counted)
+    slope = stacks.block_on_slope(20.0, friction=0.5)
+    margin = kilter.margin(slope, require="settles", effort=0, push=[1, 0, 0], loads=True)
+    assert margin.at_level is not None
+    assert min(spent) >= DECISION
+    # the decision during which the work ends is completed
+    assert sum(spent[:-1]) <= SHARE * 100_000.0
+    whys = {getattr(push, "why", None) for push in margin.at_level.pushes.values()}
+    assert whys <= {"effort", "none"}
+
+
+def test_without_a_required_level_no_level_is_decided() -> None:
+    margin = kilter.margin(stacks.block_on_slope(20.0, friction=0.5), pushed=[])
+    assert margin.at_level is None
+    assert margin.to_dict()["at_level"] is None
