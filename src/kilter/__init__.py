@@ -56,12 +56,14 @@ if TYPE_CHECKING:
     from kilter.assembly.part import Part as Part
     from kilter.contact.contact_set import ContactSet as ContactSet
     from kilter.contact.detect import contacts as contacts
+    from kilter.contact.fits.choices_saving import save as save
     from kilter.contact.fits.fastening import fastened as fastened
     from kilter.contact.gaps import Tolerance as Tolerance
     from kilter.contact.supports import Support as Support
     from kilter.errors import InputError as InputError
     from kilter.errors import KilterError as KilterError
     from kilter.errors import SolverError as SolverError
+    from kilter.files.choices import Choices as Choices
     from kilter.files.reading import load as load
     from kilter.files.writing import dump as dump
     from kilter.health import Health as Health
@@ -100,6 +102,7 @@ _HOMES = {
     "plan": "kilter.analysis.planning.order.plan",
     "region": "kilter.analysis.regions.region",
     "report": "kilter.publish",
+    "save": "kilter.contact.fits.choices_saving",
     "verify": "kilter.analysis.verification",
     "view": "kilter.publish",
     # further functions
@@ -112,6 +115,7 @@ _HOMES = {
     "Assembly": "kilter.assembly.assembly",
     "AssemblyArrays": "kilter.assembly.assembly_arrays",
     "Box": "kilter.shape.primitives",
+    "Choices": "kilter.files.choices",
     "Cylinder": "kilter.shape.primitives",
     "Feature": "kilter.assembly.feature",
     "FrictionPair": "kilter.assembly.interactions",
@@ -159,6 +163,7 @@ __all__ = sorted(_HOMES)
 _HOOKS = {
     "cell": "kilter.notebook",
     "load": "kilter.files.reading",
+    "read_chosen": "kilter.contact.fits.chosen",
     "scene_of": "kilter.files.objects.trimesh_objects",
     "to_mjcf": "kilter.files.mjcf",
 }

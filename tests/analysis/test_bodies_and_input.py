@@ -239,7 +239,7 @@ def test_w10_same_geometry_under_two_names_is_named():
         (lambda: Part("C", "cube"), "shape is of type str"),
         (lambda: Load("C", force=[0, 0, np.nan]), "force"),
         (lambda: FrictionPair(("A", "B"), -0.1), "friction"),
-        (lambda: GivenContact(("A", "B"), [], [0, 0, 1]), "no valid points|n x 3"),
+        (lambda: GivenContact(("A", "B"), [[0, 0, np.nan]], [0, 0, 1]), "no valid points|finite"),
         (lambda: GivenContact(("A", "B"), [[0, 0, 0]], [0, 0, 0]), "normal"),
     ],
 )

@@ -21,7 +21,9 @@ from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance, contacts
 from kilter.contact.fits.fastening import fasten_as_read
 from kilter.errors import InputError
-from kilter.files.reading import Reading, read_json
+from kilter.files.choices import digest, find_choices
+from kilter.files.file_content import read_json
+from kilter.files.reading import Reading
 from kilter.friction.exclusion_file import recheck_exclusion
 from kilter.mechanics.bundle import apply_change, is_bundle, split_bundle, subject_mismatch
 from kilter.mechanics.program import build_program
@@ -151,7 +153,11 @@ def verify(
         if isinstance(assembly, str | os.PathLike):
             tell("reading")
             reading = Reading.from_options(first["options"])
-            assembly = reading.read(assembly)
+            choices = find_choices(assembly)
+            path = Path(assembly) if choices is None else choices.path
+            if reading.entries.get("sha256") not in (None, _digest(path)):
+                return _of_another_file(first, path)
+            assembly = reading.read(assembly if choices is None else path)
             assembly, known = fasten_as_read(
                 assembly, reading, tolerance=tolerance, progress=progress
             )
@@ -161,6 +167,29 @@ def verify(
         return recompute(assembly, touching, data)
     except InputError as error:
         raise error.located(file=file) from None
+
+
+def _digest(path: Path) -> str | None:
+    """Digest of a file; None if it does not exist, for the error of its reader."""
+    return digest(path) if path.exists() else None
+
+
+def _of_another_file(proof: Mapping[str, Any], path: Path) -> Verification:
+    """The verification of a proof about an older version of the file, which is not read."""
+    reason = f"the proof is about another version of {path.name} (its sha256 differs)"
+    return Verification(
+        False,
+        proof["verdict"],
+        (reason,),
+        None,
+        None,
+        (),
+        held=tuple(part["name"] for part in proof["parts"] if part["grounded"]),
+        gravity=tuple(proof["gravity"]),
+        units=str(proof.get("units", "")),
+        options=proof["options"],
+        tolerance=proof["tolerance"],
+    )
 
 
 def proof_tolerance(proof: dict[str, Any]) -> Tolerance:

@@ -79,6 +79,8 @@ class Assembly:
     notes : sequence of str
         Remarks of the reader about the file; shown as warnings.
     bonds : sequence of Bond
+    tolerance : kilter.Tolerance, optional
+        Default tolerance of contact detection; None for that of `kilter.Tolerance()`.
 
     Raises
     ------
@@ -107,6 +109,7 @@ class Assembly:
     source: str = ""
     notes: Sequence[str] = ()
     bonds: Sequence[Bond] = ()
+    tolerance: Any = None
 
     def __post_init__(self) -> None:
         try:

@@ -112,7 +112,7 @@ class GivenContact:
     parts : tuple of str
         Names of the two parts.
     points : array_like, shape (n, 3)
-        Contact points, world frame [length unit].
+        Contact points, world frame [length unit]. Without points the two parts do not touch.
     normal : array_like, shape (3,)
         Surface normal from the first part to the second, world frame, of any length.
     mu : float, optional
@@ -124,7 +124,7 @@ class GivenContact:
     Raises
     ------
     InputError
-        If there is no point, a number is not finite, the normal is zero, or a feature is
+        If a number is not finite, the normal is zero, or a feature is
         along the normal.
     """
 
@@ -137,10 +137,10 @@ class GivenContact:
     def __post_init__(self) -> None:
         object.__setattr__(self, "parts", _names(self.parts))
         points = frozen(self.points, (-1, 3)) if len(self.points) else np.empty((0, 3))
-        if not len(points) or not np.isfinite(points).all():
+        if not np.isfinite(points).all():
             raise InputError(
                 f"contact of {self.parts[0]!r} and {self.parts[1]!r} has no valid points",
-                hint="give at least one point",
+                hint="give finite numbers",
             )
         object.__setattr__(self, "points", points)
         object.__setattr__(self, "normal", unit(self.normal, "normal of a contact"))

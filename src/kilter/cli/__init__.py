@@ -77,11 +77,11 @@ def _run(words: list[str]) -> int:
     import typer
 
     from kilter.cli.app import command
-    from kilter.cli.arguments import with_floor_value, with_two_names
+    from kilter.cli.arguments import with_floor_value, with_several_names, with_two_names
     from kilter.errors import InputError
 
     try:
-        given = with_two_names(with_floor_value(words))
+        given = with_two_names(with_several_names(with_floor_value(words)))
         result = command()(given, prog_name="kilter", standalone_mode=False)
         sys.stdout.flush()
         if result == INTERRUPTED:

@@ -15,11 +15,12 @@ from kilter.cli.improving import improve
 from kilter.cli.judging import check, contacts, example, verify
 from kilter.cli.pages import draw, report, view
 from kilter.cli.planning import plan
+from kilter.cli.saving import save
 
 __all__ = ["command"]
 
 JUDGING = (check, orient, region, margin, plan, hold)
-COMMANDS = (*JUDGING, improve, report, view, draw, contacts, verify, batch, example, doctor)
+COMMANDS = (*JUDGING, improve, report, view, draw, contacts, verify, batch, save, example, doctor)
 
 
 def _untyped(params: list[Any]) -> list[Any]:

@@ -4,27 +4,35 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from kilter.errors import InputError
 from kilter.files.reading import LOWEST, Reading
 
 if TYPE_CHECKING:
     from kilter.contact import Tolerance
+    from kilter.files.choices import Choices
 
 __all__ = [
-    "contact_tolerance",
+    "ToleranceOptions",
     "pair_of",
     "reading_of",
+    "triple_of",
     "with_floor_value",
+    "with_several_names",
     "with_two_names",
 ]
 
 PAIRS = ("--fasten", "--before", "--screws")
 """Options with two names as their value."""
-BOND = "--bond"
-"""Option with two names and a pull [N] as its value."""
+NAMES = ("--ground", "--without")
+"""Options with one or more names as their value."""
+BOND, OPEN = "--bond", "--open"
+"""Options with two names and a third word: a pull [N], or a decision about the pair."""
+THIRD = {BOND: (" and newtons", " 0.98"), OPEN: (" and a decision", " joined")}
+"""The third value of an option in words, and an example."""
 
 
 def reading_of(
@@ -89,6 +97,23 @@ def pair_of(option: str, words: str) -> tuple[str, str]:
     return first, second
 
 
+def triple_of(option: str, words: str) -> tuple[str, str, str]:
+    """Return the three words of a value of an option of `THIRD`.
+
+    Raises
+    ------
+    InputError
+        If the value does not have three words.
+    """
+    try:
+        first, second, third = json.loads(words)
+    except ValueError:
+        raise InputError(
+            f"{option} has {words!r}", hint=f"give {option} NAME NAME{THIRD[option][1]}"
+        ) from None
+    return str(first), str(second), str(third)
+
+
 def _bond_of(words: str) -> tuple[str, str, float]:
     """Return the two names and the pull of each point [N], as `with_two_names` wrote them."""
     try:
@@ -106,7 +131,7 @@ def _bond_of(words: str) -> tuple[str, str, float]:
 def with_two_names(words: list[str]) -> list[str]:
     """Join each ``--fasten A B`` into a single word, since the option parser repeats only these.
 
-    The same holds for every option of `PAIRS` and for ``--bond A B T``.
+    The same holds for every option of `PAIRS`, for ``--bond A B T`` and for ``--open A B WORD``.
 
     Raises
     ------
@@ -124,14 +149,14 @@ def with_two_names(words: list[str]) -> list[str]:
         if words[k] == "--":
             return result + words[k:]
         option = words[k]
-        if option not in (*PAIRS, BOND):
+        if option not in (*PAIRS, *THIRD):
             result.append(words[k])
             k += 1
             continue
-        count = 3 if option == BOND else 2
+        count = 3 if option in THIRD else 2
         given = words[k + 1 : k + 1 + count]
         if len(given) < count or any(word.startswith("--") for word in given):
-            also, more = (" and newtons", " 0.98") if option == BOND else ("", "")
+            also, more = THIRD.get(option, ("", ""))
             raise InputError(
                 f"{option} needs two names{also}",
                 hint=f'for instance {option} "bolt*" "nut*"{more}',
@@ -139,6 +164,47 @@ def with_two_names(words: list[str]) -> list[str]:
         result.append(f"{option}={json.dumps(given)}")
         k += 1 + count
     return result
+
+
+def with_several_names(words: list[str]) -> list[str]:
+    """Repeat ``--ground`` and ``--without`` before each of their names.
+
+    The names end at the next option, and before a word that exists as a path or ends as a file.
+
+    Examples
+    --------
+    >>> with_several_names(["check", "a.json", "--ground", "0", "1", "--json"])
+    ['check', 'a.json', '--ground=0', '--ground=1', '--json']
+    >>> with_several_names(["check", "--without", "nut*", "a.json"])
+    ['check', '--without=nut*', 'a.json']
+    """
+    result: list[str] = []
+    option = None
+    for k, word in enumerate(words):
+        if word == "--":
+            return result + words[k:]
+        if word in NAMES:
+            option = word
+            if k + 1 == len(words):
+                result.append(word)  # the option parser reports the missing name
+        elif option is None:
+            result.append(word)
+        elif words[k - 1] == option or not (word.startswith("-") or _is_file(word)):
+            result.append(f"{option}={word}")
+        else:
+            option = None
+            result.append(word)
+    return result
+
+
+def _is_file(word: str) -> bool:
+    """Whether a word exists as a path or has the ending of a file that kilter reads."""
+    from kilter.files.file_content import ENDINGS
+
+    try:
+        return Path(word).suffix.lower() in ENDINGS or Path(word).exists()
+    except OSError:  # longer than a path may be
+        return False
 
 
 def with_floor_value(words: list[str]) -> list[str]:
@@ -184,30 +250,66 @@ def _height(floor: str) -> float | str:
         ) from None
 
 
-def contact_tolerance(
-    gap: float | None, angle: float | None, loose: bool, clearance: float | None = None
-) -> Tolerance:
-    """Return the tolerance of contacts for the values of the options.
+@dataclass(frozen=True, slots=True)
+class ToleranceOptions:
+    """Values of the options of the contact tolerance; None or False if they are not given."""
 
-    Raises
-    ------
-    InputError
-        If a value is not positive, or the angle [deg] is 45 or more.
-    """
-    from kilter.contact import Tolerance
+    gap: float | None = None
+    angle: float | None = None
+    clearance: float | None = None
+    loose: bool = False
 
-    base = Tolerance.loose() if loose else Tolerance()
-    if gap is not None and not (math.isfinite(gap) and gap > 0):
-        raise InputError(f"--gap is {gap:g}", hint="give a length above zero, in file units")
-    if angle is not None and not (math.isfinite(angle) and 0 < angle < 45):
-        raise InputError(f"--angle is {angle:g}", hint="give an angle between 0 and 45 degrees")
-    if clearance is not None and not (math.isfinite(clearance) and clearance > 0):
-        raise InputError(
-            f"--clearance is {clearance:g}", hint="give a length above zero, in file units"
+    def tolerance(self) -> Tolerance:
+        """Return the tolerance of contacts.
+
+        Raises
+        ------
+        InputError
+            If a value is not positive, or the angle [deg] is 45 or more.
+        """
+        from kilter.contact import Tolerance
+
+        base = Tolerance.loose() if self.loose else Tolerance()
+        for name, value in (("gap", self.gap), ("clearance", self.clearance)):
+            if value is not None and not (math.isfinite(value) and value > 0):
+                raise InputError(
+                    f"--{name} is {value:g}", hint="give a length above zero, in file units"
+                )
+        angle = self.angle
+        if angle is not None and not (math.isfinite(angle) and 0 < angle < 45):
+            raise InputError(f"--angle is {angle:g}", hint="give an angle between 0 and 45 degrees")
+        return Tolerance(
+            gap=self.gap,
+            relative_gap=base.relative_gap,
+            angle=base.angle if angle is None else math.radians(angle),
+            clearance=self.clearance,
         )
-    return Tolerance(
-        gap=gap,
-        relative_gap=base.relative_gap,
-        angle=base.angle if angle is None else math.radians(angle),
-        clearance=clearance,
-    )
+
+    def words(self) -> list[str]:
+        """Return the options as they are typed."""
+        words = [
+            word
+            for name in ("gap", "angle", "clearance")
+            if getattr(self, name) is not None
+            for word in (f"--{name}", f"{getattr(self, name):.15g}")
+        ]
+        return [*words, "--loose"] if self.loose else words
+
+    def saved(self) -> dict[str, Any]:
+        """Return the keys of choices with these values."""
+        values = {"gap": self.gap, "angle_deg": self.angle, "clearance": self.clearance}
+        return {"tolerance": values, "loose": self.loose}
+
+    def over(self, choices: Choices) -> tuple[ToleranceOptions, list[str]]:
+        """Return these options in addition to choices, and a sentence for each replaced value."""
+        kept = dict(choices.tolerance or {})
+        kept["angle"] = kept.pop("angle_deg", None)
+        replaced = []
+        for name in ("gap", "angle", "clearance"):
+            value, old = getattr(self, name), kept.get(name)
+            if value is not None and old not in (None, value):
+                replaced.append(
+                    f"the option {name} {value:.15g} replaces {name} {old:.15g} of the choices"
+                )
+            kept[name] = old if value is None else value
+        return ToleranceOptions(**kept, loose=self.loose or choices.loose), replaced

@@ -9,11 +9,12 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from kilter.cli.arguments import contact_tolerance, reading_of
+from kilter.cli.arguments import ToleranceOptions, reading_of
 from kilter.cli.colour import in_colour
 from kilter.cli.exit_codes import VERDICT
 from kilter.cli.output import as_json, emit, keep_apart, tell_warnings, write_whole
 from kilter.errors import InputError, TimeLimitReached, shell_words
+from kilter.files.choices import find_choices
 from kilter.files.formats import EXACT
 from kilter.files.reading import LOWEST, Reading
 
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Asked"]
 
+NOTHING_TYPED = ToleranceOptions()
+"""Options of the tolerance if none is given."""
 WORDS_SHARE, MOST_WORDS = 0.2, 1.0
 """Share of a time limit [-], and largest time [s], that remain for the words of the answer."""
 
@@ -39,10 +42,12 @@ class Asked:
     file : str
         Path of the assembly, or "-" for standard input.
     reading : Reading
-        Options of reading the file.
+        Options of reading the file; those of a file of choices are included.
+    typed : Reading
+        Options of reading, as they are typed.
     tolerance : Tolerance
         Tolerance of contact detection.
-    touch : tuple of str
+    touch : ToleranceOptions
         Options of the tolerance, as they are typed.
     effort : float
         Limit of the work of searches with friction.
@@ -54,12 +59,19 @@ class Asked:
         Options of these names.
     output, proof : Path or None
         Files to write.
+    source : Path or None
+        The file that a file of choices names; None for a file without choices.
+    notes : tuple of str
+        Sentences about the choices: replaced keys, a changed file.
+    all_touch : ToleranceOptions
+        Options of the tolerance, with those of the choices.
     """
 
     file: str
     reading: Reading
+    typed: Reading
     tolerance: Tolerance
-    touch: tuple[str, ...]
+    touch: ToleranceOptions
     effort: float
     limit: float | None
     begun: float
@@ -68,6 +80,9 @@ class Asked:
     proof: Path | None
     quiet: bool
     verbose: bool
+    source: Path | None = None
+    notes: tuple[str, ...] = ()
+    all_touch: ToleranceOptions = NOTHING_TYPED
 
     @classmethod
     def of(cls, given: Mapping[str, Any]) -> Asked:
@@ -85,20 +100,15 @@ class Asked:
             *(given[key] for key in ("up", "contacts", "keyframe", "base")),
             *(given[key] for key in ("stud_pull", "stud_shear", "brick_sides", "bond")),
         )
-        gap, angle, clearance = (given[key] for key in ("gap", "angle", "clearance"))
+        touch = ToleranceOptions(*(given[key] for key in ("gap", "angle", "clearance", "loose")))
         effort = _not_negative(given.get("effort", 0.0), "--effort", "N")
         limit = given.get("time_limit")
-        words = [
-            word
-            for name, value in (("gap", gap), ("angle", angle), ("clearance", clearance))
-            if value is not None
-            for word in (f"--{name}", f"{value:g}")
-        ]
         asked = cls(
             file=given.get("file", ""),
             reading=reading,
-            tolerance=contact_tolerance(gap, angle, given["loose"], clearance),
-            touch=(*words, *(["--loose"] if given["loose"] else [])),
+            typed=reading,
+            tolerance=touch.tolerance(),
+            touch=touch,
             effort=effort,
             limit=None if limit is None else _not_negative(limit, "--time-limit", "SECONDS"),
             begun=perf_counter(),
@@ -108,8 +118,7 @@ class Asked:
             quiet=given["quiet"],
             verbose=given.get("verbose", False),
         )
-        asked.apart()
-        return asked
+        return asked.of_file(asked.file) if asked.file else asked
 
     @property
     def time_limit(self) -> float | None:
@@ -143,10 +152,31 @@ class Asked:
         return VERDICT["undecided"]
 
     def of_file(self, file: str) -> Asked:
-        """Return the same request for another file, whose time begins now."""
+        """Return the same request for another file, whose time begins now.
+
+        If the file has choices, the request is about the file that they name, with their options.
+        """
         asked = replace(self, file=file, begun=perf_counter())
         asked.apart()
-        return asked
+        choices = find_choices(file)
+        if choices is None:
+            return replace(asked, reading=self.typed, all_touch=self.touch)
+        from kilter.contact.fits.chosen import chosen
+
+        try:
+            both = chosen(choices, self.typed)
+        except InputError as error:
+            raise error.located(file=file) from None
+        touch, replaced = self.touch.over(choices)
+        keep_apart(str(both.path), self.output, self.proof)
+        return replace(
+            asked,
+            reading=both.reading,
+            tolerance=touch.tolerance(),
+            all_touch=touch,
+            source=both.path,
+            notes=(*both.notes, *replaced),
+        )
 
     def apart(self, *outputs: Path | None) -> None:
         """Reject outputs that would overwrite the file or each other."""
@@ -157,14 +187,18 @@ class Asked:
         from kilter.contact.fits.fastening import fasten_as_read
 
         progress("reading")
-        if Path(self.file).suffix.lower() in EXACT:
+        source = self.source or self.file
+        if Path(source).suffix.lower() in EXACT:
             # another process reads the STEP file, so this process loads the next modules meanwhile
             import manifold3d  # noqa: F401
             import shapely  # noqa: F401
 
             import kilter.analysis.check
             import kilter.solvers.highs  # noqa: F401
-        assembly = self.reading.read(self.file, progress=progress)
+        assembly = self.reading.read(source, progress=progress)
+        if self.source is not None:
+            notes = [*assembly.notes, *self.notes]
+            assembly = replace(assembly, notes=notes, tolerance=self.tolerance)
         return fasten_as_read(assembly, self.reading, tolerance=self.tolerance, progress=progress)
 
     def keep_proof(self, make: Callable[..., dict[str, Any]] | None, answer: dict[str, Any]) -> str:
@@ -235,14 +269,14 @@ class Asked:
         name, *rest = step.words
         request = self
         if "--down" in rest:
-            request = replace(self, reading=replace(self.reading, down=None))
+            request = replace(self, typed=replace(self.typed, down=None))
         words = request.command(name, *(typed if name == kind_of(answer) else ()), *rest)
         return f"\n\nnext: {words}\n      {step.why}"
 
     def command(self, name: str, *rest: str) -> str:
         """Return the command `name` with the options of this request, as it is typed."""
         words: list[str] = []
-        for key, value in self.reading.options().items():
+        for key, value in self.typed.options().items():
             option = f"--{key.replace('_', '-')}"
             if key == "floor":
                 words += ["--floor"] if value == LOWEST else ["--floor", str(value)]
@@ -258,7 +292,7 @@ class Asked:
                 words += [word for entry in value for word in (option, str(entry))]
             else:
                 words += [option, f"{value:g}" if isinstance(value, float) else str(value)]
-        return shell_words(["kilter", name, self.file, *words, *self.touch, *rest])
+        return shell_words(["kilter", name, self.file, *words, *self.touch.words(), *rest])
 
 
 def _not_negative(value: float, option: str, unit: str) -> float:

@@ -88,7 +88,7 @@ def _candidates(word: str) -> list[str | Support]:
     """Return the candidates of a word, or the supports of a file."""
     from kilter.analysis.planning.hold.support_candidates import WORDS
     from kilter.contact.supports import Support
-    from kilter.files.reading import read_json
+    from kilter.files.file_content import read_json
 
     if word in WORDS:
         return [word]

@@ -46,8 +46,8 @@ Ground = Annotated[
     list[str] | None,
     typer.Option(
         "--ground",
-        metavar="NAME",
-        help="Hold this part, so that it cannot move. Repeatable; * and ? are wildcards.",
+        metavar="NAME...",
+        help="Hold these parts, so that they cannot move. Repeatable; * and ? are wildcards.",
         rich_help_panel=HELD,
         show_default=False,
     ),
@@ -67,8 +67,8 @@ Without = Annotated[
     list[str] | None,
     typer.Option(
         "--without",
-        metavar="NAME",
-        help="Leave this part out, for a half-built assembly. Repeatable; * and ? are wildcards.",
+        metavar="NAME...",
+        help="Leave these parts out, for a half-built assembly. Repeatable; * and ? are wildcards.",
         rich_help_panel=HELD,
         show_default=False,
     ),

@@ -109,8 +109,9 @@ def view(
             asked.file,
             port=port,
             browser=not no_browser,
-            read=lambda: asked.read(progress),
-            tolerance=asked.tolerance,
+            read=lambda: asked.of_file(asked.file).read(progress),
+            # each reading of choices has its own tolerance
+            tolerance=None if asked.source else asked.tolerance,
             effort=asked.effort,
             time_limit=asked.time_limit,
             command=asked.command("view"),

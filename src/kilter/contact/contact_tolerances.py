@@ -34,6 +34,9 @@ LOOSE_GAP = 1e-3
 of the search for near edges and corners."""
 LOOSE_ANGLE = 2e-2
 """Angle tolerance for rough data [rad]."""
+DECIDED = 1.01
+"""Tolerance of the faces of a pair that a user says touch, in multiples of their gap or angle [-];
+a larger value may add wider gaps of the same pair."""
 THICKNESS = 0.1
 """Upper limit of gap and facet tolerances, as a fraction of the thickness of a part [-]. A larger
 value lets thin plates touch through their own thickness."""

@@ -47,7 +47,7 @@ def contacts(
     ----------
     assembly : Assembly
     tolerance : Tolerance, optional
-        Largest gap and angle at which faces count as touching.
+        Largest gap and angle at which faces count as touching; by default that of the assembly.
     progress : callable, optional
         Called with the name of each stage.
 
@@ -74,7 +74,7 @@ def contacts(
     (array([1.]), [[0.0, 0.0, 1.0]])
     """
     require_assembly(assembly, "contacts")
-    tolerance = Tolerance() if tolerance is None else tolerance
+    tolerance = tolerance or assembly.tolerance or Tolerance()
     if not isinstance(tolerance, Tolerance):
         raise InputError(
             f"the tolerance is {tolerance!r:.60}", hint="give kilter.Tolerance(gap=...)"
@@ -205,7 +205,8 @@ def _unrecorded(
 def _listed_patches(assembly: Assembly) -> Patches:
     """The contacts and bond points that the file lists, as patches."""
     bonded = [bond for bond in assembly.bonds if bond.points is not None]
-    given: list[GivenContact | Bond] = [*assembly.contacts, *bonded]
+    listed = [contact for contact in assembly.contacts if len(contact.points)]
+    given: list[GivenContact | Bond] = [*listed, *bonded]
     parts = np.array([[assembly.index_of(n) for n in c.parts] for c in given], dtype=np.int64)
     normal = np.array([c.normal for c in given]).reshape(-1, 3)
     count = [len(c.points) for c in given]

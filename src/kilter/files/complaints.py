@@ -84,6 +84,7 @@ def _fault_and_remedy(fault: Any, place: str, keys: list[str]) -> tuple[str, str
         "model_type": "give an object in braces",
         "greater_than": f"give a number above {context.get('gt', 0):g}",
         "greater_than_equal": f"give a number of at least {context.get('ge', 0):g}",
+        "less_than": f"give a number below {context.get('lt', 0):g}",
         "literal_error": f"use {context.get('expected', '')}",
         "string_unicode": "give a text of valid characters",
     }

@@ -30,20 +30,20 @@ Quaternion = Annotated[list[Number], Field(min_length=4, max_length=4)]
 Pair = Annotated[list[Name], Field(min_length=2, max_length=2)]
 
 
-class _Entry(BaseModel):
+class Entry(BaseModel):
     """An object of the file; unknown keys are errors."""
 
     model_config = ConfigDict(extra="forbid")
 
 
-class PoseEntry(_Entry):
+class PoseEntry(Entry):
     """The pose of a part: the transform from its own frame to the world frame."""
 
     position: Vector = Field([0.0, 0.0, 0.0], description="[length unit]")
     rotation: Quaternion = Field([1.0, 0.0, 0.0, 0.0], description="quaternion w x y z")
 
 
-class MeshEntry(_Entry):
+class MeshEntry(Entry):
     """A closed surface; faces may be polygons."""
 
     vertices: list[Vector]
@@ -53,7 +53,7 @@ class MeshEntry(_Entry):
     )
 
 
-class StepEntry(_Entry):
+class StepEntry(Entry):
     """A solid of a STEP file."""
 
     path: Name = Field(description="path of the STEP file, relative to this file")
@@ -64,7 +64,7 @@ class StepEntry(_Entry):
     )
 
 
-class SurfaceEntry(_Entry):
+class SurfaceEntry(Entry):
     """The exact surface of a face; lengths in the length unit, angles in rad."""
 
     kind: Literal["plane", "cylinder", "cone", "sphere", "torus"]
@@ -87,7 +87,7 @@ class SurfaceEntry(_Entry):
     )
 
 
-class SolidEntry(_Entry):
+class SolidEntry(Entry):
     """A solid with exact faces, as read from a STEP file."""
 
     vertices: list[Vector]
@@ -114,20 +114,20 @@ class SolidEntry(_Entry):
     )
 
 
-class CylinderEntry(_Entry):
+class CylinderEntry(Entry):
     """A cylinder about z, centred on the pose."""
 
     radius: Positive
     height: Positive
 
 
-class SphereEntry(_Entry):
+class SphereEntry(Entry):
     """A sphere, centred on the pose."""
 
     radius: Positive
 
 
-class BrickEntry(_Entry):
+class BrickEntry(Entry):
     """A box as a toy brick, which is drawn with studs and in its colour."""
 
     cells: Annotated[list[Whole], Field(min_length=2, max_length=2)] = Field(
@@ -147,7 +147,7 @@ def _step_kind(value: Any) -> str:
     return "as path" if isinstance(value, str) else "named"
 
 
-class PartEntry(_Entry):
+class PartEntry(Entry):
     """A rigid part: exactly one of mesh, box, cylinder, sphere, polygon, step, solid."""
 
     model_config = ConfigDict(
@@ -192,14 +192,14 @@ class PartEntry(_Entry):
         return SHAPES
 
 
-class FrictionPairEntry(_Entry):
+class FrictionPairEntry(Entry):
     """Friction coefficient of every contact between two parts."""
 
     parts: Pair
     mu: NotNegative
 
 
-class LoadEntry(_Entry):
+class LoadEntry(Entry):
     """A force [N] and a torque [N x length unit] on a part, fixed in the world."""
 
     part: Name
@@ -210,7 +210,7 @@ class LoadEntry(_Entry):
     torque: Vector = [0.0, 0.0, 0.0]
 
 
-class FeatureEntry(_Entry):
+class FeatureEntry(Entry):
     """The face, edge or vertex of a part at a contact.
 
     Curvatures are positive on the convex side [1/length unit].
@@ -229,11 +229,11 @@ class FeatureEntry(_Entry):
     )
 
 
-class ContactEntry(_Entry):
+class ContactEntry(Entry):
     """Contact points of two parts; they replace detection for that pair."""
 
     parts: Pair
-    points: Annotated[list[Vector], Field(min_length=1)]
+    points: list[Vector] = Field(description="an empty list: the parts do not touch")
     normal: Vector = Field(description="from the first part to the second")
     mu: NotNegative | None = None
     feature: Annotated[list[FeatureEntry], Field(min_length=2, max_length=2)] | None = Field(
@@ -243,7 +243,7 @@ class ContactEntry(_Entry):
     )
 
 
-class JointEntry(_Entry):
+class JointEntry(Entry):
     """A two-sided connection of two parts, or of a part and "ground"."""
 
     parts: Pair
@@ -254,7 +254,7 @@ class JointEntry(_Entry):
     axis: Vector | None = Field(None, description="needed for revolute, prismatic and cylindrical")
 
 
-class BondEntry(_Entry):
+class BondEntry(Entry):
     """A connection of two parts that resists pull up to a limit: glue, a stud, a magnet."""
 
     parts: Pair
@@ -275,7 +275,7 @@ class BondEntry(_Entry):
     kind: Literal["glue", "mortar", "magnet", "suction", "press-fit"] | None = None
 
 
-class AssemblyFile(_Entry):
+class AssemblyFile(Entry):
     """An assembly of rigid parts: shapes, poses, held parts, contacts, joints, bonds and loads."""
 
     model_config = ConfigDict(extra="forbid", title="kilter assembly")

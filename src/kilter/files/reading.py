@@ -8,41 +8,42 @@ from __future__ import annotations
 import dataclasses
 import fnmatch
 import os
-import sys
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, NamedTuple
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 from numpy.typing import ArrayLike
 
-from kilter.assembly import Assembly, Part
+from kilter.assembly import Assembly
 from kilter.assembly.bricks import StudRules
-from kilter.errors import InputError
-from kilter.files.brick_text import BRICK_TEXT, load_brick_text
-from kilter.files.choices import Choices
-from kilter.files.compas import from_compas, is_compas
-from kilter.files.folder import load_folder
-from kilter.files.formats import FORMATS, load_bodies
-from kilter.files.kilter_json import from_dict
-from kilter.files.ldraw import LDRAW_FILES, load_ldraw
+from kilter.errors import InputError, some_names
+from kilter.files.choices import LOWEST, Choices, find_choices
+from kilter.files.file_content import FileContent, read_path
+from kilter.files.format_options import FormatOptions
 from kilter.files.lying import UP, note_on_up
 from kilter.files.objects.known_objects import read_object
-from kilter.files.raw import read_bounded, read_bytes
-from kilter.files.stable_lego import from_stable_lego, is_stable_lego
-from kilter.files.strict_json import parse_json
+from kilter.files.reading_steps import with_contacts_of, with_density
+from kilter.files.saved_entries import (
+    entries_for,
+    known,
+    lists,
+    patterns_of,
+    replacement,
+    valid_entries,
+    with_bodies,
+    with_interactions,
+)
 from kilter.files.urdf import BASES
-from kilter.files.xml_scenes import XML, load_xml
+from kilter.hooks import hook
 from kilter.units import metres_per_unit
 from kilter.validate import finite, number
 
-__all__ = ["LOWEST", "Reading", "load", "read_json", "reading_for"]
+__all__ = ["LOWEST", "Reading", "load", "reading_for"]
 
-STANDARD_INPUT = "-"
-LOWEST = "lowest"
-"""Value of `floor` that puts the floor under the lowest point of the assembly."""
 SOURCES = ("file", "geometry")
 """Values of the option `contacts`: the sources of the contacts."""
+NAMED = ("ground", "without", "fasten", "bond")
+"""Options that name parts."""
 _OR = " or "
 
 
@@ -54,6 +55,9 @@ class Reading:
     (`fasten`), whether to join pairs that look fastened, whether to join pairs that overlap.
     Each entry of `bond` has two part names and a pull [N]. `floor` is a height [length unit] or
     `LOWEST`.
+
+    `entries` are the keys of choices without an option, as JSON data (`kilter.files.choices`).
+    `saved` names the options that come from choices: the parts that they name may be missing.
 
     Raises
     ------
@@ -80,6 +84,8 @@ class Reading:
     stud_shear: float | str | None = None
     brick_sides: str | None = None
     bond: tuple[tuple[str, str, float], ...] = ()
+    entries: Mapping[str, Any] = field(default_factory=dict)
+    saved: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         _ = self.studs
@@ -95,12 +101,13 @@ class Reading:
     @property
     def fastens(self) -> bool:
         """Whether an option joins parts; joining needs the contacts."""
-        return bool(self.fasten or self.bond) or self.fasten_suggested or self.fasten_overlaps
+        named = self.fasten or self.bond or "open_pairs" in self.entries
+        return bool(named) or self.fasten_suggested or self.fasten_overlaps
 
     @property
-    def choices(self) -> Choices:
+    def format_options(self) -> FormatOptions:
         """The options that only some formats use."""
-        return Choices(self.units, self.contacts, self.keyframe, self.base, self.studs)
+        return FormatOptions(self.units, self.contacts, self.keyframe, self.base, self.studs)
 
     @property
     def studs(self) -> StudRules:
@@ -112,9 +119,9 @@ class Reading:
     def options(self) -> dict[str, Any]:
         """The options that are set, as JSON data."""
         return {
-            key: _lists(value)
+            key: lists(value)
             for key, value in dataclasses.asdict(self).items()
-            if value not in (None, ()) and value is not False
+            if value not in (None, (), {}) and value is not False
         }
 
     @classmethod
@@ -128,7 +135,7 @@ class Reading:
         """
         try:
             values = dict(options)
-            for key in ("ground", "without", "down"):
+            for key in ("ground", "without", "down", "saved"):
                 if key in values:
                     values[key] = tuple(values[key])
             values["fasten"] = tuple((str(a), str(b)) for a, b in values.get("fasten", ()))
@@ -136,6 +143,7 @@ class Reading:
             values["bond"] = tuple((str(a), str(b), float(pull)) for a, b, pull in bonds)
             for key in ("fasten_suggested", "fasten_overlaps"):
                 values[key] = bool(values.get(key, False))
+            values["entries"] = valid_entries(values.get("entries", {}))
             return cls(**values)
         except (TypeError, ValueError):
             raise InputError(
@@ -147,32 +155,99 @@ class Reading:
         if self.units is not None:
             metres_per_unit(self.units)
         if not isinstance(source, str | os.PathLike):
-            content = _FileContent(*read_object(source, self.choices))
+            content = FileContent(*read_object(source, self.format_options))
         elif not os.fspath(source):
             raise InputError(f"a file's path is {source!r:.60}", hint="give a path, or '-'")
         else:
-            content = _read_path(source, self, progress)
-        assembly = _with_contacts(self, content.assembly)
+            content = read_path(
+                source, self.format_options, without=self.without, progress=progress
+            )
+        names = (*content.assembly.names, *content.left_out)
+        here, missing = self.for_parts(names)
+        assembly = here.applied(content)
+        if missing:
+            note = f"the choices name parts that do not exist: {some_names(missing)}; they are kept"
+            assembly = dataclasses.replace(assembly, notes=[*assembly.notes, note])
+        return assembly
+
+    def for_parts(self, names: Collection[str]) -> tuple[Reading, list[str]]:
+        """The reading without the choices about parts that do not exist, and their patterns.
+
+        Options that are not `saved` stay: an unknown name is then an error.
+
+        Parameters
+        ----------
+        names : collection of str
+            Names of the parts, without a floor.
+        """
+        everywhere = list(names) if self.floor is None else [*names, "floor"]
+        of_choices = {key: value for key, value in self.entries.items() if key in self.saved}
+        entries, missing = entries_for(of_choices, everywhere)
+        own = {key: value for key, value in self.entries.items() if key not in self.saved}
+        changes: dict[str, Any] = {"entries": {**own, **entries}}
+        for key in set(NAMED) & set(self.saved):
+            patterns = [patterns_of(value) for value in getattr(self, key)]
+            gone = [[p for p in each if not known(p, everywhere)] for each in patterns]
+            changes[key] = tuple(
+                value for value, none in zip(getattr(self, key), gone, strict=True) if not none
+            )
+            missing += [pattern for none in gone for pattern in none]
+        return dataclasses.replace(self, **changes), sorted(set(missing))
+
+    def over(self, choices: Choices) -> tuple[Reading, list[str]]:
+        """Choices with the options of this reading, and a sentence for each replaced key.
+
+        The options of this reading win over the keys of the choices.
+        """
+        given, saved = self.options(), choices.options()
+        own, entries = given.pop("entries", {}), saved.pop("entries")
+        given |= own
+        direction = next((key for key in ("down", "up") if key in given), None)
+        kept: dict[str, Any] = {}
+        replaced = []
+        for key, old in {**saved, **entries}.items():
+            new = direction if key in ("up", "gravity") and direction else key
+            new = "bond" if key == "bonds" else new
+            if new not in given:
+                kept[key] = old
+            elif new != key or given[new] != lists(old):
+                replaced.append(replacement(new, given[new], key, old))
+        if self.down is not None and "gravity" in entries:
+            kept["gravity"] = entries["gravity"]  # its size counts, its direction does not
+        values = {key: value for key, value in kept.items() if key in saved}
+        values["entries"] = {k: value for k, value in kept.items() if k in entries} | own
+        values["saved"] = tuple(kept)
+        return dataclasses.replace(self, **values), replaced
+
+    def applied(self, content: FileContent) -> Assembly:
+        """The assembly of a file with these options, except the options that join parts."""
+        bodies = self.for_parts(content.assembly.names)[0].entries
+        assembly = with_contacts_of(content.assembly, self.contacts, floor=self.floor is not None)
+        assembly = with_bodies(assembly, bodies)
         if self.density is not None:
-            assembly = _with_density(assembly, self.density)
+            assembly = with_density(assembly, self.density)
         remaining = [p for p in self.without if not fnmatch.filter(content.left_out, p)]
         if remaining:  # the reader of STEP has left out the others
             assembly = assembly.without(remaining)
+        here, _ = self.for_parts(assembly.names)  # choices about parts that are left out
         if self.friction is not None:
             assembly = assembly.with_friction(self.friction)
-        if self.up is not None:
+        if "gravity" in self.entries:
+            assembly = dataclasses.replace(assembly, gravity=self.entries["gravity"])
+        elif self.up is not None:
             assembly = assembly.with_down([-x for x in UP[self.up]])
         if self.down is not None:
             assembly = assembly.with_down(self.down)
-        if self.ground:
-            assembly = assembly.with_grounded(self.ground)
-        if self.up is None and self.down is None and not content.states_gravity:
+        if here.ground:
+            assembly = assembly.with_grounded(here.ground)
+        directed = self.up is not None or self.down is not None or "gravity" in self.entries
+        if not directed and not content.states_gravity:
             notes = note_on_up(assembly)
             if notes:  # an unchanged assembly keeps the geometry that it has computed
                 assembly = dataclasses.replace(assembly, notes=[*assembly.notes, *notes])
         if self.floor is not None:
             assembly = assembly.with_floor(None if self.floor == LOWEST else float(self.floor))
-        return assembly
+        return with_interactions(assembly, here.entries)
 
 
 def load(
@@ -205,6 +280,9 @@ def load(
         STEP file (.step, .stp), an MJCF or URDF scene (.xml, .mjcf, .urdf), a model of toy
         bricks (LDraw .ldr and .mpd, StableLego .json, BrickGPT .txt), a folder of meshes, or
         ``-`` for JSON on standard input.
+        Or `kilter.Choices`, or the path of their file: the file that they name, with the saved
+        options. The options given here win over them; a note of the assembly names what they
+        replace.
         Or an object: a trimesh Trimesh or Scene, a pair of arrays (vertices, faces), a
         shape or assembly of build123d or CadQuery, a COMPAS Assembly, Block or Mesh, a
         model of MuJoCo or (model, data); a list of these, or a dict of them by name.
@@ -243,7 +321,7 @@ def load(
     InputError
         If the source cannot be read; the message names the fault, its place and the remedy.
     """
-    return reading_for(
+    reading = reading_for(
         units=units,
         density=density,
         ground=ground,
@@ -258,7 +336,12 @@ def load(
         stud_pull=stud_pull,
         stud_shear=stud_shear,
         brick_sides=brick_sides,
-    ).read(source)
+    )
+    choices = find_choices(source)
+    if choices is None:
+        return reading.read(source)
+    assembly: Assembly = hook("read_chosen")(choices, reading)
+    return assembly
 
 
 def reading_for(
@@ -292,141 +375,3 @@ def reading_for(
 def _names(patterns: str | Iterable[str]) -> tuple[str, ...]:
     """Patterns of names as a tuple; a single string is one pattern."""
     return (patterns,) if isinstance(patterns, str) else tuple(patterns)
-
-
-def _lists(value: Any) -> Any:
-    """The value with nested tuples turned into lists, for JSON."""
-    return [_lists(inner) for inner in value] if isinstance(value, tuple) else value
-
-
-class _FileContent(NamedTuple):
-    """An assembly as its source describes it, before the options are applied.
-
-    `states_gravity`: whether the format fixes the direction of gravity; `left_out`: names of
-    parts that the reader has left out already.
-    """
-
-    assembly: Assembly
-    states_gravity: bool = False
-    left_out: tuple[str, ...] = ()
-
-
-def _read_path(
-    source: str | os.PathLike[str], reading: Reading, progress: Callable[[str], None] | None
-) -> _FileContent:
-    """Read a path, or standard input, with the reader of its kind."""
-    if os.fspath(source) == STANDARD_INPUT:
-        return _from_json(
-            read_bounded(sys.stdin.buffer, "standard input"), Path(), "standard input", reading
-        )
-    path, units = Path(source), reading.units
-    suffix = path.suffix.lower()
-    if _is_folder(path):
-        return _FileContent(load_folder(path, units=units))
-    if suffix in FORMATS:
-        assembly, left_out = load_bodies(
-            path, units=units, without=reading.without, progress=progress
-        )
-        return _FileContent(assembly, left_out=left_out)
-    if suffix in XML:
-        return _FileContent(*load_xml(path, reading.choices))
-    if suffix in LDRAW_FILES:
-        return _FileContent(load_ldraw(path, rules=reading.studs), states_gravity=True)
-    if suffix in BRICK_TEXT:
-        return _FileContent(load_brick_text(path, rules=reading.studs), states_gravity=True)
-    data = read_bytes(path)
-    if suffix == ".json":
-        return _from_json(data, path.parent, str(path), reading)
-    kinds = f".json, {', '.join([*FORMATS, *XML, *LDRAW_FILES, *BRICK_TEXT])}, or a folder of them"
-    raise InputError(
-        f"cannot read files of type {path.suffix or '(no ending)'}",
-        file=str(path),
-        hint=f"give {kinds}",
-    )
-
-
-def read_json(path: Path) -> Any:
-    """Read the value of a JSON file.
-
-    Raises
-    ------
-    InputError
-        If the file is missing or is not JSON; the error names the file.
-    """
-    data = read_bytes(path)
-    try:
-        return parse_json(data)
-    except InputError as error:
-        raise error.located(file=str(path)) from None
-
-
-def _is_folder(path: Path) -> bool:
-    """Whether the path is a folder; False for a path that the system rejects."""
-    try:
-        return path.is_dir()
-    except (OSError, ValueError):
-        return False
-
-
-def _from_json(data: bytes, folder: Path, source: str, reading: Reading) -> _FileContent:
-    """The assembly of JSON data: COMPAS, StableLego or kilter, by its content."""
-    try:
-        content = parse_json(data)
-    except InputError as error:
-        raise error.located(file=source) from None
-    if is_compas(content):
-        units, contacts = reading.units, reading.contacts
-        return _FileContent(from_compas(content, units=units, source=source, contacts=contacts))
-    if is_stable_lego(content):
-        bricks = from_stable_lego(content, data, rules=reading.studs, source=source)
-        return _FileContent(bricks, states_gravity=True)
-    assembly = from_dict(content, folder=folder, source=source)
-    _check_units(assembly, reading.units)
-    return _FileContent(assembly, states_gravity=True)
-
-
-def _with_contacts(reading: Reading, assembly: Assembly) -> Assembly:
-    """Apply the option `contacts`: keep only the contacts of the file, or drop them."""
-    if reading.contacts == "geometry":
-        return dataclasses.replace(assembly, contacts=(), detect=True)
-    if reading.contacts != "file":
-        return assembly
-    if not assembly.contacts:
-        raise InputError(
-            "the file lists no contacts",
-            file=assembly.source or None,
-            hint="leave contacts='file' out",
-            option="leave --contacts file out",
-        )
-    if reading.floor is not None:
-        raise InputError(
-            "only the contacts of the file count, and the file lists none with the floor",
-            file=assembly.source or None,
-            hint="hold parts with ground=[...] in place of the floor",
-            option="hold parts with --ground NAME in place of --floor",
-        )
-    return dataclasses.replace(assembly, detect=False)
-
-
-def _check_units(assembly: Assembly, units: str | None) -> None:
-    """Raise `InputError` if the option `units` contradicts the units of the file."""
-    if units is not None and units != assembly.units:
-        raise InputError(
-            f"the file is in {assembly.units}, but the units given are {units}",
-            file=assembly.source,
-            hint="leave the units out",
-        )
-
-
-def _with_density(assembly: Assembly, density: float) -> Assembly:
-    """The assembly whose parts without density and mass have the given density [kg/m^3]."""
-
-    def with_default(part: Part) -> Any:
-        if part.density is not None or part.mass is not None:
-            return part
-        return dataclasses.replace(part, density=density)
-
-    try:
-        return dataclasses.replace(assembly, parts=[with_default(part) for part in assembly.parts])
-    except InputError as error:
-        raise InputError(error.what, hint=error.hint) from None

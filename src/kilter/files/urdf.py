@@ -20,7 +20,7 @@ import numpy as np
 from kilter.assembly import Assembly, Part
 from kilter.assembly.interactions import Joint
 from kilter.errors import InputError, some_names
-from kilter.files.choices import Choices
+from kilter.files.format_options import FormatOptions
 from kilter.files.formats import MESHES, read_bodies
 from kilter.files.limits import Tally, named_path
 from kilter.files.one_body import compose, one_body
@@ -37,7 +37,7 @@ MOVING = {"revolute": "revolute", "continuous": "revolute", "prismatic": "prisma
 Element = ElementTree.Element
 
 
-def read_urdf(root: Element, path: Path, choices: Choices) -> Assembly:
+def read_urdf(root: Element, path: Path, choices: FormatOptions) -> Assembly:
     """Build the assembly of a robot.
 
     Parameters
@@ -46,7 +46,7 @@ def read_urdf(root: Element, path: Path, choices: Choices) -> Assembly:
         Root element of the file.
     path : Path
         Path of the file, which mesh paths are relative to.
-    choices : Choices
+    choices : FormatOptions
         The options `units` and `base`.
 
     Raises

@@ -13,7 +13,7 @@ from kilter.assembly import Assembly, require_assembly
 from kilter.errors import InputError
 from kilter.files.kilter_json import to_dict
 
-__all__ = ["dump", "to_text", "write_bytes", "write_text"]
+__all__ = ["dump", "json_lines", "to_text", "write_bytes", "write_text"]
 
 
 UNDER_WAY: set[str] = set()
@@ -48,7 +48,7 @@ def to_text(assembly: Assembly) -> str:
         If a name cannot be encoded, or a number is not finite.
     """
     try:
-        return _text(to_dict(assembly))
+        return json_lines(to_dict(assembly))
     except ValueError as error:
         raise InputError(
             f"cannot be written: {error}"[:120],
@@ -129,7 +129,7 @@ def _mode(target: Path) -> int:
     return 0o666 & ~mask
 
 
-def _text(data: dict[str, Any]) -> str:
+def json_lines(data: dict[str, Any]) -> str:
     """JSON text with one line for each key, and for each object of a list."""
     lines = []
     for key, value in data.items():

@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 
 from kilter.assembly import Assembly
 from kilter.errors import InputError
-from kilter.files.choices import Choices
+from kilter.files.format_options import FormatOptions
 from kilter.files.limits import require_few_entries
 from kilter.files.objects.mujoco_objects import read_mjcf
 from kilter.files.raw import read_bytes
@@ -19,7 +19,7 @@ XML = (".xml", ".mjcf", ".urdf")
 """Endings of MJCF and URDF files."""
 
 
-def load_xml(path: Path, choices: Choices) -> tuple[Assembly, bool]:
+def load_xml(path: Path, choices: FormatOptions) -> tuple[Assembly, bool]:
     """Read an MJCF or URDF file.
 
     Returns

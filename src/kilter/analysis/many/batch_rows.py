@@ -12,8 +12,10 @@ from kilter.analysis.many.check_many import check_many
 from kilter.analysis.many.verdicts import Verdicts
 from kilter.assembly import Assembly
 from kilter.contact import Tolerance
+from kilter.contact.fits.chosen import read_chosen
 from kilter.contact.fits.fastening import fasten_as_read
 from kilter.errors import InputError, KilterError
+from kilter.files.choices import find_choices
 from kilter.files.reading import Reading
 from kilter.tell.levels import REQUIRE
 from kilter.work import EFFORT
@@ -54,7 +56,8 @@ class BatchQuestion:
     def options(self) -> dict[str, Any]:
         """Options of `check`."""
         return {
-            "tolerance": self.tolerance,
+            # an assembly of choices has a tolerance of its own
+            "tolerance": None if self.tolerance == Tolerance() else self.tolerance,
             "require": self.require,
             "effort": self.effort,
             "time_limit": self.time_limit,
@@ -88,6 +91,9 @@ def judged_rows(files: Sequence[tuple[int, str]], question: BatchQuestion) -> li
 
 
 def _read(file: str, question: BatchQuestion) -> Assembly:
+    choices = find_choices(question.base / file)
+    if choices is not None:
+        return read_chosen(choices, question.reading, tolerance=question.tolerance)
     assembly = question.reading.read(question.base / file)
     if not question.reading.fastens:
         return assembly

@@ -59,7 +59,8 @@ def check_many(
         Assemblies, each with its own gravity, friction, units and size. `AssemblyArrays` avoid the
         construction of part objects.
     tolerance : Tolerance, optional
-        Tolerance within which faces count as touching, for all assemblies.
+        Tolerance within which faces count as touching, for all assemblies; by default that of each
+        assembly.
     require : {"equilibrium", "settles", "proved", "strict"}
         Level that `Verdicts.stable` requires.
     effort, time_limit : float
@@ -80,14 +81,14 @@ def check_many(
     >>> check_many([scene("tower"), scene("paper-figure-8")]).verdict.tolist()
     ['stable', 'unstable']
     """
-    tolerance = Tolerance() if tolerance is None else tolerance
+    given_tolerance, tolerance = tolerance, Tolerance() if tolerance is None else tolerance
     if not isinstance(tolerance, Tolerance):
         raise InputError(
             f"the tolerance is {tolerance!r:.60}", hint="give kilter.Tolerance(gap=...)"
         )
     tolerance.require_sound()
     options = {
-        "tolerance": tolerance,
+        "tolerance": given_tolerance,
         "require": require_level(require),
         "effort": effort,
         "time_limit": time_limit,
@@ -149,6 +150,7 @@ def _plain(assembly: Assembly) -> bool:
     beside = assembly.contacts or assembly.joints or assembly.loads or assembly.bonds
     if (
         beside
+        or assembly.tolerance is not None
         or not assembly.detect
         or len(assembly) > SMALL
         or not any(part.grounded for part in assembly.parts)

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable, Sequence
 from kilter.assembly import Assembly, Bond, Joint
 from kilter.contact import detect
 from kilter.contact.contact_set import ContactSet
+from kilter.contact.fits.open_choices import with_decided_pairs
 from kilter.contact.fits.suggestions import Suggestion, suggest_joints, touching_pairs
 from kilter.contact.gaps import Tolerance
 from kilter.errors import InputError, some, some_names
@@ -112,6 +113,10 @@ def fasten_as_read(
     """The assembly with the joints and bonds of its reading, and its contacts if needed."""
     if not reading.fastens:
         return assembly, None
+    reading, _ = reading.for_parts(assembly.names)
+    assembly = with_decided_pairs(
+        assembly, reading.entries.get("open_pairs", ()), tolerance=tolerance
+    )
     contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
     bonded = assembly.with_bonds(_bonds(assembly, contacts, reading.bond))
     joined = fastened(

@@ -9,14 +9,14 @@ from typing import Any
 
 from kilter.assembly import Assembly
 from kilter.errors import InputError
-from kilter.files.choices import Choices
 from kilter.files.compas import from_compas
+from kilter.files.format_options import FormatOptions
 from kilter.files.strict_json import parse_json
 
 __all__ = ["read"]
 
 
-def read(value: Any, choices: Choices) -> Assembly:
+def read(value: Any, choices: FormatOptions) -> Assembly:
     """Convert a compas_assembly Assembly or Block, or a compas Mesh, to an assembly.
 
     Raises

@@ -16,7 +16,7 @@ import numpy as np
 
 from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
-from kilter.files.choices import Choices
+from kilter.files.format_options import FormatOptions
 from kilter.files.formats import assembly_of
 from kilter.files.naming import distinct
 from kilter.files.objects import compas_objects, mujoco_objects, occt_objects, trimesh_objects
@@ -25,7 +25,7 @@ from kilter.shape.primitives import Mesh
 
 __all__ = ["READERS", "TAKEN", "assembly_of_object", "read_object"]
 
-Reader = Callable[[Any, Choices], Assembly]
+Reader = Callable[[Any, FormatOptions], Assembly]
 
 READERS: dict[str, Reader] = {
     "trimesh": trimesh_objects.read,
@@ -48,7 +48,7 @@ _NAMELESS = ("part", "0")
 """Names that readers give to an object without a name: a single body, a single COMPAS mesh."""
 
 
-def read_object(value: Any, choices: Choices) -> tuple[Assembly, bool]:
+def read_object(value: Any, choices: FormatOptions) -> tuple[Assembly, bool]:
     """Read an object with `assembly_of_object`.
 
     Returns
@@ -61,7 +61,7 @@ def read_object(value: Any, choices: Choices) -> tuple[Assembly, bool]:
     return assembly_of_object(value, choices), states_gravity
 
 
-def assembly_of_object(value: Any, choices: Choices | None = None) -> Assembly:
+def assembly_of_object(value: Any, choices: FormatOptions | None = None) -> Assembly:
     """Convert an object of another library to an assembly.
 
     Parameters
@@ -69,7 +69,7 @@ def assembly_of_object(value: Any, choices: Choices | None = None) -> Assembly:
     value : object
         An assembly, a mesh, a solid; a pair of arrays (vertices, faces); a list of these; a dict
         of them, whose keys are the names of the parts.
-    choices : Choices, optional
+    choices : FormatOptions, optional
         Options for details that the object does not state, such as its units.
 
     Raises
@@ -81,7 +81,8 @@ def assembly_of_object(value: Any, choices: Choices | None = None) -> Assembly:
     --------
     >>> cube = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1.0)])
     >>> quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
-    >>> assembly_of_object({"low": (cube, quads), "high": (cube + [0, 0, 1], quads)}, Choices("mm"))
+    >>> meshes = {"low": (cube, quads), "high": (cube + [0, 0, 1], quads)}
+    >>> assembly_of_object(meshes, FormatOptions("mm"))
     <Assembly: 2 parts, 0 held, in mm>
     >>> assembly_of_object(3)
     Traceback (most recent call last):
@@ -90,7 +91,7 @@ def assembly_of_object(value: Any, choices: Choices | None = None) -> Assembly:
     """
     if isinstance(value, Assembly):
         return value
-    choices = choices or Choices()
+    choices = choices or FormatOptions()
     reader = _reader(value)
     if reader is not None:
         return reader(value, choices)
@@ -124,13 +125,13 @@ def _is_surface(value: Any) -> bool:
     return corners.ndim == 2 and corners.shape[1] == 3
 
 
-def _mesh(vertices: Any, faces: Any, choices: Choices) -> Assembly:
+def _mesh(vertices: Any, faces: Any, choices: FormatOptions) -> Assembly:
     """The assembly of a mesh without a name."""
     mesh = Mesh(np.asarray(vertices), faces if isinstance(faces, np.ndarray) else list(faces))
     return assembly_of(FileBodies((None,), (mesh,)), units=choices.units)
 
 
-def _several(values: Mapping[Any, Any], choices: Choices) -> Assembly:
+def _several(values: Mapping[Any, Any], choices: FormatOptions) -> Assembly:
     """The assembly of several objects; an object with a single part gives it its key as name."""
     numbered = all(isinstance(key, int) for key in values)
     parts: list[Part] = []

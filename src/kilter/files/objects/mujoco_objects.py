@@ -20,8 +20,8 @@ from kilter.arrays import Index
 from kilter.assembly import Assembly, Part
 from kilter.assembly.interactions import FrictionPair, Joint
 from kilter.errors import InputError, nearest_name, some_names
-from kilter.files.choices import Choices
 from kilter.files.file_tolerances import PARALLEL
+from kilter.files.format_options import FormatOptions
 from kilter.files.naming import distinct
 from kilter.files.one_body import compose, one_body
 from kilter.rigid import Pose
@@ -42,7 +42,7 @@ REACH = 2.0
 gives more friction pairs."""
 
 
-def read(value: Any, choices: Choices) -> Assembly:
+def read(value: Any, choices: FormatOptions) -> Assembly:
     """Convert an MjModel, an MjSpec, or a pair (MjModel, MjData) to an assembly.
 
     Raises
@@ -63,7 +63,7 @@ def read(value: Any, choices: Choices) -> Assembly:
     return _Model(mujoco, model, data, choices).assembly("")
 
 
-def read_mjcf(path: Any, choices: Choices) -> Assembly:
+def read_mjcf(path: Any, choices: FormatOptions) -> Assembly:
     """Read an MJCF file.
 
     Raises
@@ -88,7 +88,7 @@ def read_mjcf(path: Any, choices: Choices) -> Assembly:
 class _Model:
     """The conversion of a model in a pose; `parts` and the geoms of each part in `rows`."""
 
-    def __init__(self, mujoco: Any, model: Any, data: Any, choices: Choices) -> None:
+    def __init__(self, mujoco: Any, model: Any, data: Any, choices: FormatOptions) -> None:
         if choices.units not in (None, "m"):
             raise InputError(
                 f"MuJoCo is in m, but the units given are {choices.units}",

@@ -13,7 +13,7 @@ from typing import Any
 
 from kilter.assembly import Assembly
 from kilter.errors import InputError
-from kilter.files.choices import Choices
+from kilter.files.format_options import FormatOptions
 from kilter.files.formats import assembly_of
 from kilter.files.occt import failures, quiet, shape_map
 from kilter.files.step_bodies import bodies_of
@@ -27,7 +27,7 @@ _UUID = re.compile(r"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}")
 _HINT = "give a solid, a compound of solids, or an assembly of them"
 
 
-def read(value: Any, choices: Choices) -> Assembly:
+def read(value: Any, choices: FormatOptions) -> Assembly:
     """Convert a shape, a compound, a Workplane, a BuildPart or an assembly to an assembly.
 
     Raises

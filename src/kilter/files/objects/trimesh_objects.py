@@ -14,7 +14,7 @@ import numpy as np
 from kilter.arrays import Array
 from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
-from kilter.files.choices import Choices
+from kilter.files.format_options import FormatOptions
 from kilter.files.formats import agreed_units, assembly_of
 from kilter.files.naming import distinct, fill_names
 from kilter.files.placed import FileBodies, transform_mesh
@@ -32,7 +32,7 @@ _UNITS = {
 _ACCEPTED = "give a trimesh.Trimesh or a trimesh.Scene of meshes"
 
 
-def read(value: Any, choices: Choices) -> Assembly:
+def read(value: Any, choices: FormatOptions) -> Assembly:
     """Convert a Trimesh or a Scene to an assembly.
 
     Raises

@@ -70,7 +70,7 @@ def _nothing_known(program: Program) -> dict[str, Any]:
 
 def _set_given(columns: dict[str, Any], program: Program, contacts: ContactSet) -> None:
     """Fill in the features that the assembly states for its given contacts."""
-    given = contacts.assembly.contacts
+    given = [contact for contact in contacts.assembly.contacts if len(contact.points)]
     patches = np.flatnonzero(contacts.patch_kind == "given")
     if len(patches) != len(given):  # the contacts are those of another assembly
         return

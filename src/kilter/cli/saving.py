@@ -1,0 +1,138 @@
+"""The command save: the choices about a file."""
+
+from __future__ import annotations
+
+import json as json_form
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from kilter.cli.arguments import triple_of
+from kilter.cli.asked import Asked
+from kilter.cli.exit_codes import WRITTEN
+from kilter.cli.options import FORM, HELD, TOUCH, Json, asks
+from kilter.cli.output import Progress, as_json, emit, tell_warnings
+from kilter.errors import InputError, shell_words
+
+if TYPE_CHECKING:
+    from kilter.files.choices import Choices
+
+__all__ = ["save"]
+
+
+@asks(answers=False)
+def save(
+    asked: Asked,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="X.kilter.json",
+            help="File of the choices, in the folder of FILE or above it.",
+            rich_help_panel=FORM,
+            show_default=False,
+        ),
+    ] = None,
+    material: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--material",
+            metavar="NAME=KG/M3",
+            help='Density of a part, in place of density and mass of the file: --material "bolt*='
+            '7850". Repeatable; * and ? are wildcards.',
+            rich_help_panel=HELD,
+            show_default=False,
+        ),
+    ] = None,
+    open_pairs: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--open",
+            metavar="NAME NAME joined|touching|apart",
+            help="Decide about a pair whose contact the geometry leaves open. Repeatable.",
+            rich_help_panel=TOUCH,
+            show_default=False,
+        ),
+    ] = None,
+    json: Json = False,
+) -> int:
+    """Save the options about a file, so that no later command needs them again.
+
+    Every command and kilter.load read X.kilter.json as FILE with the saved options. Options on the
+    command line win over saved options, and the answer names what they replace.
+
+    If FILE has choices itself, the new choices are its choices with the given changes.
+
+    These keys have no option and are edited in X.kilter.json: gravity, friction_pairs, joints,
+    bonds with more than a pull, loads, poses.
+    """
+    from kilter.contact.fits.choices_saving import save_reading
+    from kilter.files.choices_writing import require_place
+
+    if output is None:
+        raise InputError("the name of the choices is missing", hint="add -o X.kilter.json")
+    if asked.file == "-":
+        raise InputError("choices cannot name standard input", hint="give a file or a folder")
+    replaces = require_place(output)
+    entries = {
+        "materials": [_material(words) for words in material or ()],
+        "open_pairs": [_decision(words) for words in open_pairs or ()],
+    }
+    given = {key: value for key, value in entries.items() if value}
+    asked = replace(asked, typed=replace(asked.typed, entries=given)).of_file(asked.file)
+    with Progress(asked.quiet) as progress:
+        choices = save_reading(
+            asked.source or Path(asked.file),
+            output,
+            asked.reading,
+            asked.all_touch.saved(),
+            progress=progress,
+        )
+    tell_warnings(asked.notes, asked.quiet)
+    if json:
+        emit(as_json(choices.to_dict()), None)
+    else:
+        emit(_words(choices, output, replaces), None)
+    return WRITTEN
+
+
+def _material(words: str) -> dict[str, Any]:
+    """Return the material of a value of ``--material``."""
+    parts, _, density = words.rpartition("=")
+    try:
+        value = float(density)
+    except ValueError:
+        value = 0.0
+    if not parts or not value > 0:
+        raise InputError(
+            f"--material has {words!r:.60}", hint='give a name and kg/m^3: --material "bolt*=7850"'
+        )
+    return {"parts": parts, "density": value}
+
+
+def _decision(words: str) -> dict[str, Any]:
+    """Return the decision of a value of ``--open``."""
+    first, second, state = triple_of("--open", words)
+    if state not in ("joined", "touching", "apart"):
+        raise InputError(f"--open has {state!r:.60}", hint="give joined, touching or apart")
+    return {"parts": [first, second], "as": state}
+
+
+def _words(choices: Choices, output: Path, replaces: bool) -> str:
+    """Return the text about written choices: their keys, and the next command."""
+    from kilter.tell.text import aligned
+
+    rows = [
+        [
+            "  " + key,
+            value if isinstance(value, str) else json_form.dumps(value, ensure_ascii=False),
+        ]
+        for key, value in choices.to_dict().items()
+        if key not in ("kilter", "file", "sha256")
+    ]
+    how = "earlier choices replaced by choices" if replaces else "choices"
+    lines = [f"{output}: {how} about {choices.file}", *aligned(rows)]
+    return "\n".join([*lines, f"next: {shell_words(['kilter', 'check', str(output)])}"])

@@ -1,0 +1,90 @@
+"""Choices as the options of a reading: the file, its options, its tolerance, and remarks."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from kilter.assembly import Assembly
+from kilter.contact.fits.fastening import fasten_as_read
+from kilter.contact.gaps import Tolerance
+from kilter.errors import InputError
+from kilter.files.choices import Choices, digest, find_choices
+from kilter.files.reading import Reading
+
+__all__ = ["Chosen", "chosen", "read_chosen", "tolerance_of"]
+
+
+@dataclass(frozen=True, slots=True)
+class Chosen:
+    """A file with its choices and the options that win over them.
+
+    Attributes
+    ----------
+    path : Path
+        The file that the choices name.
+    reading : Reading
+        Options of reading it, with its digest for proofs.
+    notes : tuple of str
+        Sentences about replaced choices and about a changed file.
+    """
+
+    path: Path
+    reading: Reading
+    notes: tuple[str, ...]
+
+
+def chosen(choices: Choices, reading: Reading | None = None) -> Chosen:
+    """Choices with the options of a reading, which win over them.
+
+    Raises
+    ------
+    InputError
+        If the file does not exist.
+    """
+    path = choices.path
+    if find_choices(path) is not None:
+        raise InputError(f"{choices.file} is a file of choices itself", hint="name its file")
+    merged, notes = (reading or Reading()).over(choices)
+    present = digest(path)
+    if choices.sha256 not in (None, present):
+        notes.append(
+            f"{choices.file} has changed since the choices were saved; 'kilter save' renews them"
+        )
+    merged = replace(merged, entries={**merged.entries, "sha256": present})
+    return Chosen(path, merged, tuple(notes))
+
+
+def tolerance_of(choices: Choices) -> Tolerance:
+    """The contact tolerance of choices."""
+    values = choices.tolerance or {}
+    base = Tolerance.loose() if choices.loose else Tolerance()
+    angle = values.get("angle_deg")
+    return replace(
+        base,
+        gap=values.get("gap"),
+        angle=base.angle if angle is None else math.radians(angle),
+        clearance=values.get("clearance"),
+    )
+
+
+def read_chosen(
+    choices: Choices, reading: Reading | None = None, *, tolerance: Tolerance | None = None
+) -> Assembly:
+    """The assembly of choices: the file, with its options applied, and with its tolerance.
+
+    A `tolerance` other than the default one wins over that of the choices.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or an option is invalid.
+    """
+    both = chosen(choices, reading)
+    if tolerance in (None, Tolerance()):
+        tolerance = tolerance_of(choices)
+    assembly = both.reading.read(both.path)
+    assembly, _ = fasten_as_read(assembly, both.reading, tolerance=tolerance)
+    own = None if tolerance == Tolerance() else tolerance
+    return replace(assembly, notes=[*assembly.notes, *both.notes], tolerance=own)

@@ -1,0 +1,102 @@
+"""Write choices beside the file that they are about."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from kilter.errors import InputError
+from kilter.files.choices import LOWEST, OPTIONS, STUDS, Choices, digest, find_choices
+from kilter.files.writing import json_lines, write_text
+
+__all__ = ["choices_about", "require_place", "write_choices"]
+
+SUFFIX = ".json"
+"""Ending of a file of choices; the commands look for choices only in such files."""
+
+
+def choices_about(path: Path, folder: Path, options: Mapping[str, Any], **keys: Any) -> Choices:
+    """The choices with the options of a reading: the inverse of `Choices.options`.
+
+    Parameters
+    ----------
+    path : Path
+        The file that the choices are about.
+    folder : Path
+        Folder of the choices.
+    options : mapping
+        `kilter.files.reading.Reading.options()`. Gravity of the option `down` depends on the file,
+        so it is one of the `keys`.
+    **keys
+        Further keys of the choices, which win over the options.
+
+    Raises
+    ------
+    InputError
+        If the file does not lie in the folder or below.
+    """
+    values = {key: options[option] for key, option in OPTIONS.items() if option in options}
+    studs = {key: options[option] for key, option in STUDS.items() if option in options}
+    if studs:
+        values["studs"] = studs
+    if "floor" in options:
+        values["floor"] = True if options["floor"] == LOWEST else options["floor"]
+    entries = dict(options.get("entries", {}))
+    pulls = [{"parts": [a, b], "pull": pull} for a, b, pull in options.get("bond", ())]
+    entries["bonds"] = [*pulls, *entries.get("bonds", ())]
+    entries["sha256"] = digest(path)
+    return Choices(_relative(path, folder), folder=folder, **{**values, **entries, **keys})
+
+
+def _relative(path: Path, folder: Path) -> str:
+    """Path of a file from a folder that contains it, with / between the folders."""
+    inside = Path(os.path.realpath(path.parent), path.name)
+    base = Path(os.path.realpath(folder))
+    try:
+        return inside.relative_to(base).as_posix()
+    except ValueError:
+        raise InputError(
+            f"the choices in {str(folder)!r} cannot name {str(path)!r}, which lies elsewhere",
+            hint=f"write them to the folder {str(path.parent)!r} or to a folder above it",
+        ) from None
+
+
+def require_place(output: Path) -> bool:
+    """Verify that choices may be written to a file; return whether it has choices already.
+
+    Raises
+    ------
+    InputError
+        If the file has another ending than .json, or has another content than choices.
+    """
+    if output.suffix.lower() != SUFFIX:
+        raise InputError(
+            "choices need a file that ends in .json", file=str(output), hint="give X.kilter.json"
+        )
+    if not output.exists():
+        return False
+    try:
+        replaces = find_choices(output) is not None
+    except InputError:
+        replaces = False
+    if not replaces:
+        raise InputError(
+            "has other content than choices and would be overwritten",
+            file=str(output),
+            hint="write to another file",
+        )
+    return True
+
+
+def write_choices(choices: Choices, output: str | Path) -> None:
+    """Write choices completely or not at all, a key in each line.
+
+    Raises
+    ------
+    InputError
+        As `require_place`, or if the file cannot be written.
+    """
+    require_place(Path(output))
+    write_text(output, json_lines(choices.to_dict()))

@@ -1,0 +1,127 @@
+"""Content of a file or of standard input: the reader of each kind, before options are applied."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from kilter.assembly import Assembly
+from kilter.errors import InputError
+from kilter.files.brick_text import BRICK_TEXT, load_brick_text
+from kilter.files.compas import from_compas, is_compas
+from kilter.files.folder import load_folder
+from kilter.files.format_options import FormatOptions
+from kilter.files.formats import FORMATS, load_bodies
+from kilter.files.kilter_json import from_dict
+from kilter.files.ldraw import LDRAW_FILES, load_ldraw
+from kilter.files.raw import read_bounded, read_bytes
+from kilter.files.stable_lego import from_stable_lego, is_stable_lego
+from kilter.files.strict_json import parse_json
+from kilter.files.xml_scenes import XML, load_xml
+
+__all__ = ["ENDINGS", "FileContent", "read_json", "read_path"]
+
+STANDARD_INPUT = "-"
+ENDINGS = (".json", *FORMATS, *XML, *LDRAW_FILES, *BRICK_TEXT)
+"""Endings of the files that can be read (lower case)."""
+
+
+class FileContent(NamedTuple):
+    """An assembly as its source describes it, before the options are applied.
+
+    `states_gravity`: whether the format fixes the direction of gravity; `left_out`: names of
+    parts that the reader has left out already.
+    """
+
+    assembly: Assembly
+    states_gravity: bool = False
+    left_out: tuple[str, ...] = ()
+
+
+def read_path(
+    source: str | os.PathLike[str],
+    options: FormatOptions,
+    *,
+    without: Sequence[str] = (),
+    progress: Callable[[str], None] | None = None,
+) -> FileContent:
+    """Read a path, or standard input, with the reader of its kind."""
+    if os.fspath(source) == STANDARD_INPUT:
+        return _from_json(
+            read_bounded(sys.stdin.buffer, "standard input"), Path(), "standard input", options
+        )
+    path, units = Path(source), options.units
+    suffix = path.suffix.lower()
+    if _is_folder(path):
+        return FileContent(load_folder(path, units=units))
+    if suffix in FORMATS:
+        assembly, left_out = load_bodies(path, units=units, without=without, progress=progress)
+        return FileContent(assembly, left_out=left_out)
+    if suffix in XML:
+        return FileContent(*load_xml(path, options))
+    if suffix in LDRAW_FILES:
+        return FileContent(load_ldraw(path, rules=options.studs), states_gravity=True)
+    if suffix in BRICK_TEXT:
+        return FileContent(load_brick_text(path, rules=options.studs), states_gravity=True)
+    data = read_bytes(path)
+    if suffix == ".json":
+        return _from_json(data, path.parent, str(path), options)
+    kinds = f"{', '.join(ENDINGS)}, or a folder of them"
+    raise InputError(
+        f"cannot read files of type {path.suffix or '(no ending)'}",
+        file=str(path),
+        hint=f"give {kinds}",
+    )
+
+
+def read_json(path: Path) -> Any:
+    """Read the value of a JSON file.
+
+    Raises
+    ------
+    InputError
+        If the file is missing or is not JSON; the error names the file.
+    """
+    data = read_bytes(path)
+    try:
+        return parse_json(data)
+    except InputError as error:
+        raise error.located(file=str(path)) from None
+
+
+def _is_folder(path: Path) -> bool:
+    """Whether the path is a folder; False for a path that the system rejects."""
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
+
+
+def _from_json(data: bytes, folder: Path, source: str, options: FormatOptions) -> FileContent:
+    """The assembly of JSON data: COMPAS, StableLego or kilter, by its content."""
+    try:
+        content = parse_json(data)
+    except InputError as error:
+        raise error.located(file=source) from None
+    if is_compas(content):
+        units, contacts = options.units, options.contacts
+        return FileContent(from_compas(content, units=units, source=source, contacts=contacts))
+    if is_stable_lego(content):
+        bricks = from_stable_lego(content, data, rules=options.studs, source=source)
+        return FileContent(bricks, states_gravity=True)
+    assembly = from_dict(content, folder=folder, source=source)
+    _check_units(assembly, options.units)
+    return FileContent(assembly, states_gravity=True)
+
+
+def _check_units(assembly: Assembly, units: str | None) -> None:
+    """Raise `InputError` if the option `units` contradicts the units of the file."""
+    if units is not None and units != assembly.units:
+        raise InputError(
+            f"the file is in {assembly.units}, but the units given are {units}",
+            file=assembly.source,
+            hint="leave the units out",
+        )
