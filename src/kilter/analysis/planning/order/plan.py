@@ -12,7 +12,8 @@ Without such a proof, the answer "none found" covers only the tried paths.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -25,15 +26,17 @@ from kilter.analysis.planning.order.order import Order
 from kilter.analysis.planning.order.plan_rules import PlanRules, turns_alone
 from kilter.analysis.planning.order.plan_step import steps_of
 from kilter.analysis.planning.order.pressing import Pressing
-from kilter.analysis.planning.order.removal import Removal
+from kilter.analysis.planning.order.removal import Removal, Screw
 from kilter.analysis.planning.order.screws import find_screws
 from kilter.analysis.planning.order.search import OrderSearch
 from kilter.analysis.planning.order.succession import later_parts, precedence_pairs
 from kilter.analysis.planning.order.together import units_of_groups
 from kilter.analysis.planning.order.turning import find_with_turns
+from kilter.analysis.planning.states.holds import Holds
 from kilter.analysis.planning.states.part_sets import members
 from kilter.analysis.planning.states.state import State
 from kilter.analysis.planning.states.states import States, states
+from kilter.arrays import Mask
 from kilter.assembly import Assembly, require_assembly
 from kilter.assembly.bonds import NOT_SET, require_no_bonds
 from kilter.contact import ContactSet, Tolerance
@@ -91,13 +94,9 @@ def plan(
     >>> found, [step.part for step in found.steps]
     (<Order: found, 5 steps, 0 with parts held>, ['cube-1', 'cube-2', 'cube-3', 'cube-4', 'cube-5'])
     """
-    require_assembly(assembly, "plan")
-    require_no_bonds(assembly, "plan", NOT_SET)
-    assembly.require_grounded()
-    level = require_level(require)
     rules = PlanRules() if rules is None else rules
-    if rules.turn and assembly.loads:
-        raise turns_alone()
+    _require_plannable(assembly, rules)
+    level = require_level(require)
     if time_limit is not None:
         time_limit = number(time_limit, "time_limit", lowest=0)
     budget = SEARCH * units_of(number(effort, "effort", lowest=0))
@@ -107,95 +106,155 @@ def plan(
     if rules.sequence is not None:
         units = sets_of_order(assembly, rules.sequence)
     part_states = states(assembly, contacts=contacts, tolerance=tolerance, progress=progress)
-    seconds = {"contacts": time.perf_counter() - started}
-    between = time.perf_counter()
+    searching = time.perf_counter()
     whole = _whole_state(part_states)
     finished = part_states.decide(whole, require=level, effort=effort, work=work, finished=True)
-    turned = find_screws(part_states.contacts, rules.screws)
-    removal = Removal(part_states.contacts, directions=rules.directions, screws=turned)
-    barred = (
-        part_states.mask(rules.never_hold)
-        if rules.never_hold
-        else np.zeros(len(assembly), dtype=bool)
-    )
-    holdable = ~assembly.geometry.grounded & ~barred
-    pressing = Pressing(part_states, rules.press) if rules.press else None
-    search = OrderSearch(
-        part_states, removal, after, holdable, work, units, rules.together, pressing
-    )
-    falling: list[State] = []
-    locked: list[Locked] = []
-    one_by_one = rules.sequence is None and not rules.together
-    one_by_one = one_by_one and bool(whole.stable) and not any(unit & (unit - 1) for unit in units)
-    if one_by_one:
-        work.stage("locked parts")
-        locked = find_locked(part_states, removal)
-        work.stage("parts that stand by themselves")
-        falling = [] if locked or rules.turn else find_unreachable(part_states)[1]
-    if not whole.stable:
-        searched = Searched(None)
-    elif rules.sequence is not None:
-        work.stage("the sequence")
-        searched = Searched(judge_order(search, units, rules.hold), rules.hold)
-    elif rules.turn and not locked:
-        searched = find_with_turns(search, rules.hold, rules.fewest)
-    elif locked:
-        searched = Searched(None)
-    else:
-        searched = find_order(search, 1 if falling else 0, rules.hold, rules.fewest)
-    refused = []
-    if (
-        search.exhausted
-        and searched.order is None
-        and one_by_one
-        and not (rules.turn or rules.press)
-    ):
-        try:
-            refused = [] if falling and rules.hold == 0 else find_refused(search, rules.hold)
-        except KeyboardInterrupt:
-            searched = Searched(None, interrupted=True)
-    seconds["search"] = time.perf_counter() - between
+    screws = tuple(find_screws(part_states.contacts, rules.screws))
+    search = _order_search(part_states, rules, work, after, units, screws)
+    obstacles = _find_obstacles(search, rules, whole)
+    searched = _search(search, rules, whole, obstacles)
+    refused, searched = _find_refused(search, rules, obstacles, searched)
+    ordered = time.perf_counter()
     work.stage("levels of the steps")
     steps = steps_of(search, searched.order or [], level, effort)
-    seconds["solve"] = time.perf_counter() - between
+    longest = () if searched.order else [removed.set for removed in search.best]
     return Order(
         states=part_states,
         steps=tuple(steps),
-        best=()
-        if searched.order
-        else tuple(n for entry in search.best for n in _names(assembly, entry.set)),
-        falling=tuple(falling),
-        locked=tuple(locked),
+        best=_names(assembly, *longest),
+        falling=tuple(obstacles.falling),
+        locked=tuple(obstacles.locked),
         refused=tuple(refused),
         whole=whole,
         finished=finished,
         hold=rules.hold,
         require=level,
-        precedence=precedence_pairs(assembly, after, turned),
-        never_held=tuple(np.array(assembly.names)[barred].tolist()),
+        precedence=precedence_pairs(assembly, after, screws),
+        never_held=tuple(np.array(assembly.names)[_never_held(part_states, rules)].tolist()),
         directions=tuple(
             entry if isinstance(entry, str) else tuple(np.asarray(entry).tolist())
             for entry in rules.directions
         ),
-        screws=tuple(turned),
-        moved_as_one=tuple(_names(assembly, unit) for unit in units if unit & (unit - 1)),
+        screws=screws,
+        moved_as_one=tuple(_names(assembly, unit) for unit in units if _has_several(unit)),
         together=rules.together,
         exhausted=search.exhausted,
         press=rules.press,
         turn=rules.turn,
         given=rules.sequence is not None,
         fewest=rules.fewest,
-        least=_least(searched, len(falling)),
+        least=_least(searched, len(obstacles.falling)),
         interrupted=searched.interrupted,
         time_limit=time_limit if work.cut else None,
-        counts={
-            "states": search.visited,
-            "programs": part_states.counts["programs"] + part_states.counts["cones"],
-            "sweeps": removal.sweeps.tests,
-            "no_goods": part_states.no_goods,
+        counts=_counts(search),
+        seconds={
+            "contacts": searching - started,
+            "search": ordered - searching,
+            "solve": time.perf_counter() - searching,
         },
-        seconds=seconds,
     )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Obstacles:
+    """Proofs that no order exists, or none without holds, from the whole assembly alone.
+
+    `applies` is false if the rules move several parts at once, or if the whole assembly falls:
+    then the proofs say nothing about the orders of the search, and both lists are empty.
+    """
+
+    applies: bool
+    locked: list[Locked]
+    falling: list[State]
+
+
+def _require_plannable(assembly: Assembly, rules: PlanRules) -> None:
+    """Reject an assembly without a base, with bonds, or with loads that would turn with it."""
+    require_assembly(assembly, "plan")
+    require_no_bonds(assembly, "plan", NOT_SET)
+    assembly.require_grounded()
+    if rules.turn and assembly.loads:
+        raise turns_alone()
+
+
+def _order_search(
+    part_states: States,
+    rules: PlanRules,
+    work: Work,
+    after: list[int],
+    units: list[int],
+    screws: Sequence[Screw],
+) -> OrderSearch:
+    """Return the search of an order under the rules."""
+    removal = Removal(part_states.contacts, directions=rules.directions, screws=screws)
+    holdable = ~part_states.assembly.geometry.grounded & ~_never_held(part_states, rules)
+    pressing = Pressing(part_states, rules.press) if rules.press else None
+    return OrderSearch(part_states, removal, after, holdable, work, units, rules.together, pressing)
+
+
+def _never_held(part_states: States, rules: PlanRules) -> Mask:
+    """Return the mask of the parts that the rules forbid to hold, shape (N,)."""
+    if not rules.never_hold:  # no pattern, and a pattern must match a part
+        return np.zeros(len(part_states.assembly), dtype=bool)
+    return part_states.mask(rules.never_hold)
+
+
+def _find_obstacles(search: OrderSearch, rules: PlanRules, whole: State) -> _Obstacles:
+    """Return the parts that lock each other, and without such parts those that always fall."""
+    several = rules.together or any(map(_has_several, search.units))
+    if rules.sequence is not None or several or not whole.stable:
+        return _Obstacles(applies=False, locked=[], falling=[])
+    search.work.stage("locked parts")
+    locked = find_locked(search.states, search.removal)
+    search.work.stage("parts that stand by themselves")
+    # a turned base changes the direction of gravity, so a part that falls here may stand there
+    falling = [] if locked or rules.turn else find_unreachable(search.states)[1]
+    return _Obstacles(applies=True, locked=locked, falling=falling)
+
+
+def _search(search: OrderSearch, rules: PlanRules, whole: State, obstacles: _Obstacles) -> Searched:
+    """Return the order under the rules, or no order if a proof already excludes every order."""
+    if not whole.stable:
+        return Searched(None)
+    if rules.sequence is not None:
+        search.work.stage("the sequence")
+        return Searched(judge_order(search, search.units, rules.hold), rules.hold)
+    if obstacles.locked:
+        return Searched(None)
+    if rules.turn:
+        return find_with_turns(search, rules.hold, rules.fewest)
+    return find_order(search, 1 if obstacles.falling else 0, rules.hold, rules.fewest)
+
+
+def _find_refused(
+    search: OrderSearch, rules: PlanRules, obstacles: _Obstacles, searched: Searched
+) -> tuple[list[Holds[State]], Searched]:
+    """Return the states that bar every order with the allowed holds, after a complete search."""
+    complete = search.exhausted and searched.order is None and obstacles.applies
+    # parts that always fall already prove that no order without holds exists
+    proved = obstacles.falling and rules.hold == 0
+    if not complete or rules.turn or rules.press or proved:
+        return [], searched
+    try:
+        return find_refused(search, rules.hold), searched
+    except KeyboardInterrupt:
+        return [], Searched(None, interrupted=True)
+
+
+def _counts(search: OrderSearch) -> dict[str, int]:
+    """Return the counted work of a search."""
+    counts = search.states.counts
+    return {
+        "states": search.visited,
+        "programs": counts["programs"] + counts["cones"],
+        "sweeps": search.removal.sweeps.tests,
+        "no_goods": search.states.no_goods,
+    }
+
+
+def _has_several(parts: int) -> bool:
+    """Return whether a bit set has at least two parts."""
+    return bool(parts & (parts - 1))
 
 
 def _least(searched: Searched, falling: int) -> str | None:
