@@ -197,29 +197,39 @@ def moving_table(answer: Answer) -> Table | None:
         answer["parts"],
         key=lambda part: (not part.get("moved_by_proof"), -max(part["relative"] or (0.0,))),
     )
-    free = sum(not part["grounded"] for part in parts)
     moving = [part for part in parts if part["moves"]]
-    left_out = bool(answer["open_pairs"])
-    if verdict == "undecided" or (left_out and moving):
-        counted = "certain contacts" if left_out else "modelled, frictionless contacts"
-        title = f"With its {counted} alone, {len(moving)} of {free} free parts move"
-        proved = sum(bool(part.get("moved_by_proof")) for part in moving)
-        if 0 < proved < len(moving):
-            which = "the first" if proved == 1 else f"the first {proved}"
-            title += f"; whatever the open pairs do, the proof moves {which}"
-        title += ":"
-    elif verdict == "potentially-stable":
-        title = f"{len(moving)} of {free} free parts could move:"
-    elif moving or not parts:
-        title = f"{len(moving)} of {free} free parts move:"
-    else:
-        title = f"No part starts faster than {answer['tolerance']['moves']:g} g; the fastest:"
+    title = _moving_title(answer, moving)
+    if not moving and answer["verdict"] not in ("undecided", "potentially-stable"):
         moving = [part for part in parts if part["slow_motion"] is not None]
 
     def row(part: Answer) -> Sequence[str]:
         return Name(part["name"]), part["motion"] if part["moves"] else part["slow_motion"]
 
     return Table(title, (), moving, row)
+
+
+def _certain_alone(answer: Answer, moving: Sequence[Answer]) -> bool:
+    """Return whether the motions are only those that the certain contacts leave."""
+    return answer["verdict"] == "undecided" or (bool(answer["open_pairs"]) and bool(moving))
+
+
+def _moving_title(answer: Answer, moving: Sequence[Answer]) -> str:
+    """Return the title of the table: the number of moving parts, and the reach of the proof."""
+    parts = answer["parts"]
+    counts = f"{len(moving)} of {sum(not part['grounded'] for part in parts)} free parts"
+    if _certain_alone(answer, moving):
+        of_kind = "certain" if answer["open_pairs"] else "modelled, frictionless"
+        title = f"With its {of_kind} contacts alone, {counts} move"
+        proved = sum(bool(part.get("moved_by_proof")) for part in moving)
+        if 0 < proved < len(moving):
+            first = "the first" if proved == 1 else f"the first {proved}"
+            title += f"; whatever the open pairs do, the proof moves {first}"
+        return f"{title}:"
+    if answer["verdict"] == "potentially-stable":
+        return f"{counts} could move:"
+    if moving or not parts:
+        return f"{counts} move:"
+    return f"No part starts faster than {answer['tolerance']['moves']:g} g; the fastest:"
 
 
 def fastened_table(answer: Answer) -> Table:

@@ -274,34 +274,43 @@ def _places(
 
     The velocities are vertical, at the cells directly below and above the place.
     """
+    rise = _rise_of_cells(model, cell, motion)
+    for (x0, y0, z0), (a, b) in sorted(_candidate_places(model, near)):
+        under = [(x, y) for x in range(x0, x0 + a) for y in range(y0, y0 + b)]
+        occupied = any((x, y, z0 + h) in rise for x, y in under for h in range(BRICK_PLATES))
+        if not occupied:
+            ends = ((x, y, z) for x, y in under for z in (z0 - 1, z0 + BRICK_PLATES))
+            yield (x0, y0, z0), (a, b), [rise[end] for end in ends if end in rise]
+
+
+def _rise_of_cells(model: BrickModel, cell: float, motion: Array) -> dict[Cell, float]:
+    """Vertical velocity of every occupied cell, at its middle, as its brick moves."""
     cells = cells_of(model)
-    at = list(zip(cells.brick.tolist(), cells.xy.tolist(), strict=True))
     middle = model.corner[:, :2] + model.size[:, :2] / 2
-    rise = {}  # vertical velocity of every occupied cell
-    for k, (x, y) in at:
+    rise = {}
+    for k, (x, y) in zip(cells.brick.tolist(), cells.xy.tolist(), strict=True):
         across, along = cell * (np.array([x, y]) + 0.5 - middle[k])
         speed = motion[k, 2] + motion[k, 3] * along - motion[k, 4] * across
         for z in range(int(model.corner[k, 2]), int(model.top[k])):
             rise[x, y, z] = float(speed)
+    return rise
+
+
+def _candidate_places(model: BrickModel, near: list[int]) -> set[tuple[Cell, tuple[int, int]]]:
+    """Corner and size of every new brick that is directly over or under a brick of `near`."""
+    cells = cells_of(model)
     sizes = [*STATED, *((b, a) for a, b in STATED if a != b)]
     levels = {
         (x, y, z)
-        for k, (x, y) in at
+        for k, (x, y) in zip(cells.brick.tolist(), cells.xy.tolist(), strict=True)
         if k in near
         for z in (int(model.top[k]), int(model.corner[k, 2]) - BRICK_PLATES)
         if z >= 0
     }
-    places = {
+    return {
         ((x - i, y - j, z), (a, b))
         for x, y, z in levels
         for a, b in sizes
         for i in range(a)
         for j in range(b)
     }
-    for (x0, y0, z0), (a, b) in sorted(places):
-        under = [(x, y) for x in range(x0, x0 + a) for y in range(y0, y0 + b)]
-        # the place is occupied
-        if any((x, y, z0 + h) in rise for x, y in under for h in range(BRICK_PLATES)):
-            continue
-        ends = ((x, y, z) for x, y in under for z in (z0 - 1, z0 + BRICK_PLATES))
-        yield (x0, y0, z0), (a, b), [rise[end] for end in ends if end in rise]

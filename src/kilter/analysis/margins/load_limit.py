@@ -201,7 +201,6 @@ def find_limit(
     """
     opening = opening or Opening(cone_problem(program))
     large = len(program.part_a) > EXACT
-    limited = bool(program.cohesion.any())  # only the conic program models a shear strength
     # with bonds, kilter's interior point starts too far from the forces that pull: it ends after 50
     # steps without a proof, and the conic solver needs 15
     if most <= MODEST and not program.planar and large and not program.has_strength:
@@ -213,18 +212,25 @@ def find_limit(
         known = isinstance(near, Limit) and np.isfinite(near.value)
         if known or (from_none and isinstance(near, NoLimit)):
             return near  # else larger shares may be held, although no share up to MODEST is
+    return _limit(_best_sides(program, opening, wrench, most), most)
+
+
+def _best_sides(program: Program, opening: Opening, wrench: Array, most: float) -> LimitSides:
+    """Bounds by the conic program, and by sharper programs if they are far apart."""
+    limited = bool(program.cohesion.any())  # only the conic program models a shear strength
     conic = _in_cones(program, opening, wrench, most)
+    large = len(program.part_a) > EXACT
     enough = conic.sides.gap <= SIDES_NEAR and large
     whole = conic.sides.held >= most * (1 - NEARLY)
-    if conic.sides.closed or conic.sides.none or enough or whole:
-        return _limit(conic.sides, most)
     sides = conic.sides
+    if sides.closed or sides.none or enough or whole:
+        return sides
     if not limited:
         sides = sides.better(limit_sides(program, wrench, most, conic.across))
     if not sides.none and sides.gap > SIDES_APART:
         sharp = _in_cones(program, opening, wrench, most, CONIC_SHARP).sides
         sides = sides.better(sharp)
-    return _limit(sides, most)
+    return sides
 
 
 @dataclass(frozen=True, slots=True, eq=False)

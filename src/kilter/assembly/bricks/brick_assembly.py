@@ -31,6 +31,8 @@ MARGIN = 1
 """Margin of the baseplate around all bricks [cells]."""
 HEAVY = 0.1
 """Mass above which a brick is named a weight [kg]."""
+BRICKS_HINT = "give an assembly as it was read from a file of bricks"
+"""Remedy if an assembly is no model of bricks."""
 UP = (0.0, 0.0, 1.0)
 
 
@@ -103,15 +105,7 @@ def bricks_of(assembly: Assembly) -> tuple[BrickModel, StudRules, float]:
     InputError
         If a part is not a brick, or the assembly has loads, joints or no bonds.
     """
-    for part in assembly.parts:
-        if part.brick is None or not isinstance(part.shape, Box):
-            hint = "give an assembly as it was read from a file of bricks"
-            raise InputError("it is not a brick", part=part.name, hint=hint)
-    if assembly.loads or assembly.joints or not assembly.bonds:
-        raise InputError(
-            "this needs bricks with bonds, and without loads or joints",
-            hint="give an assembly as it was read from a file of bricks",
-        )
+    _require_bricks(assembly)
     parts, bricks = assembly.parts, [part.brick for part in assembly.parts if part.brick]
     size = np.array([(*brick.cells, brick.plates) for brick in bricks])
     box = np.array([part.shape.size for part in parts if isinstance(part.shape, Box)])
@@ -133,6 +127,17 @@ def bricks_of(assembly: Assembly) -> tuple[BrickModel, StudRules, float]:
     return model, rules, float(box[0, 0] / size[0, 0])
 
 
+def _require_bricks(assembly: Assembly) -> None:
+    """Reject an assembly with a part that is no brick, or with rows that studs do not have."""
+    for part in assembly.parts:
+        if part.brick is None or not isinstance(part.shape, Box):
+            raise InputError("it is not a brick", part=part.name, hint=BRICKS_HINT)
+    if assembly.loads or assembly.joints or not assembly.bonds:
+        raise InputError(
+            "this needs bricks with bonds, and without loads or joints", hint=BRICKS_HINT
+        )
+
+
 def _require_grid(assembly: Assembly, corner: Array, cell: Array) -> None:
     """Raise `InputError` if a brick is turned, or not in the cells of a common grid.
 
@@ -143,9 +148,8 @@ def _require_grid(assembly: Assembly, corner: Array, cell: Array) -> None:
     odd = np.abs(cell / cell[0] - 1).max(axis=1) > ON_GRID
     wrong = np.flatnonzero(turned | apart | odd)
     if len(wrong):
-        hint = "give an assembly as it was read from a file of bricks"
         name = assembly.names[wrong[0]]
-        raise InputError("it is not in the cells of the common grid", part=name, hint=hint)
+        raise InputError("it is not in the cells of the common grid", part=name, hint=BRICKS_HINT)
 
 
 def _baseplate(model: BrickModel) -> BrickModel:

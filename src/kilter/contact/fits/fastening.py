@@ -86,6 +86,13 @@ def fastened(
     )
     if not (suggested or overlaps):
         return assembly
+    return _fasten_found(assembly, contacts, suggested=suggested, overlaps=overlaps)
+
+
+def _fasten_found(
+    assembly: Assembly, contacts: ContactSet, *, suggested: bool, overlaps: bool
+) -> Assembly:
+    """The assembly with joints of the suggested or the overlapping pairs, and notes of them."""
     suggestions = [s for s in suggest_joints(assembly, contacts) if s.fixed]
     if suggested:
         how = "as suggested", "no pair looks as if it were"

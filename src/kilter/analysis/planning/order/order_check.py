@@ -76,37 +76,56 @@ def wrong_order(
     shows = ("step", "falls alone", "finished falls", "locked", "refused")
     if not any(entries[kind] for kind in shows):
         yield "it has neither an order nor a proof that there is none"
-    if entries["finished falls"] and [item["change"] for item in entries["finished falls"]] != [
-        {"without": [], "held": []}
-    ]:
+    if entries["finished falls"] and not _is_finished(entries["finished falls"]):
         yield "the motion is not a motion of the finished assembly"
-    if entries["step"]:
-        if [item["change"] for item in entries["whole"]] != [{"without": [], "held": []}]:
-            yield "the finished assembly has no proof"
-        rules = Rules.of(assembly, contacts, bundle["rules"])
-        yield from _wrong_steps(assembly, contacts, rules, entries["step"])
-        yield from _enough(assembly, rules, entries["step"], entries["not fewer"])
-        press = float(bundle["rules"]["press"])
-        yield from _wrong_pressing(assembly, press, entries["step"], entries["pressed"])
-        yield from _wrong_turns(
-            assembly, bool(bundle["rules"]["turn"]), entries["step"], entries["turned"]
-        )
-    elif entries["whole"] or entries["not fewer"] or entries["pressed"] or entries["turned"]:
-        yield "it is about an order, but has no steps"
-    if (entries["falls alone"] or entries["refused"]) and (
-        bundle["rules"]["groups"] or bundle["rules"]["turn"]
-    ):
+    yield from _wrong_construction(assembly, contacts, bundle["rules"], entries)
+    yield from _wrong_impossibility(assembly, contacts, bundle["rules"], entries)
+
+
+def _is_finished(entries: list[About]) -> bool:
+    """Whether these are a single proof of the assembly as given, without a change."""
+    return [entry["change"] for entry in entries] == [{"without": [], "held": []}]
+
+
+def _wrong_construction(
+    assembly: Assembly,
+    contacts: ContactSet,
+    given: Mapping[str, Any],
+    entries: Mapping[str, list[About]],
+) -> Iterator[str]:
+    """Yield the reasons why the steps are no order of the finished assembly under the rules."""
+    if not entries["step"]:
+        if any(entries[kind] for kind in ("whole", "not fewer", "pressed", "turned")):
+            yield "it is about an order, but has no steps"
+        return
+    if not _is_finished(entries["whole"]):
+        yield "the finished assembly has no proof"
+    rules = Rules.of(assembly, contacts, given)
+    yield from _wrong_steps(assembly, contacts, rules, entries["step"])
+    yield from _enough(assembly, rules, entries["step"], entries["not fewer"])
+    yield from _wrong_pressing(assembly, float(given["press"]), entries["step"], entries["pressed"])
+    yield from _wrong_turns(assembly, bool(given["turn"]), entries["step"], entries["turned"])
+
+
+def _wrong_impossibility(
+    assembly: Assembly,
+    contacts: ContactSet,
+    given: Mapping[str, Any],
+    entries: Mapping[str, list[About]],
+) -> Iterator[str]:
+    """Yield the reasons why the proofs do not exclude every order under the rules."""
+    excludes = bool(entries["falls alone"] or entries["refused"])
+    if excludes and (given["groups"] or given["turn"]):
         yield (
             "a proof that no order exists is valid only for single parts and a fixed direction of "
             "gravity"
         )
     yield from _wrong_closure(assembly, entries["falls alone"])
     if entries["refused"]:
-        rules = Rules.of(assembly, contacts, bundle["rules"])
+        rules = Rules.of(assembly, contacts, given)
         yield from _wrong_exhaustion(assembly, contacts, rules, entries["refused"])
     if entries["locked"]:
-        threads = bundle["rules"]["screws"]
-        yield from _wrong_locking(assembly, contacts, threads, entries["locked"])
+        yield from _wrong_locking(assembly, contacts, given["screws"], entries["locked"])
 
 
 FALLS = {
