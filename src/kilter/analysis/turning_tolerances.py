@@ -71,111 +71,116 @@ __all__ = [
 ENTRY_ROUNDING = 1e-14
 """Entries of a scaled matrix below this are rounding of an exact zero [-]."""
 HULL_ROUNDING = 1e-13
-"""Of the largest coordinate: a point this far outside a facet of a hull is on it [-]."""
+"""A point less than this outside a facet of a hull lies on it, over the largest coordinate [-]."""
 HULL_FINER = 0.1
-"""How much finer a hull is kept than the agreement that is asked of it [-]."""
+"""Merging distance of the points of a hull, as a fraction of the required agreement [-]."""
 OPPOSITE = 1e-12
-"""Unit vectors whose sum is this short are opposite [-]."""
+"""Two unit vectors are opposite if their sum is shorter than this [-]."""
 ON_PLANE = 1e-9
-"""A unit vector is on a plane up to this sine [-]."""
+"""A unit vector lies in a plane if its sine to the plane is below this [-]."""
 PARALLEL_PLANES = ON_PLANE
-"""Planes with a smaller sine between them have no line in common [-]."""
+"""Two planes are parallel if the sine of the angle between them is below this [-]."""
 ACROSS_GRAVITY = ON_PLANE
-"""An axis is across gravity up to this cosine [-]."""
+"""An axis is perpendicular to gravity if its cosine to gravity is at most this [-]."""
 SAME_POINT = 1e-9
-"""A unit point of a cone this near to a direction is that direction [rad]."""
+"""A unit point of a cone counts as a direction if the angle between them is below this [rad]."""
 SAME_ON_DIAMOND = 1e-9
-"""Two points of the diamond |g|_1 = 1 this near are one; a slack up to this is none [-]."""
+"""Two points of the diamond |g|_1 = 1 closer than this are equal; a smaller slack is zero [-]."""
 NO_LENGTH = 1e-9
-"""A projection of a unit vector on lines, shorter than this, is none [-]."""
+"""A projection of a unit vector on lines that is shorter than this counts as zero [-]."""
 NO_RISE = 1e-9
 """A centre of mass that rises by less than this, over the size of its part, does not rise [-]."""
 
 # --- widths ---------------------------------------------------------------------------------
 
 BLUR_OVER_TOLERANCE = 10.0
-"""Without friction directions this many tolerances of the data from the boundary are on it."""
+"""Distance from the boundary, in tolerances of the data, at which a direction lies on it [-].
+
+Only for regions without friction."""
 SAME_RAY = 1e-7
-"""Extreme rays nearer than this are one; a projection that moves less is inside [rad]."""
+"""Extreme rays closer than this merge; so do a direction and its projection [rad]."""
 NO_PROJECTION = 1e-6
-"""A projection of a unit vector by a conic program, shorter than this, is none [-]."""
+"""A projection by a conic program that is shorter than this counts as zero; unit vectors [-]."""
 RAY_BLUR = 1e-5
-"""Rays with friction this near to one another, or to a facet, are on it: they are found to
-1e-6 [rad]."""
+"""Distance at which rays with friction merge, and at which a ray lies on a facet [rad].
+
+Rays are computed to 1e-6."""
 NO_DIRECTION = 1e-3
-"""Optima of a cone cut off at a length of about 1, shorter than this, are no direction [-]."""
+"""An optimum in a cone that is cut at a length of about 1 is a direction only if it is longer [-]."""
 MOVES = 1e-6
-"""A part moves in a mechanism where it is faster than this fraction of the fastest [-]."""
+"""A part moves in a mechanism if it is faster than this fraction of the fastest part [-]."""
 NOT_HELD = -1e-7
-"""A largest share of a load below this: it is not held as given [-]."""
+"""The assembly as given is not held if the largest share of a load is below this [-]."""
 NO_SHARE = 1e-12
-"""A largest share of a load nearer to 0 than this is 0 [-]."""
+"""A largest share of a load closer to 0 than this counts as 0 [-]."""
 MU_NOTHING = 1e-7
 """Coefficients of friction below this count as zero: any friction holds [-]."""
 MU_SQUEEZED = (MU_NOTHING, 1e-6, 1e-5, 1e-4, 1e-3)
-"""Coefficients for which forces of a squeeze are asked to hold, in turn [-]."""
+"""Friction coefficients for which forces of a squeeze are tried, in this order [-]."""
 NO_GAIN = 1e-6
-"""Gains below this, in degrees or weights, are none."""
+"""A smaller gain counts as zero [deg, or weights]."""
 BALANCED = 1e-8
-"""Imbalance over the weight of a part that forces which follow masses may leave [-]."""
+"""Largest imbalance of forces that follow the masses, over the weight of the part [-]."""
 UNLIMITED = 1e6
-"""Shares of a load, or pushes over the weight of all parts, from here on are unlimited [-]."""
+"""A share of a load, or a push over the weight of all parts, above this is unlimited [-]."""
 NEARLY = 1e-5
-"""A share this near to the most that is looked at, relative to it, is the most [-]."""
+"""A share counts as the largest share of the search if it is closer to it; relative [-]."""
 STEEPEST = 1e6
 """Tangent of a turn that counts as a right angle [-]."""
 
 # --- agreements -----------------------------------------------------------------------------
 
 CONIC_SHARP = 1e-12
-"""Asked of the conic solver where a motion proves a boundary as near as it is exact [-]."""
+"""Tolerance of the conic solver if its motion must prove a boundary at close distance [-]."""
 LIMIT_AGREES = 2e-7
-"""Shares of a load proved to be held and not to be differ by this at most, over 1 and them [-]."""
+"""Largest gap between the proved bounds of a share of a load, over max(share, 1) [-]."""
 PROVED_APART = 1e-5
-"""Where the proofs of both sides are farther apart, the motion is mended [-]."""
+"""The motion is repaired if the proved bounds of a limit differ by more; relative [-]."""
 SIDES_NEAR = 1e-4
-"""Where the proofs of both sides of a large program are this near, it is left at that [-]."""
+"""The search for a limit of a large program ends at this relative difference of its bounds [-]."""
 SIDES_APART = 1e-2
-"""Where they differ by more after linear programs, a sharper conic one is asked [-]."""
+"""If the bounds differ by more after linear programs, a sharper conic program is solved [-]."""
 OPTIMAL_FACE = 1e-10
-"""Displacements count as optimal up to this, over the mass [length unit]."""
+"""Largest deviation of an optimal displacement, over the mass [length unit]."""
 OPTIMAL = 1e-9
-"""Two values of z that differ by less than this fraction of the mass are the same [-]."""
+"""Two values of z are equal if they differ by less than this fraction of the mass [-]."""
 OUTSIDE_HULL = 2e-9
-"""A reachable moment counts as outside a facet from here on, over the mass [length unit]."""
+"""A reachable moment is outside a facet if its distance over the mass is larger [length unit]."""
 TILT_AGREES = 1e-9
-"""Least tangents of a tilt from inside and outside differ by this fraction at most [-]."""
+"""Largest relative difference of the proved bounds of the tangent of a tilt [-]."""
 MU_AGREES = 1e-8
-"""Least friction from both sides differs by this fraction at most [-]."""
+"""Largest relative difference of the proved bounds of the least friction coefficient [-]."""
 MU_BALANCED = 1e-12
-"""Imbalance, as a certificate has it, that forces of a least friction leave: rounding [-]."""
+"""Imbalance of the forces at the least friction that counts as rounding; as in certificates [-]."""
 MU_CLOSE = 1e-6
-"""So near, a coefficient that cannot be decided ends the search [-]."""
+"""Relative difference of the bounds of a friction coefficient below which a failure to prove a
+coefficient ends the search [-]."""
 PUSH_AGREES = 1e-6
-"""Least pushes from inside and outside differ by this fraction at most [-]."""
+"""Largest relative difference of the proved bounds of a least push [-]."""
 FOLLOWING_AGREES = 1e-3
-"""The same for the tilt over intervals, with forces that follow masses [-]."""
+"""Largest relative difference of the bounds of a worst tilt, with forces that follow masses [-]."""
 KAPPA_RESIDUAL = 1e-7
-"""Residual of a quadratic program that is small enough, in units of g [-]."""
+"""Largest accepted residual of a quadratic program, in units of g [-]."""
 KAPPA_GAP = 1e-6
-"""Least instability kappa and its bound differ by no more [-]."""
+"""Largest difference between the least instability kappa and its proved bound [-]."""
 GAP_DEG = 0.1
-"""Inner and outer cone of a region with friction are this near, where not given [deg]."""
+"""Default of the largest angle between inner and outer cone of a region with friction [deg]."""
 
 # --- steps ----------------------------------------------------------------------------------
 
 WALK_STEP = 1e-5
-"""The epsilon step of the published walk, on the diamond [-]."""
+"""Step length epsilon of the published walk on the diamond |g|_1 = 1 [-]."""
 PULLED_IN = (0.0, 1e-8, 1e-7, 1e-6, RAY_BLUR)
-"""A ray with friction is moved inwards by so much until forces prove it [rad]."""
+"""Angles by which a ray with friction moves inwards until forces prove it, in this order [rad]."""
 BEYOND_FACET = (1e-9, 1e-8, 1e-7, 1e-6)
-"""Beyond a facet with friction: where its motion is asked to prove it; else it is sought anew,
-as a limit, from within [rad]."""
+"""Distances beyond a facet with friction at which its motion is tested as a proof [rad].
+
+If no test passes, the facet is computed again as a limit from inside."""
 BEYOND_FAR = (*BEYOND_FACET, 1e-5, 1e-4, 1e-3)
-"""The same for a motion that is exactly admissible, however little power it gains [rad]."""
+"""Distances beyond a facet at which an exactly admissible motion is tested as a proof [rad]."""
 BEYOND_CONE = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
-"""Beyond a facet without friction: where a motion is asked to prove it [rad]."""
+"""Distances beyond a facet without friction at which a motion is tested as a proof [rad]."""
 AROUND_LIMIT = (3e-9, 3e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
-"""On either side of a limit, over 1 and it: where a proof of it is asked for [-]."""
+"""Distances on both sides of a limit at which proofs are tested, over max(limit, 1) [-]."""
 BEYOND_LIMIT = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
-"""Above a load limit, relative to it: where its mechanism is asked to prove it [-]."""
+"""Relative distances above a load limit at which its mechanism is tested as a proof [-]."""

@@ -31,7 +31,7 @@ __all__ = ["CHUNK", "Batch", "batch", "run_batch"]
 CHUNK = 1000
 """Default number of rows of a file."""
 TRIES = 2
-"""How often a task is tried before it is halved, or its one assembly is blamed."""
+"""Number of tries of a task before it is halved; a task of a single assembly then fails."""
 KILLED = "ended the process that checked it, in every attempt"
 TOLD = 1000
 """Errors that an answer lists."""
@@ -191,7 +191,7 @@ def _run(
     tables: Batch,
     progress: Callable[[int, int], None],
 ) -> None:
-    """Have the chunks that are left judged, and write them."""
+    """Judge the remaining chunks, and write their rows."""
     waiting = deque(Task(k, tuple((n, files[n]) for n in folder.places(k))) for k in left)
     rows: dict[int, dict[int, BatchRow]] = {k: {} for k in left}
     progress(tables.rows, folder.count)

@@ -41,12 +41,12 @@ class ClusterWorkers:
 
     @property
     def free(self) -> int:
-        """How many more tasks can be taken."""
+        """Number of tasks that can be started now."""
         threads: int = sum(self._client.nthreads().values())
         return max(AHEAD * threads, 1) - len(self._tasks)
 
     def take(self, task: Task) -> None:
-        """Begin a task."""
+        """Start a task on the cluster."""
         future = self._client.submit(judged_rows, task.files, self._question, pure=False)
         self._tasks[future] = task
         future.add_done_callback(self._done.put)
@@ -64,7 +64,7 @@ class ClusterWorkers:
             return [(task, None)]
 
     def end(self) -> None:
-        """Let all go."""
+        """Cancel all tasks and leave the cluster."""
         for future in self._tasks:
             future.cancel()
         self._client.close()

@@ -40,7 +40,7 @@ class BatchFolder:
 
     @property
     def chunks(self) -> int:
-        """How many there are."""
+        """Number of chunks."""
         return -(-self.count // self.size)
 
     def places(self, chunk: int) -> range:
@@ -87,7 +87,7 @@ class BatchFolder:
 def open_folder(
     path: Path, files: Sequence[str], question: BatchQuestion, *, size: int
 ) -> Iterator[BatchFolder]:
-    """The folder of a batch while it is at work, no other run beside.
+    """Open the folder of a batch, and lock it against other runs.
 
     Raises
     ------
@@ -123,7 +123,7 @@ def open_folder(
 
 
 def _same(manifest: Path, asked: dict[str, Any]) -> tuple[str, int]:
-    """Form and size of the chunks of the batch in a folder, if it is this batch."""
+    """File format and chunk size of the batch in a folder; an error if it is another batch."""
     try:
         written = json.loads(manifest.read_text(encoding="utf-8"))
         form, size = str(written.pop("form")), int(written.pop("rows"))

@@ -36,14 +36,14 @@ class Task:
 
 
 class Workers(Protocol):
-    """Who takes tasks and gives rows back."""
+    """Interface of a pool of processes that judges tasks and returns their rows."""
 
     @property
     def free(self) -> int:
-        """How many more tasks can be taken."""
+        """Number of tasks that can be started now."""
 
     def take(self, task: Task) -> None:
-        """Begin a task."""
+        """Start a task."""
 
     def finished(self, seconds: float) -> list[tuple[Task, list[BatchRow] | None]]:
         """Tasks that end within a time [s]; None in place of rows if their worker died."""
@@ -53,7 +53,7 @@ class Workers(Protocol):
 
 
 class LocalWorkers:
-    """So many processes of this machine."""
+    """A pool of `count` processes on this machine."""
 
     def __init__(self, count: int, question: BatchQuestion) -> None:
         self._count, self._question = count, question
@@ -64,11 +64,11 @@ class LocalWorkers:
 
     @property
     def free(self) -> int:
-        """How many more tasks can be taken."""
+        """Number of tasks that can be started now."""
         return self._count - len(self._busy)
 
     def take(self, task: Task) -> None:
-        """Begin a task."""
+        """Start a task."""
         worker = self._idle.pop() if self._idle else self._started()
         assert worker.stdin is not None
         self._busy[worker] = task

@@ -44,7 +44,7 @@ __all__ = ["Margin", "margin"]
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Margin:
-    """How far an assembly is from falling.
+    """The limits up to which an assembly holds: tilt, friction, load factor and pushes.
 
     Attributes
     ----------

@@ -102,14 +102,14 @@ def held_by_squeeze(program: Program) -> ForceProof | None:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Level:
-    """Forces without a load, along rows and across them, and the rows that they press anew."""
+    """Forces of a squeeze: normal and tangential forces without a load, and the rows they add."""
 
     rows: Mask
     along: Array
     aside: Array
 
     def needed(self, mu: float, along: Array, aside: Array) -> float:
-        """How hard it has to press for these forces to be within the cones of its rows."""
+        """Least factor of this squeeze with which the forces are in the cones of its rows [-]."""
         rubs = np.linalg.norm(aside[self.rows], axis=1)
         missing = (rubs / mu - along[self.rows]) / self.along[self.rows]
         return float(missing.max(initial=0.0))

@@ -56,7 +56,7 @@ __all__ = [
 FIRST = 4
 """Directions looked at first, between the axes across gravity."""
 NEARER = 3
-"""Limits that are asked for from a direction that is held to the one that is nearest."""
+"""Number of searches that start at a held direction and move it closer to the given gravity."""
 PROGRAMS = 64
 """Programs after which the search ends with the gap that is left: at most about half the square
 of pi over their number, of the tangent, where the boundary is a circle around gravity."""
@@ -114,7 +114,7 @@ class TiltMargin:
 
 
 def tilt_about(program: Program, axis: Array) -> tuple[float, Limit] | NoLimit:
-    """Largest angle [rad] by which gravity may turn about an axis across it, and the limit.
+    """Largest turn of gravity [rad] about a perpendicular axis that is held, and its limit.
 
     By the right-hand rule, from 0 to pi, infinite if a full turn is held. Not held as given:
     no limit. A conic program for each right angle.

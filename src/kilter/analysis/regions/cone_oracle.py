@@ -123,11 +123,11 @@ class ConeOracle:
 
     @property
     def programs(self) -> int:
-        """How many linear programs were solved."""
+        """Number of linear programs that were solved."""
         return self._kept.solves
 
     def support(self, direction: Array) -> Reach:
-        """How far the cone reaches in a unit direction."""
+        """Largest cosine of a direction of the cone with a unit direction, and that direction."""
         self._kept.change_cost(self._columns, -direction)
         solution = self._solved()
         for share in FORCE_PRICES:
@@ -164,7 +164,7 @@ class ConeOracle:
         return Reach(max(float(direction @ g) / length, 0.0), g / length, forces, witness)
 
     def focus(self, axis: Array) -> None:
-        """Cut the cone off across this axis, at a length of 1 along it."""
+        """Truncate the cone by a plane across this axis, at a length of 1 along it."""
         self._kept.change_row(self._rows, self._columns, axis * self.dimension)
         far = np.full(self.dimension, FAR)
         self._kept.change_bounds(self._columns, -far, far)
@@ -181,7 +181,7 @@ class ConeOracle:
 
 
 def intersection(cones: Sequence[Cone], first: Array) -> tuple[Cone, int]:
-    """The intersection of cones, and how many linear programs it took.
+    """The intersection of cones, and the number of linear programs that were solved.
 
     Found as a stable cone is, with distances to facets in place of forces,
 

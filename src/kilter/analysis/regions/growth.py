@@ -46,15 +46,15 @@ class Oracle(Protocol):
     dimension: int
 
     def support(self, direction: Array) -> Reach:
-        """How far the cone reaches in a unit direction."""
+        """Largest cosine of a direction of the cone with a unit direction, and that direction."""
 
     def focus(self, axis: Array) -> None:
-        """Cut the cone off across this axis: then optima are extreme rays."""
+        """Truncate the cone by a plane across this axis, so that optima are extreme rays."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Grown:
-    """A cone as it was found, in R^d.
+    """Basis, points, equations and facets of a computed cone in R^d, with their proofs.
 
     Attributes
     ----------
@@ -174,7 +174,7 @@ def _match(normal: Array, proved: list[tuple[Array, Reach]]) -> Reach:
 
 
 def _focus(oracle: Oracle, points: list[Reach]) -> None:
-    """From now on query across the mean of the points, if they lie well to one side."""
+    """Truncate the cone across the mean of its points, if all points lie close to the mean."""
     rows = np.array([reach.point for reach in points])
     mean = rows.mean(axis=0)
     length = float(np.linalg.norm(mean))

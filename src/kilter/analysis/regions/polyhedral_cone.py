@@ -113,7 +113,7 @@ class Cone:
 
     @property
     def inwards(self) -> float:
-        """How far within the facets a direction has to be [rad]."""
+        """Least angle to every facet at which a direction counts as stable [rad]."""
         return self.blur if self.strict and self.dimension == 3 else 0.0
 
     def candidates(self, down: Array) -> Iterator[Array]:
@@ -233,7 +233,7 @@ def _extreme(tight: Mask, facets: Array, blur: float) -> Mask:
 
 
 def _around(rays: Array, facets: Array) -> Array:
-    """Rays in order around the axis, that with the largest entries first."""
+    """Sort rays by their angle around the axis; the ray with the largest entries is first."""
     axis = widest_axis(facets)
     side = np.cross(axis, np.eye(3)[np.abs(axis).argmin()])
     angle = np.arctan2(rays @ np.cross(axis, side), rays @ side)

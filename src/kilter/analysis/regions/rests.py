@@ -71,7 +71,7 @@ class PlaceOfRest:
 
     @property
     def strict(self) -> bool:
-        """Whether it is a strict minimum of its energy."""
+        """Whether the energy of the assembly has a strict minimum here."""
         return self.state == "minimum"
 
     def to_dict(self) -> dict[str, Any]:

@@ -86,7 +86,7 @@ def find_tipping(geometry: Geometry, part: int, down: Array) -> Tipping | None:
 
 
 def _corners(geometry: Geometry, part: int) -> Array:
-    """Its vertices from its centre of mass, shape (m, 3)."""
+    """Vertices of a part relative to its centre of mass, shape (m, 3) [length unit]."""
     vertices = slice(geometry.vertex_start[part], geometry.vertex_start[part + 1])
     corners: Array = geometry.vertices[vertices] - geometry.center[part]
     return corners

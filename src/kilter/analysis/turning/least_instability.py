@@ -48,7 +48,7 @@ LIMIT = 500
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LeastInstability:
-    """The direction of least kappa.
+    """The direction of gravity with the least instability kappa, and the bound that proves it.
 
     Attributes
     ----------

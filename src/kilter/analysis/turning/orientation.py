@@ -182,7 +182,7 @@ def orient(
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Orientation:
-    """How could the assembly be turned so that it stays together?
+    """Find the stable direction of gravity with the widest margin, or the nearest to stable.
 
     With friction: so that forces that hold it exist, in the middle of those directions.
 

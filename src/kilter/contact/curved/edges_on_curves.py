@@ -138,7 +138,7 @@ def _lies_on_patch(
 def _true_middle(
     geometry: Geometry, facets: Facets, edges: Edges, line: Index, p: Array, q: Array
 ) -> tuple[Mask, Array]:
-    """Whether the exact edge is known, and its middle, on the curved surface beside it.
+    """Middle of the exact edge on the adjacent curved surface, and a mask of edges that have one.
 
     The middle of the chord is moved onto the surface by three Newton steps in the plane of the rim.
     """

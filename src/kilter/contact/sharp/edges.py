@@ -171,7 +171,8 @@ def find_edges(geometry: Geometry, facets: Facets, parts: Index) -> Edges:
 
 
 MOST_OPEN_EDGES = 4000
-"""Parts with more one-sided edges than this are not matched (quadratic time)."""
+"""A mesh with more edges of a single face than this gets no search for the missing neighbours,
+which needs quadratic time."""
 
 
 def _match_open_sides(geometry: Geometry, ends: Index, sides: Index) -> tuple[Index, bool]:

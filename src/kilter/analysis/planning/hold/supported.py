@@ -57,7 +57,7 @@ class SupportedState:
 
 
 class Supported:
-    """An assembly, its contacts, and supports of which any may be there.
+    """An assembly with candidate supports, of which any subset may be present.
 
     Parameters
     ----------
@@ -165,7 +165,7 @@ class Supported:
         return loads
 
     def shares(self, state: SupportedState) -> Shares:
-        """Which supports that are not there may stop its motion, and to which share."""
+        """The absent supports that may stop the motion of a state, each with its share."""
         assert state.motion is not None
         return shares_of(self.supports, self.whole, self._first, state.motion, state.chosen)
 
@@ -177,7 +177,7 @@ def shares_of(
     proof: MotionProof,
     present: frozenset[int],
 ) -> dict[int, float]:
-    """Which supports beside those that are there may stop a motion, and to which share.
+    """The absent supports that may stop a motion, each with its share of the motion.
 
     Parameters
     ----------

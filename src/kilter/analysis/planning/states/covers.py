@@ -17,7 +17,7 @@ from collections.abc import Mapping, Sequence
 __all__ = ["Shares", "least_cover"]
 
 Shares = Mapping[int, float]
-"""Of each support that may stop a motion its share, up to 1."""
+"""Share of a motion that each support can stop, up to 1, by support number."""
 ENOUGH = 1 - 1e-3
 """Shares that reach this may be enough: what is left of the power proves nothing then."""
 

@@ -37,7 +37,7 @@ class PyramidProgram:
     Attributes
     ----------
     solves : int
-        How many programs were solved.
+        Number of programs that were solved.
     """
 
     def __init__(self, whole: Program) -> None:
@@ -54,11 +54,11 @@ class PyramidProgram:
 
     @property
     def solves(self) -> int:
-        """How many programs were solved."""
+        """Number of programs that were solved."""
         return self._kept.solves
 
     def far(self, present: Mask, free: Mask) -> int:
-        """In how many parts a state differs from the last that was solved."""
+        """Number of parts in which a state differs from the state that was solved last."""
         return int(((present != self._present) | (free != self._free)).sum())
 
     def solve(self, present: Mask, free: Mask) -> tuple[Array, Array] | Array | None:
