@@ -40,6 +40,10 @@ if TYPE_CHECKING:
     from kilter.analysis.regions.region import Region as Region
     from kilter.analysis.regions.region import common_region as common_region
     from kilter.analysis.regions.region import region as region
+    from kilter.analysis.transport.carrier import CarrierMotion as CarrierMotion
+    from kilter.analysis.transport.carrier_path import CarrierPath as CarrierPath
+    from kilter.analysis.transport.transport import Transport as Transport
+    from kilter.analysis.transport.transport import transport as transport
     from kilter.analysis.turning.orientation import Orientation as Orientation
     from kilter.analysis.turning.orientation import orient as orient
     from kilter.analysis.verdict.verdict import Verdict as Verdict
@@ -103,6 +107,7 @@ _HOMES = {
     "region": "kilter.analysis.regions.region",
     "report": "kilter.publish",
     "save": "kilter.contact.fits.choices_saving",
+    "transport": "kilter.analysis.transport.transport",
     "verify": "kilter.analysis.verification",
     "view": "kilter.publish",
     # further functions
@@ -121,6 +126,8 @@ _HOMES = {
     "FrictionPair": "kilter.assembly.interactions",
     "GivenContact": "kilter.assembly.interactions",
     "Bond": "kilter.assembly.bonds",
+    "CarrierMotion": "kilter.analysis.transport.carrier",
+    "CarrierPath": "kilter.analysis.transport.carrier_path",
     "Joint": "kilter.assembly.interactions",
     "Load": "kilter.assembly.interactions",
     "Mesh": "kilter.shape.primitives",
@@ -146,6 +153,7 @@ _HOMES = {
     "Shown": "kilter.notebook",
     "State": "kilter.analysis.planning.states.state",
     "States": "kilter.analysis.planning.states.states",
+    "Transport": "kilter.analysis.transport.transport",
     "Step": "kilter.analysis.planning.order.plan_step",
     "Verdict": "kilter.analysis.verdict.verdict",
     "Verdicts": "kilter.analysis.many.verdicts",

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region
+    from kilter.analysis.transport.transport import Transport
     from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly import Assembly
     from kilter.contact import ContactSet, Tolerance
@@ -388,7 +389,7 @@ def _require_steps(order: Order) -> None:
 
 
 def draw(
-    subject: Assembly | Verdict | Region | Order,
+    subject: Assembly | Verdict | Region | Order | Transport,
     out: str | Path | None = None,
     *,
     what: Literal["assembly", "region"] = "assembly",
@@ -406,7 +407,7 @@ def draw(
 
     Parameters
     ----------
-    subject : Assembly, Verdict, Region or Order
+    subject : Assembly, Verdict, Region, Order or Transport
         An answer is drawn unchanged. For an assembly, the answer selected by `what` is computed.
     out : path, optional
         File of the figure, ending in .svg, .png or .pdf.
@@ -440,6 +441,7 @@ def draw(
     """
     from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region
+    from kilter.analysis.transport.transport import Transport
     from kilter.show.canvas import encode_figure
     from kilter.show.figures import draw_assembly
     from kilter.show.plan_figure import draw_plan
@@ -459,6 +461,8 @@ def draw(
     )
     if isinstance(answer, Region):
         figure = draw_region(answer)
+    elif isinstance(answer, Transport):
+        figure = _draw_transport(answer)
     elif isinstance(answer, Order):
         _require_steps(answer)
         figure = draw_plan(answer.states.assembly, answer.to_dict(), view=view)
@@ -473,6 +477,18 @@ def draw(
     return figure
 
 
+def _draw_transport(answer: Transport) -> Figure:
+    """The polar figure of an answer, if it has all horizontal accelerations."""
+    from kilter.show.polar import draw_polar
+
+    if answer.polar is None:
+        raise InputError(
+            "this answer about transport has no horizontal accelerations to draw",
+            hint="draw kilter.transport(assembly) of an assembly in space that holds at rest",
+        )
+    return draw_polar(answer.to_dict())
+
+
 def answer_to_draw(
     subject: Any,
     what: str,
@@ -482,15 +498,16 @@ def answer_to_draw(
     effort: float = EFFORT,
     time_limit: float | None = None,
     progress: Tell | None = None,
-) -> Verdict | Region | Order:
+) -> Any:
     """The answer that `draw` shows: the subject itself, or the verdict or region of an assembly."""
     from kilter.analysis.check import check
     from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region, region
+    from kilter.analysis.transport.transport import Transport
     from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly.assembly import require_assembly
 
-    if isinstance(subject, Verdict | Region | Order):
+    if isinstance(subject, Verdict | Region | Order | Transport):
         return subject
     require_assembly(subject, "draw")
     if time_limit is not None:

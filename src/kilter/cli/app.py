@@ -16,10 +16,11 @@ from kilter.cli.judging import check, contacts, example, verify
 from kilter.cli.pages import draw, report, view
 from kilter.cli.planning import plan
 from kilter.cli.saving import save
+from kilter.cli.transporting import transport
 
 __all__ = ["command"]
 
-JUDGING = (check, orient, region, margin, plan, hold)
+JUDGING = (check, orient, region, margin, transport, plan, hold)
 COMMANDS = (*JUDGING, improve, report, view, draw, contacts, verify, batch, save, example, doctor)
 
 

@@ -1,12 +1,12 @@
-"""Several proofs about an assembly in a single file: for a region, margin, plan or fixture.
+"""Several proofs about an assembly in a single file: region, margin, transport, plan, fixture.
 
 The data that all proofs share (parts, points, units, options) are stored once, in `common`. Each
 entry of `proofs` has the other data of its proof, preceded by
 
     about, value     the subject: a ray or facet; a tilt and the angle at which it is proved
     vector           the ray, line or normal
-    change           differences from the file: `down`, `mu` of every contact, `loads`, the
-                     share `strength` of every bond's strength, parts that are left out
+    change           differences from the file: `down`, `gravity` [m/s^2], `mu` of every contact,
+                     `loads`, the share `strength` of every bond's strength, parts that are left out
                      (`without`), parts that are `held`, external `supports`
 
 A plan also has the `rules` that its order obeys, and a fixture the candidates. `digest` is the hash
@@ -52,7 +52,7 @@ def make_bundle(
     Parameters
     ----------
     kind : str
-        Kind of the file: "region", "margin", "plan" or "hold".
+        Kind of the file: "region", "margin", "transport", "plan" or "hold".
     proofs : sequence of pairs
         The subject of each proof (`about`, `change`, ...), and the proof.
     **more
@@ -115,6 +115,8 @@ def apply_change(
     mu = change.get("mu")
     if change.get("down") is not None:
         assembly = assembly.with_down(change["down"])
+    if change.get("gravity") is not None:
+        assembly = dataclasses.replace(assembly, gravity=change["gravity"])
     if mu is not None:
         contacts = contacts.with_friction(mu)
     if change.get("loads") is not None:

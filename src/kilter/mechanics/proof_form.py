@@ -222,6 +222,7 @@ FRICTION = keys(
 """Keys of `friction`, for a verdict that depends on it."""
 CHANGE = optional_keys(
     down=VECTOR,
+    gravity=VECTOR,
     mu=NUMBER,
     strength=NUMBER,
     loads=LOADS,
@@ -231,7 +232,7 @@ CHANGE = optional_keys(
 )
 """Differences from the file for a proof among several."""
 BUNDLE = keys(
-    kind=one_of("region", "margin", "plan", "hold"),
+    kind=one_of("region", "margin", "transport", "plan", "hold"),
     common=keys(),
     proofs=list_of(
         every(

@@ -27,6 +27,7 @@ from kilter.tell.shared_facts import (
     parts_phrase,
     touching_phrase,
 )
+from kilter.tell.transport_facts import transport_facts
 
 __all__ = ["facts", "kind_of"]
 
@@ -38,6 +39,7 @@ KIND_OF_KEY = {
     "rotation": "orient",
     "facets": "region",
     "tilt_deg": "margin",
+    "accelerations": "transport",
     "histogram": "contacts",
     "reasons": "verify",
     "certificate": "check",
@@ -160,6 +162,7 @@ _FACTS_OF_KIND: dict[str, Callable[[Answer], list[Fact]]] = {
     "hold": hold_facts,
     "improve": improve_facts,
     "margin": margin_facts,
+    "transport": transport_facts,
     "orient": orient_facts,
     "plan": order_facts,
     "region": region_facts,

@@ -41,6 +41,9 @@ STRONGER = NextStep(
 )
 PLAN = NextStep(("plan",), "finds an order in which it can be put together")
 LOADS = NextStep(("margin", "--loads"), "finds the load and the push that each brick resists")
+CARRIED = NextStep(
+    ("transport", "--code", "en12195"), "decides whether it stays on a truck that brakes and turns"
+)
 CHECK = NextStep(("check",), "decides whether it stays together under gravity")
 
 
@@ -73,6 +76,8 @@ def next_step(answer: Answer, name: str, *, bricks: bool = False) -> NextStep | 
     if kind == "region":
         widest = NextStep(("orient",), "finds the direction with the widest margin")
         return HOLD if answer["kind"] == "none" else widest
+    if kind == "transport":
+        return None if answer["cases"] or answer["path"] else CARRIED
     if kind == "margin":
         return NextStep(("report", "-o", f"{name}.html"), "writes all answers to an offline page")
     if kind == "plan":

@@ -282,6 +282,7 @@ def motion_words(
     *,
     center: Array | None = None,
     unit: float = 1.0,
+    sizes: bool = True,
 ) -> str:
     """Return how a part starts to move, from its accelerations.
 
@@ -302,6 +303,8 @@ def motion_words(
         Centre of mass [length unit]; with it, the words give a point of the axis at rest.
     unit : float
         Length unit [m].
+    sizes : bool
+        Whether to state the accelerations. A mechanism has directions, but no sizes.
 
     Examples
     --------
@@ -317,6 +320,8 @@ def motion_words(
     >>> tipping = np.array([0, 0, -3.0, 0, 6.0, 0])
     >>> motion_words(tipping, np.array([0.3058, 0.5]), down, center=np.array([0.5, 0, 1]))
     'tips about +y through (0, 0, 1) at 6 rad/s^2, its centre drops at 0.3058 g'
+    >>> motion_words(tipping, np.array([0.3058, 0.5]), down, center=np.ones(3), sizes=False)
+    'tips about +y through (0.5, 1, 1)'
     >>> motion_words(np.zeros(6), np.zeros(2), down)
     'stays'
     """
@@ -324,18 +329,20 @@ def motion_words(
     if max(linear, angular) == 0.0:
         return "stays"
     if angular <= SMALL * linear:
-        return _translation(acceleration[:3], linear, down)
+        return _translation(acceleration[:3], linear, down, sizes)
     spin = acceleration[3:]
     speed = float(np.linalg.norm(spin))
     verb = "tips" if abs(float(spin @ down)) < ALONG * speed else "turns"
-    about, at = f"{verb} about {_direction(spin)}", f" at {speed:.4g} rad/s^2"
+    about, at = f"{verb} about {_direction(spin)}", f" at {speed:.4g} rad/s^2" if sizes else ""
     if linear <= SMALL * angular:
         return about + at
     fixed = abs(float(spin @ acceleration[:3])) < ALONG * speed * np.linalg.norm(acceleration[:3])
     if fixed and center is not None:
         arm = np.cross(spin, acceleration[:3]) / (speed**2 * unit)
         about += f" through {_point(center + arm)}"
-    return f"{about}{at}, its centre {_translation(acceleration[:3], linear, down)}"
+    if fixed and not sizes:
+        return about
+    return f"{about}{at}, its centre {_translation(acceleration[:3], linear, down, sizes)}"
 
 
 def motion_summary(phrases: Sequence[str], total: int) -> str:
@@ -365,18 +372,19 @@ def motion_summary(phrases: Sequence[str], total: int) -> str:
     return " and ".join([", ".join(named[:-1]), named[-1]] if len(named) > 1 else named)
 
 
-def _translation(linear: Array, size: float, down: Array) -> str:
-    """Return the words of a translation with the relative acceleration `size` [-]."""
+def _translation(linear: Array, size: float, down: Array, sizes: bool) -> str:
+    """Return the words of a translation with the relative acceleration `size` [-], if wanted."""
     direction = linear / np.linalg.norm(linear)
     fall = float(direction @ down)
     level = float(np.linalg.norm(direction - fall * down))
+    at = f" at {size:.4g} g" if sizes else ""
     if level < ALONG:
-        verb = "rises" if fall < 0 else "falls freely" if abs(size - 1) < 1e-9 else "drops"
-        return f"{verb} at {size:.4g} g"
+        free = sizes and abs(size - 1) < 1e-9
+        return f"{'rises' if fall < 0 else 'falls freely' if free else 'drops'}{at}"
     toward = "" if abs(fall) < LEVEL else " down" if fall > 0 else " up"
     name = _direction(linear)
     along = name if name[0] in "+-" else f"along {name}"
-    return f"slides{toward} {along} at {size:.4g} g"
+    return f"slides{toward} {along}{at}"
 
 
 def _direction(vector: Array) -> str:

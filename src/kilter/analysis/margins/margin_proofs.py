@@ -28,7 +28,7 @@ from kilter.mechanics.certificate import ForceProof, MotionProof, check_motion
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import Evidence, make_proof
 
-__all__ = ["margin_proofs"]
+__all__ = ["changed_proof", "margin_proofs"]
 
 Change = Callable[[float], dict[str, Any]]
 About = tuple[dict[str, Any], dict[str, Any]]
@@ -172,17 +172,33 @@ def _proof(
     options: dict[str, Any],
 ) -> dict[str, Any] | None:
     """The proof of a changed assembly; None if it has no proof."""
-    assembly, contacts = apply_change(limits.assembly, limits.contacts, change)
-    return _certified(assembly, contacts, held, motion, options)
+    return changed_proof(limits.assembly, limits.contacts, change, held, motion, options)
 
 
-def _certified(
+def changed_proof(
     assembly: Assembly,
     contacts: ContactSet,
+    change: dict[str, Any],
     held: bool,
     motion: MotionProof | None,
     options: dict[str, Any],
 ) -> dict[str, Any] | None:
+    """Forces that hold a changed assembly, or a motion that nothing stops; None without a proof.
+
+    Parameters
+    ----------
+    assembly, contacts
+        The assembly of the file and its contacts.
+    change : dict
+        Differences from the file, as in `kilter.mechanics.bundle`.
+    held : bool
+        True for a proof by forces.
+    motion : MotionProof or None
+        A motion that may be the proof.
+    options : dict
+        Options with which the file was read.
+    """
+    assembly, contacts = apply_change(assembly, contacts, change)
     # no force that was left out may stop a motion
     program = build_program(assembly, contacts, possible=not held)
     proof: ForceProof | MotionProof | None = None

@@ -1,0 +1,1 @@
+"""Transport: the accelerations of a carrier under which an assembly stays in place."""

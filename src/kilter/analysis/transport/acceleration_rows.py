@@ -1,0 +1,78 @@
+"""Constraints A a <= b on the acceleration of a carrier, for planners of paths.
+
+inner    facets of the hull of accelerations that forces prove to be carried
+outer    planes of motions: a carried acceleration gives no motion a positive power
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from kilter.analysis.margins.load_limit import Limit
+from kilter.analysis.transport.carried_set import MOST, Slice
+from kilter.arrays import Array
+from kilter.errors import InputError
+from kilter.mechanics.program import Program
+
+__all__ = ["KnownAccelerations", "inner_rows", "outer_rows"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class KnownAccelerations:
+    """The known part of a carried set.
+
+    Attributes
+    ----------
+    program : Program
+    limits : sequence of (ndarray, Limit)
+        Unit directions, shape (3,), and the largest acceleration along each [g].
+    polar : Slice or None
+    """
+
+    program: Program
+    limits: Sequence[tuple[Array, Limit]]
+    polar: Slice | None
+
+
+def inner_rows(known: KnownAccelerations) -> tuple[Array, Array]:
+    """Facets of the hull of the carried accelerations, as A, shape (m, 3), and b [m/s^2]."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    points = [min(limit.value, MOST) * direction for direction, limit in known.limits]
+    if known.polar is not None:
+        points += list(known.polar.points @ known.polar.axes)
+    carried = np.vstack([np.zeros(3), *points]) * known.program.g
+    used = np.array([0, 2]) if known.program.planar else np.arange(3)
+    try:
+        facets = ConvexHull(carried[:, used]).equations
+    except QhullError:
+        raise InputError(
+            "the carried accelerations are thinner than space", hint="use outer rows"
+        ) from None
+    facets = np.unique(facets.round(12), axis=0)
+    rows = np.zeros((len(facets), 3))
+    rows[:, used] = facets[:, :-1]
+    return rows, -facets[:, -1]
+
+
+def outer_rows(known: KnownAccelerations) -> tuple[Array, Array]:
+    """Planes of the motions at the limits, as A, shape (m, 3), and b [m/s^2]."""
+    program = known.program
+    rows, bounds = [], []
+    for _, limit in known.limits:
+        if limit.mechanism is None:
+            continue
+        motion = limit.mechanism.motion
+        moment = (program.mass * program.free) @ motion[:, :3]
+        size = float(np.linalg.norm(moment))
+        if size > 0.0:
+            rows.append(-moment / size)
+            bounds.append(-program.power(motion) / size)
+    if known.polar is not None:
+        proved = known.polar.proved
+        rows += list((known.polar.normals @ known.polar.axes)[proved])
+        bounds += list(known.polar.reach[proved] * program.g)
+    return np.array(rows).reshape(-1, 3), np.array(bounds)

@@ -1,0 +1,331 @@
+"""The set of accelerations that the contacts of an assembly carry.
+
+The loads w(g) + B y of a carrier (`kilter.analysis.transport.carrier`) are linear in y = (a, al, O)
+and the contact forces are a convex cone. So the set
+
+    A = {y : J^T f + w(g) + B y = 0 for forces f in Coulomb's cones}
+
+is convex. Without friction it is a polyhedron. Given loads and bonds are fixed in the carrier and
+belong to w. For an acceleration a alone and without loads and bonds, A = g - S, with the cone S of
+directions of gravity that `kilter.region` finds.
+
+    farthest point    max t : J^T f + w(g) + t B y = 0: `kilter.analysis.margins.load_limit`;
+                      forces prove the point, a motion proves a plane beyond which A has no point
+    least             the point of the boundary nearest to 0 among the horizontal accelerations
+    slice             the boundary of a plane section: a polygon inside and planes outside
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from kilter.analysis.margins.load_limit import Limit, NoLimit, SharedCones
+from kilter.analysis.margins.tilt import across_gravity, first_directions, held_limit
+from kilter.analysis.regions.enclose import SupportPoint, nearest_face
+from kilter.analysis.transport.carrier import CarrierMotion, carrier_wrench
+from kilter.analysis.turning_tolerances import PARALLEL_PLANES, TILT_AGREES
+from kilter.arrays import TINY, Array, Mask
+from kilter.mechanics.coulomb_cones import cone_problem
+from kilter.mechanics.mechanics_tolerances import TOLERANCE
+from kilter.mechanics.opening import Opening
+from kilter.mechanics.program import Program
+
+__all__ = ["MOST", "CarriedSet", "LeastAcceleration", "Slice", "Support", "corner_gaps"]
+
+MOST = 100.0
+"""Accelerations from here on count as unlimited [g]."""
+PROGRAMS = 64
+"""Largest number of limits for the least acceleration."""
+SLICE_PROGRAMS = 160
+"""Largest number of limits for a slice; the gap that remains is reported."""
+FIRST = 8
+"""Directions of a slice that are computed first, at even angles."""
+ACCURACY = 1e-3
+"""Largest distance between the polygon and the lines of a slice [g]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Support:
+    """A boundary point of a plane section, and a line around the section, in units of g.
+
+    Attributes
+    ----------
+    direction : ndarray, shape (2,)
+        Unit direction of the point.
+    point, normal : ndarray, shape (2,)
+    reach : float
+        Distance of the line from 0.
+    limited : bool
+        False if the point is at the largest acceleration of the search.
+    proved : bool
+        True if a motion proves that nothing beyond the line is carried.
+    """
+
+    direction: Array
+    point: Array
+    normal: Array
+    reach: float
+    limited: bool
+    proved: bool
+
+    @property
+    def angle(self) -> float:
+        """Angle of the direction in the plane [rad]."""
+        return float(np.arctan2(self.direction[1], self.direction[0]))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LeastAcceleration:
+    """The least horizontal acceleration that is not carried.
+
+    Attributes
+    ----------
+    value : float
+        [g]; infinite if every horizontal acceleration up to `MOST` is carried.
+    lower : float
+        Every horizontal acceleration below this is carried [g].
+    direction : ndarray, shape (3,)
+        Of the least acceleration, unit; zero if the value is infinite.
+    limit : Limit
+        Forces and mechanism there.
+    programs : int
+        Number of limits that were computed.
+    """
+
+    value: float
+    lower: float
+    direction: Array
+    limit: Limit
+    programs: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Slice:
+    """Section of a carried set with a plane through 0, in units of g.
+
+    Attributes
+    ----------
+    axes : ndarray, shape (2, 3)
+        Orthonormal directions of acceleration that span the plane.
+    points : ndarray, shape (n, 2)
+        Carried accelerations, counterclockwise; their hull is carried.
+    normals : ndarray, shape (m, 2)
+        Unit normals of lines beyond which no acceleration is carried.
+    reach : ndarray, shape (m,)
+        Distance of each line from 0: ``normals @ a <= reach`` for every carried a.
+    limited : ndarray of bool, shape (n,)
+        False for a point at the largest acceleration of the search.
+    proved : ndarray of bool, shape (m,)
+        True for a line that a motion proves.
+    gap : float
+        Largest distance from an edge of the polygon to the lines beyond it; 0 if the
+        polygon is exact.
+    """
+
+    axes: Array
+    points: Array
+    normals: Array
+    reach: Array
+    limited: Mask
+    proved: Mask
+    gap: float
+
+
+@dataclass(frozen=True, eq=False)
+class CarriedSet:
+    """The accelerations that the contacts of a program carry, at level equilibrium.
+
+    Parameters
+    ----------
+    program : Program
+        Contacts with friction, loads and bonds, under gravity without acceleration.
+    most : float
+        Largest acceleration of a search [g].
+
+    Examples
+    --------
+    >>> from kilter.contact import contacts
+    >>> from kilter.mechanics.program import build_program
+    >>> from kilter.scenes import stacks
+    >>> block = stacks.block_on_slope(0.0, friction=0.4)
+    >>> carried = CarriedSet(build_program(block, contacts(block)))
+    >>> round(carried.along([1.0, 0, 0]).value, 6)
+    0.4
+    """
+
+    program: Program
+    most: float = MOST
+
+    @cached_property
+    def _opening(self) -> Opening:
+        return Opening(cone_problem(self.program))
+
+    @cached_property
+    def _shared(self) -> SharedCones:
+        return SharedCones(self.program)
+
+    def along(self, direction: Array | list[float]) -> Limit | NoLimit:
+        """Largest acceleration of a straight motion along a direction, shape (3,), in g.
+
+        The result is a `NoLimit` with the reason "none" if gravity alone is not held.
+        """
+        vector = np.asarray(direction, dtype=np.float64)
+        vector = vector / float(np.linalg.norm(vector))
+        return self._farthest(CarrierMotion(self.program.g * vector))
+
+    def share(self, motion: CarrierMotion) -> Limit | NoLimit:
+        """Largest factor by which all accelerations of a motion may be multiplied.
+
+        The angular velocity counts by its square: the factor multiplies a, al and O alike.
+        """
+        return self._farthest(motion)
+
+    def least(self) -> LeastAcceleration | NoLimit:
+        """The least acceleration across gravity that is not carried, over all directions."""
+        basis = across_gravity(self.program)
+        limits: list[Limit | NoLimit] = []
+
+        def reach(direction: Array) -> SupportPoint | None:
+            limits.append(self.along(direction @ basis))
+            limit = limits[-1]
+            if isinstance(limit, NoLimit):
+                return None
+            support = self._support(basis, direction, limit)
+            return SupportPoint(support.point, support.normal, support.reach)
+
+        face = nearest_face(
+            reach,
+            first_directions(len(basis)),
+            agree=TILT_AGREES,
+            limit=PROGRAMS,
+            most=self.most,
+            within=TOLERANCE,
+        )
+        if face is None or any(isinstance(limit, NoLimit) for limit in limits):
+            whys = [limit.why for limit in limits if isinstance(limit, NoLimit)]
+            return NoLimit("none" if "none" in whys else "failed")
+        limit = limits[face.answer]
+        assert isinstance(limit, Limit)
+        if face.outer >= self.most * (1 - TILT_AGREES):
+            return LeastAcceleration(np.inf, self.most, np.zeros(3), limit, face.asked)
+        lower = max(face.inner - TOLERANCE, 0.0)
+        return LeastAcceleration(face.outer, lower, face.normal @ basis, limit, face.asked)
+
+    def slice(self, axes: Array, *, accuracy: float = ACCURACY) -> Slice | NoLimit:
+        """Boundary of the carried accelerations in a plane.
+
+        Parameters
+        ----------
+        axes : ndarray, shape (2, 3)
+            Orthonormal directions that span the plane.
+        accuracy : float
+            The search ends if polygon and lines differ by at most this [g].
+        """
+        supports: list[Support] = []
+
+        def add(direction: Array) -> bool:
+            limit = self.along(direction @ axes)
+            if not isinstance(limit, NoLimit):
+                supports.append(self._support(axes, direction, limit))
+            return not isinstance(limit, NoLimit)
+
+        angle = 2 * np.pi * (np.arange(FIRST) + 0.5) / FIRST
+        for direction in np.column_stack([np.cos(angle), np.sin(angle)]):
+            if not add(direction):
+                return NoLimit("none")
+        settled: set[float] = set()
+        for _ in range(SLICE_PROGRAMS):
+            supports.sort(key=lambda support: support.angle)
+            gaps, corners = corner_gaps(supports)
+            open_gaps = np.where([s.angle in settled for s in supports], 0.0, gaps)
+            widest = int(open_gaps.argmax())
+            if open_gaps[widest] <= accuracy:
+                break
+            corner = corners[widest]
+            before = len(supports)
+            known = {support.angle for support in supports}
+            if not add(corner / float(np.linalg.norm(corner))) or supports[-1].angle in known:
+                settled.add(supports[widest].angle)
+                del supports[before:]
+        supports.sort(key=lambda support: support.angle)
+        gaps, _ = corner_gaps(supports)
+        return Slice(
+            axes=axes,
+            points=np.array([support.point for support in supports]),
+            normals=np.array([support.normal for support in supports]),
+            reach=np.array([support.reach for support in supports]),
+            limited=np.array([support.limited for support in supports]),
+            proved=np.array([support.proved for support in supports]),
+            gap=float(gaps.max()),
+        )
+
+    def _farthest(self, motion: CarrierMotion) -> Limit | NoLimit:
+        """Largest factor of a motion, with forces and mechanism at the limit."""
+        wrench = carrier_wrench(self.program, motion)
+        return held_limit(
+            self.program, wrench, opening=self._opening, most=self.most, shared=self._shared
+        )
+
+    def _support(self, axes: Array, direction: Array, limit: Limit) -> Support:
+        """The point of the boundary along a direction, and the line of its mechanism, in g."""
+        reach = max(min(limit.value, self.most), 0.0)
+        point = reach * direction
+        limited = bool(np.isfinite(limit.value))
+        if limit.mechanism is None:
+            return Support(direction, point, direction, reach, limited, False)
+        program, motion = self.program, limit.mechanism.motion
+        moment = (program.mass * program.free) @ motion[:, :3]
+        # the power of the load w(g) - m g a on the motion is not positive for any carried a
+        outward = -(axes @ moment) * program.g
+        size = float(np.linalg.norm(outward))
+        distance = -program.power(motion) / size if size > 0.0 else np.inf
+        if not 0.0 <= distance <= reach * (1 + TILT_AGREES) + TOLERANCE:
+            return Support(direction, point, direction, reach, limited, False)
+        return Support(direction, point, outward / size, distance, limited, True)
+
+
+def corner_gaps(supports: list[Support]) -> tuple[Array, Array]:
+    """Distance of the corner of each two neighbouring lines from the edge of their points.
+
+    Parameters
+    ----------
+    supports : list of Support
+        Points and lines of a plane section, sorted by the angle of the points.
+
+    Returns
+    -------
+    gaps : ndarray, shape (n,)
+        For each support and the next; 0 where both points are at the largest acceleration of the
+        search.
+    corners : ndarray, shape (n, 2)
+        The corners; if the lines meet far outside, a point between both directions.
+    """
+    point = np.array([support.point for support in supports])
+    normal = np.array([support.normal for support in supports])
+    reach = np.array([support.reach for support in supports])
+    limited = np.array([support.limited for support in supports])
+    following = np.roll(np.arange(len(supports)), -1)
+    sine = normal[:, 0] * normal[following, 1] - normal[:, 1] * normal[following, 0]
+    steep = np.abs(sine) > PARALLEL_PLANES
+    safe = np.where(steep, sine, 1.0)
+    corner = np.column_stack(
+        [
+            (reach * normal[following, 1] - reach[following] * normal[:, 1]) / safe,
+            (reach[following] * normal[:, 0] - reach * normal[following, 0]) / safe,
+        ]
+    )
+    edge = point[following] - point
+    length = np.linalg.norm(edge, axis=1)
+    middle = 0.5 * (point + point[following])
+    outward = np.column_stack([edge[:, 1], -edge[:, 0]])
+    outward /= np.maximum(length, TINY)[:, None]
+    gap = np.einsum("ij,ij->i", corner - point, outward)
+    aligned = ~steep & (np.einsum("ij,ij->i", normal, normal[following]) > 0)
+    gap = np.where(aligned, 0.0, np.where(steep, gap, np.inf))
+    far = ~steep | (np.linalg.norm(corner, axis=1) > 2 * np.linalg.norm(point, axis=1).max())
+    corner = np.where(far[:, None], middle, corner)
+    neither = ~limited & ~limited[following]
+    return np.where(neither | (length == 0), 0.0, np.maximum(gap, 0.0)), corner

@@ -1,0 +1,288 @@
+"""Paths of a carrier: its position and orientation over time, and the accelerations on the way.
+
+A path has samples. Each sample has the orientation R of the carrier in the world and, in the frame
+of the carrier, the acceleration a of its reference point [m/s^2], its angular velocity o [rad/s]
+and its angular acceleration al [rad/s^2]. They come from one of two sources:
+
+    poses            position and orientation at given times: cubic splines through them, of class
+                     C2 in position (`scipy.interpolate.CubicSpline`) and in rotation
+                     (`scipy.spatial.transform.RotationSpline`)
+    accelerations    given beside the orientation, for instance by the planner of a robot
+
+References
+----------
+F. Landis Markley, Attitude interpolation (RotationSpline of scipy).
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kilter.analysis.transport.carrier import PAIRS
+from kilter.arrays import Array
+from kilter.errors import InputError, nearest_name
+from kilter.mechanics.program import Program
+from kilter.rigid import quaternion_to_matrix
+from kilter.units import metres_per_unit
+from kilter.validate import frozen
+
+__all__ = ["CarrierPath", "path_from_poses", "read_path"]
+
+POSITION, ORIENTATION = ("x", "y", "z"), ("qw", "qx", "qy", "qz")
+ACCELERATION, SPIN, TURN = ("ax", "ay", "az"), ("ox", "oy", "oz"), ("alx", "aly", "alz")
+COLUMNS = ("time", *POSITION, *ORIENTATION, *ACCELERATION, *SPIN, *TURN)
+"""Columns of a table of a path."""
+LEAST = 3
+"""Least number of samples through which a spline has an acceleration."""
+FIXED = 1e-9
+"""Orientations that differ by at most this are equal [-]."""
+UNIT = 1e-3
+"""Largest difference of the length of a quaternion from 1 [-]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CarrierPath:
+    """Motion of a carrier over time; vectors in its own frame.
+
+    Attributes
+    ----------
+    time : ndarray, shape (n,)
+        Increasing [s].
+    rotation : ndarray, shape (n, 3, 3)
+        From the frame of the carrier to the world.
+    acceleration, angular_velocity, angular_acceleration : ndarray, shape (n, 3)
+        Of the reference point [m/s^2], [rad/s], [rad/s^2].
+    about : ndarray, shape (3,)
+        Reference point in the frame of the carrier [length unit of the assembly].
+    linear : bool
+        True if the orientation is fixed and the acceleration changes linearly between samples.
+    """
+
+    time: Array
+    rotation: Array
+    acceleration: Array
+    angular_velocity: Array
+    angular_acceleration: Array
+    about: Array
+    linear: bool
+
+    def __post_init__(self) -> None:
+        count = len(self.time)
+        for name, shape in (
+            ("time", (count,)),
+            ("rotation", (count, 3, 3)),
+            ("acceleration", (count, 3)),
+            ("angular_velocity", (count, 3)),
+            ("angular_acceleration", (count, 3)),
+            ("about", (3,)),
+        ):
+            object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
+        _require_times(self.time)
+
+    def loads(self, program: Program) -> tuple[Array, Array]:
+        """Z at rest and its change with the squared speed factor, each of shape (n, 12)."""
+        still, move = np.zeros((len(self.time), 12)), np.zeros((len(self.time), 12))
+        still[:, :3] = np.einsum("nji,j->ni", self.rotation, program.gravity)
+        move[:, :3] = -self.acceleration
+        move[:, 3:6] = self.angular_acceleration
+        spin = self.angular_velocity
+        move[:, 6:] = np.column_stack([spin[:, i] * spin[:, j] for i, j in PAIRS])
+        return still, move
+
+
+def path_from_poses(
+    time: ArrayLike, position: ArrayLike, orientation: ArrayLike | None = None, *, units: str = "m"
+) -> CarrierPath:
+    """The path through poses of the reference point, by cubic splines.
+
+    Parameters
+    ----------
+    time : array_like, shape (n,)
+        Increasing [s].
+    position : array_like, shape (n, 3)
+        Of the origin of the carrier's frame, in the world [`units`].
+    orientation : array_like, shape (n, 4), optional
+        Quaternions w x y z from the frame of the carrier to the world; by default none turns.
+    units : str
+        Unit of the positions.
+
+    Raises
+    ------
+    InputError
+        If the times do not increase, or there are fewer than three samples.
+
+    Examples
+    --------
+    >>> time = np.linspace(0, 1, 5)
+    >>> position = np.column_stack([time**2, 0 * time, 0 * time])
+    >>> path_from_poses(time, position).acceleration[:, 0].round(9)
+    array([2., 2., 2., 2., 2.])
+    """
+    from scipy.interpolate import CubicSpline
+    from scipy.spatial.transform import Rotation, RotationSpline
+
+    time = np.asarray(time, dtype=np.float64)
+    _require_times(time)
+    if len(time) < LEAST:
+        raise InputError(
+            f"a path of {len(time)} samples has no acceleration", hint=f"give at least {LEAST}"
+        )
+    place = np.asarray(position, dtype=np.float64) * metres_per_unit(units)
+    world = CubicSpline(time, place)(time, 2)
+    turning = np.tile([1.0, 0.0, 0.0, 0.0], (len(time), 1))
+    if orientation is not None:
+        turning = np.asarray(orientation, dtype=np.float64)
+    rotation = np.stack(
+        [quaternion_to_matrix(_unit_quaternion(q, k)) for k, q in enumerate(turning)]
+    )
+    fixed = bool(np.abs(rotation - rotation[0]).max() <= FIXED)
+    spin = turn = np.zeros((len(time), 3))
+    if not fixed:
+        spline = RotationSpline(time, Rotation.from_matrix(rotation))
+        spin, turn = spline(time, 1), spline(time, 2)  # both in the frame of the carrier
+    return CarrierPath(
+        time,
+        rotation,
+        np.einsum("nji,nj->ni", rotation, world),
+        spin,
+        turn,
+        np.zeros(3),
+        linear=fixed,
+    )
+
+
+def read_path(file: str | Path, *, units: str = "m") -> CarrierPath:
+    """Read a path from a table of comma-separated values with a header.
+
+    Columns: time [s]; x y z [`units`]; optionally the orientation qw qx qy qz. Instead of x y z, or
+    beside them, the accelerations ax ay az [m/s^2], with ox oy oz [rad/s] and alx aly alz
+    [rad/s^2] if it turns, all in the frame of the carrier: given accelerations are used as they
+    are, and splines through the poses are not computed.
+
+    Raises
+    ------
+    InputError
+        If a column is unknown or missing, or a row is not a row of numbers; the message names the
+        line.
+    """
+    path = Path(file)
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "it is not text"
+        raise InputError(f"the path cannot be read: {reason}", file=str(path)) from None
+    try:
+        return _path_of(_table(text), units)
+    except InputError as error:
+        raise error.located(file=str(path)) from None
+
+
+def _path_of(table: Mapping[str, Array], units: str) -> CarrierPath:
+    """The path of a table, by its accelerations if it has them, else through its poses."""
+    turning = _columns(table, ORIENTATION)
+    along = _columns(table, ACCELERATION)
+    if along is None:
+        place = _columns(table, POSITION)
+        if place is None:
+            raise InputError(
+                "the path has neither x, y, z nor ax, ay, az", hint="add three of these columns"
+            )
+        if _columns(table, SPIN) is not None or _columns(table, TURN) is not None:
+            raise InputError(
+                "ox or alx come without ax, ay, az", hint="add the accelerations, or remove them"
+            )
+        return path_from_poses(table["time"], place, turning, units=units)
+    time = table["time"]
+    if turning is None:
+        turning = np.tile([1.0, 0.0, 0.0, 0.0], (len(time), 1))
+    rotation = np.stack(
+        [quaternion_to_matrix(_unit_quaternion(q, k)) for k, q in enumerate(turning)]
+    )
+    none = np.zeros((len(time), 3))
+    spin, turn = _columns(table, SPIN), _columns(table, TURN)
+    fixed = bool(np.abs(rotation - rotation[0]).max() <= FIXED)
+    spin, turn = none if spin is None else spin, none if turn is None else turn
+    linear = fixed and not spin.any() and not turn.any()
+    return CarrierPath(time, rotation, along, spin, turn, np.zeros(3), linear)
+
+
+def _table(text: str) -> dict[str, Array]:
+    """Columns of a table by name."""
+    rows = [row for row in csv.reader(io.StringIO(text)) if row]
+    if not rows:
+        raise InputError("the path is empty", hint="give a header and a row for each sample")
+    header = [name.strip() for name in rows[0]]
+    for name in header:
+        if name not in COLUMNS:
+            near = nearest_name(name, COLUMNS)
+            raise InputError(
+                f"the path has an unknown column {name!r:.40}",
+                hint=f"did you mean {near}?" if near else f"use {', '.join(COLUMNS)}",
+            )
+    if "time" not in header:
+        raise InputError("the path has no column 'time'", hint="add the time of each sample [s]")
+    numbers = []
+    for line, row in enumerate(rows[1:], start=2):
+        try:
+            values = [float(cell) for cell in row]
+        except ValueError:
+            raise InputError(
+                f"line {line} of the path is not a row of numbers: {','.join(row):.60}",
+                hint="give a number in every column",
+            ) from None
+        if len(values) != len(header) or not np.isfinite(values).all():
+            raise InputError(
+                f"line {line} of the path has {len(values)} finite numbers for {len(header)} "
+                "columns",
+                hint="give a finite number in every column",
+            )
+        numbers.append(values)
+    table = np.array(numbers).reshape(-1, len(header))
+    return {name: table[:, k] for k, name in enumerate(header)}
+
+
+def _columns(table: Mapping[str, Array], names: tuple[str, ...]) -> Array | None:
+    """Columns of these names, shape (n, k); None if none of them is there."""
+    there = [name in table for name in names]
+    if not any(there):
+        return None
+    if not all(there):
+        missing = ", ".join(
+            name for name, is_there in zip(names, there, strict=True) if not is_there
+        )
+        raise InputError(
+            f"the path has no column {missing}", hint=f"give all of {', '.join(names)}"
+        )
+    return np.column_stack([table[name] for name in names])
+
+
+def _unit_quaternion(quaternion: Array, row: int) -> Array:
+    """A quaternion of length 1."""
+    size = float(np.linalg.norm(quaternion))
+    if abs(size - 1.0) > UNIT:
+        raise InputError(
+            f"the quaternion of sample {row + 1} has the length {size:.4g}",
+            hint="give qw, qx, qy, qz of length 1",
+        )
+    unit: Array = quaternion / size
+    return unit
+
+
+def _require_times(time: Array) -> None:
+    """Reject times that do not increase."""
+    if not len(time) or not np.isfinite(time).all():
+        raise InputError("the path has no times", hint="give finite times in seconds")
+    late = np.flatnonzero(np.diff(time) <= 0.0)
+    if len(late):
+        k = int(late[0])
+        raise InputError(
+            f"the time of sample {k + 2} is {time[k + 1]:g} s, after {time[k]:g} s",
+            hint="give increasing times",
+        )

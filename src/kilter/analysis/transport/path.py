@@ -1,0 +1,277 @@
+"""Speed at which a carrier may follow a path before a part moves.
+
+At every sample the carrier has an orientation R and accelerations (a, al, O) in its own frame.
+Faster by a factor k, the accelerations grow by k^2, and gravity R^T g does not change. The load
+
+    z_still + lam z_move,      lam = k^2,     z_still = (R^T g, 0, 0),   z_move = (-a, al, O)
+
+is carried iff contact forces balance it. The carried z form a convex cone. Each motion m that no
+contact stops gives a plane around the cone, and with it a bound at every sample at once:
+
+    q = C^T m,    q . (z_still + lam z_move) <= b      so     lam <= (b - q.z_still) / q.z_move
+
+with b = 0 without loads and bonds, which are fixed in the carrier.
+
+The search computes the exact limit at the sample with the least bound, adds its motion, and repeats
+until the bound is attained. Then it confirms the other samples: a positive combination of carried
+loads is carried, since the same combination of their forces balances it. Samples that are no such
+combination get a limit of their own.
+
+Between samples of a straight path at fixed orientation, with accelerations that change linearly,
+the load lies on the chord of two carried loads and is carried. Other paths are proved at their
+samples only.
+
+References
+----------
+J. E. Bobrow, S. Dubowsky, J. S. Gibson, Time-optimal control of robotic manipulators along
+specified paths, 1985: limits of lam = k^2 along a path.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.optimize import nnls
+
+from kilter.analysis.margins.load_limit import Limit, NoLimit, find_limit, finite, starting
+from kilter.analysis.transport.carrier import load_matrix
+from kilter.analysis.transport.carrier_path import CarrierPath
+from kilter.analysis.turning_tolerances import NOT_HELD
+from kilter.arrays import Array, Mask
+from kilter.mechanics.program import Program
+
+__all__ = ["PathLimit", "find_path_limit"]
+
+FASTEST = 1e4
+"""Largest squared speed factor of the search [-]."""
+AGREES = 1e-7
+"""The search ends if the bound and the attained limit differ by at most this fraction [-]."""
+SURE = 1e-6
+"""Fraction of the limit by which samples are confirmed below it [-]."""
+LEFT = 1e-9
+"""Largest residual of a combination of carried loads, relative to the weight [-]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PathLimit:
+    """The speed factor of a path.
+
+    Attributes
+    ----------
+    path : CarrierPath
+    factor : float
+        The path may run this many times as fast [-]; infinite without a limit, 0 if a part moves
+        at any speed.
+    lower : float
+        Factor up to which every sample is proved to be carried [-].
+    slowest : float
+        Least factor that is carried; above 0 where a part slides down unless the path runs [-].
+    time : float or None
+        Time of the path at which a part moves first [s].
+    limit : Limit or None
+        Forces and mechanism there.
+    bounds : ndarray, shape (n,)
+        Upper bound of the factor at every sample [-].
+    between : bool
+        True if the factor is also proved between the samples.
+    programs : int
+        Number of limits that were computed.
+    rows : ndarray, shape (m, 12)
+        Planes around the carried loads, with z = (g - a, al, O): ``rows @ z <= levels``.
+    levels : ndarray, shape (m,)
+        Zero without loads and bonds.
+    """
+
+    path: CarrierPath
+    factor: float
+    lower: float
+    slowest: float
+    time: float | None
+    limit: Limit | None
+    bounds: Array
+    between: bool
+    programs: int
+    rows: Array
+    levels: Array
+
+    def to_dict(self, program: Program) -> dict[str, Any]:
+        """The speed factor as JSON data."""
+        return {
+            "samples": len(self.path.time),
+            "duration": float(self.path.time[-1] - self.path.time[0]),
+            "factor": finite(self.factor),
+            "factor_lower": finite(self.lower),
+            "factor_least": self.slowest,
+            "time": self.time,
+            "between_samples": self.between,
+            "moves": [] if self.limit is None else starting(program, self.limit.mechanism),
+            "factors": [finite(bound) for bound in self.bounds],
+            "times": self.path.time.tolist(),
+        }
+
+
+class _Search:
+    """Carried loads and planes that are known so far, shared by all samples."""
+
+    def __init__(self, program: Program, path: CarrierPath) -> None:
+        self.program, self.path = program, path
+        self.matrix = load_matrix(program, path.about)
+        self.still, self.move = path.loads(program)
+        self.rows, self.levels = np.zeros((0, 12)), np.zeros(0)
+        self.carried = np.zeros((0, 12))
+        self.limits: dict[int, tuple[float, Limit]] = {}
+        self.programs = 0
+
+    def upper_bounds(self) -> Array:
+        """Bound of lam at every sample from all planes and limits, shape (n,)."""
+        rest = self.levels - self.still @ self.rows.T
+        rate = self.move @ self.rows.T
+        ratio = np.divide(rest, rate, out=np.full_like(rate, FASTEST), where=rate > 0.0)
+        bound: Array = ratio.min(axis=1, initial=FASTEST)
+        for sample, (value, _) in self.limits.items():
+            bound[sample] = value
+        return bound
+
+    def solve(self, sample: int) -> Limit | NoLimit:
+        """Largest lam at a sample."""
+        limit = self._limit(sample, 1.0)
+        if isinstance(limit, Limit):
+            self.limits[sample] = (min(limit.value, FASTEST), limit)
+        return limit
+
+    def least(self, sample: int) -> float | NoLimit:
+        """Least lam at a sample; 0 if rest is carried."""
+        limit = self._limit(sample, -1.0)
+        if isinstance(limit, NoLimit):
+            return limit
+        if limit.value >= -NOT_HELD:
+            self._carry(self.still[sample])
+            return 0.0
+        return -limit.value
+
+    def confirmed(self, share: float) -> Mask:
+        """Samples whose load at a squared factor is a combination of carried loads, shape (n,)."""
+        target = self.still + share * self.move
+        return np.array([self._combines(load) for load in target])
+
+    def _limit(self, sample: int, sign: float) -> Limit | NoLimit:
+        """Largest sign lam at a sample; its forces and its motion are kept."""
+        program = self.program.with_rows(gravity=self.still[sample, :3])
+        wrench = np.einsum("pij,j->pi", self.matrix, sign * self.move[sample])
+        self.programs += 1
+        limit = find_limit(program, wrench, most=FASTEST)
+        if isinstance(limit, Limit):
+            reached = sign * min(limit.value, FASTEST)
+            self._carry(self.still[sample] + reached * self.move[sample])
+            if limit.mechanism is not None:
+                self._add_plane(limit.mechanism.motion)
+        return limit
+
+    def _carry(self, load: Array) -> None:
+        self.carried = np.vstack([self.carried, load])
+
+    def _add_plane(self, motion: Array) -> None:
+        """Add the plane of a motion that no contact stops: rows . z <= level."""
+        row = np.einsum("pij,pi->j", self.matrix, motion)
+        weight = float(row[:3] @ self.program.gravity)
+        size = float(np.linalg.norm(row))
+        if size > 0.0:
+            level = -(self.program.power(motion) - weight) / size
+            self.rows = np.vstack([self.rows, row / size])
+            self.levels = np.append(self.levels, level)
+
+    def _combines(self, load: Array) -> bool:
+        """True if a load is a convex combination of carried loads, or a positive one of a cone."""
+        points = self.carried
+        if not len(points):
+            return False
+        cone = not (self.program.has_strength or self.program.applied.any())
+        size = np.maximum(np.abs(points).max(axis=0), np.abs(load))
+        used = size > 0.0
+        left = (points[:, used] / size[used]).T
+        right = load[used] / size[used]
+        if not cone:
+            left, right = np.vstack([left, np.ones(len(points))]), np.append(right, 1.0)
+        weights, residual = nnls(left, right)
+        return bool(residual <= LEFT) and bool(weights.any())
+
+
+def find_path_limit(
+    program: Program, path: CarrierPath, tell: Callable[[str], None]
+) -> PathLimit | NoLimit:
+    """Find the largest factor by which a path may run faster, at level equilibrium.
+
+    The result is a `NoLimit` with the reason "none" if no speed is carried: an orientation of the
+    path is not held at rest, and no acceleration of the path helps.
+
+    Parameters
+    ----------
+    program : Program
+    path : CarrierPath
+    tell : callable
+        Function that is called with each progress message.
+    """
+    search = _Search(program, path)
+    failed = _descend(search, tell)
+    if failed is not None:
+        return failed
+    slowest = 0.0
+    for sample in np.flatnonzero(~search.confirmed(0.0)):
+        if search._combines(search.still[sample]):
+            continue
+        least = search.least(int(sample))
+        if isinstance(least, NoLimit):
+            return least
+        slowest = max(slowest, least)
+    value = float(search.upper_bounds().min())
+    for sample in np.flatnonzero(~search.confirmed(value * (1 - SURE))):
+        if int(sample) not in search.limits:
+            limit = search.solve(int(sample))
+            if isinstance(limit, NoLimit):
+                return limit
+            tell(f"path: sample {int(sample) + 1} of {len(path.time)}")
+    return _path_limit(search, slowest)
+
+
+def _descend(search: _Search, tell: Callable[[str], None]) -> NoLimit | None:
+    """Compute limits at the sample of the least bound, until the bound is attained there."""
+    worst = int(np.linalg.norm(search.move, axis=1).argmax())
+    while worst not in search.limits:
+        limit = search.solve(worst)
+        if isinstance(limit, NoLimit):
+            return limit
+        bounds = search.upper_bounds()
+        worst = int(bounds.argmin())
+        attained = min(value for value, _ in search.limits.values())
+        if bounds[worst] >= attained - AGREES * abs(attained):
+            break
+        tell(f"path: factor at most {np.sqrt(max(bounds[worst], 0.0)):.6g}")
+    return None
+
+
+def _path_limit(search: _Search, slowest: float) -> PathLimit | NoLimit:
+    """The answer of a finished search."""
+    bounds = search.upper_bounds()
+    first = min(search.limits, key=lambda sample: search.limits[sample][0])
+    value = float(bounds[first])
+    if value < slowest * (1 - SURE) or value < -NOT_HELD:
+        return NoLimit("none")
+    unlimited = bounds >= FASTEST * (1 - AGREES)
+    factors = np.where(unlimited, np.inf, np.sqrt(np.maximum(bounds, 0.0)))
+    path = search.path
+    return PathLimit(
+        path=path,
+        factor=float(factors[first]),
+        lower=float(np.sqrt(max(value, 0.0) * (1 - SURE))),
+        slowest=float(np.sqrt(slowest)),
+        time=None if unlimited[first] else float(path.time[first]),
+        limit=None if unlimited[first] else search.limits[first][1],
+        bounds=factors,
+        between=path.linear and slowest == 0.0,
+        programs=search.programs,
+        rows=search.rows,
+        levels=search.levels,
+    )

@@ -1,0 +1,545 @@
+"""`kilter.transport`: the accelerations under which an assembly stays on a moving carrier.
+
+The carrier is the frame of the assembly: a truck, a trolley, a robot's wrist, shaking ground. Held
+parts are fixed to it. Without a question the answer has the largest acceleration along each axis
+and the least over all horizontal directions. A question is an acceleration, a turn, a rule
+of load securing or a path.
+
+Every limit is one of equilibrium: up to it forces that hold the assembly exist. A question is
+decided by `kilter.check` on the assembly under gravity g - a, with the loads of a turn, so it has
+the levels of check.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kilter.analysis.check import check
+from kilter.analysis.margins.load_limit import Limit, NoLimit, Why, finite, starting
+from kilter.analysis.open_pairs.open_question import open_pairs_answer
+from kilter.analysis.transport.acceleration_rows import KnownAccelerations, inner_rows, outer_rows
+from kilter.analysis.transport.carried_set import CarriedSet, LeastAcceleration, Slice
+from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
+from kilter.analysis.transport.carrier_path import CarrierPath
+from kilter.analysis.transport.codes import code_cases, travel_direction
+from kilter.analysis.transport.path import PathLimit, find_path_limit
+from kilter.analysis.transport.transport_proofs import transport_proofs
+from kilter.analysis.verdict.answers import joints_answer
+from kilter.analysis.verdict.verdict import Verdict
+from kilter.arrays import Array
+from kilter.assembly import Assembly, require_assembly
+from kilter.contact import ContactSet, Tolerance
+from kilter.errors import InputError, TimeLimitReached
+from kilter.mechanics.bundle import make_bundle
+from kilter.mechanics.certificate import part_sizes
+from kilter.mechanics.program import Program, build_program
+from kilter.tell.levels import LEVELS, REQUIRE, holds, require_level
+from kilter.tell.transport_facts import transport_sentence
+from kilter.tell.words import motion_words
+from kilter.threads import on_one_thread
+from kilter.units import metres_per_unit
+from kilter.work import EFFORT, Work, stop_after, units_of
+
+__all__ = ["CarriedCase", "DirectionLimit", "Transport", "transport"]
+
+T = TypeVar("T")
+AXES = (("+x", (1, 0, 0)), ("-x", (-1, 0, 0)), ("+y", (0, 1, 0)), ("-y", (0, -1, 0)),
+        ("+z", (0, 0, 1)), ("-z", (0, 0, -1)))  # fmt: skip
+"""Names and directions of acceleration of an answer without a question."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DirectionLimit:
+    """The largest acceleration along a direction.
+
+    Attributes
+    ----------
+    name : str
+        "+x", ..., or "least" for the weakest horizontal direction.
+    direction : ndarray, shape (3,)
+        Of the acceleration of the carrier, unit, in the frame of the assembly.
+    value : float
+        [g]; infinite without a limit.
+    lower : float
+        Acceleration that is proved to be carried [g].
+    limit : Limit
+        Forces and mechanism there.
+    """
+
+    name: str
+    direction: Array
+    value: float
+    lower: float
+    limit: Limit
+
+    def to_dict(self, program: Program) -> dict[str, Any]:
+        """The limit as JSON data."""
+        return {
+            "name": self.name,
+            "direction": self.direction.tolist(),
+            "g": finite(self.value),
+            "g_lower": finite(self.lower),
+            "m_s2": finite(self.value * program.g),
+            "motion": first_motions(program, self.limit),
+            "limit": self.limit.to_dict(program),
+        }
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CarriedCase:
+    """The decision about a motion of the carrier.
+
+    Attributes
+    ----------
+    name : str
+    motion : CarrierMotion
+    verdict : Verdict
+        `kilter.check` of the assembly that feels this motion.
+    factor : Limit or None
+        Largest factor of all accelerations of the motion; None if it is not known.
+    """
+
+    name: str
+    motion: CarrierMotion
+    verdict: Verdict
+    factor: Limit | None
+
+    def to_dict(self, program: Program) -> dict[str, Any]:
+        """The decision as JSON data."""
+        size = float(np.linalg.norm(np.asarray(self.motion.acceleration)))
+        return {
+            "name": self.name,
+            **self.motion.to_dict(),
+            "g": size / program.g,
+            "verdict": self.verdict.verdict,
+            "level": self.verdict.level,
+            "guarantee": self.verdict.guarantee,
+            "factor": None if self.factor is None else finite(self.factor.value),
+            "motion": [] if self.factor is None else first_motions(program, self.factor),
+            "limit": None if self.factor is None else self.factor.to_dict(program),
+        }
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Transport:
+    """The accelerations that an assembly carries.
+
+    Attributes
+    ----------
+    assembly : Assembly
+    contacts : ContactSet
+    rest : Verdict
+        The assembly without acceleration, at the level "equilibrium".
+    program : Program
+        The modelled contacts, with friction.
+    limits : tuple of DirectionLimit
+        Along the axes; empty if a question was asked, or if rest is not held.
+    least : DirectionLimit or None
+        The weakest horizontal direction.
+    polar : Slice or None
+        All horizontal accelerations.
+    cases : tuple of CarriedCase
+        The motions of the question.
+    code : str or None
+        Name of the rule whose accelerations are the cases.
+    path : PathLimit or None
+        Speed factor of a path.
+    require : str
+        The level of `carried`.
+    missing : dict
+        Names of limits without a value, and why: "none", "failed" or "time".
+    warnings : tuple of str
+    seconds : dict
+    """
+
+    assembly: Assembly
+    contacts: ContactSet
+    rest: Verdict
+    program: Program
+    limits: tuple[DirectionLimit, ...]
+    least: DirectionLimit | None
+    polar: Slice | None
+    cases: tuple[CarriedCase, ...]
+    code: str | None
+    path: PathLimit | None
+    require: str
+    missing: dict[str, Why]
+    warnings: tuple[str, ...]
+    seconds: dict[str, float]
+
+    @property
+    def carried(self) -> bool | None:
+        """True if every motion of the question is carried at the required level.
+
+        None without a question, or if open pairs or a time limit leave a motion undecided and no
+        other motion falls.
+        """
+        if "path" in self.missing:
+            return False if self.missing["path"] == "none" else None
+        if self.path is not None:
+            return self.path.factor >= 1.0 >= self.path.slowest
+        if not self.cases:
+            return None
+        levels = [case.verdict.level for case in self.cases]
+        if any(case.verdict.verdict == "unstable" for case in self.cases):
+            return False
+        if any(case.verdict.verdict == "undecided" for case in self.cases):
+            return None
+        return all(holds(level, self.require) for level in levels)
+
+    @property
+    def level(self) -> str | None:
+        """The lowest level of the motions of the question; of limits, the level of the limits."""
+        if self.cases:
+            levels = [case.verdict.level for case in self.cases]
+            known = [level for level in levels if level is not None]
+            return min(known, key=_height) if len(known) == len(levels) else None
+        if not holds(self.rest.level, "equilibrium"):
+            return None
+        return "equilibrium" if self.program.mu.any() else "proved"
+
+    def to_dict(self) -> dict[str, Any]:
+        """The answer as JSON data, that of ``kilter transport --json``."""
+        program = self.program
+        answer = {
+            "carried": self.carried,
+            "verdict": self.rest.verdict,
+            "level": self.level,
+            "require": self.require,
+            "units": self.assembly.units,
+            "down": self.assembly.down.tolist(),
+            "gravity": program.g,
+            "friction": bool(program.mu.any()),
+            "joints": joints_answer(self.assembly),
+            "open_pairs": open_pairs_answer(self.assembly, self.contacts),
+            "exact": not self.contacts.open_pairs,
+            "accelerations": [limit.to_dict(program) for limit in self.limits],
+            "least": None if self.least is None else self.least.to_dict(program),
+            "polar": None if self.polar is None else _polar_answer(self.polar),
+            "code": self.code,
+            "cases": [case.to_dict(program) for case in self.cases],
+            "path": None if self.path is None else self.path.to_dict(program),
+            "missing": dict(self.missing),
+            "warnings": list(self.warnings),
+            "seconds": self.seconds,
+        }
+        return {"sentence": transport_sentence(answer), **answer}
+
+    def rows(self, *, inner: bool = True) -> tuple[Array, Array]:
+        """Linear constraints on the acceleration a of a straight motion: ``A @ a <= b``.
+
+        Parameters
+        ----------
+        inner : bool
+            True: every a that obeys the constraints is carried (the hull of carried accelerations
+            that forces prove). False: every carried a obeys them (planes that motions prove).
+
+        Returns
+        -------
+        A : ndarray, shape (m, 3)
+            Unit rows, frame of the assembly [-].
+        b : ndarray, shape (m,)
+            [m/s^2]
+
+        Raises
+        ------
+        InputError
+            If the answer is that of a question, which has no such constraints.
+
+        Examples
+        --------
+        >>> from kilter.scenes import stacks
+        >>> answer = transport(stacks.block_on_slope(0.0, friction=0.4))
+        >>> rows, bounds = answer.rows()
+        >>> bool((rows @ [3.9, 0, 0] <= bounds).all()), bool((rows @ [4, 0, 0] <= bounds).all())
+        (True, False)
+        """
+        if not self.limits:
+            raise InputError(
+                "this answer has no limits along the axes", hint="ask kilter.transport(assembly)"
+            )
+        limits = [*self.limits, *([] if self.least is None else [self.least])]
+        known = KnownAccelerations(
+            self.program, [(limit.direction, limit.limit) for limit in limits], self.polar
+        )
+        return inner_rows(known) if inner else outer_rows(known)
+
+    def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
+        """Forces within each limit and a motion beyond it, for `kilter.verify`, as JSON data.
+
+        Raises
+        ------
+        InputError
+            If no limit is known.
+        """
+        motions = [
+            (limit.name, CarrierMotion(self.program.g * limit.direction), limit.limit)
+            for limit in (*self.limits, *([self.least] if self.least is not None else []))
+        ]
+        motions += [
+            (case.name, case.motion, case.factor) for case in self.cases if case.factor is not None
+        ]
+        proofs = transport_proofs(self.assembly, self.contacts, motions, options=options or {})
+        return make_bundle("transport", proofs)
+
+    def __repr__(self) -> str:
+        if self.path is not None:
+            return f"Transport(path: factor {self.path.factor:.6g})"
+        if self.cases:
+            words = ", ".join(f"{case.name} {case.verdict.verdict}" for case in self.cases)
+            return f"Transport({words})"
+        least = "none" if self.least is None else f"{self.least.value:.6g} g"
+        return f"Transport({self.rest.verdict} at rest, least horizontal acceleration {least})"
+
+
+@on_one_thread
+def transport(
+    assembly: Assembly,
+    *,
+    accelerate: ArrayLike | None = None,
+    turn: CarrierMotion | None = None,
+    code: str | None = None,
+    forward: ArrayLike = (1.0, 0.0, 0.0),
+    path: CarrierPath | None = None,
+    polar: bool = True,
+    contacts: ContactSet | None = None,
+    require: str = REQUIRE,
+    tolerance: Tolerance | None = None,
+    effort: float = EFFORT,
+    time_limit: float | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> Transport:
+    """Compute the accelerations of a carrier under which an assembly stays in place.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Its frame is fixed in the carrier, and its held parts belong to the carrier. Loads and
+        bonds are fixed in the carrier.
+    accelerate : array_like, shape (3,), optional
+        Is this acceleration of the carrier carried [m/s^2]?
+    turn : CarrierMotion, optional
+        Is this motion carried?
+    code : str, optional
+        Are the accelerations of this rule of load securing carried? See
+        `kilter.analysis.transport.codes`.
+    forward : array_like, shape (3,)
+        Direction of travel, for `code`.
+    path : CarrierPath, optional
+        How many times as fast may the carrier follow this path?
+    polar : bool
+        Without a question: also the boundary of all horizontal accelerations.
+    contacts : ContactSet, optional
+    require : {"equilibrium", "settles", "proved"}
+        The level from which `Transport.carried` is true.
+    tolerance, effort, time_limit, progress
+        As in `kilter.check`.
+
+    Raises
+    ------
+    InputError
+        If several questions are given, a vector is invalid or leaves the plane of a planar
+        assembly, or the rule does not exist.
+
+    Examples
+    --------
+    >>> from kilter.scenes import stacks
+    >>> answer = transport(stacks.block_on_slope(0.0, friction=0.4), polar=False)
+    >>> round(answer.least.value, 6)
+    0.4
+    >>> question = transport(stacks.block_on_slope(0.0, friction=0.4), accelerate=[3.0, 0, 0])
+    >>> question.carried, round(question.cases[0].factor.value, 4)
+    (True, 1.308)
+    """
+    tell = progress or (lambda stage: None)
+    started = time.perf_counter()
+    require_assembly(assembly, "transport")
+    require = require_level(require)
+    motions = _questions(assembly, accelerate, turn, code, forward, path)
+    work = Work(units_of(effort), progress, time_limit=time_limit)
+    rest = check(
+        assembly,
+        contacts=contacts,
+        tolerance=tolerance,
+        require="equilibrium",
+        effort=effort,
+        time_limit=work.seconds,
+        progress=progress,
+    )
+    program = build_program(assembly, rest.contacts)
+    carried = CarriedSet(program)
+    missing: dict[str, Why] = {}
+
+    def in_time(name: str, step: Callable[[], T | NoLimit]) -> T | None:
+        """The result of a step; None, with the reason in `missing`, if there is none."""
+        try:
+            with stop_after(work.seconds):
+                result = step()
+        except TimeLimitReached:
+            result = NoLimit("time")
+        if isinstance(result, NoLimit):
+            missing[name] = result.why
+            return None
+        return result
+
+    limits: list[DirectionLimit] = []
+    least: DirectionLimit | None = None
+    section: Slice | None = None
+    speed: PathLimit | None = None
+    asked = bool(motions) or path is not None
+    if not asked and rest.verdict != "unstable":
+        for name, direction in _axes(assembly):
+            tell(f"acceleration along {name}")
+            limit = in_time(name, lambda direction=direction: carried.along(direction))  # type: ignore[misc]
+            if limit is not None:
+                limits.append(DirectionLimit(name, direction, limit.value, limit.value, limit))
+        tell("least horizontal acceleration")
+        weakest = in_time("least", carried.least)
+        least = None if weakest is None else _least_limit(weakest)
+        if polar and not assembly.planar and weakest is not None:
+            tell("all horizontal accelerations")
+            axes = _horizontal(assembly)
+            section = in_time("polar", lambda: carried.slice(axes))
+    if path is not None:
+        tell("path")
+        speed = in_time("path", lambda: find_path_limit(program, path, tell))
+    cases = tuple(
+        _decide(assembly, rest.contacts, carried, name, motion, require, effort, work, in_time)
+        for name, motion in motions
+    )
+    return Transport(
+        assembly=assembly,
+        contacts=rest.contacts,
+        rest=rest,
+        program=program,
+        limits=tuple(limits),
+        least=least,
+        polar=section,
+        cases=cases,
+        code=code,
+        path=speed,
+        require=require,
+        missing=missing,
+        warnings=tuple(rest.warnings),
+        seconds={**rest.seconds, "total": time.perf_counter() - started},
+    )
+
+
+def _questions(
+    assembly: Assembly,
+    accelerate: ArrayLike | None,
+    turn: CarrierMotion | None,
+    code: str | None,
+    forward: ArrayLike,
+    path: CarrierPath | None,
+) -> list[tuple[str, CarrierMotion]]:
+    """Names and motions of the question; empty without one, or for a path."""
+    given = [name for name, value in (("accelerate", accelerate), ("turn", turn), ("code", code),
+                                      ("path", path)) if value is not None]  # fmt: skip
+    if len(given) > 1:
+        raise InputError(f"{' and '.join(given)} are given together", hint="ask one question")
+    motions = []
+    if accelerate is not None:
+        motions = [("acceleration", CarrierMotion(accelerate))]
+    elif turn is not None:
+        if not isinstance(turn, CarrierMotion):
+            raise InputError(f"turn is {turn!r:.40}", hint="give a kilter.CarrierMotion")
+        motions = [("motion", turn)]
+    elif code is not None:
+        cases = code_cases(code)
+        size = float(np.linalg.norm(assembly.gravity))
+        ahead = travel_direction(forward, assembly.down)
+        if assembly.planar:
+            cases = tuple(case for case in cases if case.inertia[1] == 0.0)
+        motions = [
+            (case.name, CarrierMotion(case.acceleration(ahead, assembly.down, size)))
+            for case in cases
+        ]
+    for _, motion in motions:
+        motion.require_in_plane(assembly.planar)
+    return motions
+
+
+def _decide(
+    assembly: Assembly,
+    contacts: ContactSet,
+    carried: CarriedSet,
+    name: str,
+    motion: CarrierMotion,
+    require: str,
+    effort: float,
+    work: Work,
+    in_time: Callable[[str, Callable[[], Limit | NoLimit]], Limit | None],
+) -> CarriedCase:
+    """Decide a motion by `check` of the assembly that feels it, and find its largest factor."""
+    felt = carried_assembly(assembly, motion)
+    verdict = check(
+        felt, contacts=contacts.of(felt), require=require, effort=effort, time_limit=work.seconds
+    )
+    return CarriedCase(name, motion, verdict, in_time(name, lambda: carried.share(motion)))
+
+
+def _axes(assembly: Assembly) -> Iterator[tuple[str, Array]]:
+    """Names and unit directions of the axes; in a plane without y."""
+    for name, direction in AXES:
+        if not (assembly.planar and direction[1]):
+            yield name, np.array(direction, dtype=np.float64)
+
+
+def _horizontal(assembly: Assembly) -> Array:
+    """Two unit directions across gravity, shape (2, 3): x and y if gravity is along z."""
+    down = assembly.down
+    first = np.eye(3)[int(np.abs(down).argmin())] if abs(down[2]) < 1.0 else np.eye(3)[0]
+    first = first - (first @ down) * down
+    first = first / float(np.linalg.norm(first))
+    second = np.cross(-down, first)
+    return np.stack([first, second])
+
+
+def _least_limit(weakest: LeastAcceleration) -> DirectionLimit:
+    return DirectionLimit("least", weakest.direction, weakest.value, weakest.lower, weakest.limit)
+
+
+def _polar_answer(polar: Slice) -> dict[str, Any]:
+    """The boundary of the horizontal accelerations as JSON data."""
+    return {
+        "axes": polar.axes.tolist(),
+        "points": polar.points.tolist(),
+        "limited": polar.limited.tolist(),
+        "proved": polar.proved.tolist(),
+        "normals": polar.normals.tolist(),
+        "reach": polar.reach.tolist(),
+        "gap": finite(polar.gap),
+    }
+
+
+def first_motions(program: Program, limit: Limit) -> list[dict[str, str]]:
+    """How the parts of a mechanism start to move, seen from the carrier, the fastest first."""
+    if limit.mechanism is None:
+        return []
+    motion = limit.mechanism.motion
+    names = set(starting(program, limit.mechanism))
+    size = part_sizes(program, motion, per_radius=False)
+    order = [k for k in np.argsort(-size, kind="stable") if program.names[k] in names]
+    metres = metres_per_unit(program.units)
+    words = []
+    for k in order:
+        turn = float(np.linalg.norm(motion[k, 3:])) * program.radius[k]
+        relative = np.array([np.linalg.norm(motion[k, :3]), turn])
+        twist = np.concatenate([motion[k, :3] * metres, motion[k, 3:]])
+        phrase = motion_words(
+            twist, relative, program.down, center=program.center[k], unit=metres, sizes=False
+        )
+        words.append({"part": program.names[k], "words": phrase})
+    return words
+
+
+def _height(level: str) -> int:
+    """Position of a level among all levels, from the lowest."""
+    return LEVELS.index(level)

@@ -1,0 +1,225 @@
+"""The command transport: accelerations of a carrier."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from kilter.cli.asked import Asked
+from kilter.cli.exit_codes import HOLDS, LOWER, VERDICT, WRITTEN
+from kilter.cli.options import FORM, Require, asks
+from kilter.cli.output import Progress
+from kilter.errors import InputError
+from kilter.tell.levels import REQUIRE
+
+if TYPE_CHECKING:
+    from kilter.analysis.transport.carrier import CarrierMotion
+    from kilter.analysis.transport.transport import Transport
+    from kilter.assembly import Assembly
+
+__all__ = ["transport"]
+
+QUESTION = "Question: an acceleration, a turn, a rule or a path"
+
+
+@asks(searches=True, proves=True)
+def transport(
+    asked: Asked,
+    accelerate: Annotated[
+        tuple[str, str, str] | None,
+        typer.Option(
+            "--accelerate",
+            metavar="X Y Z",
+            help="Is this acceleration of the carrier carried? In m/s^2, or in g as 0.5g.",
+            rich_help_panel=QUESTION,
+            show_default=False,
+        ),
+    ] = None,
+    turn: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option(
+            "--turn",
+            metavar="X Y Z",
+            help="Angular velocity of the carrier about --about [rad/s].",
+            rich_help_panel=QUESTION,
+            show_default=False,
+        ),
+    ] = None,
+    turn_faster: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option(
+            "--turn-faster",
+            metavar="X Y Z",
+            help="Angular acceleration of the carrier about --about [rad/s^2].",
+            rich_help_panel=QUESTION,
+            show_default=False,
+        ),
+    ] = None,
+    about: Annotated[
+        tuple[float, float, float],
+        typer.Option(
+            "--about",
+            metavar="X Y Z",
+            help="Point to which --accelerate, --turn and --turn-faster refer (file units).",
+            rich_help_panel=QUESTION,
+        ),
+    ] = (0.0, 0.0, 0.0),
+    code: Annotated[
+        str | None,
+        typer.Option(
+            "--code",
+            metavar="NAME",
+            help="Are the accelerations of a rule of load securing carried? en12195, "
+            "en12195:tipping, gdv, vdi2700:3.5t, vdi2700:up-to-3.5t, eumos, or eumos:K for K g.",
+            rich_help_panel=QUESTION,
+            show_default=False,
+        ),
+    ] = None,
+    forward: Annotated[
+        tuple[float, float, float],
+        typer.Option(
+            "--forward",
+            metavar="X Y Z",
+            help="Direction of travel, for --code.",
+            rich_help_panel=QUESTION,
+        ),
+    ] = (1.0, 0.0, 0.0),
+    path: Annotated[
+        Path | None,
+        typer.Option(
+            "--path",
+            metavar="PATH.csv",
+            help="How many times as fast may the carrier follow this path? Columns: time, x, y, z "
+            "(file units), and optionally qw, qx, qy, qz; or ax, ay, az, ox, oy, oz, alx, aly, "
+            "alz in the frame of the carrier.",
+            rich_help_panel=QUESTION,
+            show_default=False,
+        ),
+    ] = None,
+    figure: Annotated[
+        Path | None,
+        typer.Option(
+            "--figure",
+            metavar="OUT.svg|png|pdf",
+            help="Also write a figure of all horizontal accelerations. Needs kilter[figures].",
+            rich_help_panel=FORM,
+            show_default=False,
+        ),
+    ] = None,
+    require: Require = REQUIRE,
+) -> int:
+    """Find how hard its carrier may accelerate, brake and turn before a part moves.
+
+    The frame of the file is fixed in the carrier: a truck, a trolley, a robot's wrist. Held parts
+    belong to the carrier. Without a question: the largest acceleration along each axis, and the
+    least of all horizontal directions. Up to each limit forces that hold the assembly exist.
+
+    Exit code: 0 carried at the level of --require (without a question: always), 1 not carried,
+    3 carried at a lower level only, 4 undecided.
+    """
+    from kilter.analysis.transport.carrier_path import read_path
+    from kilter.analysis.transport.transport import transport as find
+
+    if figure is not None:
+        _require_figure(figure, [accelerate, turn, turn_faster, code, path])
+        asked.apart(figure)
+    motion = _motion(accelerate, turn, turn_faster, about)
+    with Progress(asked.quiet) as progress:
+        assembly, contacts = asked.read(progress)
+        answer = find(
+            assembly,
+            turn=None if motion is None else motion(assembly),
+            code=code,
+            forward=forward,
+            path=None if path is None else read_path(path, units=assembly.units),
+            contacts=contacts,
+            require=require,
+            tolerance=asked.tolerance,
+            effort=asked.effort,
+            time_limit=asked.time_limit,
+            progress=progress,
+        )
+        if figure is not None:
+            from kilter import publish
+
+            progress("figure")
+            publish.draw(answer, figure)
+    data = answer.to_dict()
+    after = asked.keep_proof(answer.proof if _has_proof(answer) else None, data)
+    asked.tell(data, after=after + (f"\nfigure       written to {figure}" if figure else ""))
+    return _exit_code(answer)
+
+
+def _exit_code(answer: Transport) -> int:
+    """Return the exit code of an answer."""
+    if not answer.cases and answer.path is None and "path" not in answer.missing:
+        return WRITTEN
+    if answer.carried is None:
+        return VERDICT["undecided"]
+    if answer.carried:
+        return HOLDS
+    lower = bool(answer.cases) and answer.level is not None
+    return LOWER if lower else VERDICT["unstable"]
+
+
+def _has_proof(answer: Transport) -> bool:
+    """Return whether any limit of an answer has proofs."""
+    return answer.least is not None or any(case.factor is not None for case in answer.cases)
+
+
+def _require_figure(figure: Path, question: list[object]) -> None:
+    """Reject a figure of a wrong ending, or of an answer that has no figure."""
+    from kilter import publish
+
+    publish.require_figure(figure, None)
+    if any(value is not None for value in question):
+        raise InputError(
+            "--figure shows all horizontal accelerations", hint="give it without a question"
+        )
+
+
+def _motion(
+    accelerate: tuple[str, str, str] | None,
+    turn: tuple[float, float, float] | None,
+    turn_faster: tuple[float, float, float] | None,
+    about: tuple[float, float, float],
+) -> Callable[[Assembly], CarrierMotion] | None:
+    """Return a function that builds the motion of the options, or None without such options."""
+    if accelerate is None and turn is None and turn_faster is None:
+        return None
+    parts = [_acceleration(text) for text in accelerate or ("0", "0", "0")]
+
+    def motion(assembly: Assembly) -> CarrierMotion:
+        from kilter.analysis.transport.carrier import CarrierMotion
+
+        gravity = math.hypot(*assembly.gravity)
+        along = [value * (gravity if in_g else 1.0) for value, in_g in parts]
+        none = (0.0, 0.0, 0.0)
+        return CarrierMotion(along, turn or none, turn_faster or none, about)
+
+    return motion
+
+
+def _acceleration(text: str) -> tuple[float, bool]:
+    """Return the number of a component of an acceleration, and whether its unit is g.
+
+    Examples
+    --------
+    >>> _acceleration("0.5g"), _acceleration("-2")
+    ((0.5, True), (-2.0, False))
+    """
+    in_g = text.endswith("g")
+    try:
+        value = float(text[:-1] if in_g else text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InputError(
+            f"--accelerate has {text!r:.40}",
+            hint="give three numbers in m/s^2, or in g as 0.5g",
+        )
+    return value, in_g

@@ -1,0 +1,99 @@
+"""Polar figure of the horizontal accelerations that an assembly carries."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kilter.show.canvas import INK, PAPER, legend, new_figure, title
+from kilter.tell.palette import ROLES
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["draw_polar"]
+
+FILL, EDGE, LIMIT, GRID = (
+    ROLES[name].light for name in ("stable-fill", "stable", "unstable", "line")
+)
+RINGS = 4
+"""Approximate number of rings of equal acceleration."""
+ROOM = 1.15
+"""Radius of the figure [largest carried acceleration]."""
+
+
+def draw_polar(answer: Mapping[str, Any]) -> Figure:
+    """Draw the boundary of the carried horizontal accelerations, seen against gravity.
+
+    Parameters
+    ----------
+    answer : mapping
+        Data of an answer of `kilter.transport` (`to_dict()`) with the key `polar`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    InputError
+        If matplotlib is not installed.
+    """
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    polar = answer["polar"]
+    points, limited = np.array(polar["points"]), np.array(polar["limited"])
+    finite = points[limited] if limited.any() else points
+    radius = ROOM * max(float(np.linalg.norm(finite, axis=1).max()), 1e-9)
+    figure = new_figure(7.0, 6.6)
+    axes = figure.add_axes((0.1, 0.13, 0.86, 0.74))
+    axes.set(xlim=(-radius, radius), ylim=(-radius, radius), aspect="equal")
+    for ring in _rings(radius):
+        around = np.linspace(0, 2 * np.pi, 181)
+        axes.plot(ring * np.cos(around), ring * np.sin(around), color=GRID, linewidth=0.8)
+    axes.fill(*points.T, color=FILL, alpha=0.45, linewidth=0)
+    axes.plot(*np.vstack([points, points[:1]]).T, color=EDGE, linewidth=1.6)
+    entries: list[tuple[Any, str]] = [
+        (Patch(facecolor=FILL, edgecolor=EDGE), "carried: forces that hold it exist")
+    ]
+    least = answer["least"]
+    if least is not None and least["g"] is not None:
+        end = np.array(polar["axes"]) @ np.array(least["direction"]) * least["g"]
+        axes.annotate(
+            "",
+            end,
+            (0, 0),
+            arrowprops={"arrowstyle": "-|>", "color": LIMIT, "linewidth": 1.8},
+        )
+        entries.append((Line2D([], [], color=LIMIT, linewidth=1.8), "least acceleration"))
+    axes.plot(0, 0, "o", color=INK, markersize=3.5)
+    for spine in axes.spines.values():
+        spine.set_color(GRID)
+    axes.set_facecolor(PAPER)
+    axes.tick_params(colors=INK, labelsize=8)
+    names = [_axis_name(axis) for axis in polar["axes"]]
+    axes.set_xlabel(f"acceleration along {names[0]} [g]", fontsize=9, color=INK)
+    axes.set_ylabel(f"acceleration along {names[1]} [g]", fontsize=9, color=INK)
+    title(figure, answer["sentence"], "stable" if answer["verdict"] != "unstable" else "unstable")
+    legend(figure, entries)
+    return figure
+
+
+def _rings(radius: float) -> list[float]:
+    """Radii of rings at round numbers."""
+    step = 10.0 ** np.floor(np.log10(radius / RINGS))
+    for factor in (1.0, 2.0, 5.0, 10.0):
+        if radius / (factor * step) <= RINGS:
+            return list(np.arange(factor * step, radius, factor * step))
+    return []
+
+
+def _axis_name(axis: list[float]) -> str:
+    """Name of an axis of the frame, or the direction."""
+    largest = int(np.abs(axis).argmax())
+    if abs(axis[largest]) > 1 - 1e-9:
+        return ("" if axis[largest] > 0 else "-") + "xyz"[largest]
+    return "(" + ", ".join(f"{value:.3g}" for value in axis) + ")"

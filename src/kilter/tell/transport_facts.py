@@ -1,0 +1,164 @@
+"""Facts of the answer of transport: accelerations, motions of a question, speed of a path."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from kilter.errors import some
+from kilter.tell.numbers import number, plain, vector
+from kilter.tell.shared_facts import Answer, Fact, joint_facts
+
+__all__ = ["transport_facts", "transport_sentence"]
+
+UNKNOWN = {
+    "failed": "not known: the solver failed",
+    "time": "not known: the time limit was reached",
+    "none": "none is carried",
+}
+"""Words of a limit without a value."""
+NAMED = 2
+"""Largest number of parts whose first motion is described."""
+
+
+def transport_sentence(answer: Answer) -> str:
+    """Return the sentence of an answer about transport."""
+    if answer["cases"]:
+        return _case_sentence(answer)
+    if answer["path"] is not None or "path" in answer["missing"]:
+        return _path_sentence(answer)
+    if answer["verdict"] == "unstable":
+        return "It falls at rest already, so it carries no acceleration."
+    least = answer["least"]
+    if least is None:
+        why = UNKNOWN[answer["missing"].get("least", "failed")]
+        return f"The least horizontal acceleration is {why}."
+    opened = "As drawn, without its open pairs, it" if answer["open_pairs"] else "It"
+    if least["g"] is None:
+        return f"{opened} carries every horizontal acceleration up to 100 g."
+    verb = "holds by proof" if answer["level"] == "proved" else "can hold"
+    size = f"{number(least['g'])} g ({number(least['m_s2'])} m/s^2)"
+    return (
+        f"{opened} {verb} under every horizontal acceleration of its carrier up to {size}; the "
+        f"weakest direction is {_axis(least['direction'])}."
+    )
+
+
+def transport_facts(answer: Answer) -> list[Fact]:
+    """Return the facts of an answer about transport, each a term and its words."""
+    facts = joint_facts(answer)
+    first = answer["least"]
+    if first is not None and first["motion"]:
+        facts.append(("first", motions(first["motion"])))
+    for limit in answer["accelerations"]:
+        facts.append((limit["name"], _limit(limit)))
+    for name, why in answer["missing"].items():
+        facts.append((name, UNKNOWN[why]))
+    for case in answer["cases"]:
+        facts.append((case["name"], _case(case)))
+    path = answer["path"]
+    if path is not None:
+        facts += _path(path)
+    if answer["accelerations"] and answer["level"] == "equilibrium":
+        facts.append(("level", "forces that hold it exist up to each limit, and none beyond it"))
+    return facts
+
+
+def motions(first: Sequence[Answer]) -> str:
+    """Return how the first parts start to move.
+
+    Examples
+    --------
+    >>> motions([{"part": "box", "words": "slides +x"}])
+    'box slides +x'
+    """
+    phrases = [f"{plain(entry['part'])} {entry['words']}" for entry in first[:NAMED]]
+    more = len(first) - len(phrases)
+    return ", ".join(phrases) + (f" and {more} more" if more else "")
+
+
+def _limit(limit: Answer) -> str:
+    """Return the words of the largest acceleration along an axis."""
+    if limit["g"] is None:
+        return "unlimited (100 g were tried)"
+    words = f"{number(limit['g'])} g ({number(limit['m_s2'])} m/s^2)"
+    return f"{words}; then {motions(limit['motion'])}" if limit["motion"] else words
+
+
+def _case(case: Answer) -> str:
+    """Return the words of a motion of the question."""
+    words = f"{number(case['g'])} g, {case['verdict'].replace('-', ' ')}"
+    if any(case["angular_velocity"]) or any(case["angular_acceleration"]):
+        words = case["verdict"].replace("-", " ")
+    level = case["level"]
+    words += "" if level is None else f", level {level}"
+    factor = case["factor"]
+    if factor is None:
+        return words
+    start = f"; then {motions(case['motion'])}" if case["motion"] else ""
+    return f"{words}; forces that hold it exist up to {number(factor)} times this motion{start}"
+
+
+def _case_sentence(answer: Answer) -> str:
+    """Return whether the motions of the question are carried, and which are not."""
+    about = "the accelerations of " + answer["code"] if answer["code"] else "this acceleration"
+    rigid = "Rigid statics under" if answer["code"] else "Under"
+    if answer["carried"]:
+        return f"Carried: {rigid.lower()} {about} it holds, level {answer['level']}."
+    falls = [case for case in answer["cases"] if case["verdict"] == "unstable"]
+    if falls:
+        names = some([case["name"] for case in falls]) if answer["code"] else ""
+        where = f" ({names})" if names else ""
+        moving = motions(falls[0]["motion"])
+        start = f": {moving}" if moving else ""
+        return f"Not carried: {rigid.lower()} {about}{where} no forces can hold it{start}."
+    if answer["carried"] is None:
+        return f"Undecided: open pairs or a limit leave {about} open."
+    return (
+        f"Forces that hold it exist under {about}, but it reaches only the level "
+        f"{answer['level']}, not {answer['require']}."
+    )
+
+
+def _path_sentence(answer: Answer) -> str:
+    """Return the speed factor of a path."""
+    path = answer["path"]
+    if path is None:
+        why = answer["missing"]["path"]
+        if why == "none":
+            return "The path is carried at no speed: a part moves in one of its poses at rest."
+        return f"The speed of the path is {UNKNOWN[why]}."
+    if path["factor"] is None:
+        return "The path is carried at every speed up to 100 times as fast."
+    where = "" if path["between_samples"] else " at its samples"
+    factor = number(path["factor"])
+    carried = "Carried" if answer["carried"] else "Not carried"
+    return (
+        f"{carried}: the path may run {factor} times as fast{where}; faster, a part moves first at "
+        f"{number(path['time'])} s."
+    )
+
+
+def _path(path: Answer) -> list[Fact]:
+    """Return the facts of a path."""
+    facts = [("samples", f"{path['samples']} in {number(path['duration'])} s")]
+    if path["moves"]:
+        facts.append(("first", f"{some([plain(name) for name in path['moves']])} moves"))
+    if path["factor_least"] > 0:
+        facts.append(
+            ("least", f"{number(path['factor_least'])} times as fast: slower, a part slides down")
+        )
+    return facts
+
+
+def _axis(direction: Sequence[float]) -> str:
+    """Return the name of an axis of the frame, or the direction.
+
+    Examples
+    --------
+    >>> _axis([-1.0, 0, 0]), _axis([0.6, 0.8, 0])
+    ('-x', '(0.6, 0.8, 0)')
+    """
+    for name, value in zip("xyz", direction, strict=True):
+        if abs(value) > 1 - 1e-9:
+            return f"{'+' if value > 0 else '-'}{name}"
+    return vector(direction)
