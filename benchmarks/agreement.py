@@ -46,7 +46,7 @@ import time
 import traceback
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -353,7 +353,7 @@ def _beside_level_limits(
         ("tilt", limits.tilt, turned),
         *(("load factor", end, loaded) for end in limits.factor),
         *(
-            (f"push {w.part}", limits.pushes[w.part], partial(_pushed, assembly, w))
+            (f"push {w.part}", limits.pushes.get(w.part), partial(_pushed, assembly, w))
             for w in margin.pushes
         ),
     ]
@@ -449,9 +449,12 @@ def _remedies(case: Case, assembly: Assembly, verdict: Any) -> None:
 
             if case.run("remedy", typed) is None:
                 continue
-            result = json.loads(out.getvalue() or "{}").get("verdict")
+            result = json.loads(out.getvalue() or "{}")
             stated = remedy["leads_to"]
-            case.test("remedy", result == stated, f"{remedy['option']}: {result}, not {stated}")
+            # for lack of work an option may state only that equilibrium forces exist
+            agrees = result.get("level") if stated is None else result.get("verdict") == stated
+            typed_words = f"{remedy['option']}: {result.get('verdict')}, not {stated}"
+            case.test("remedy", bool(agrees), typed_words)
 
 
 def main() -> int:
@@ -481,7 +484,7 @@ def main() -> int:
                 print(text, flush=True)
             if given.log is not None:
                 with given.log.open("a", encoding="utf-8") as file:
-                    file.write(json.dumps(asdict(case)) + "\n")
+                    file.write(json.dumps(vars(case)) + "\n")
     return _print_counts(cases)
 
 

@@ -12,9 +12,12 @@ import pytest
 
 import kilter
 from kilter import Assembly, Bond, Box, Part, Pose, Sphere
+from kilter.analysis.decision.decision import Decision
+from kilter.analysis.open_pairs import remedies
 from kilter.cli import main
-from kilter.scenes import arches, friction, scene
+from kilter.scenes import arches, friction, scene, stacks
 from kilter.tell.text import text_of
+from kilter.work import Work
 
 SHARED = Path(__file__).parents[3] / "shared" / "data"
 needs_shared = pytest.mark.skipif(
@@ -149,15 +152,40 @@ def test_without_friction_the_sentence_states_it_and_mu_is_a_remedy() -> None:
     slope = scene("slope")
     verdict = kilter.check(slope)
     assert verdict.sentence.startswith("Unstable: without friction")
-    options = {remedy.option: remedy.leads_to for remedy in verdict.remedies}
-    assert options == {}  # mu .3 is not enough at 20 deg
-    gentle = kilter.check(slope.with_down([0.2, 0, -1.0]))
-    for remedy in gentle.remedies:
-        rough = slope.with_down([0.2, 0, -1.0]).with_friction(0.3)
-        assert (remedy.option, remedy.leads_to) == (
-            "--friction 0.3",
-            kilter.check(rough).verdict,
-        )
+    assert verdict.remedies == ()  # mu .3 is not enough at 20 deg
+    (remedy,) = kilter.check(stacks.block_on_slope(10.0)).remedies
+    rough = kilter.check(stacks.block_on_slope(10.0, friction=0.3))
+    assert (remedy.option, remedy.leads_to) == ("--friction 0.3", rough.verdict)
+    assert rough.verdict == "stable"
+
+
+@pytest.mark.parametrize(
+    ("charge", "levels"),
+    [
+        (0.2e6, ["settles", "settles", "settles"]),
+        (0.6e6, ["settles", "equilibrium"]),
+        (1.1e6, ["settles"]),
+    ],
+)
+def test_the_work_of_all_remedies_together_is_limited(
+    monkeypatch: pytest.MonkeyPatch, charge: float, levels: list[str]
+) -> None:
+    tried: list[str] = []
+    decide = remedies.decide
+
+    def charged(*arguments, require: str, work: Work, **options) -> Decision:
+        tried.append(require)
+        work.charge(charge)
+        return decide(*arguments, require="equilibrium", work=work, **options)
+
+    changes = [remedies._Change(friction=mu) for mu in (0.21, 0.22, 0.23, 0.24)]
+    monkeypatch.setattr(remedies, "decide", charged)
+    monkeypatch.setattr(remedies, "_changes", lambda *_: iter(changes))
+    answers = kilter.check(stacks.block_on_slope(10.0)).remedies
+    assert tried == levels
+    stated = [None if level == "equilibrium" else "potentially-stable" for level in levels]
+    assert [remedy.leads_to for remedy in answers] == stated
+    assert {remedy.level for remedy in answers} == {"equilibrium"}
 
 
 @needs_shared

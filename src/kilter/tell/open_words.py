@@ -29,7 +29,10 @@ FEW = 4
 """Up to this number of overlapping pairs, each pair gets an option of its own."""
 TILT = "tilted"
 """Word in the reason of a pair whose faces are not parallel; no gap tolerance closes it."""
-REMEDY_RESULTS = {"potentially-stable": "forces that hold it exist"}
+REMEDY_RESULTS = {
+    "potentially-stable": "forces that hold it exist",
+    None: "forces that hold it exist; more was not decided, for lack of work",
+}
 """Result of a remedy in words, if it is not the verdict word itself."""
 ABOVE = 1.01
 """Ratio of a suggested tolerance to the gap that it must close [-]."""

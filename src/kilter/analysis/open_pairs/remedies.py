@@ -3,6 +3,10 @@
 A remedy is a set of options of the command line. It is applied to the assembly as reading applies
 it (joints, tolerance, friction), and the cascade of `kilter.check` decides the result at the
 required level. The answer prints the option with this result.
+
+All tries together have the work limit of a check, or the work of the verdict if it is greater.
+Half of it serves tries at the required level. With the other half only the existence of
+equilibrium forces is decided, and the answer then reports this fact alone. No try starts after it.
 """
 
 from __future__ import annotations
@@ -19,6 +23,7 @@ from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.fastening import fastened
 from kilter.contact.fits.suggestions import suggest_joints
 from kilter.errors import InputError, shell_words
+from kilter.mechanics.program import Program
 from kilter.tell.levels import LEVELS
 from kilter.tell.open_words import OpenOption, open_options
 from kilter.work import Work
@@ -27,6 +32,12 @@ __all__ = ["Remedy", "find_remedies"]
 
 MOST = 3
 """Largest number of remedies in an answer; each try costs about as much as a verdict."""
+RULED = 1_000_000.0
+"""Smallest work of all tries together [units], that of effort 1."""
+DETECTED = 300.0
+"""Units of a detection of contacts, per contact row."""
+JUDGED = 90.0
+"""Units of a judgement of equilibrium, per contact row."""
 FRICTION = 0.3
 """Friction coefficient that is tried for an assembly without friction [-]."""
 
@@ -39,14 +50,16 @@ class Remedy:
     ----------
     option : str
         The options as the user types them.
-    leads_to : str
-        The verdict with these options, at the required level.
+    leads_to : str or None
+        The verdict with these options, at the required level; None if only the existence of
+        equilibrium forces was decided, for lack of work.
     level : str or None
-        The level with these options; None if the assembly does not hold.
+        The level with these options; None if the assembly does not hold. It is "equilibrium" if
+        nothing higher was decided.
     """
 
     option: str
-    leads_to: str
+    leads_to: str | None
     level: str | None
 
     def to_dict(self) -> dict[str, Any]:
@@ -143,7 +156,7 @@ def find_remedies(
     require : {"equilibrium", "settles", "proved", "strict"}
         The level at which each decision may stop.
     work : Work
-        Its allowance applies to each remedy separately, its time limit to all together.
+        Work limit and time limit of the check.
 
     Returns
     -------
@@ -154,24 +167,36 @@ def find_remedies(
         return ()
     remedies: list[Remedy] = []
     detected: dict[_Detection, ContactSet] = {}
+    budget = work.beside(max(work.allowed, RULED, _units(decision.program, 2, detect=True)))
     for change in _changes(assembly, contacts, decision):
-        if len(remedies) == MOST or work.late:
+        if len(remedies) == MOST or budget.over:
             break
+        known = len(detected)
         try:
             other, touching = change.apply(assembly, contacts, detected)
         except InputError:  # the option does not apply to this assembly, so it is no remedy
             continue
         # the effort of a check: with less, a motion that refutes the guarantee may stay unknown
+        whole = budget.spent <= 0.5 * budget.allowed
         effort = work.beside(work.allowed)
-        result = decide(other, touching, require=require, work=effort, question=False)
+        level = require if whole else "equilibrium"
+        result = decide(other, touching, require=level, work=effort, question=False)
+        budget.charge(effort.spent)
+        budget.charge(_units(result.program, 2, detect=len(detected) > known))
         if result.level is None and (
             decision.verdict == result.verdict or result.verdict == "undecided"
         ):
             continue
-        remedies.append(Remedy(change.option, result.verdict, result.level))
+        decided = result.friction is None or level == require
+        remedies.append(Remedy(change.option, result.verdict if decided else None, result.level))
         if result.level is not None and LEVELS.index(result.level) >= LEVELS.index("settles"):
             break  # later candidates change more of the assembly
     return tuple(remedies)
+
+
+def _units(program: Program, judgements: int, *, detect: bool) -> float:
+    """Units of judgements of equilibrium, and of the detection of the contacts."""
+    return len(program.part_a) * (JUDGED * judgements + DETECTED * detect)
 
 
 def _changes(assembly: Assembly, contacts: ContactSet, decision: Decision) -> Iterator[_Change]:
