@@ -28,30 +28,31 @@ __all__ = [
 ]
 
 ALONG = 1e-7
-"""Faces whose normal has no more than this along a path lie along it."""
+"""Largest cosine between a path and the normal of a face that lies along the path [-]."""
 
 MOVES = 1e-6
-"""A part moves where its linear, or radius x angular, acceleration is above this [g]."""
+"""A part moves if its linear, or radius x angular, acceleration is above this [g]."""
 MOTION_GOOD = 1e-10
 """Residual of Gauss's conditions that ends the search for a motion [g]."""
 MOTION_ENOUGH = 1e-8
-"""The same for programs of many parts [g]."""
+"""Residual that ends the search for a motion of many parts [g]."""
 MOTION_ASKED = 3e-9
-"""Of the solver then, whose rows are of another scale [g]."""
+"""Tolerance of the solver for a motion of many parts; its rows have another scale [g]."""
 ZERO_MOTION = 1e-14
 """Accelerations below this are rounding of an exact zero [g]."""
 NO_DESCENT = 1e-12
-"""Optima of LP (9) above minus this, over the largest cost, are 0."""
+"""Optima of the displacement program above minus this count as 0, over the largest cost [-]."""
 LEAST_IS_OPTIMAL = 1e-6
-"""Residual over the largest displacement up to which the shortest one is optimal."""
+"""Largest residual of the shortest displacement that counts as optimal, over the largest [-]."""
 RANK = 1e-9
 """Singular values below this fraction of the largest count as zero, for exact data."""
 PRESSES = 1e-9
 """Normal forces below this fraction of the largest weight have no pressure centre."""
 ENTERS = 1e-9
-"""Openings below minus this, at unit speed, enter."""
+"""A motion of unit speed enters a contact if its opening is below minus this [-]."""
 STATED_MOST = 1e-2
-"""Accelerations above this are no matter of the accuracy that a file states [g]."""
+"""Larger accelerations are not explained by the accuracy that a file states [g]."""
 LOCKS = 1e-4
-"""Least opening of a locked part at unit speed, as its multipliers bound it: more than normals are
-off by, so that a wedge that nearly slips out does not lock."""
+"""Least opening at unit speed that the multipliers of a locked part must prove [-].
+
+It exceeds the error of normals, so that a wedge that nearly slips out does not lock."""

@@ -98,7 +98,7 @@ BLUR_OVER_TOLERANCE = 10.0
 
 Only for regions without friction."""
 SAME_RAY = 1e-7
-"""Extreme rays closer than this merge; so do a direction and its projection [rad]."""
+"""Extreme rays closer than this merge; a direction closer to the cone is inside [rad]."""
 NO_PROJECTION = 1e-6
 """A projection by a conic program that is shorter than this counts as zero; unit vectors [-]."""
 RAY_BLUR = 1e-5
@@ -106,7 +106,7 @@ RAY_BLUR = 1e-5
 
 Rays are computed to 1e-6."""
 NO_DIRECTION = 1e-3
-"""An optimum in a cone that is cut at a length of about 1 is a direction only if it is longer [-]."""
+"""Least length of an optimum that is a direction, in a cone cut at a length of about 1 [-]."""
 MOVES = 1e-6
 """A part moves in a mechanism if it is faster than this fraction of the fastest part [-]."""
 NOT_HELD = -1e-7

@@ -22,23 +22,23 @@ __all__ = [
 WRITTEN = 0
 """The answer is printed or written, whatever its verdict."""
 HOLDS, LOWER = 0, 3
-"""`check` and `plan`: it holds at the required level, or only at a lower level."""
+"""Codes of `check` and `plan`: it holds at the required level, or at a lower level."""
 VERDICT = {"unstable": 1, "undecided": 4}
-"""`check`: it holds at no level."""
+"""Codes of `check` if the assembly holds at no level."""
 ORIENT = {"found": 0, "none": 1, "undecided": 4}
-"""`orient`, by its verdict."""
+"""Codes of `orient` by its verdict."""
 PLAN = {"impossible": 1, "fails": 1, "none-found": 4, "undecided": 4}
-"""`plan` without an order, or with a given order that fails."""
+"""Codes of `plan` if no order was found, or if the given order fails."""
 VERIFY = {True: 0, False: 1}
-"""`verify`, by whether the proof holds."""
+"""Codes of `verify`: does the proof hold?"""
 HOLD = {"impossible": 1, "undecided": 4}
-"""`hold` without sufficient supports."""
+"""Codes of `hold` if no sufficient supports were found."""
 IMPROVE = {True: 0, False: 1}
-"""`improve`, by whether the model stands as it is or with the named change."""
+"""Codes of `improve`: does the model stand, unchanged or with the named change?"""
 DOCTOR = {True: 0, False: 1}
-"""`doctor`, by whether all installed parts work."""
+"""Codes of `doctor`: do all installed parts work?"""
 SOME_ERRORS = 1
-"""`batch`: all rows are written, and some rows have an error instead of a verdict."""
+"""Code of `batch` if some of the written rows have an error instead of a verdict."""
 USAGE = 2
 """Wrong usage or input."""
 FAULT = 70

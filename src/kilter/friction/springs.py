@@ -173,7 +173,7 @@ class Springs:
         self.gap = np.zeros(len(stiffness)) if gap is None else gap
 
     def at(self, x: Array) -> SpringState:
-        """The state of a displacement."""
+        """Forces and imbalance at a displacement x of the parts."""
         law = self.system.law
         u = (law.matrix @ x).reshape(-1, 3)
         u[:, 0] += self.gap

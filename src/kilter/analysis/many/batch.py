@@ -34,7 +34,7 @@ TRIES = 2
 """Number of tries of a task before it is halved; a task of a single assembly then fails."""
 KILLED = "ended the process that checked it, in every attempt"
 TOLD = 1000
-"""Errors that an answer lists."""
+"""Largest number of errors that an answer lists."""
 
 
 @dataclass(slots=True, eq=False)

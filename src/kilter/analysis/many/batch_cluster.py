@@ -16,7 +16,7 @@ from kilter.errors import InputError
 __all__ = ["ClusterWorkers"]
 
 AHEAD = 2
-"""Tasks that are handed over for each thread of a worker."""
+"""Number of tasks that are queued for each thread of the cluster."""
 
 
 class ClusterWorkers:

@@ -138,7 +138,7 @@ def _load(part: str, force: Array, torque: Array, point: Array | None = None) ->
 
 
 def _loaded(limits: KnownLimits) -> Change:
-    """A share of the loads or of the body force."""
+    """Function from a load factor to the change of the file: scaled loads, or a body force."""
     assembly, program = limits.assembly, limits.program
     if limits.push is None:
         return lambda share: {

@@ -1,4 +1,4 @@
-"""How hard a part can be pushed before nothing holds: in a direction, and in its weakest.
+"""Largest push on a part that contacts hold: in a given direction, and in the weakest direction.
 
 The forces F at its centre of mass with which an equilibrium exists are a convex set around 0
 (if it is in balance without a push). In a direction e the limit is a conic program, max
@@ -30,7 +30,7 @@ __all__ = ["Push", "find_push", "find_weakest_push"]
 
 
 PROGRAMS = 80
-"""Programs a part after which the search ends with the gap that is left."""
+"""Largest number of programs for the weakest push of a part; then the gap stays open."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

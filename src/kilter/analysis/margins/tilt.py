@@ -54,7 +54,7 @@ __all__ = [
 ]
 
 FIRST = 4
-"""Directions looked at first, between the axes across gravity."""
+"""Number of directions of tilt that are tried first, between the two horizontal axes."""
 NEARER = 3
 """Number of searches that start at a held direction and move it closer to the given gravity."""
 PROGRAMS = 64

@@ -52,11 +52,11 @@ __all__ = ["CORNERS", "Ranges", "Uncertainty", "corner", "find_uncertainty", "we
 Kind = Literal["exact", "inner"]
 
 CORNERS = 32
-"""Corners of the box of masses and centres up to which each is looked at."""
+"""Largest number of corners of the box of masses and centres for which every corner is solved."""
 SIDES = 8
-"""Sides of the pyramids inside the cones, in space."""
+"""Number of sides of the pyramids inside the friction cones, in space."""
 LARGEST = 2_000_000
-"""Entries of the linear program of forces that follow above which none is sought."""
+"""Largest number of matrix entries for which the program of following forces is solved."""
 
 
 @dataclass(frozen=True, slots=True)

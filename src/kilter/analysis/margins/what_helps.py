@@ -40,11 +40,11 @@ __all__ = ["Help", "what_helps"]
 
 
 HELD = 4
-"""Parts that are held in turn, of those that may be."""
+"""Largest number of parts for which the effect of holding the part is computed."""
 MORE_FRICTION = 0.1
-"""Of mu, in words."""
+"""Relative increase of a friction coefficient that is tried [-]."""
 MORE_MASS = 0.1
-"""Share of a mass, in words."""
+"""Relative change of a mass that is tried [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

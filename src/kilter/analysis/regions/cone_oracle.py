@@ -36,9 +36,10 @@ __all__ = ["ConeOracle", "intersection"]
 
 
 FORCE_PRICES = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0)
-"""Of the force of one weight where forces jam, over the tolerance; the lowest that frees."""
+"""Prices of a force of one weight if forces jam, over the tolerance; the search takes the
+lowest price that ends the jam [-]."""
 FAR = 10.0
-"""Where the cone is cut off across an axis, no point of it is longer than this along x, y, z."""
+"""Bound of each coordinate of a point of the cone that is truncated across an axis [-]."""
 
 
 class ConeOracle:

@@ -84,7 +84,7 @@ class KnownSet:
 
     @property
     def inner(self) -> float:
-        """Every point nearer to 0 than this is in the set."""
+        """Radius of a ball about 0 that is inside the set."""
         return 0.0 if self.hull is None else max(float(self.hull.offsets.min()), 0.0)
 
     def ask(self, direction: Array) -> SupportPoint | None:
@@ -135,7 +135,7 @@ class KnownSet:
         return False
 
     def _is_known(self, facet: int) -> bool:
-        """Whether it lies in the plane of a facet that was confirmed, on the same side."""
+        """Whether a facet lies in the plane of a confirmed facet, on the same side."""
         assert self.hull is not None
         hull, planes = self.hull, self._planes
         if not len(planes):

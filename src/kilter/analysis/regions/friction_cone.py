@@ -190,7 +190,7 @@ class _Cutting:
         return int(near.argmin()) if len(near) and near.min() < SAME_RAY else None
 
     def _project(self, direction: Array) -> tuple[float, Proof | None]:
-        """Angle to the ray found nearest [rad], and the facet between, with their proofs."""
+        """Angle to the nearest ray found [rad], and the separating facet, with their proofs."""
         from kilter.solvers.clarabel import solve_conic
 
         self.programs += 1
@@ -283,7 +283,7 @@ class _Cutting:
         return normal / size if size > 0.0 else normal
 
     def _distance(self, direction: Array, rays: Array) -> float:
-        """No more than this from the inner cone [rad]."""
+        """Upper bound of the angle between a direction and the inner cone [rad]."""
         k = self._known(direction)
         if k is not None and self.angle[k] <= np.pi / 2:
             return float(self.angle[k]) + SAME_RAY

@@ -23,7 +23,7 @@ __all__ = ["Grown", "Oracle", "Reach", "grow"]
 
 
 WIDE = 0.1
-"""Points with a cosine above this to their mean are asked for from that side alone."""
+"""A cone is truncated across the mean of its points if all their cosines to it exceed this [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,7 +75,7 @@ class Grown:
 
 
 def grow(oracle: Oracle, first: Array, blur: float, tell: Callable[[], None]) -> Grown:
-    """Find a cone.
+    """Compute a cone from the answers of its oracle.
 
     Parameters
     ----------

@@ -22,9 +22,9 @@ __all__ = ["further_forces", "warnings_of"]
 
 
 LIMIT = 100
-"""Up to this many free parts, all those that start to move are named."""
+"""Largest number of free parts for which all parts that start to move are named."""
 TILT = 0.01
-"""Out of the span [rad], to see which."""
+"""Angle of a direction out of the span at which the moving parts are computed [rad]."""
 NAMED = 0.01
 """A part that moves less than this fraction of the largest motion is not named."""
 

@@ -89,7 +89,7 @@ class PlaceOfRest:
 
 
 def find_rests(cone: Cone, assembly: Assembly, contacts: ContactSet) -> tuple[PlaceOfRest, ...]:
-    """How an assembly rests in the axis, the lines and the rays of its region.
+    """Classify the rest of an assembly in the axis, the lines and the rays of its region.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def find_rests(cone: Cone, assembly: Assembly, contacts: ContactSet) -> tuple[Pl
 
 
 def _directions(cone: Cone) -> Array:
-    """The directions that are looked at, each once, shape (d, 3)."""
+    """The distinct directions whose rest is classified, shape (d, 3)."""
     center = np.zeros((0, 3)) if cone.center is None else cone.center[None]
     listed = np.vstack([center, cone.lines, -cone.lines, cone.rays])
     same = np.linalg.norm(listed[:, None] - listed, axis=-1) <= cone.blur

@@ -47,7 +47,7 @@ __all__ = ["Proof", "StableCone", "stable_cone"]
 
 
 PRICES = (1e2, 1e3, 1e4, 1e5)
-"""Of an imbalance of one weight, for rounded data."""
+"""Prices of an imbalance of one weight, for rounded data; a higher price gives less imbalance."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

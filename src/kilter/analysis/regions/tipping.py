@@ -39,7 +39,7 @@ __all__ = ["Tipping", "find_tipping"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tipping:
-    """When a body goes over.
+    """The tilt and the energy at which a body tips over.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class Tipping:
 
 
 def find_tipping(geometry: Geometry, part: int, down: Array) -> Tipping | None:
-    """When a body goes over that stands on an endless level table.
+    """Find the tilt and the energy at which a body on a large level table tips over.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ def _passes(hull: ConvexHull, corners: Array) -> tuple[Array, Array, tuple[Index
 
 
 def _lowest_pass(base: int, rests: Mask, links: tuple[Index, Index], levels: Array) -> float | None:
-    """The least height over which it comes to rest on another face: a bottleneck; None: on none."""
+    """Least rise of c on a way to rest on another face; None if no other face gives rest."""
     ways: list[list[tuple[float, int]]] = [[] for _ in rests]
     for f, g, level in zip(*(side.tolist() for side in links), levels.tolist(), strict=True):
         ways[f].append((level, g))
@@ -185,7 +185,7 @@ def _of_revolution(geometry: Geometry, part: int, down: Array) -> Tipping | None
     depth, out, rounding, low, high = _circles(geometry, part, down)
 
     def height(angle: Array) -> Array:
-        """H at tilts, shape (n,)."""
+        """Height H of c over the table at tilts, shape (n,)."""
         t = angle[:, None]
         each = depth * np.cos(t) + out * np.sin(t) + rounding
         reached = (t >= low - SAME_RAY) & (t <= high + SAME_RAY)
@@ -215,7 +215,7 @@ def _rises(
 
 
 def _stands_as_turned(geometry: Geometry, part: int, down: Array, near: float) -> bool:
-    """Whether all its faces are level, or known and of revolution about the vertical through c."""
+    """Whether all faces of a part are level, or of revolution about the vertical through c."""
     s = geometry.surfaces
     rows = np.arange(s.start[part], s.start[part + 1])
     off = s.point[rows] - geometry.center[part]

@@ -43,7 +43,7 @@ __all__ = ["LeastInstability", "least_instability"]
 
 
 LIMIT = 500
-"""At most this many quadratic programs."""
+"""Largest number of quadratic programs of the search."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

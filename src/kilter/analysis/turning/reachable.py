@@ -31,7 +31,7 @@ __all__ = ["PROGRAMS", "Reachable", "SphereDirection", "nearest_on_sphere"]
 
 
 PROGRAMS = 20_000
-"""Neither map nor nearest direction is sought with more programs."""
+"""Largest number of programs for the stability map or the nearest direction."""
 
 
 class Reachable:

@@ -54,11 +54,11 @@ __all__ = ["Optimality", "Walk", "WalkFacet", "is_best", "walk"]
 
 
 START = np.array([0.37, 0.34, 0.29])
-"""Where a walk starts, up to signs and size: near the middle, on no line of symmetry."""
+"""Start of a walk, up to signs and length: near the middle of a facet, on no line of symmetry."""
 PARTITIONS = 1000
-"""A walk through more partitions than this is broken off and tested."""
+"""Largest number of partitions of a walk; then the walk ends and its last point is tested."""
 RESTARTS = 100
-"""A facet is given up after this many restarts."""
+"""Largest number of restarts of a walk in a facet."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

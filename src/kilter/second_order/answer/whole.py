@@ -52,7 +52,7 @@ __all__ = ["MOST_IN_ALL", "MOST_PARTS", "find_second_order", "with_rolling"]
 MOST_PARTS = 20
 """Largest number of free parts in a cluster that is decided by its gaps."""
 MOST_STRICT = 60
-"""The same with level strict or a higher effort."""
+"""Largest number of free parts in such a cluster at level strict or a higher effort."""
 MOST_IN_ALL = 120
 """Largest number of free parts in all clusters that are decided by their gaps."""
 WORK, LEAST_WORK = 1_250_000, 200_000

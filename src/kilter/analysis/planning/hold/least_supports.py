@@ -23,7 +23,7 @@ from kilter.work import EFFORT, Work, units_of
 __all__ = ["LeastSupports", "Stopping", "find_least_supports"]
 
 JUDGED, FEW = 2000.0, 4
-"""Units of work of a set of supports, for each part and so many more."""
+"""Units of work of a set of supports: for each part, and the number of additional parts."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

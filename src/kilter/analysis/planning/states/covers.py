@@ -19,7 +19,7 @@ __all__ = ["Shares", "least_cover"]
 Shares = Mapping[int, float]
 """Share of a motion that each support can stop, up to 1, by support number."""
 ENOUGH = 1 - 1e-3
-"""Shares that reach this may be enough: what is left of the power proves nothing then."""
+"""Sum of shares from which supports may stop a motion; the remaining power proves nothing [-]."""
 
 
 def least_cover(motions: Sequence[Shares], most: int) -> frozenset[int] | None:
