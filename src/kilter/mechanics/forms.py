@@ -18,7 +18,7 @@ The solutions are decoded to forces, shape (K,), and motions, shape (N, 6), of t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import csc_array, eye_array, hstack, vstack
@@ -80,6 +80,13 @@ class ScaledProblem:
         full[:, 3:] /= program.radius[:, None]
         turned = full.reshape(-1, 2, 3) @ self.frame
         return turned.reshape(-1, 6)
+
+    def rounded(self, least: float) -> ScaledProblem:
+        """The problem without the entries of the matrix whose absolute values are below `least`."""
+        matrix = self.matrix.copy()
+        matrix.data[np.abs(matrix.data) < least] = 0.0
+        matrix.eliminate_zeros()
+        return replace(self, matrix=matrix)
 
     def openings(self) -> csc_array:
         """J in scaled unknowns, in the order of the rows [length unit]."""

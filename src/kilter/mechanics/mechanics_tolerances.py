@@ -32,6 +32,7 @@ __all__ = [
     "OPENS_FAR",
     "OPENS_MORE",
     "POWER_ROUNDING",
+    "ROUNDED_ENTRY",
     "RULED_OUT",
     "SAME_AREA",
     "STILL",
@@ -98,6 +99,10 @@ CONE_ROUNDING = 1e-14
 
 ZERO_ENTRY = 1e-14
 """Entries of a scaled matrix below this value are rounding errors of an exact zero."""
+ROUNDED_ENTRY = 1e-9
+"""Entries of a scaled matrix below this value are dropped after all solvers failed. A larger value
+changes the forces and motions that are proposed, never their check.
+"""
 MIRROR = 1e-12
 """Loads and inertia across a mirror plane below this fraction of the largest count as zero."""
 MIRROR_ROWS = 1e-10

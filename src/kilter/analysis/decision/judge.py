@@ -13,6 +13,9 @@ imbalance. The load factor by interior point follows. Large programs are solved 
 3. the least imbalance, which gives the strongest of both proofs for coarse data;
 4. the load factor by simplex, if the program is not too large.
 
+The last candidates of programs of any size come from the least imbalance without the smallest
+entries of the rows, since these entries may be rounding errors.
+
 If there are bonds, their least forces are tried first; a large program then adds the total
 imbalance.
 
@@ -60,6 +63,7 @@ from kilter.mechanics.forms import (
     total_imbalance,
 )
 from kilter.mechanics.least_forces import least_forces
+from kilter.mechanics.mechanics_tolerances import ROUNDED_ENTRY
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 from kilter.solvers.cone_interior_point import iterates
@@ -232,6 +236,7 @@ def _candidates_without_friction(program: Program, work: Work) -> Iterator[_Cand
             yield from _by_load_factor(problem, method="simplex", presolve=presolve, work=work)
             yield from _by_least_imbalance(problem, method="simplex", presolve=presolve, work=work)
         yield from _by_load_factor(problem, method="interior", work=work)
+        yield from _by_rounded_rows(problem, work)
         return
     if bonded is not None:
         yield from _by_total_imbalance(problem, work)
@@ -240,6 +245,19 @@ def _candidates_without_friction(program: Program, work: Work) -> Iterator[_Cand
     yield from _by_least_imbalance(problem, method="interior", work=work)
     if len(problem.right) <= 20 * SIMPLEX_ROWS:
         yield from _by_load_factor(problem, method="simplex", work=work)
+    yield from _by_rounded_rows(problem, work)
+
+
+def _by_rounded_rows(problem: ScaledProblem, work: Work) -> Iterator[_Candidate]:
+    """Candidate proofs by a problem whose smallest entries are dropped.
+
+    Coordinates far from the origin make entries of 1e-12 that are rounding errors. A simplex that
+    scales rows and columns makes them as large as other entries, and fails.
+    """
+    rounded = problem.rounded(ROUNDED_ENTRY)
+    if len(problem.right) <= SIMPLEX_ROWS:
+        yield from _by_least_imbalance(rounded, method="simplex", presolve=False, work=work)
+    yield from _by_least_imbalance(rounded, method="interior", work=work)
 
 
 def _solve_with_word(
