@@ -209,7 +209,9 @@ def test_what_is_no_assembly_is_told_how_to_become_one(verb: Any, given: Any, hi
     [
         (lambda: Part("a", "box"), "shape is of type str"),
         (lambda: Part("a", Trimesh()), r"kilter\.Mesh\(mesh"),
-        (lambda: Part("a", Box([1, 1, 1]), [1, 2, 3]), r"a pose is \[1, 2, 3\]"),
+        (lambda: Part("a", Box([1, 1, 1]), [1, 2]), r"a pose is \[1, 2\]"),
+        (lambda: Box(1, 1), r"expected 3 numbers"),
+        (lambda: Pose.from_matrix([1, 2, 3]), r"matrix of a pose: expected 3 x 3 numbers"),
         (lambda: Part("a", Box([1, 1, 1]), np.diag([1, 1, 2])), "not a rotation"),
         (lambda: Part("a", Box([1, 1, 1]), np.diag([1, 1, -1])), "not a rotation"),
         (lambda: Part("a", Box([1, 1, 1]), np.full((4, 4), 1.0)), "last row"),

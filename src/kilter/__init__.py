@@ -171,6 +171,7 @@ __all__ = sorted(_HOMES)
 _HOOKS = {
     "cell": "kilter.notebook",
     "load": "kilter.files.reading",
+    "mass_of": "kilter.assembly.geometry",
     "read_chosen": "kilter.contact.fits.chosen",
     "scene_of": "kilter.files.objects.trimesh_objects",
     "to_mjcf": "kilter.files.mjcf",

@@ -10,6 +10,7 @@ from __future__ import annotations
 import html
 from typing import TYPE_CHECKING, Any
 
+from kilter.assembly import Assembly
 from kilter.errors import InputError
 from kilter.publish import draw, report
 from kilter.show.canvas import encode_figure
@@ -67,12 +68,14 @@ class Shown:
         return f"<Shown: {self.answer!r}>"
 
 
-def cell(answer: Verdict | Region | Order, *, height: int = 720, title: str = "") -> Shown:
+def cell(
+    answer: Verdict | Region | Order | Assembly, *, height: int = 720, title: str = ""
+) -> Shown:
     """Build the page of an answer for the output of a notebook cell.
 
     Parameters
     ----------
-    answer : Verdict, Region or Order
+    answer : Verdict, Region, Order or Assembly
         For a verdict or a region, the page shows their assembly with the contacts of the answer.
     height : int
         Height of the frame [px].
@@ -96,6 +99,8 @@ def cell(answer: Verdict | Region | Order, *, height: int = 720, title: str = ""
 
     if not (isinstance(height, int) and height > 0):
         raise InputError(f"the height is {height!r:.40}", hint="give a whole number of pixels")
+    if isinstance(answer, Assembly):
+        return Shown(answer, report(answer, title=title).html, height)
     if isinstance(answer, Order):
         return Shown(answer, report(answer, title=title).html, height)
     if isinstance(answer, Region):

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from kilter.arrays import Array, Index
 from kilter.errors import InputError
 from kilter.validate import frozen, in_range
+from kilter.values import Value
 
 __all__ = [
     "Pose",
@@ -167,7 +168,7 @@ def matrix_to_quaternion(matrix: ArrayLike) -> Array:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Pose:
+class Pose(Value):
     """Position and orientation of a part: its shape is rotated about its origin, then shifted.
 
     Parameters
@@ -186,8 +187,13 @@ class Pose:
     --------
     >>> Pose(position=[0, 0, 5]).apply([[1, 0, 0]])
     array([[1., 0., 5.]])
-    >>> Pose.of([[0, -1, 0], [1, 0, 0], [0, 0, 1]])
+    >>> quarter = Pose.from_matrix([[0, -1, 0], [1, 0, 0], [0, 0, 1]])
+    >>> quarter
     Pose(position=(0, 0, 0), rotation=(0.707107, 0, 0, 0.707107))
+    >>> Pose([0, 0, 5]) @ quarter
+    Pose(position=(0, 0, 5), rotation=(0.707107, 0, 0, 0.707107))
+    >>> (Pose([0, 0, 5]) @ quarter).inverse()
+    Pose(position=(0, 0, -5), rotation=(0.707107, 0, 0, -0.707107))
     """
 
     position: Any = field(default=(0.0, 0.0, 0.0))
@@ -206,7 +212,7 @@ class Pose:
 
     @classmethod
     def of(cls, pose: Any) -> Pose:
-        """Convert a pose, a rotation matrix (3 x 3) or a rigid transform (4 x 4) to a pose.
+        """Convert a pose, a position (3 numbers) or a matrix of `from_matrix` to a pose.
 
         Raises
         ------
@@ -216,18 +222,46 @@ class Pose:
         if isinstance(pose, Pose):
             return pose
         shape = np.shape(pose) if isinstance(pose, np.ndarray | list | tuple) else ()
+        if shape == (3,):
+            return cls(pose)
         if shape not in ((3, 3), (4, 4)):
             raise InputError(
                 f"a pose is {repr(pose)[:60]}",
-                hint="give a kilter.Pose, a 3 x 3 rotation, or a 4 x 4 transform",
+                hint="give a kilter.Pose, a position, a 3 x 3 rotation, or a 4 x 4 transform",
             )
-        matrix = frozen(pose, shape)
-        if shape == (4, 4) and matrix[3].tolist() != [0, 0, 0, 1]:
+        return cls.from_matrix(pose)
+
+    @classmethod
+    def from_matrix(cls, matrix: ArrayLike) -> Pose:
+        """The pose of a rotation matrix (3 x 3) or of a rigid transform (4 x 4).
+
+        Raises
+        ------
+        InputError
+            If the matrix has another shape, or it scales, shears or mirrors.
+        """
+        shape = np.shape(matrix)
+        rows = frozen(matrix, (4, 4) if shape == (4, 4) else (3, 3), "matrix of a pose")
+        if shape == (4, 4) and rows[3].tolist() != [0, 0, 0, 1]:
             raise InputError(
-                f"the last row of a transform is {matrix[3].tolist()}", hint="give 0, 0, 0, 1"
+                f"the last row of a transform is {rows[3].tolist()}", hint="give 0, 0, 0, 1"
             )
-        position = matrix[:3, 3] if shape == (4, 4) else (0.0, 0.0, 0.0)
-        return cls(position, matrix_to_quaternion(matrix[:3, :3]))
+        position = rows[:3, 3] if shape == (4, 4) else (0.0, 0.0, 0.0)
+        return cls(position, matrix_to_quaternion(rows[:3, :3]))
+
+    def __matmul__(self, other: Pose) -> Pose:
+        """The pose that applies `other` first, then this pose."""
+        if not isinstance(other, Pose):
+            return NotImplemented
+        p, q = (pose.rotation / np.linalg.norm(pose.rotation) for pose in (self, other))
+        real = p[0] * q[0] - p[1:] @ q[1:]
+        rotation = np.array([real, *(p[0] * q[1:] + q[0] * p[1:] + np.cross(p[1:], q[1:]))])
+        return Pose(self.apply(other.position), rotation / np.linalg.norm(rotation))
+
+    def inverse(self) -> Pose:
+        """The pose that takes points of the world frame to the frame of the part."""
+        back = self.rotation * [1.0, -1.0, -1.0, -1.0] / np.linalg.norm(self.rotation)
+        return Pose(-self.position @ self.matrix, back)
 
     @property
     def matrix(self) -> Array:

@@ -70,8 +70,8 @@ def test_change_of_density_changes_no_verdict(answers, name, factor):
     parts = [
         dataclasses.replace(
             part,
-            density=None if part.mass else 1000.0 * factor,
-            mass=None if part.mass is None else part.mass * factor,
+            density=None if part.given_mass else 1000.0 * factor,
+            mass=None if part.given_mass is None else part.given_mass * factor,
         )
         for part in assembly.parts
     ]

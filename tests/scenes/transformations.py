@@ -68,7 +68,7 @@ def scaled(assembly: Assembly, factor: float) -> Assembly:
             part,
             shape=_scaled_shape(part.shape, factor),
             pose=Pose(part.pose.position * factor, part.pose.rotation),
-            mass=times(part.mass, 3),
+            mass=times(part.given_mass, 3),
             center_of_mass=times(part.center_of_mass),
         )
         for part in assembly.parts

@@ -27,7 +27,7 @@ def pieces(
             else Box([factor] * 3),
             Pose(turn.apply(factor * part.pose.position[None])[0], turn.rotation),
             grounded=part.grounded,
-            mass=part.mass,
+            mass=part.given_mass,
         )
         for part in assembly.parts
     ]

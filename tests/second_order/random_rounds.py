@@ -90,7 +90,7 @@ def beside(first: Round, second: Round) -> Round:
         return name if name == "base" else f"other {name}"
 
     parts = [
-        Part(other(part.name), part.shape, part.pose, mass=part.mass)
+        Part(other(part.name), part.shape, part.pose, mass=part.given_mass)
         for part in second.assembly.parts
         if not part.grounded
     ]

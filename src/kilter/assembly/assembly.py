@@ -12,24 +12,23 @@ import fnmatch
 import os
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from kilter.arrays import Array
 from kilter.assembly.bonds import Bond, require_apart
+from kilter.assembly.changed_copies import ChangedCopies
 from kilter.assembly.geometry import Geometry, build_geometry
 from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, Load
 from kilter.assembly.lowest import lowest_heights
 from kilter.assembly.part import GROUND, Part
 from kilter.errors import InputError, nearest_name, some_names
 from kilter.hooks import hook
-from kilter.rigid import Pose, rotation_between, unit
-from kilter.shape.primitives import Box
+from kilter.rigid import unit
 from kilter.tell.html import html_of
 from kilter.units import metres_per_unit
 from kilter.validate import frozen, in_range, number
@@ -47,14 +46,10 @@ ENTRIES: dict[str, type] = {
     "notes": str,
 }
 """Type of the entries of each sequence of an assembly."""
-SPACIOUS = 4.0
-"""Width of the floor [widths of the parts together]."""
-THICK = 0.25
-"""Thickness of the floor [widths of the parts together]."""
 
 
 @dataclass(frozen=True, eq=False)
-class Assembly:
+class Assembly(ChangedCopies):
     """Rigid parts, with held parts, gravity, loads, joints, bonds and given contacts.
 
     Parameters
@@ -82,6 +77,11 @@ class Assembly:
     tolerance : kilter.Tolerance, optional
         Default tolerance of contact detection; None for that of `kilter.Tolerance()`.
 
+    Notes
+    -----
+    An assembly is a frozen value: methods such as `with_friction` return a changed copy.
+    Assemblies with equal content are equal and have the same hash; `source` does not count.
+
     Raises
     ------
     InputError
@@ -89,11 +89,23 @@ class Assembly:
 
     Examples
     --------
+    >>> from kilter import Box, Pose
     >>> table = Part("table", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
     >>> cube = Part("cube", Box([1, 1, 1]), Pose([0, 0, 0.5]))
     >>> assembly = Assembly([table, cube])
     >>> assembly.geometry.mass
     array([16000.,  1000.])
+    >>> assembly["cube"].mass, assembly.mass, assembly.center_of_mass.tolist()
+    (1000.0, 17000.0, [0.0, 0.0, -0.4411764705882353])
+    >>> assembly.bounds.tolist()
+    [[-2.0, -2.0, -1.0], [2.0, 2.0, 1.0]]
+    >>> taller = assembly + Part("lid", Box(1, 1, 1), [0, 0, 1.5])
+    >>> taller.without("lid") == assembly
+    True
+    >>> assembly.merged(assembly, prefix="b/").renamed({"b/table": "far"}).names
+    ('table', 'cube', 'far', 'b/cube')
+    >>> assembly.with_pose("cube", [1, 0, 0.5])["cube"].pose
+    Pose(position=(1, 0, 0.5), rotation=(1, 0, 0, 0))
     """
 
     parts: Sequence[Part]
@@ -106,7 +118,7 @@ class Assembly:
     joints: Sequence[Joint] = ()
     planar: bool = False
     detect: bool = True
-    source: str = ""
+    source: str = field(default="", compare=False)
     notes: Sequence[str] = ()
     bonds: Sequence[Bond] = ()
     tolerance: Any = None
@@ -127,6 +139,9 @@ class Assembly:
     def _validate_parts(self) -> None:
         """Verify that there are parts, with distinct names, and that the units are known."""
         metres_per_unit(self.units)
+        if any(part.units != self.units for part in self.parts):
+            parts = tuple(dataclasses.replace(part, units=self.units) for part in self.parts)
+            object.__setattr__(self, "parts", parts)
         if not self.parts:
             raise InputError("the assembly has no parts", hint="give at least one part")
         if len(self.index) < len(self.parts):
@@ -191,6 +206,9 @@ class Assembly:
                 part=load.part,
                 hint="give forces along x and z, torques about y",
             )
+
+    def __getstate__(self) -> dict[str, Any]:
+        return self.__dict__  # without the kept hash, which a frozen value cannot set again
 
     def __len__(self) -> int:
         return len(self.parts)
@@ -276,10 +294,55 @@ class Assembly:
         except InputError as error:
             raise error.located(file=self.source or None) from None
 
+    @cached_property
+    def bounds(self) -> Array:
+        """Lower and upper corner of the bounding box of all parts, shape (2, 3), read-only.
+
+        World frame [length unit]. The box contains the exact curved surfaces.
+        """
+        low = [lowest_heights(self.geometry, axis).min() for axis in np.eye(3)]
+        high = [-lowest_heights(self.geometry, -axis).min() for axis in np.eye(3)]
+        return frozen([low, high])
+
+    @property
+    def mass(self) -> float:
+        """Mass of all parts together, held parts included [kg]; ``geometry.mass`` has each."""
+        return float(self.geometry.mass.sum())
+
+    @property
+    def center_of_mass(self) -> Array:
+        """Centre of mass of all parts, held parts included, shape (3,), read-only.
+
+        World frame [length unit]. ``geometry.center`` has that of each part.
+        """
+        mass = self.geometry.mass
+        return frozen(mass @ self.geometry.center / mass.sum())
+
     @property
     def down(self) -> Array:
         """Unit direction of gravity, shape (3,)."""
         return unit(self.gravity, "gravity")
+
+    def show(self, *, height: int = 720, title: str = "") -> Any:
+        """The page of `kilter.report` for the cell of a notebook: parts, motion and forces.
+
+        Parameters
+        ----------
+        height : int
+            Height of the frame [px].
+        title : str
+            Title above the page; the name of the file by default.
+
+        Returns
+        -------
+        kilter.Shown
+
+        Raises
+        ------
+        InputError
+            As `kilter.report`; for example if nothing is held.
+        """
+        return hook("cell")(self, height=height, title=title)
 
     # other libraries -----------------------------------------------------------------
 
@@ -323,105 +386,6 @@ class Assembly:
         text: str = hook("to_mjcf")(self)
         return text
 
-    # changed copies ------------------------------------------------------------------
-
-    def with_down(self, down: ArrayLike) -> Assembly:
-        """The assembly with gravity in the direction `down`, of the same magnitude."""
-        size = float(np.linalg.norm(self.gravity))
-        return self._replace(gravity=unit(down, "down") * size)
-
-    def with_friction(self, friction: float) -> Assembly:
-        """The assembly with another coefficient for contacts without one of their own."""
-        return self._replace(friction=friction)
-
-    def with_grounded(self, patterns: str | Iterable[str]) -> Assembly:
-        """The assembly with the parts that match also held; ``*`` and ``?`` are globs."""
-        chosen = self.matching(patterns)
-        return self._replace(
-            parts=[
-                dataclasses.replace(part, grounded=True) if part.name in chosen else part
-                for part in self.parts
-            ]
-        )
-
-    def with_grips(self, names: Iterable[str]) -> Assembly:
-        """The assembly while a hand or a gripper holds these parts.
-
-        Loads on them are left out: the grip carries them.
-        """
-        gripped = set(names)
-        loads = [load for load in self.loads if load.part not in gripped]
-        return self._replace(
-            parts=[
-                dataclasses.replace(part, grounded=True) if part.name in gripped else part
-                for part in self.parts
-            ],
-            loads=loads,
-        )
-
-    def with_bonds(self, bonds: Iterable[Bond]) -> Assembly:
-        """The assembly with additional bonds."""
-        return self._replace(bonds=[*self.bonds, *bonds])
-
-    def with_joints(self, joints: Iterable[Joint], *, notes: Iterable[str] = ()) -> Assembly:
-        """The assembly with additional joints, and with `notes` after the notes of the reader.
-
-        `kilter.contact.fastened` makes the joints of bolts and other fasteners.
-        """
-        return self._replace(joints=[*self.joints, *joints], notes=[*self.notes, *notes])
-
-    def without(self, patterns: str | Iterable[str]) -> Assembly:
-        """The assembly without the parts that match, and without all entries that name them."""
-        gone = self.matching(patterns)
-        keep = [part for part in self.parts if part.name not in gone]
-        if not keep:
-            raise InputError("all parts are left out", hint="leave fewer parts out")
-
-        def kept(entries: Sequence[Any]) -> list[Any]:
-            """The entries that name none of the removed parts."""
-            return [entry for entry in entries if not gone.intersection(entry.parts)]
-
-        return self._replace(
-            parts=keep,
-            friction_pairs=kept(self.friction_pairs),
-            contacts=kept(self.contacts),
-            joints=kept(self.joints),
-            bonds=kept(self.bonds),
-            loads=[load for load in self.loads if load.part not in gone],
-        )
-
-    def with_floor(self, height: float | None = None) -> Assembly:
-        """The assembly with a held table under its lowest point, or at a given height.
-
-        The lowest point, with respect to gravity, is that of the exact surfaces.
-
-        Parameters
-        ----------
-        height : float, optional
-            Height of the table's top, measured from the origin against gravity [length unit].
-        """
-        geometry = self.geometry
-        up = -self.down
-        lowest = number(height, "height of the floor") if height is not None else None
-        if lowest is None:
-            lowest = float(lowest_heights(geometry, up).min())
-        size = float(np.ptp(geometry.vertices, axis=0).max())
-        middle = (geometry.vertices.min(axis=0) + geometry.vertices.max(axis=0)) / 2
-        thick = THICK * size
-        center = middle + up * (lowest - thick / 2 - middle @ up)
-        name = "floor"
-        while name in self.index:
-            name += "_"
-        table = Part(
-            name,
-            Box([SPACIOUS * size, SPACIOUS * size, thick]),
-            Pose(center, rotation_between([0, 0, 1], up)),
-            grounded=True,
-            density=1000.0,
-            table=True,
-        )
-        return self._replace(parts=[*self.parts, table])
-
     def matching(self, patterns: str | Iterable[str]) -> set[str]:
         """The names of the parts that match any of the patterns (names or globs).
 
@@ -461,10 +425,6 @@ class Assembly:
             "with assembly.with_floor()",
             option=f"hold a part with --ground {lowest!r}, or put a table under them with --floor",
         )
-
-    def _replace(self, **changes: Any) -> Assembly:
-        """A copy with other values of some fields."""
-        return dataclasses.replace(self, **changes)
 
 
 def _entries(name: str, given: Any, kind: type) -> tuple[Any, ...]:

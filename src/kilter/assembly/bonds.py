@@ -11,6 +11,7 @@ import numpy as np
 from kilter.errors import InputError, nearest_name
 from kilter.rigid import in_brackets, unit
 from kilter.validate import frozen, in_range, number
+from kilter.values import Value
 
 __all__ = [
     "KINDS",
@@ -41,7 +42,7 @@ NOT_RANGED = "their strength does not scale with the masses"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Bond:
+class Bond(Value):
     """A connection of two parts that resists pull up to a limit, and breaks beyond it.
 
     At a point with normal n, from the first part to the second, the contact force is bounded by

@@ -12,6 +12,7 @@ from kilter.assembly.assembly_tolerances import ACROSS
 from kilter.errors import InputError, nearest_name
 from kilter.rigid import in_brackets, unit
 from kilter.validate import finite
+from kilter.values import Value
 
 __all__ = ["Feature", "FeatureKind"]
 
@@ -20,7 +21,7 @@ KINDS: tuple[FeatureKind, ...] = get_args(FeatureKind)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Feature:
+class Feature(Value):
     """The face, edge or vertex of a part at a `GivenContact`, for the second-order test.
 
     Parameters

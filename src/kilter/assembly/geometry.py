@@ -27,7 +27,7 @@ from kilter.shape.primitives import (
 )
 from kilter.shape.solid import Solid
 
-__all__ = ["Geometry", "build_geometry"]
+__all__ = ["Geometry", "build_geometry", "mass_of"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -338,3 +338,14 @@ def _group_max(values: Array, start: Index) -> Array:
     """Largest value of each run of rows, which begins at ``start[k]``."""
     result: Array = np.maximum.reduceat(values, start[:-1])
     return result
+
+
+def mass_of(part: Part) -> float:
+    """Mass of a part by its density and shape, in its own units [kg].
+
+    Raises
+    ------
+    InputError
+        If the shape does not enclose a volume, as `build_geometry`.
+    """
+    return float(build_geometry([part], part.units).mass[0])

@@ -12,6 +12,7 @@ from kilter.assembly.feature import Feature
 from kilter.errors import InputError, nearest_name
 from kilter.rigid import in_brackets, unit
 from kilter.validate import finite, frozen, in_range, number
+from kilter.values import Value
 
 __all__ = ["FrictionPair", "GivenContact", "Joint", "JointKind", "Load"]
 
@@ -32,7 +33,7 @@ def _names(parts: Any) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class FrictionPair:
+class FrictionPair(Value):
     """Friction coefficient of every contact between two parts.
 
     Parameters
@@ -57,7 +58,7 @@ class FrictionPair:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Load:
+class Load(Value):
     """A force [N] at a point and a torque [N x length unit] on a part, fixed in the world.
 
     Loads do not turn with the assembly.
@@ -104,7 +105,7 @@ class Load:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class GivenContact:
+class GivenContact(Value):
     """Contact points between two parts; they replace detection for that pair.
 
     Parameters
@@ -180,7 +181,7 @@ class GivenContact:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Joint:
+class Joint(Value):
     """A two-sided connection of two parts, or of a part and the ground.
 
     It transmits forces in both senses along each constrained direction.

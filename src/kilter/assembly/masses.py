@@ -91,11 +91,11 @@ def part_masses(
     volume, center, second = moments
     cubic_metres = volume * metres_per_unit(units) ** 3
     density = np.array([part.density or DEFAULT_DENSITY for part in parts])
-    given = np.array([part.mass is not None for part in parts])
+    given = np.array([part.given_mass is not None for part in parts])
     mass = density * cubic_metres
-    mass[given] = [part.mass for part in parts if part.mass is not None]
+    mass[given] = [part.given_mass for part in parts if part.given_mass is not None]
     free = np.array([not part.grounded for part in parts])
-    default = np.array([part.mass is None and part.density is None for part in parts])
+    default = np.array([part.given_mass is None and part.density is None for part in parts])
     if (default & free).any() and (~default & free).any():
         assumed = some_names([p.name for p, d in zip(parts, default & free, strict=True) if d])
         warnings.append(

@@ -152,7 +152,7 @@ def _open_mesh_warning(part: Part, closure: MeshSurface, edges: Index) -> str:
         return f"part {part.name!r}: {what}; a held part needs no closed mesh"
     if not closure.small:
         hint = "close it in the program that made it"
-    elif part.mass is None or part.center_of_mass is None:
+    elif part.given_mass is None or part.center_of_mass is None:
         hint = "close it in the program that made it, hold the part, or give mass and "
         hint += "center_of_mass"
     else:

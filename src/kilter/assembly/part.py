@@ -9,9 +9,12 @@ import numpy as np
 
 from kilter.assembly.brick import Brick
 from kilter.errors import InputError
+from kilter.hooks import hook
 from kilter.rigid import Pose, in_brackets
 from kilter.shape.primitives import Box, Shape
+from kilter.units import metres_per_unit
 from kilter.validate import finite, in_range, number
+from kilter.values import Value
 
 __all__ = ["GROUND", "Part"]
 
@@ -19,8 +22,12 @@ GROUND = "ground"
 """Reserved name of the world; a joint with it holds a part."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Part:
+NOT_STATED: Any = type("NotStated", (), {"__repr__": lambda _: "None"})()
+"""Default of the mass, so that ``replace(part, mass=None)`` removes a given mass."""
+
+
+@dataclass(frozen=True, slots=True, eq=False, init=False)
+class Part(Value):
     """A rigid part.
 
     Parameters
@@ -29,21 +36,36 @@ class Part:
         Name, unique in the assembly; not "ground".
     shape : Box, Cylinder, Sphere, Prism, Mesh or Solid
         Shape in the part's own frame [length unit].
-    pose : Pose, or array_like of shape (3, 3) or (4, 4)
-        Transform from the part's frame to the world: a pose, a rotation matrix, or a rigid
-        transform.
+    pose : Pose, or array_like of shape (3,), (3, 3) or (4, 4)
+        Transform from the part's frame to the world: a pose, a position, a rotation matrix, or a
+        rigid transform.
     grounded : bool
         Whether the part is held: it cannot move.
     density : float, optional
         Density [kg/m^3]; default 1000 if the mass is not given either.
     mass : float, optional
-        Mass [kg]; overrides density and volume.
+        Mass [kg]; overrides density and volume. The attribute `mass` is always known, see below.
     center_of_mass : array_like, shape (3,), optional
         Centre of mass in the part's own frame [length unit]; overrides the geometry.
     table : bool
         Whether the part is the table of `Assembly.with_floor`; no part counts as fastened to it.
     brick : Brick, optional
         Toy brick, drawn with studs and in its colour; the shape must be a box.
+    given_mass : float, optional
+        The same as `mass`, for `dataclasses.replace`.
+    units : {"m", "cm", "mm", "in"}
+        Unit of the lengths. An assembly sets it to its own unit, without a conversion of numbers.
+
+    Attributes
+    ----------
+    mass : float
+        Mass [kg]: the given mass, or density times volume of the shape.
+    given_mass : float or None
+        The mass that was given.
+
+    Notes
+    -----
+    Parts with equal content are equal and have the same hash, whatever their units.
 
     Raises
     ------
@@ -53,8 +75,13 @@ class Part:
     Examples
     --------
     >>> from kilter.shape.primitives import Box
-    >>> Part("C2", Box([1, 1, 1]), Pose([0, 0, 0.5]), density=7850).mass is None
+    >>> part = Part("C2", Box(1, 1, 1), [0, 0, 0.5], density=7850)
+    >>> part.mass, part.given_mass
+    (7850.0, None)
+    >>> part == Part("C2", Box([1, 1, 1]), Pose([0, 0, 0.5]), density=7850.0)
     True
+    >>> round(Part("C3", Box(40, 20, 10), units="mm").mass, 12)
+    0.008
     """
 
     name: str
@@ -62,12 +89,42 @@ class Part:
     pose: Pose = field(default_factory=Pose)
     grounded: bool = False
     density: float | None = None
-    mass: float | None = None
+    given_mass: float | None = None
     center_of_mass: Any = None
     table: bool = False
     brick: Brick | None = None
+    units: str = field(default="m", compare=False)
 
-    def __post_init__(self) -> None:
+    # The generated initialiser would lack the keyword `mass`, which is also a property.
+    def __init__(
+        self,
+        name: str,
+        shape: Shape,
+        pose: Any = None,
+        grounded: bool = False,
+        density: float | None = None,
+        mass: float | None = NOT_STATED,
+        center_of_mass: Any = None,
+        table: bool = False,
+        brick: Brick | None = None,
+        *,
+        given_mass: float | None = None,
+        units: str = "m",
+    ) -> None:
+        values = {
+            "name": name,
+            "shape": shape,
+            "pose": Pose() if pose is None else pose,
+            "grounded": grounded,
+            "density": density,
+            "given_mass": given_mass if mass is NOT_STATED else mass,
+            "center_of_mass": center_of_mass,
+            "table": table,
+            "brick": brick,
+            "units": units,
+        }
+        for key, value in values.items():
+            object.__setattr__(self, key, value)
         if not isinstance(self.name, str) or not self.name:
             raise InputError(
                 f"the name of a part is {self.name!r}", hint="give a name that is not empty"
@@ -92,12 +149,28 @@ class Part:
             object.__setattr__(
                 self, "density", number(self.density, "density", lowest=0, above=True)
             )
-        if self.mass is not None:
-            object.__setattr__(self, "mass", number(self.mass, "mass", lowest=0, above=True))
+        if self.given_mass is not None:
+            mass = number(self.given_mass, "mass", lowest=0, above=True)
+            object.__setattr__(self, "given_mass", mass)
+        metres_per_unit(self.units)
         if self.center_of_mass is not None:
             center = finite(self.center_of_mass, (3,), "center_of_mass")
             in_range(center, "center_of_mass")
             object.__setattr__(self, "center_of_mass", center)
+
+    @property
+    def mass(self) -> float:
+        """Mass [kg]: the given mass, or density times volume of the shape.
+
+        Raises
+        ------
+        InputError
+            If the mass is not given and the shape does not enclose a volume.
+        """
+        if self.given_mass is not None:
+            return self.given_mass
+        mass: float = hook("mass_of")(self)
+        return mass
 
     def __repr__(self) -> str:
         held = ", grounded=True" if self.grounded else ""

@@ -32,6 +32,7 @@ from kilter.errors import InputError, nearest_name
 from kilter.rigid import Pose, unit
 from kilter.shape.primitives import Box
 from kilter.validate import finite, number
+from kilter.values import Value
 
 __all__ = ["KINDS", "Support", "with_supports"]
 
@@ -43,7 +44,7 @@ OUTSIDE = "outside"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Support:
+class Support(Value):
     """A device that may hold a part; world frame, length unit of the assembly.
 
     Attributes

@@ -351,7 +351,7 @@ def _part_dict(part: Part) -> dict[str, Any]:
             pose=pose or None,
             grounded=bool(part.grounded) or None,
             density=part.density,
-            mass=part.mass,
+            mass=part.given_mass,
             center_of_mass=part.center_of_mass,
             brick=None if part.brick is None else _brick_dict(part.brick),
         ),

@@ -52,7 +52,7 @@ def with_density(assembly: Assembly, density: float) -> Assembly:
     """The assembly whose parts without density and mass have the given density [kg/m^3]."""
 
     def with_default(part: Part) -> Any:
-        if part.density is not None or part.mass is not None:
+        if part.density is not None or part.given_mass is not None:
             return part
         return dataclasses.replace(part, density=density)
 

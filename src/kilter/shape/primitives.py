@@ -13,6 +13,7 @@ from itertools import chain
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from kilter.arrays import Array, Index, Mask, across, cross
 from kilter.errors import InputError
@@ -20,6 +21,7 @@ from kilter.rigid import in_brackets
 from kilter.shape.shape_tolerances import CUT_AREA, POLYGON_AREA, WHOLE_TURN
 from kilter.shape.solid import Solid
 from kilter.validate import frozen, in_range, number
+from kilter.values import Value
 
 __all__ = ["Box", "Cylinder", "Mesh", "Prism", "Shape", "Sphere", "surface"]
 
@@ -44,13 +46,13 @@ def _positive(value: Any, what: str) -> float:
     return number(value, what, lowest=0, above=True)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Box:
+@dataclass(frozen=True, slots=True, eq=False, init=False)
+class Box(Value):
     """A box, centred on the origin.
 
     Parameters
     ----------
-    size : array_like, shape (3,)
+    size : array_like, shape (3,), or three numbers
         Lengths along x, y, z [length unit].
 
     Raises
@@ -62,12 +64,15 @@ class Box:
     --------
     >>> Box([40, 20, 10]).size
     array([40., 20., 10.])
+    >>> Box(40, 20, 10) == Box([40, 20, 10])
+    True
     """
 
     size: Any
 
-    def __post_init__(self) -> None:
-        size = frozen(self.size, (3,))
+    def __init__(self, size: ArrayLike, *others: float) -> None:
+        lengths: Any = (size, *others) if others else size
+        size = frozen(lengths, (3,))
         if not (np.isfinite(size).all() and (size > 0).all()):
             raise InputError(
                 f"the size of the box is {size.tolist()}", hint="give three lengths above zero"
@@ -80,7 +85,7 @@ class Box:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Cylinder:
+class Cylinder(Value):
     """A solid cylinder about the z axis, centred on the origin.
 
     Parameters
@@ -103,7 +108,7 @@ class Cylinder:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sphere:
+class Sphere(Value):
     """A solid sphere, centred on the origin.
 
     Parameters
@@ -124,7 +129,7 @@ class Sphere:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Prism:
+class Prism(Value):
     """A polygon in the x-z plane, extruded along y, centred on y = 0.
 
     Parameters
@@ -171,7 +176,7 @@ class Prism:
         return f"Prism({len(self.polygon)} corners, depth={self.depth:g})"
 
 
-class Mesh:
+class Mesh(Value):
     """A closed surface of triangles.
 
     Parameters
@@ -221,6 +226,9 @@ class Mesh:
         self.accuracy = (
             largest * (2.0**-24 if single else 2.0**-53) if accuracy is None else float(accuracy)
         )
+
+    def _content(self) -> tuple[Any, ...]:
+        return self.vertices, self.triangles, self.accuracy
 
     def __repr__(self) -> str:
         return f"Mesh({len(self.vertices)} vertices, {len(self.triangles)} triangles)"

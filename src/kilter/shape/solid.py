@@ -15,6 +15,7 @@ from kilter.arrays import TINY, Array, Index, cross
 from kilter.errors import InputError
 from kilter.rigid import Pose, quaternion_to_matrix, unit
 from kilter.validate import frozen, number
+from kilter.values import Value
 
 __all__ = [
     "Solid",
@@ -33,7 +34,7 @@ SurfaceKind = Literal["plane", "cylinder", "cone", "sphere", "torus"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Surface:
+class Surface(Value):
     """The exact surface of a face, in the frame of its part.
 
     Parameters
@@ -69,7 +70,7 @@ class Surface:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Solid:
+class Solid(Value):
     """A solid with exact faces, in the part's own frame.
 
     Parameters

@@ -26,7 +26,9 @@ def density_answer(assembly: Assembly) -> dict[str, Any]:
     `given` is the range of the stated densities. `default` is the density of the parts without
     mass and density. Either is None if no part uses it.
     """
-    free = [part.density for part in assembly.parts if not part.grounded and part.mass is None]
+    free = [
+        part.density for part in assembly.parts if not part.grounded and part.given_mass is None
+    ]
     given = [density for density in free if density is not None]
     return {
         "given": [min(given), max(given)] if given else None,

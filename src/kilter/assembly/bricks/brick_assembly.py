@@ -115,7 +115,7 @@ def bricks_of(assembly: Assembly) -> tuple[BrickModel, StudRules, float]:
     model = BrickModel(
         np.round(low * size / box).astype(np.int64),
         size,
-        np.array([part.mass or 1.0 for part in parts]),
+        np.array([part.given_mass or 1.0 for part in parts]),
         np.array([NO_COLOR if brick.color is None else brick.color for brick in bricks]),
         np.array([part.grounded for part in parts]),
         np.array([int(match[1]) if match else 0 for match in numbers]),

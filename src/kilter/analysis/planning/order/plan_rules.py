@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from kilter.errors import InputError
 from kilter.validate import number
+from kilter.values import Value
 
 __all__ = ["FEWEST", "PlanRules", "turns_alone"]
 
@@ -20,7 +21,7 @@ FEWEST = ("holds", "held-steps", "turns")
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class PlanRules:
+class PlanRules(Value):
     """Rules that `kilter.plan` obeys. Names of parts may be patterns with ``*``, ``?`` and ``[]``.
 
     Parameters

@@ -1,0 +1,258 @@
+"""Changed copies of an assembly: other parts, poses, names, loads, joints, gravity or friction.
+
+Values are frozen: every method returns a new assembly. Positions in the world frame stay where
+they are: those of joints, loads, bonds and given contacts do not follow a part to its new pose.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kilter.arrays import Array
+from kilter.assembly.bonds import Bond
+from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, Load
+from kilter.assembly.lowest import lowest_heights
+from kilter.assembly.part import Part
+from kilter.errors import InputError
+from kilter.rigid import Pose, rotation_between, unit
+from kilter.shape.primitives import Box
+from kilter.validate import number
+from kilter.values import Value
+
+if TYPE_CHECKING:
+    from kilter.assembly.assembly import Assembly
+    from kilter.assembly.geometry import Geometry
+
+__all__ = ["ChangedCopies"]
+
+SPACIOUS = 4.0
+"""Width of the floor [widths of the parts together]."""
+THICK = 0.25
+"""Thickness of the floor [widths of the parts together]."""
+ALIKE = ("units", "gravity", "friction", "planar", "detect", "tolerance")
+"""Fields in which two assemblies must agree before they are merged."""
+
+
+class ChangedCopies(Value):
+    """The methods of `Assembly` that return a changed copy."""
+
+    __slots__ = ()
+
+    if TYPE_CHECKING:
+        parts: Sequence[Part]
+        units: str
+        gravity: Any
+        friction_pairs: Sequence[FrictionPair]
+        loads: Sequence[Load]
+        contacts: Sequence[GivenContact]
+        joints: Sequence[Joint]
+        bonds: Sequence[Bond]
+        notes: Sequence[str]
+
+        # defined by `Assembly`
+        @property
+        def geometry(self) -> Geometry: ...  # noqa: D102
+        @property
+        def down(self) -> Array: ...  # noqa: D102
+        @property
+        def index(self) -> dict[str, int]: ...  # noqa: D102
+        def index_of(self, part: str | int) -> int: ...  # noqa: D102
+        def matching(self, patterns: str | Iterable[str]) -> set[str]: ...  # noqa: D102
+
+    def _replace(self, **changes: Any) -> Assembly:
+        """A copy with other values of some fields."""
+        return dataclasses.replace(cast("Assembly", self), **changes)
+
+    # parts ---------------------------------------------------------------------------
+
+    def __add__(self, part: Part) -> Assembly:
+        """The assembly with one more part; `with_parts` adds several."""
+        return self.with_parts([part]) if isinstance(part, Part) else NotImplemented
+
+    def with_parts(self, parts: Iterable[Part]) -> Assembly:
+        """The assembly with additional parts, after the others."""
+        return self._replace(parts=[*self.parts, *parts])
+
+    def with_pose(self, part: str | int, pose: Any) -> Assembly:
+        """The assembly with a part in another pose; `pose` as for `Part`."""
+        return self.with_poses({self.parts[self.index_of(part)].name: pose})
+
+    def with_poses(self, poses: Mapping[str, Any]) -> Assembly:
+        """The assembly with some parts in other poses, from name to pose."""
+        parts = list(self.parts)
+        for name, pose in poses.items():
+            k = self.index_of(name)
+            parts[k] = dataclasses.replace(parts[k], pose=pose)
+        return self._replace(parts=parts)
+
+    def renamed(self, names: Mapping[str, str]) -> Assembly:
+        """The assembly with other names of parts, from the old name to the new name.
+
+        Entries that name the parts (loads, joints, bonds, contacts, friction pairs) follow.
+        """
+        for name in names:
+            self.index_of(name)
+
+        def following(entries: Sequence[Any]) -> list[Any]:
+            """The entries with the new names of their parts."""
+            return [
+                dataclasses.replace(entry, parts=tuple(names.get(n, n) for n in entry.parts))
+                for entry in entries
+            ]
+
+        return self._replace(
+            parts=[
+                dataclasses.replace(part, name=names[part.name]) if part.name in names else part
+                for part in self.parts
+            ],
+            friction_pairs=following(self.friction_pairs),
+            contacts=following(self.contacts),
+            joints=following(self.joints),
+            bonds=following(self.bonds),
+            loads=[
+                dataclasses.replace(load, part=names.get(load.part, load.part))
+                for load in self.loads
+            ],
+        )
+
+    def merged(self, other: Assembly, *, prefix: str = "") -> Assembly:
+        """The assembly with all parts and entries of another assembly.
+
+        Parameters
+        ----------
+        other : Assembly
+            It has the same units, gravity and default friction.
+        prefix : str
+            Text before the names of the parts of `other`.
+
+        Raises
+        ------
+        InputError
+            If the assemblies disagree in one of these, or share the name of a part.
+        """
+        for name in ALIKE:
+            ours, theirs = getattr(self, name), getattr(other, name)
+            if not np.array_equal(ours, theirs):
+                raise InputError(
+                    f"the assemblies differ in {name}: {ours} and {theirs}",
+                    hint=f"give both the same {name} before they are merged",
+                )
+        joined = other.renamed({name: prefix + name for name in other.names}) if prefix else other
+        shared = next((name for name in joined.names if name in self.index), None)
+        if shared is not None:
+            raise InputError(
+                f"both assemblies have a part named {shared!r}",
+                hint='give a prefix: first.merged(second, prefix="second/")',
+            )
+        entries = ("parts", "friction_pairs", "loads", "contacts", "joints", "bonds", "notes")
+        return self._replace(
+            **{name: [*getattr(self, name), *getattr(joined, name)] for name in entries}
+        )
+
+    def with_loads(self, loads: Iterable[Load]) -> Assembly:
+        """The assembly with additional loads."""
+        return self._replace(loads=[*self.loads, *loads])
+
+    # gravity, friction, held parts, connections --------------------------------------
+
+    def with_down(self, down: ArrayLike) -> Assembly:
+        """The assembly with gravity in the direction `down`, of the same magnitude."""
+        size = float(np.linalg.norm(self.gravity))
+        return self._replace(gravity=unit(down, "down") * size)
+
+    def with_friction(self, friction: float) -> Assembly:
+        """The assembly with another coefficient for contacts without one of their own."""
+        return self._replace(friction=friction)
+
+    def with_grounded(self, patterns: str | Iterable[str]) -> Assembly:
+        """The assembly with the parts that match also held; ``*`` and ``?`` are globs."""
+        chosen = self.matching(patterns)
+        return self._replace(
+            parts=[
+                dataclasses.replace(part, grounded=True) if part.name in chosen else part
+                for part in self.parts
+            ]
+        )
+
+    def with_grips(self, names: Iterable[str]) -> Assembly:
+        """The assembly while a hand or a gripper holds these parts.
+
+        Loads on them are left out: the grip carries them.
+        """
+        gripped = set(names)
+        loads = [load for load in self.loads if load.part not in gripped]
+        return self._replace(
+            parts=[
+                dataclasses.replace(part, grounded=True) if part.name in gripped else part
+                for part in self.parts
+            ],
+            loads=loads,
+        )
+
+    def with_bonds(self, bonds: Iterable[Bond]) -> Assembly:
+        """The assembly with additional bonds."""
+        return self._replace(bonds=[*self.bonds, *bonds])
+
+    def with_joints(self, joints: Iterable[Joint], *, notes: Iterable[str] = ()) -> Assembly:
+        """The assembly with additional joints, and with `notes` after the notes of the reader.
+
+        `kilter.contact.fastened` makes the joints of bolts and other fasteners.
+        """
+        return self._replace(joints=[*self.joints, *joints], notes=[*self.notes, *notes])
+
+    def without(self, patterns: str | Iterable[str]) -> Assembly:
+        """The assembly without the parts that match, and without all entries that name them."""
+        gone = self.matching(patterns)
+        keep = [part for part in self.parts if part.name not in gone]
+        if not keep:
+            raise InputError("all parts are left out", hint="leave fewer parts out")
+
+        def kept(entries: Sequence[Any]) -> list[Any]:
+            """The entries that name none of the removed parts."""
+            return [entry for entry in entries if not gone.intersection(entry.parts)]
+
+        return self._replace(
+            parts=keep,
+            friction_pairs=kept(self.friction_pairs),
+            contacts=kept(self.contacts),
+            joints=kept(self.joints),
+            bonds=kept(self.bonds),
+            loads=[load for load in self.loads if load.part not in gone],
+        )
+
+    def with_floor(self, height: float | None = None) -> Assembly:
+        """The assembly with a held table under its lowest point, or at a given height.
+
+        The lowest point, with respect to gravity, is that of the exact surfaces.
+
+        Parameters
+        ----------
+        height : float, optional
+            Height of the table's top, measured from the origin against gravity [length unit].
+        """
+        geometry = self.geometry
+        up = -self.down
+        lowest = number(height, "height of the floor") if height is not None else None
+        if lowest is None:
+            lowest = float(lowest_heights(geometry, up).min())
+        size = float(np.ptp(geometry.vertices, axis=0).max())
+        middle = (geometry.vertices.min(axis=0) + geometry.vertices.max(axis=0)) / 2
+        thick = THICK * size
+        center = middle + up * (lowest - thick / 2 - middle @ up)
+        name = "floor"
+        while name in self.index:
+            name += "_"
+        table = Part(
+            name,
+            Box([SPACIOUS * size, SPACIOUS * size, thick]),
+            Pose(center, rotation_between([0, 0, 1], up)),
+            grounded=True,
+            density=1000.0,
+            table=True,
+        )
+        return self._replace(parts=[*self.parts, table])

@@ -1,0 +1,250 @@
+"""Calls that users of shapely, trimesh or build123d try first: values, and their changed copies."""
+
+from __future__ import annotations
+
+import dataclasses
+import pickle
+import subprocess
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import kilter
+from kilter import (
+    Assembly,
+    Bond,
+    Box,
+    Cylinder,
+    Feature,
+    FrictionPair,
+    GivenContact,
+    InputError,
+    Joint,
+    Load,
+    Mesh,
+    Part,
+    Pose,
+    Prism,
+    Sphere,
+)
+from kilter.scenes import scene
+
+CORNERS = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+FACES = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+
+
+def stack(offset: float = 0.6) -> Assembly:
+    table = Part("table", Box(4, 4, 1), [0, 0, -0.5], grounded=True)
+    lower = Part("lower", Box(1, 1, 1), [0, 0, 0.5])
+    return Assembly([table, lower, Part("upper", Box(1, 1, 1), [offset, 0, 1.5])])
+
+
+# poses ---------------------------------------------------------------------------------------
+
+
+def random_pose(random: np.random.Generator) -> Pose:
+    return Pose(random.normal(size=3), random.normal(size=4) * random.uniform(0.1, 10))
+
+
+def test_the_product_of_poses_applies_the_right_one_first() -> None:
+    random = np.random.default_rng(35)
+    for _ in range(50):
+        p, q = random_pose(random), random_pose(random)
+        points = random.normal(size=(5, 3))
+        assert np.allclose((p @ q).apply(points), p.apply(q.apply(points)), atol=1e-13)
+        assert np.allclose(p.inverse().apply(p.apply(points)), points, atol=1e-13)
+        both = p @ p.inverse()
+        assert np.allclose(both.position, 0, atol=1e-13)
+        assert np.allclose(both.matrix, np.eye(3), atol=1e-13)
+        whole = np.eye(4)
+        whole[:3, :3], whole[:3, 3] = p.matrix, p.position
+        assert np.allclose(Pose.from_matrix(whole).apply(points), p.apply(points), atol=1e-13)
+
+
+def test_a_pose_times_something_else_is_a_type_error() -> None:
+    with pytest.raises(TypeError):
+        Pose() @ [1, 2, 3]  # type: ignore[operator]
+
+
+# equality and hashes --------------------------------------------------------------------------
+
+VALUES: dict[str, Callable[[float], Any]] = {
+    "Pose": lambda x: Pose([x, 0, 0]),
+    "Box": lambda x: Box(x, 1, 1),
+    "Cylinder": lambda x: Cylinder(x, 1),
+    "Sphere": Sphere,
+    "Prism": lambda x: Prism([[0, 0], [x, 0], [0, 1]], 1),
+    "Mesh": lambda x: Mesh(np.array(CORNERS) * x, FACES),
+    "Part": lambda x: Part("a", Box(x, 1, 1), center_of_mass=[0, 0, 0.1]),
+    "mass": lambda x: Part("a", Box(1, 1, 1), mass=x),
+    "Load": lambda x: Load("a", force=[x, 0, 0]),
+    "Joint": lambda x: Joint(("a", "b"), "spherical", point=[x, 0, 0]),
+    "Bond": lambda x: Bond(("a", "b"), pull=x),
+    "FrictionPair": lambda x: FrictionPair(("a", "b"), x),
+    "GivenContact": lambda x: GivenContact(("a", "b"), [[x, 0, 0]], [0, 0, 1]),
+    "Feature": lambda x: Feature("face", [0, 1, 0], (0, x)),
+    "Support": lambda x: kilter.Support("finger", "a", point=[x, 0, 0], direction=[0, 0, 1]),
+    "Tolerance": lambda x: kilter.Tolerance(gap=x),
+    "PlanRules": lambda x: kilter.PlanRules(hold=int(x)),
+    "Assembly": stack,
+}
+
+
+@pytest.mark.parametrize("name", VALUES)
+def test_equal_content_is_equal_and_hashes_alike(name: str) -> None:
+    made = VALUES[name]
+    first, second, other = made(1.0), made(1.0), made(2.0)
+    assert first is not second
+    assert first == second
+    assert hash(first) == hash(second)
+    assert first != other
+    assert len({first, second, other}) == 2
+    assert first != "text"
+    assert pickle.loads(pickle.dumps(first)) == first
+
+
+def test_every_scene_equals_itself_made_again_and_a_change_makes_another() -> None:
+    for name in ("arch", "books", "ladder", "three-cylinders", "paper-figure-8"):
+        first, second = scene(name), scene(name)
+        assert first == second
+        assert hash(first) == hash(second)
+        assert first != first.with_friction(first.friction + 0.125)
+        assert dataclasses.replace(first, source="elsewhere.json") == first
+
+
+def test_a_pickled_hash_is_that_of_another_process() -> None:
+    code = (
+        "import kilter; from kilter import *;"
+        "print(hash(Part('a', Box(1, 2, 3), [0, 0, 1], density=2.5)))"
+    )
+    found = {
+        subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=True
+        ).stdout
+        for _ in range(2)
+    }
+    assert found == {f"{hash(Part('a', Box(1, 2, 3), [0, 0, 1], density=2.5))}\n"}
+
+
+def test_zero_of_either_sign_is_the_same() -> None:
+    assert Pose([0.0, 0, 0]) == Pose([-0.0, 0, 0])
+    assert hash(Pose([0.0, 0, 0])) == hash(Pose([-0.0, 0, 0]))
+
+
+# masses and boxes -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("shape", "volume"),
+    [
+        (Box(1, 2, 3), 6),
+        (Cylinder(2, 3), 12 * np.pi),
+        (Sphere(2), 32 / 3 * np.pi),
+        (Prism([[0, 0], [4, 0], [4, 3]], 2), 12),
+        (Mesh(CORNERS, FACES), 1 / 6),
+    ],
+    ids=lambda value: type(value).__name__,
+)
+@pytest.mark.parametrize(("units", "metres"), [("m", 1.0), ("mm", 1e-3), ("in", 0.0254)])
+def test_the_mass_of_a_part_is_known(shape: Any, volume: float, units: str, metres: float) -> None:
+    part = Part("a", shape, density=7850)
+    assert part.mass == pytest.approx(7850 * volume, rel=1e-12)
+    assembly = Assembly([part, Part("b", shape, mass=2.5)], units=units)
+    assert assembly["a"].mass == pytest.approx(7850 * volume * metres**3, rel=1e-12)
+    assert assembly["a"].mass == assembly.geometry.mass[0]
+    assert (assembly["b"].mass, assembly["b"].given_mass) == (2.5, 2.5)
+    assert assembly["a"].given_mass is None
+    assert part in assembly
+
+
+def test_replace_keeps_what_was_given() -> None:
+    given = dataclasses.replace(Part("a", Box(1, 1, 1), mass=3.0), grounded=True)
+    assert (given.mass, given.given_mass, given.grounded) == (3.0, 3.0, True)
+    assert dataclasses.replace(given, mass=4.0).mass == 4.0
+    assert dataclasses.replace(given, mass=None).mass == 1000.0
+    known = dataclasses.replace(Part("a", Box(1, 1, 1), density=2.0), shape=Box(2, 1, 1))
+    assert (known.mass, known.given_mass) == (4.0, None)
+
+
+def test_an_open_mesh_has_no_mass_in_one_sentence() -> None:
+    with pytest.raises(InputError) as caught:
+        _ = Part("a", Mesh(CORNERS, FACES[:2])).mass
+    assert "\n" not in str(caught.value)
+
+
+def test_bounds_mass_and_centre_of_an_assembly() -> None:
+    random = np.random.default_rng(1)
+    ball = Part("ball", Sphere(2), [5, 0, 0], density=500)
+    box = Part("box", Box(1, 1, 1), random_pose(random), mass=7)
+    assembly = Assembly([ball, box])
+    corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+    world = box.pose.apply(corners)
+    low = np.minimum([3, -2, -2], world.min(axis=0))
+    high = np.maximum([7, 2, 2], world.max(axis=0))
+    assert np.allclose(assembly.bounds, [low, high], atol=1e-12)
+    heavy = 500 * 32 / 3 * np.pi
+    assert assembly.mass == pytest.approx(heavy + 7, rel=1e-12)
+    centre = (heavy * np.array([5, 0, 0]) + 7 * box.pose.position) / (heavy + 7)
+    assert np.allclose(assembly.center_of_mass, centre, atol=1e-12)
+    for array in (assembly.bounds, assembly.center_of_mass):
+        assert not array.flags.writeable
+
+
+# changed copies -------------------------------------------------------------------------------
+
+
+def test_parts_are_added_removed_moved_and_renamed() -> None:
+    assembly = stack()
+    lid = Part("lid", Box(1, 1, 1), [0, 0, 2.5])
+    assert (assembly + lid) == assembly.with_parts([lid])
+    assert (assembly + lid).names == ("table", "lower", "upper", "lid")
+    assert (assembly + lid).without("lid") == assembly
+    moved = assembly.with_pose("upper", [0.2, 0, 1.5])
+    assert moved == stack(0.2) == assembly.with_poses({"upper": Pose([0.2, 0, 1.5])})
+    assert assembly == stack()
+    with pytest.raises(TypeError):
+        assembly + 1  # type: ignore[operator]
+    with pytest.raises(InputError, match="did you mean 'upper'"):
+        assembly.with_pose("uper", Pose())
+    with pytest.raises(InputError, match="two parts are named 'upper'"):
+        assembly + assembly["upper"]
+
+
+def test_entries_follow_new_names() -> None:
+    entries = {
+        "friction_pairs": [FrictionPair(("table", "lower"), 0.5)],
+        "loads": [Load("upper", force=[1, 0, 0])],
+        "joints": [Joint(("lower", "ground"), "fixed")],
+        "bonds": [Bond(("lower", "upper"), pull=3)],
+    }
+    assembly = dataclasses.replace(stack(), **entries)  # type: ignore[arg-type]
+    swapped = assembly.renamed({"lower": "upper", "upper": "lower"})
+    assert swapped.names == ("table", "upper", "lower")
+    assert swapped.loads[0].part == "lower"
+    assert swapped.bonds[0].parts == ("upper", "lower")
+    assert swapped.joints[0].parts == ("upper", "ground")
+    assert swapped.renamed({"lower": "upper", "upper": "lower"}) == assembly
+    with pytest.raises(InputError, match="did you mean"):
+        assembly.renamed({"lowr": "x"})
+
+
+def test_assemblies_are_merged_with_a_prefix() -> None:
+    assembly = stack().with_loads([Load("upper", force=[0, 0, -1])])
+    both = assembly.merged(stack().with_poses({"table": [9, 0, -0.5]}), prefix="b/")
+    assert both.names == ("table", "lower", "upper", "b/table", "b/lower", "b/upper")
+    assert [load.part for load in both.loads] == ["upper"]
+    assert both.without("b/*") == assembly
+    with pytest.raises(InputError, match="both assemblies have a part named 'table'"):
+        assembly.merged(assembly)
+    with pytest.raises(InputError, match=r"differ in friction: 0\.0 and 0\.5"):
+        assembly.merged(assembly.with_friction(0.5), prefix="b/")
+
+
+def test_an_assembly_is_shown_in_a_notebook() -> None:
+    shown = stack().show(height=300)
+    assert "height:300px" in shown._repr_html_()
+    with pytest.raises(InputError, match="nothing is held"):
+        Assembly([Part("a", Box(1, 1, 1))]).show()
