@@ -45,6 +45,7 @@ def sunk() -> Assembly:
     return Assembly([table, Part("cube", Box([1, 1, 1]), Pose([0, 0, 0.45]))], friction=0.84)
 
 
+@pytest.mark.slow
 def test_the_level_of_a_plan_is_at_most_that_of_the_finished_assembly(run) -> None:
     squeezed = scene("squeezed-block")
     assert run("check", squeezed)[0] == 3
@@ -87,6 +88,7 @@ def test_the_margin_of_an_assembly_with_open_pairs_is_that_of_the_drawing(run) -
     assert [pair["parts"] for pair in margin["open_pairs"]] == [["table", "cube"]]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["slope-with-friction", "tower", "wall", "keystone"])
 def test_the_word_outside_a_limit_is_the_verdict_of_check_there(name: str) -> None:
     assembly = scene(name)
@@ -139,6 +141,7 @@ def test_the_plan_of_an_assembly_that_falls_is_an_answer(run) -> None:
     assert main(["verify", "a.kilter.json", "p.json"]) == 0
 
 
+@pytest.mark.slow
 def test_a_proof_for_bounded_forces_states_both_facts_in_one_sentence() -> None:
     tilted = friction.v_block(friction=0.84).with_down([0, 0.3, -1])
     verdict = kilter.check(tilted)
@@ -199,6 +202,7 @@ def test_the_vault_of_others_is_undecided_in_every_command(run) -> None:
         assert code == 4
 
 
+@pytest.mark.slow
 @needs_shared
 @pytest.mark.parametrize("name", ["H.json"])
 def test_a_squeezed_block_of_others_keeps_its_level_in_a_plan(run, name: str) -> None:
@@ -208,6 +212,7 @@ def test_a_squeezed_block_of_others_keeps_its_level_in_a_plan(run, name: str) ->
     assert plan[1]["finished"]["level"] == check[1]["level"] == plan[1]["level"]
 
 
+@pytest.mark.slow
 @needs_shared
 def test_the_bonds_of_external_weight_good() -> None:
     model = kilter.load(SHARED / "stablelego" / "external_weight_good.json")

@@ -48,7 +48,7 @@ def rolled(spin):
 SIDES = pytest.mark.parametrize(("side", "word"), [(1 / 0.98, "stable"), (0.98, "unstable")])
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @SIDES
 def test_friction_holds_a_bar_on_a_ridge(side, word):
     # tilted by .2 with the centre of mass over the ridge: it holds where mu > tan .2
@@ -60,7 +60,7 @@ def test_friction_holds_a_bar_on_a_ridge(side, word):
     assert judged(Assembly([RIDGE, bar])).verdict == "unstable"
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @SIDES
 def test_friction_holds_a_ball_on_a_slope(side, word):
     # its centre of mass lies over the point of contact: it holds where mu > tan .2
@@ -70,7 +70,7 @@ def test_friction_holds_a_ball_on_a_slope(side, word):
     assert judged(rests).verdict == word
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @SIDES
 def test_friction_holds_a_cylinder_along_a_leaning_strip(side, word):
     # it may slide along its axis, where mu < .5 / 9.7; it would tip where .5 / 9.7 > .25 / .5
@@ -84,6 +84,7 @@ def test_friction_holds_a_cylinder_along_a_leaning_strip(side, word):
 TOP = Prism([[0, 0], [1, 2], [-1, 2]], 2)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("angle", [2e-5, 1e-4, 3e-4, 9e-4])
 def test_ridges_that_nearly_run_side_by_side_may_cross_or_not(angle):
     upper = Part("top", TOP, Pose([0, 0, 0], turn([0, 0, 1], np.degrees(angle))))

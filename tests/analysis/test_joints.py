@@ -365,6 +365,7 @@ def test_flipped_number_of_a_joint_is_refused(name):
         assert not verified(reloaded(assembly), other).holds, (number, key, place)
 
 
+@pytest.mark.quick(3)
 @EACH
 def test_wrench_that_its_kind_cannot_carry_is_refused_by_name(kind):
     # the box hangs below the joint and is held by a fixed one beside: balance stays

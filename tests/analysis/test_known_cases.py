@@ -274,6 +274,7 @@ def test_walls_stand_upright_and_not_tilted_without_friction(build):
     assert judged(tilted(build(), [1, 0, 0], 0.01)).verdict == "unstable"
 
 
+@pytest.mark.slow
 def test_hanging_brick_falls_alone():
     verdict = judged(walls.hanging_brick())
     assert len(verdict.moving) == 1

@@ -159,6 +159,7 @@ def test_z_counts_loads_over_the_size_of_gravity():
     assert verdict.to_dict()["instability"] is None
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("units", ["m", "cm", "mm", "in"])
 def test_accelerations_are_si_in_every_unit(units):
     # a box past an edge: m/s^2 and rad/s^2 of the same box told in other units

@@ -78,6 +78,7 @@ def test_random_trees_are_of_both_kinds():
     assert words == {"stable", "unstable"}
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("planar", [True, False])
 def test_loop_of_figure_9_circulates_as_soon_as_one_block_is_heavier(planar):
     verdict = judged(lopsided_frame(planar=planar))
@@ -96,7 +97,7 @@ def test_loop_of_figure_9_circulates_as_soon_as_one_block_is_heavier(planar):
     assert found.stable
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["bottom", "top", "left", "right"])
 @pytest.mark.parametrize("degrees", [0.0, 200.0])
 def test_loop_is_wrong_one_part_at_a_time_whichever_block_and_direction(name, degrees):
@@ -110,6 +111,7 @@ def test_loop_is_wrong_one_part_at_a_time_whichever_block_and_direction(name, de
     assert verdict.verdict == ("stable" if square else "unstable")
 
 
+@pytest.mark.slow
 def test_loop_of_equal_blocks_is_stable_for_both():
     verdict = judged(paper.figure_9(planar=True))
     assert verdict.verdict == "stable"

@@ -48,6 +48,7 @@ def test_what_is_not_quite_in_contact_is_undecided_and_decides(tolerances: float
     assert judged(joined).verdict == "stable"
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("gap", [1e-4, -1e-4, -0.3])
 def test_what_no_open_pair_can_hold_is_unstable_and_its_proof_names_them(gap: float) -> None:
     resting_parts = resting(gap).parts
@@ -81,7 +82,7 @@ def test_the_smallest_set_is_found_among_many_and_the_rest_do_not_decide() -> No
     assert set(pair) in ({"c1", "c2"}, {"c2", "wall"})
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [MOST, MOST + 1])
 def test_of_many_open_pairs_none_of_the_set_can_be_left_out(count: int) -> None:
     cubes = [block(f"c{k}", [2 * k, 0, 1e-4], [2 * k + 1, 1, 1]) for k in range(count)]
@@ -105,6 +106,7 @@ def sloped(gap: float, mu: float) -> Assembly:
     return Assembly(parts, friction=0.5, friction_pairs=pairs).with_down(down)
 
 
+@pytest.mark.slow
 def test_what_friction_proves_holds_with_the_open_pairs_as_contacts_too() -> None:
     assert judged(sloped(5e-3, 0.01)).verdict == "stable"  # nothing is open
     touching = judged(sloped(0.0, 0.01))

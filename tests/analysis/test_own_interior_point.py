@@ -162,6 +162,7 @@ class TestProofs:
             mass = program.mass * 10.0 ** np.resize(powers, len(program.mass))
             assert proved(program.with_rows(mass=mass)) is True
 
+    @pytest.mark.quick(2)
     @pytest.mark.parametrize("bricks", [7, 30])
     @pytest.mark.parametrize("planar", [False, True])
     def test_arches_either_way(self, bricks, planar, monkeypatch):
@@ -173,6 +174,7 @@ class TestProofs:
         assert proved(program_of(walls.hanging_brick(4, 4))) is False
         assert proved(program_of(walls.hanging_brick(4, 4).with_friction(0.6))) is False
 
+    @pytest.mark.quick(1)
     @pytest.mark.parametrize("angle", [0.0, 0.8, 1.6])
     def test_limits_as_clarabel_has_them(self, angle, monkeypatch):
         program = program_of(walls.wall(7, 8, friction=0.6))
@@ -187,12 +189,15 @@ class TestProofs:
         assert own.value <= other.value + max(other.gap, 1e-9)
         assert other.value <= own.value + own.gap
 
+    @pytest.mark.slow
+    @pytest.mark.slow
     def test_a_tower_tilts_as_far_as_its_width_over_its_height(self):
         program = program_of(stacks.tower(140).with_friction(0.6))
         assert len(program.part_a) > load_limit.EXACT
         limit = find_limit(program, gravity_wrench(program, np.array([1.0, 0.0, 0.0])))
         assert limit.value == pytest.approx(1.0 / 140, rel=1e-6)
 
+    @pytest.mark.slow
     def test_what_is_not_held_has_the_limit_that_it_had(self):
         # leaning too far: only shares that turn gravity back are held
         program = program_of(walls.wall(7, 8, friction=0.6)).turned(np.array([0.0, 0.9, -1.0]))

@@ -146,7 +146,7 @@ def test_unequal_masses_lean_as_the_table_says(planar, angle, ratio, leans):
         assert judged(tilted(assembly, [0, 1, 0], exact + off)).first_order == word
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("axis", [[1, 0, 0], [1, 0, 1], [0.3, 0.9, -0.2]])
 def test_figure_11_is_stable_along_one_ray_in_space(axis):
     assembly = paper.figure_11("b")
@@ -173,7 +173,7 @@ def test_trapped_wedge_fails_just_outside_them(ratio):
         assert judged(paper.trapped_wedge(tilt, mass_b=ratio)).verdict == "unstable"
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @RATIOS
 def test_trapped_wedge_moves_at_no_cost_when_level_and_not_at_all_at_10_degrees(ratio):
     level = judged(paper.trapped_wedge(0.0, mass_b=ratio)).neutral

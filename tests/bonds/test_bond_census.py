@@ -25,7 +25,7 @@ def census():
     del sys.modules[spec.name]
 
 
-@pytest.mark.quick("2")
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", sampled(3, 40))
 def test_a_program_written_apart_agrees(census, seed):
     answer, wrong = census.asked(seed)

@@ -98,6 +98,7 @@ def test_a_bond_on_the_command_line_is_kept_in_the_proof(tmp_path, capsys, monke
         assert why in capsys.readouterr().err
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("share", [0.5, 0.05, 0.005, 0.0005])
 def test_a_small_share_is_told_as_near_as_a_large_one(share):
     cubes = [cube("wall", grounded=True), *[cube(f"c{k}", x=k) for k in range(1, 40)]]

@@ -7,6 +7,7 @@ import kilter
 from kilter.mechanics.rows import BONDED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [297])
 def test_the_motion_beside_bonds_with_any_shear_is_verified(seed: int) -> None:
     assembly = random_bonded(seed).assembly

@@ -54,6 +54,7 @@ def test_shares_have_the_area_and_its_centroid(angles, random):
         assert np.allclose(centroid[:2], middle, atol=1e-9)
 
 
+@pytest.mark.quick(2)
 @BOTH
 @pytest.mark.parametrize("kind", ["glue", "mortar"])
 def test_a_mortar_joint_in_bending_takes_its_tension_times_half_its_height(share, kind):

@@ -52,6 +52,7 @@ def test_a_stair_that_falls_needs_a_prop_or_a_step_less(tmp_path: Path) -> None:
         assert change.share == (np.inf if apart == np.inf else pytest.approx(apart, rel=1e-5))
 
 
+@pytest.mark.slow
 def test_a_brick_in_the_air_is_taken_away_or_reached(tmp_path: Path) -> None:
     path = tmp_path / "air.txt"
     path.write_text("2x4 (0,0,0)\n2x4 (0,0,2)\n")

@@ -79,6 +79,7 @@ def test_every_brick_and_weight_of_the_library_is_read(tmp_path: Path) -> None:
     assert part.name == "2x2-7"
 
 
+@pytest.mark.slow
 def test_every_part_of_ldraw_is_read(tmp_path: Path) -> None:
     for number, (across, along, plates) in LDRAW.items():
         line = f"1 4 0 0 0 1 0 0 0 1 0 0 0 1 {number}.dat\n"

@@ -92,6 +92,7 @@ sys.exit(kilter.cli.main())
 """
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("where", ["loads", "drops", "makes_another"])
 def test_an_interruption_is_not_lost(where: str, tmp_path: Path) -> None:
     """In a module being loaded, in what cannot pass it on, and where Python turns it."""

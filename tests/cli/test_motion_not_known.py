@@ -50,6 +50,7 @@ def answered(capsys: pytest.CaptureFixture[str], code: int, *words: str) -> str:
     return out
 
 
+@pytest.mark.slow
 def test_check_says_what_a_proof_has_moving_and_leaves_the_rest_open(capsys):
     file = written("short", scene("wedge-on-wedge"))
     answer = json.loads(answered(capsys, 1, "check", file, "--json"))

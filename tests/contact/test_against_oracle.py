@@ -127,6 +127,7 @@ def altered(contacts: ContactSet, change: str) -> ContactSet:
     )  # fmt: skip
 
 
+@pytest.mark.quick(5)
 @pytest.mark.parametrize("change", ["", "area", "corner", "normal", "gap", "pair", "moved"])
 def test_comparison_sees_what_is_wrong(change):
     boxes = [block([0.2 * k, 0.1 * k, k], [1 + 0.2 * k, 1 + 0.1 * k, k + 1]) for k in range(4)]
@@ -182,6 +183,7 @@ def test_one_patch_a_pair_and_plane(name):
 # real assemblies ---------------------------------------------------------------------
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("file", sorted(REAL))
 def test_real_assemblies_agree_with_the_oracle(file):
     files = pytest.importorskip("kilter.files")
@@ -197,7 +199,7 @@ def test_real_assemblies_agree_with_the_oracle(file):
     assert not wrong, "\n".join(wrong)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1131, 2147])
 def test_a_way_along_a_facet_at_a_corner_is_no_number_too_many(seed):
     """A direction and a target at the same height over a facet: the way runs along its plane."""

@@ -96,6 +96,7 @@ def test_normals_and_points_lie_on_the_axis_and_on_the_cylinder():
     assert sorted(set(x[:, 2].round(12).tolist())) == [-1.0, 1.0]
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("share", [0.5, 0.99])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_radii_that_differ_by_less_than_the_tolerance_touch(share, sign):
@@ -191,6 +192,7 @@ def test_cylinder_in_a_groove_holds_to_the_ends_of_the_arc(half):
     assert detect.contacts(Assembly(parts)).patch_area[0] == pytest.approx(area, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_half_a_shell_holds_every_force_into_it():
     parts = [held(trough(half=np.pi / 2)), Part("bar", peg(), Pose([0, 0, 0], LYING))]
     for angle, word in ((0, "stable"), (1.57, "stable"), (np.pi / 2 + 1e-6, "unstable")):
@@ -361,6 +363,7 @@ def test_cone_lies_on_a_plane_along_a_line():
     assert np.abs(contacts.points[:, 2]).max() < 1e-12
 
 
+@pytest.mark.slow
 def test_torus_lies_on_a_circle_and_stands_on_a_point():
     lying = contacts_of(FLOOR, Part("ring", torus(2.0, 0.5), Pose([0, 0, 0.5])))
     assert lying.patch_kind.tolist() == ["torus"]

@@ -180,7 +180,7 @@ def test_meshes_of_the_faces_give_the_same_contacts(case):
     assert contacts.patch_area == pytest.approx(exact.patch_area, rel=1e-6, abs=1e-9)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("case", OPENING)
 def test_gap_agrees_with_dense_samples(case):
     _, _, part, place, quaternion, opening, _, _ = CASES[case]

@@ -17,7 +17,7 @@ def touching(assembly):
     return found.patch_parts, found.patch_normal, gap
 
 
-@pytest.mark.quick(3)
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("seed", range(40))
 def test_a_change_of_friction_equals_a_new_detection(seed: int) -> None:
     smooth = pushed_assembly(seed, touching).drawn.with_friction(0.0)

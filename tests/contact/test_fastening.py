@@ -254,6 +254,7 @@ def test_clearance_is_part_of_the_proof():
 # clusters of gaps -------------------------------------------------------------------------
 
 
+@pytest.mark.quick(6)
 @pytest.mark.parametrize(
     ("gaps", "warned"),
     [
@@ -483,6 +484,7 @@ def test_nothing_is_suggested_to_the_table_nor_between_held_parts():
                                                      grounded=True)]))) == 1  # fmt: skip
 
 
+@pytest.mark.slow
 def test_suggested_and_overlaps_join_and_say_what():
     lid = block("lid", [5, 5, 3.9], [6, 6, 5])
     leg = block("leg", [5, 5, 0], [6, 6, 4])

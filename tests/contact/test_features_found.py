@@ -131,6 +131,7 @@ def test_corners_of_a_flat_patch_are_corners_and_crossings() -> None:
     assert features.kind_b.tolist() == [FACE] * 4
 
 
+@pytest.mark.slow
 def test_faces_that_end_together_are_conformal() -> None:
     same = held(Box([1, 1, 1]), [0, 0, -0.5])
     for assembly in (

@@ -41,7 +41,8 @@ def test_without_friction_no_direction_is_called_stable(seed):
     assert kilter.orient(assembly, contacts=exact).found
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [2, 4])
 def test_the_least_friction_is_that_of_exact_normals_and_their_doubt_more(seed):
     assembly, found, exact = both(seed, 0.0)
@@ -57,7 +58,7 @@ def test_the_least_friction_is_that_of_exact_normals_and_their_doubt_more(seed):
     assert verify(leant, proof).holds
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [2, 4])
 @pytest.mark.parametrize("above", [False, True])
 def test_a_contact_counts_where_friction_is_above_its_doubt(seed, above):

@@ -184,7 +184,7 @@ def test_lying_cone_tips_over_its_rim():
 # at any tilt --------------------------------------------------------------------------------
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BODIES)
 @pytest.mark.parametrize("seed", range(3))
 def test_at_any_tilt_a_body_touches_in_one_exact_point_and_falls_unless_it_is_a_ball(name, seed):
@@ -231,7 +231,7 @@ def test_rim_above_the_table_by_more_than_the_tolerance_is_no_contact():
         assert contacts.unsupported == ()
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "foot", [Cylinder(1.0, 2.0), mesh_of(peg(1.0, -1, 1)), cone_frustum(ALPHA)]
 )

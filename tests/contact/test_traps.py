@@ -109,6 +109,7 @@ def comb(teeth: int, low: float, high: float) -> Mesh:
 # wrong areas -------------------------------------------------------------------------
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("splits", [0, 60])
 @pytest.mark.parametrize("order", [1, -1])
 def test_disjoint_triangles_that_geos_overlaps_do_not_touch(splits, order):
@@ -315,6 +316,7 @@ def test_cylinder_of_many_sides_is_not_one_facet():
         assert contacts.patch_area.sum() < 1e-2
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("seed", range(3))
 def test_float32_boxes_a_hundred_sizes_away_all_touch(seed):
     rng = np.random.default_rng(seed)
@@ -349,6 +351,7 @@ def test_twenty_five_thousand_patches_on_one_pair():
     assert len(contacts) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("teeth", [300, pytest.param(2_000, marks=pytest.mark.slow)])
 def test_comb_on_comb(teeth):
     below = comb(teeth, 0, 100)
@@ -401,6 +404,7 @@ def test_mesh_of_a_million_faces_on_a_slab(n):
 # tolerances --------------------------------------------------------------------------
 
 
+@pytest.mark.quick(8)
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
 @pytest.mark.parametrize(
     ("share", "touches"), [(0.9, True), (1.1, False), (-0.9, True), (-1.1, False)]

@@ -79,6 +79,7 @@ PART = [
 ]  # fmt: skip
 
 
+@pytest.mark.quick(36)
 @pytest.mark.parametrize(("change", "message"), PART)
 def test_a_fault_of_a_part_names_it(change: dict[str, Any], message: str) -> None:
     data = copy.deepcopy(BASE)

@@ -247,6 +247,7 @@ GLB_EDITS = [
 ]
 
 
+@pytest.mark.quick(15)
 @pytest.mark.parametrize(("edit", "message"), GLB_EDITS, ids=range(len(GLB_EDITS)))
 def test_a_faulty_glb(edit: Any, message: str, write) -> None:
     assert message in str(refused(write("a.glb", gltf(edit))))

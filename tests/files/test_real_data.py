@@ -21,6 +21,7 @@ COUNTS = {"A": 3, "H": 3, "bridge": 16, "cube-curve-short": 2, "cubes": 3}
 COUNTS |= {"shelf-stable": 9, "type-a": 3, "type-c": 3}
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(("name", "count"), COUNTS.items(), ids=COUNTS)
 def test_compas(name: str, count: int) -> None:
     assembly = load(DATA / "compas_cra" / f"{name}.json", density=2000)

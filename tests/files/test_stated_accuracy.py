@@ -51,6 +51,7 @@ def leaning(path: Path, beyond: float, accuracy: str) -> Assembly:
     return load(path, ground="base")
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(("beyond", "accuracy", "verdict"), [
     (-0.004, "1.E-07", "stable"),
     (-0.004, "0.01", "stable"),  # a stable nominal position is reported as stable

@@ -154,7 +154,7 @@ SHAPES = {
 PLACES = [None, placement((100, -20, 7), (0.5, 0.1, -0.7, 0.3))]
 
 
-@pytest.mark.quick(7)
+@pytest.mark.quick(6)
 @pytest.mark.parametrize("place", PLACES, ids=["home", "away"])
 @pytest.mark.parametrize("hidden", [False, True], ids=["plain", "splines"])
 @pytest.mark.parametrize("name", SHAPES)
@@ -209,6 +209,7 @@ def test_a_face_of_no_known_kind_lies_on_none(tmp_path: Path) -> None:
     assert 0 < solid.sagitta < 0.1
 
 
+@pytest.mark.quick(4)
 @pytest.mark.parametrize("name", ["cylinder", "sphere", "cone", "frustum", "drilled"])
 def test_the_triangles_alone_give_the_same_faces(name: str, tmp_path: Path) -> None:
     """The surfaces recognised on the mesh of the solid agree with those of the file."""

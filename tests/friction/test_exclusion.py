@@ -119,7 +119,7 @@ def test_books():
     assert not asked(friction.books(4, force=300.0), effort=3).proved
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(8))
 def test_against_all_modes_in_the_plane(seed):
     one = standing(seed, planar=True, parts=1 + seed % 2, points=3)
@@ -179,6 +179,7 @@ def test_refuses_what_is_not_modelled():
     assert "not modelled" in answer.why
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("ratio", [1.0, 1e-3, 1e-6])
 def test_a_pebble_does_not_vanish(ratio):
     """The upper of two cubes, however light, slips if its friction is too low."""
@@ -196,6 +197,7 @@ def test_nothing_to_move_is_proved():
     assert prove_no_motion(nothing).proved
 
 
+@pytest.mark.slow
 def test_the_work_is_kept_to_and_comes_out_the_same_again():
     leaning = program(planar(stacks.tower(10, tilt=6.0, friction=0.7)))
     one, two = (prove_no_motion(leaning, work=0.3) for _ in range(2))
@@ -204,6 +206,7 @@ def test_the_work_is_kept_to_and_comes_out_the_same_again():
     assert (one.bound, one.nodes, one.programs) == (two.bound, two.nodes, two.programs)
 
 
+@pytest.mark.slow
 def test_cases_that_would_not_do_are_not_gone_through():
     """Ten cubes: moments leave much power, and few cases are affordable."""
     answer = prove_no_motion(program(stacks.tower(10, tilt=2.5, friction=0.5)), work=1)

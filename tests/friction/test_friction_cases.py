@@ -119,6 +119,7 @@ def test_raising_mu_never_takes_equilibrium_away():
     assert words == ["unstable"] * 3 + ["stable"] * 4
 
 
+@pytest.mark.slow
 def test_mu_zero_on_one_contact_still_pushes_only():
     # the ladder's wall has no friction: its force may not pull either
     verdict = judged(friction.ladder(60.0, friction_wall=0.0))

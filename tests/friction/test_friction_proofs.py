@@ -68,7 +68,7 @@ def test_proof_holds_on_a_fresh_copy(proven):
     assert answer.holds, answer.reasons
 
 
-@pytest.mark.quick("held by squeeze-0")
+@pytest.mark.slow
 @pytest.mark.parametrize("share", sampled(1, 3))
 def test_every_number_changed_is_refused_although_the_digest_fits(proven, share):
     assembly, proof = proven
@@ -82,6 +82,7 @@ def test_every_number_changed_is_refused_although_the_digest_fits(proven, share)
     assert all(path[0] == "motion" or path[-2:] == ("tries", "of") for path in kept), kept
 
 
+@pytest.mark.quick(5)
 @pytest.mark.parametrize("word", ["stable", "potentially-stable", "unstable", "sure"])
 def test_another_verdict_is_refused(proven, word):
     assembly, proof = proven

@@ -43,6 +43,7 @@ def test_a_witness_is_not_dismissed_and_has_no_breach(witnessed):
     assert abs(breach(law, x, forces)) < 1e-8
 
 
+@pytest.mark.quick(2)
 def test_what_is_dismissed_would_not_pass(witnessed):
     """Errors of all sizes: the two checks differ by at most the allowance."""
     law, x, forces = witnessed

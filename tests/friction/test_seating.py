@@ -149,6 +149,7 @@ def test_seated_implies_equilibrium_for_blocks_at_random():
     assert min(counts.values()) >= 4
 
 
+@pytest.mark.slow
 def test_no_size_place_or_unit_changes_it():
     for tilt, seated in ((44.10, True), (44.15, False)):
         trough = friction.trough(30, tilt=tilt, friction=0.84)

@@ -135,6 +135,7 @@ def test_work_that_runs_out_is_not_found_and_never_no():
     assert not found.runs_away
 
 
+@pytest.mark.slow
 def test_the_same_tries_again_and_other_tries_of_another_seed():
     built = program(stacks.tower(3, tilt=5.0, friction=0.5))
     one, two, other = (find_settling(built, seed=seed) for seed in (0, 0, 100))

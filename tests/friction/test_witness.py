@@ -36,6 +36,7 @@ def found_and_checked(assembly, effort=3):
     return built, witness
 
 
+@pytest.mark.quick(4)
 @pytest.mark.parametrize(
     "assembly",
     [
@@ -131,6 +132,7 @@ def test_without_friction_it_is_gauss():
     assert witness.acceleration == pytest.approx(find_motion(built).acceleration, abs=1e-6)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     "assembly",
     [

@@ -144,7 +144,7 @@ SMALL = {
 }
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", SMALL)
 def test_a_part_that_rounding_is_larger_than_is_refused(shape: str) -> None:
     """One was called unstable, others ended with a warning of numpy."""

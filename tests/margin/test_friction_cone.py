@@ -240,6 +240,7 @@ def test_arches_in_space_agree_with_judge(count, ratio):
             assert judge(program.turned(down)).stable is bool(inside)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("mu", [0.3, 0.8])
 def test_a_line_of_contact_has_a_fan(mu):
     """A wedge on its edge: held along the edge, within the angle of friction."""

@@ -460,6 +460,7 @@ def test_parts_above_the_limit_are_asked_for_by_name():
     assert held[0].gain == pytest.approx(np.degrees(gain), abs=1e-5)
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("small", [0.5, 0.05, 1e-3, 1e-5])
 def test_loads_that_hold_only_many_times_over_have_both_ends(small):
     """A cube at a wall, pressed and lifted at an angle a: s k (sin a -+ mu cos a) = 1."""

@@ -138,6 +138,7 @@ def test_any_friction_holds_what_is_squeezed_however_indirectly():
     assert all(judge(books.with_friction(mu)).stable for mu in (1e-3, 1e-2, 0.1))
 
 
+@pytest.mark.slow
 def test_no_squeeze_holds_what_gravity_takes_out_of_it():
     """A block between plates that lean by an angle slips out below its tangent."""
     leaning = program_of(friction.a_block(10.0))

@@ -32,6 +32,7 @@ def loads_of(assembly, **more):
     return {one.part: one for one in margin(assembly, loads=True, effort=0, **more).loads}
 
 
+@pytest.mark.slow
 def test_a_beam_on_an_edge_takes_what_it_weighs_on_the_other_side():
     # 3 long, its middle 0.5 inside the edge of the table; the block is on what stands out
     table = Part("table", Box([2, 1, 1]), Pose([-1, 0, -1]), grounded=True)
@@ -46,7 +47,7 @@ def test_a_beam_on_an_edge_takes_what_it_weighs_on_the_other_side():
     assert limit <= found["block"].beyond * (1 + 1e-9) <= limit * 1.001
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.999, 1.001])
 def test_the_load_is_the_limit_of_what_check_says(share):
     cubes = [cube("wall", grounded=True), *[cube(f"c{k}", x=k) for k in (1, 2, 3)]]
@@ -80,6 +81,7 @@ def test_loads_of_bricks_are_those_of_the_program_apart(tmp_path):
             assert (least_share(heavier, pull=rules.pull) < 1) is (share < 1)
 
 
+@pytest.mark.slow
 def test_every_load_is_proved_on_both_sides(tmp_path, capsys):
     path, proof = tmp_path / "stair.txt", tmp_path / "proof.json"
     path.write_text("\n".join(f"4x2 ({2 * k},0,{k})" for k in range(4)))

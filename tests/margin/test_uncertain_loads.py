@@ -8,6 +8,7 @@ from kilter.analysis.margins.uncertainty import Ranges, _by_corners, _by_followi
 from kilter.mechanics.program import build_program
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(("share", "held"), [(0.3, True), (0.4, True), (0.5, False), (1.0, False)])
 def test_a_block_under_a_side_load_is_held_up_to_its_friction(share: float, held: bool) -> None:
     """Mu .5, masses down to .9 of the given: held while the load is below .45 of the weight."""

@@ -111,6 +111,7 @@ def test_ten_thousand_samples_are_at_least_as_safe(name):
     all_are_safe(name, 10_000 // len(CASES) + 1)
 
 
+@pytest.mark.slow
 def test_an_exact_worst_case_is_the_margin_of_the_assembly_it_names():
     program = program_of(planar(stacks.tower(2, friction=2.0)))
     ranges = Ranges(mass=(0.8, 1.2))

@@ -72,7 +72,7 @@ def test_mass_that_helps_the_tilt_by_finite_differences():
     assert (one - other) / (2 * STEP) == pytest.approx(found.gain, rel=1e-4)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [1, 3])
 def test_what_helps_the_load_factor_of_a_wall_by_finite_differences(number):
     wall = walls.ferris_tin_loi(number)

@@ -66,6 +66,7 @@ def test_about_one_program_a_vertex_and_a_facet_of_corner_wedges():
     assert found.programs <= 1.1 * (len(found.vertices) + len(found.normals))
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", ["paper-figure-8", "arch", "tower-turned", "wedges-4"])
 def test_vertices_facets_and_partitions_fit_together(name):
     program = program_of(name)

@@ -81,7 +81,7 @@ def test_what_is_found_is_proved(name):
     proved(assembly, orient(assembly))
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["joint", "walk"])
 @pytest.mark.parametrize("name", ["wedge-on-wedge", "pile-turned", "floating-block"])
 def test_none_is_stable(name, method):
@@ -174,6 +174,7 @@ def test_it_turns_with_the_assembly(axis, degrees, size):
     assert np.degrees(np.linalg.norm(down - expected)) < 1e-6
 
 
+@pytest.mark.slow
 def test_a_tower_of_rounded_coordinates_is_found():
     assembly = as_single(moved(stacks.tower(3), turn([1, 2, 3], 40), [5, 6, 7]))
     answer = orient(assembly)

@@ -49,6 +49,7 @@ def test_two_blocks_in_an_l_stand_in_one_direction_to_a_millionth_of_a_degree(
     assert abs(best.gravity[1]) < 1e-8
 
 
+@pytest.mark.quick(3)
 @METHODS
 @PLANAR
 def test_figure_10_is_stable_somewhere_between_floor_and_wall(method, planar):

@@ -21,6 +21,7 @@ def built() -> Any:
     return order, explain(order)
 
 
+@pytest.mark.slow
 def test_hands_and_ground_carry_the_weight_of_what_stands(built: Any) -> None:
     order, found = built
     assembly = order.states.assembly

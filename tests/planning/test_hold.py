@@ -300,7 +300,7 @@ def test_fewest_supports_of_many_are_those_of_enumeration() -> None:
     assert len(answers) - len(held) > 20
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("why", "change"),
     [
@@ -318,6 +318,7 @@ def test_a_change_is_refused(why: str, change: Callable[[Proof], object]) -> Non
     assert why in rechecked(kilter.hold(made), change)
 
 
+@pytest.mark.slow
 def test_a_proof_by_forces_is_no_proof_that_fewer_do_not_hold() -> None:
     made = arch(9, ratio=0.3, friction=0.6).without("voussoir-4")
     with pytest.raises(kilter.InputError, match=r"proofs\[0\]\.proof\.motion is missing"):
@@ -440,6 +441,7 @@ def test_the_supports_raise_the_assembly_to_the_required_level() -> None:
     assert not kilter.check(block, require="settles").stable
 
 
+@pytest.mark.slow
 def test_a_grip_on_a_loaded_part_carries_its_load() -> None:
     """Books between a wall and a plate that a load presses: a grip replaces that load."""
     row = books(2)

@@ -133,6 +133,7 @@ def test_parts_that_may_not_be_held() -> None:
     assert any(set(none_cut.state.moving) <= barred for none_cut in none.cuts)
 
 
+@pytest.mark.quick(24)
 @pytest.mark.parametrize("seed", range(30))
 def test_least_hitting_sets_by_brute_force(seed: int) -> None:
     random = np.random.default_rng(seed)

@@ -45,6 +45,7 @@ def test_a_lid_a_little_off_locks_nothing() -> None:
     assert (order.verdict, order.locked) == ("none-found", ())
 
 
+@pytest.mark.slow
 def test_each_is_locked_by_the_other() -> None:
     """Two plates that hook into each other leave only as one; what lies above them is no part."""
     tongue = np.zeros((4, 4, 1), dtype=bool)
@@ -91,6 +92,7 @@ def test_locked_wherever_it_is() -> None:
     assert kilter.plan(Assembly(moved)).verdict == "impossible"
 
 
+@pytest.mark.slow
 def test_multipliers_exist_where_no_motion_opens() -> None:
     """Against linear programs that seek a motion, on random rows."""
     random = np.random.default_rng(7)

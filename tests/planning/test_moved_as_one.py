@@ -20,6 +20,7 @@ def rechecked(order: Order) -> None:
     assert not reasons(order, proof_of(order))
 
 
+@pytest.mark.slow
 def test_two_that_leave_only_as_one() -> None:
     made = hooked()
     alone = kilter.plan(made)

@@ -47,6 +47,7 @@ def test_a_state_that_hangs_on_edges_is_left_open_without_a_check(dome: States) 
         dome.proof(state)
 
 
+@pytest.mark.slow
 def test_verdicts_where_edges_meet_are_those_of_check(dome: States) -> None:
     random, verdicts = np.random.default_rng(0), set()
     grounded = dome.assembly.geometry.grounded

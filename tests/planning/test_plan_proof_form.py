@@ -42,6 +42,7 @@ def damaged(proof: dict[str, Any], rng: random.Random, where: list[tuple[Any, ..
     return other | {"digest": digest_of(other)}
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("name", "kind"),
     [("tower", "plan"), ("paper-figure-8", "plan"), ("squeezed-block", "hold")],

@@ -71,11 +71,13 @@ def exchange(proof: Proof, first: int, second: int) -> None:
         one[key], other[key] = other[key], one[key]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["arch", "no order", "tower", "screw", "row"])
 def test_what_was_not_changed_holds(name: str) -> None:
     assert judged(name, lambda proof: None) == ""
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", ["arch", "tower", "screw", "row"])
 def test_steps_exchanged_with_their_states_are_refused(name: str) -> None:
     """Whole entries exchanged: the states no longer follow one another."""
@@ -88,6 +90,7 @@ def test_steps_exchanged_with_their_states_are_refused(name: str) -> None:
     assert "its state does not have the parts that stand before it" in judged(name, change)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("name", "steps", "why"),
     [
@@ -190,6 +193,7 @@ CHANGES: list[tuple[str, str, Change]] = [
 ]  # fmt: skip
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("name", "why", "change"), CHANGES, ids=[f"{one[0]}: {one[1]}" for one in CHANGES]
 )

@@ -66,7 +66,7 @@ def test_the_wedge_that_leaves_first_is_the_only_one_that_can() -> None:
     assert kilter.plan(scene("pit-wedges")).steps[-1].part == "wedge-3"
 
 
-@pytest.mark.quick("9-0.3-4")
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("count", "ratio", "reached"), [(9, 0.3, 4), (20, 0.2, 8)])
 def test_an_arch_needs_one_part_held_and_that_is_proved(
     count: int, ratio: float, reached: int
@@ -159,6 +159,7 @@ def test_an_arch_that_falls_when_it_is_finished_has_no_order() -> None:
     assert not kilter.verify(falling.with_friction(0.9), order.proof()).holds
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("name", "require"), [("squeezed-block", "settles"), ("squeezed-block", "proved")]
 )
@@ -249,6 +250,7 @@ def test_precedence_is_kept_to() -> None:
         assert order.index(pair[0]) < order.index(pair[1])
 
 
+@pytest.mark.slow
 def test_none_found_is_no_proof() -> None:
     """A peg in a closed round hole turns, so nothing locks it; nor does it leave."""
     held = [
@@ -286,6 +288,7 @@ def test_out_of_effort_says_what_can_come_last() -> None:
     assert "effort limit was reached" in order.to_dict()["sentence"]
 
 
+@pytest.mark.slow
 def test_an_interruption_gives_the_best_so_far(monkeypatch: pytest.MonkeyPatch) -> None:
     from kilter.analysis.planning.order.removal import Removal
 

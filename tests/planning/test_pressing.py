@@ -52,6 +52,7 @@ def test_a_hold_takes_what_the_plank_does_not() -> None:
     assert "step 2: the proof has another pressing force" in reasons(order, proof)
 
 
+@pytest.mark.slow
 def test_a_proof_without_its_pressed_states_is_refused() -> None:
     order = kilter.plan(scene("tower"), kilter.PlanRules(press=5.0))
     proof = proof_of(order)

@@ -45,6 +45,7 @@ def test_an_order_the_other_way_round_fails_at_each_step() -> None:
         order.proof()
 
 
+@pytest.mark.slow
 def test_holds_that_are_needed_are_told() -> None:
     made = arch(9, ratio=0.3, friction=0.6)
     one_side = [f"voussoir-{k}" for k in range(9)]

@@ -255,7 +255,7 @@ def test_a_set_of_parts_stops_what_one_of_them_stops() -> None:
     assert (mask_of(bits_of(present), count) == present).all()
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["box-pile", "diamond", "pit-wedges"])
 def test_parts_aside_are_left_out_for_good(name: str) -> None:
     """What stops a part is what any pair says, though boxes leave most of them out."""

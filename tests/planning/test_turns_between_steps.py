@@ -41,6 +41,7 @@ def test_no_turn_where_friction_holds(share: float, turns: int) -> None:
     assert not reasons(order, proof_of(order))
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("change", ["left out", "elsewhere", "forbidden"])
 def test_turns_that_are_not_proved_are_refused(change: str) -> None:
     order = kilter.plan(leaning(30.0), kilter.PlanRules(before=FIRST, turn=True))

@@ -27,7 +27,7 @@ PAIRS = [
 ]
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("one", "other", "kind"), PAIRS)
 def test_intersections(one: str, other: str, kind: str) -> None:
     both = [rails.railed(one), rails.railed(other, count=2)]
@@ -68,6 +68,7 @@ def test_a_plan_without_a_common_direction() -> None:
     assert region.warnings[0].startswith("assembly 1: ")
 
 
+@pytest.mark.slow
 def test_common_proofs_verify() -> None:
     region = common_region([rails.railed("-x +x -z", count=2), rails.railed("-x -y -z")])
     proofs = region.proofs()

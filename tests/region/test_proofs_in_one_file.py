@@ -45,7 +45,7 @@ def test_a_region_is_rechecked(name: str) -> None:
     assert about.count("facet") == len(found.facets)
 
 
-@pytest.mark.quick("planar arch")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["arch", "planar arch", "stack"])
 def test_a_margin_is_rechecked(name: str) -> None:
     assembly = CASES[name]()

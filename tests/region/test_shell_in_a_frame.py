@@ -96,6 +96,7 @@ def test_tilt_limits_at_eight_azimuths_agree(found) -> None:
         assert np.degrees(turns[turns > 0].min()) == pytest.approx(expected, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_the_nearest_is_the_margin(found) -> None:
     _, program, region = found
     tilt = find_tilt_margin(program)

@@ -143,6 +143,7 @@ def test_a_half_ball_on_its_flat_side() -> None:
     assert well.barrier == pytest.approx(2 * G * (np.hypot(1, 3 / 8) - 3 / 8), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_a_half_cylinder_rights_itself_about_its_length_only() -> None:
     part = half_cylinder()
     mass = 1000 * 1.5 * np.pi

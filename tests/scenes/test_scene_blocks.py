@@ -25,6 +25,7 @@ class TestStacks:
         assert stable(stacks.staircase(count, offset=0.98 * limit))
         assert not stable(stacks.staircase(count, offset=1.02 * limit))
 
+    @pytest.mark.quick(2)
     @pytest.mark.parametrize("count", [1, 2, 5, 20])
     def test_harmonic_stack_is_balanced_at_scale_one(self, count):
         assert stable(stacks.harmonic_stack(count, scale=1 - 1e-6))
@@ -37,6 +38,7 @@ class TestStacks:
         assert stable(stacks.three_block_overhang())
         assert not stable(stacks.three_block_overhang(1e-3))
 
+    @pytest.mark.quick(2)
     @pytest.mark.parametrize(("rows", "holds"), [(2, True), (3, False), (4, False), (5, False)])
     def test_inverted_triangle(self, rows, holds):
         assert stable(stacks.inverted_triangle(rows)) == holds
