@@ -57,6 +57,10 @@ SPARSE, SPARSE_ENTRY, SPARSE_WIDE = 500.0, 0.3, 200.0
 """Cost of a sparse factorisation, per factor entry; entries per unknown at which that doubles."""
 BAND, BAND_POINT, BAND_ENTRY = 150.0, 0.5, 0.01
 """Cost of a band system, per contact point, and per entry of the band."""
+HALF_BAND_ENTRY, DISSECTED_ENTRY, DISSECTED_WIDE = 0.003, 0.03, 200.0
+"""Cost of a symmetric band system, per entry of the band; of a symmetric system by nested
+dissection, per entry of its factor, and entries per unknown at which that doubles.
+"""
 JUDGED, JUDGED_POINT = 1000.0, 6.0
 """Cost of testing a candidate against the contact law, and per contact point."""
 WEIGHED, WEIGHED_POINT = 150.0, 0.6
@@ -196,6 +200,14 @@ class Work:
     def band(self, unknowns: int, width: int, points: int) -> None:
         """Charge a band system that was built from contact points and solved."""
         self.charge(BAND + BAND_POINT * points + BAND_ENTRY * unknowns * width * (1 + width / 30))
+
+    def symmetric_band(self, unknowns: int, width: int) -> None:
+        """Charge a symmetric positive definite band system that was solved."""
+        self.charge(BAND + HALF_BAND_ENTRY * unknowns * width * (1 + width / 30))
+
+    def dissected(self, unknowns: int, entries: int) -> None:
+        """Charge a factorisation by nested dissection; `entries`: entries of its factor."""
+        self.charge(BAND + DISSECTED_ENTRY * entries * (1 + entries / unknowns / DISSECTED_WIDE))
 
     def judged(self, points: int) -> None:
         """Charge a test of a candidate against the contact law."""

@@ -156,7 +156,7 @@ def test_forces_of_the_least_energy_balance_and_are_a_start():
 def test_the_newton_step_solves_the_system_written_out(wide, monkeypatch):
     law = coulomb_law(program(walls.wall(3, 3, friction=0.6)))
     if wide:
-        monkeypatch.setattr("kilter.friction.springs.WIDEST_BAND", 0)
+        monkeypatch.setattr("kilter.friction.spring_matrix.WIDEST_BAND", 0)
     rng = np.random.default_rng(3)
     springs = Springs(spring_system(law), rng.uniform(0.5, 2, len(law.mu)), rng.random(len(law.mu)))
     state = springs.at(rng.normal(size=len(law.load)))
@@ -214,3 +214,47 @@ def test_measures_that_leave_friction_out_are_told_where_asked_for():
     assert measured["z"] < 0
     assert measured["instability"] > 0
     assert check(stacks.tower(2)).to_dict()["z"] == 0.0
+
+
+@pytest.mark.parametrize("widest", [0, 1000])
+def test_a_symmetric_newton_step_solves_the_system_without_the_pull_of_sliding(widest, monkeypatch):
+    monkeypatch.setattr("kilter.friction.spring_matrix.DISSECTED", widest)
+    law = coulomb_law(program(walls.wall(3, 3, friction=0.6)))
+    rng = np.random.default_rng(3)
+    springs = Springs(spring_system(law), np.ones(len(law.mu)), rng.random(len(law.mu)))
+    state = springs.at(rng.normal(size=len(law.load)))
+    right = rng.normal(size=len(law.load))
+    slope = np.zeros((3 * len(law.mu), 3 * len(law.mu)))
+    for k, (u, mu) in enumerate(zip(state.opening, law.mu, strict=True)):
+        if u[0] >= 0:
+            continue
+        drag, limit = 0.7 * np.hypot(*u[1:]), -mu * u[0]
+        along = u[1:] / np.hypot(*u[1:])
+        stuck = 0.7 * np.eye(2)
+        sliding = 0.7 * limit / drag * (np.eye(2) - np.outer(along, along))
+        slope[3 * k, 3 * k] = 1.0
+        slope[3 * k + 1 : 3 * k + 3, 3 * k + 1 : 3 * k + 3] = stuck if drag <= limit else sliding
+    matrix = law.matrix.toarray()
+    written_out = matrix.T @ slope @ matrix + 0.3 * np.eye(len(law.load))
+    step = springs.newton(state, right, 0.3, Work(), exact=False)
+    assert step == pytest.approx(np.linalg.solve(written_out, right), rel=1e-8, abs=1e-10)
+
+
+def test_a_wall_of_a_size_that_symmetric_matrices_serve_settles_as_with_exact_matrices(monkeypatch):
+    tilted = program(walls.tilted_wall(8.0, friction=0.6, courses=4, per_course=4))
+    exact = find_settling(tilted, tries=2)
+    monkeypatch.setattr("kilter.friction.spring_matrix.SYMMETRIC", 1)
+    rough = find_settling(tilted, tries=2)
+    assert exact.passed == rough.passed == 2
+    for forces, others in zip(exact.forces, rough.forces, strict=True):
+        assert others == pytest.approx(forces, abs=1e-6 * np.abs(forces).max())
+
+
+def test_a_try_that_takes_most_of_the_work_of_all_is_the_last():
+    tilted = program(walls.tilted_wall(8.0, friction=0.6, courses=4, per_course=4))
+    whole = Work()
+    assert find_settling(tilted, work=whole).settles
+    short = Work(0.5 * whole.spent)
+    stopped = find_settling(tilted, work=short)
+    assert stopped.ends == ("not-found",)
+    assert short.spent < 0.2 * whole.spent

@@ -42,15 +42,16 @@ from kilter.friction.settling import TRIES, Settling, find_settling
 from kilter.mechanics.certificate import ForceProof, check_forces
 from kilter.mechanics.program import Program
 from kilter.mechanics.proof import Evidence
-from kilter.work import EFFORT, PER_EFFORT, Work
+from kilter.work import CONIC_ENTRY, EFFORT, PER_EFFORT, Work
 
 __all__ = ["FrictionAnswer", "Why", "ask_friction", "not_asked"]
 
 SEATING = 2.0
 """Work limit of seating, in efforts, in addition to that of the search."""
-SETTLING = 4.0
+SETTLING = 6.0
 """Work limit of settling, in efforts, in addition to that of the search. Tries that are not reached
-count as not passed. An arch of 100 voussoirs in space needs half of it.
+count as not passed. An arch of 100 voussoirs in space needs half of it, a leaning wall of 300
+bricks two thirds.
 """
 EXCLUDING = 2.0
 """Work limit of the proof that no motion exists, over that of the search. The proof follows the
@@ -60,6 +61,11 @@ slow and needed only without a proof.
 MODES = 0.6
 """Fraction of the work of the search after which no contact mode is examined: the modes that lead
 to a motion are found in two thirds of that.
+"""
+
+CONIC_STEPS, ENTRIES_OF_POINT = 12, 6
+"""Usual number of steps of a conic program, and number of its entries for each contact point and
+freedom of a part.
 """
 
 Answer = Literal["proved", "refuted", "open"]
@@ -87,7 +93,8 @@ class FrictionAnswer:
     work : float
         Units of work spent (`kilter.work`).
     examined : bool
-        False if only the equilibrium was requested: then seating, settling and motions are unknown.
+        False if only the equilibrium was requested, or if the other questions exceed the work
+        limit: then seating, settling and motions are unknown.
     """
 
     guarantee: Answer
@@ -160,6 +167,8 @@ def ask_friction(
         Work limit of the search and the proof together, or an effort.
     """
     whole = Work.of(work)
+    if _out_of_reach(program, whole):
+        return not_asked(program)
     seating, settling = _seat_and_settle(program, whole)
     seats = _verified(program, [seating.forces] if seating.seated == "yes" else [])
     tries = _verified(program, settling.forces)
@@ -183,6 +192,13 @@ def ask_friction(
         return answer("proved", exclusion=exclusion)
     witness = find_coulomb_motion(program, work=whole.until(MODES), only="modes")
     return answer("open" if witness is None else "refuted", witness, exclusion)
+
+
+def _out_of_reach(program: Program, whole: Work) -> bool:
+    """True if a single conic program of the questions is expected to exceed the work limit."""
+    entries = program.part_a.size * ENTRIES_OF_POINT * len(program.freedoms)
+    expected = CONIC_ENTRY * CONIC_STEPS * entries
+    return expected > max(whole.allowed, PER_EFFORT) and bool(program.mu.any())
 
 
 def _seat_and_settle(program: Program, whole: Work) -> tuple[Seating, Settling]:

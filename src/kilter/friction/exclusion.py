@@ -29,11 +29,12 @@ from kilter.friction.exclusion_bounds import FORCES, first_bounds, largest_force
 from kilter.friction.exclusion_cases import CasesLeft, divide_cases
 from kilter.friction.exclusion_steps import ExclusionStep
 from kilter.friction.friction_tolerances import LARGEST_FORCE
-from kilter.friction.moments import moment_proof
+from kilter.friction.moments import FORMS_OF_POINT, MOST_FORMS, moment_proof
 from kilter.friction.opening_motion import opening_motion
 from kilter.friction.reduced_law import ReducedLaw, reduced_law, refusal
 from kilter.friction.relaxation import Relaxation
 from kilter.mechanics.program import Program
+from kilter.mechanics.rows import CONTACT
 from kilter.solvers.highs import bounding
 from kilter.threads import on_one_thread
 from kilter.work import Work
@@ -59,6 +60,8 @@ CLOSE_BY, MANY, GLANCE = 1e-5, 300, 0.1
 so many are not affordable, cases get the third fraction of the remaining work, to improve the
 bound.
 """
+ROW_ENTRIES = 160
+"""In space, number of relaxation entries of each contact point."""
 BY_MOMENTS = 0.8
 """Fraction of the work limit after which no further moment relaxation is started [-]."""
 
@@ -130,6 +133,8 @@ def prove_no_motion(program: Program, *, work: Work | float = 1.0) -> Exclusion:
     why = refusal(program)
     if why:
         return Exclusion(False, None, 0, 0, 1.0, "", work.spent, why)
+    if _out_of_reach(program, work):
+        return Exclusion(False, None, 0, 0, 1.0, "", work.spent)
     law = reduced_law(program)
     opening = opening_motion(law, work=work)
     attempt, bounds = start_proof(law, no_power(program), opening, work)
@@ -146,6 +151,17 @@ def prove_no_motion(program: Program, *, work: Work | float = 1.0) -> Exclusion:
         opening=opening,
         steps=tuple(attempt.steps) if proved else (),
     )
+
+
+def _out_of_reach(program: Program, work: Work) -> bool:
+    """True in space if moments are not formed for so many points, and their cases cost too much.
+
+    The proof is then not begun: its data alone take longer than the verdict of equilibrium.
+    """
+    points = int((program.kind == CONTACT).sum())
+    forms = points * FORMS_OF_POINT + int(program.free.sum()) * len(program.freedoms)
+    cost = CASE_ENTRY * ROW_ENTRIES * points
+    return not program.planar and forms > MOST_FORMS and MANY * cost > work.left
 
 
 def start_proof(

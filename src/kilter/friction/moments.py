@@ -35,7 +35,7 @@ from kilter.solvers.clarabel import solve_semidefinite
 from kilter.solvers.semidefinite import SemidefiniteProgram
 from kilter.work import SEMIDEFINITE_ENTRY, Work
 
-__all__ = ["MomentProof", "moment_program", "moment_proof"]
+__all__ = ["FORMS_OF_POINT", "MOST_FORMS", "MomentProof", "moment_program", "moment_proof"]
 
 DEAR: dict[Squares, float] = {"pairs": 1.0, "pushes": 1.0, "cliques": 6.0}
 """Relative cost of an entry: large matrices are also factorised."""
@@ -51,6 +51,8 @@ STEPS = 8
 """Maximum number of steps."""
 MOST_FORMS = 700
 """Number of coordinates of z above which matrices over all of them are too large."""
+FORMS_OF_POINT = 4
+"""Number of these coordinates of a point with friction in space: force and sliding speed."""
 MOST_ENTRIES = 20_000_000
 """Number of entries of the product matrices above which they are not formed, because of memory."""
 

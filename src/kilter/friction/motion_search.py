@@ -65,7 +65,10 @@ FEW = 2
 NODES = 300
 """Maximum number of nodes of branch and bound."""
 MOST_POINTS = 150
-"""Number of contact points above which 300 nodes decide too few modes to be useful."""
+"""Number of contact points above which 300 nodes decide too few modes to be useful, and above which
+a candidate of the iteration is made exact only if it is near the law: each takes longer than a step
+of the iteration.
+"""
 NEAR = 0.1
 """Largest breach of the law, over the power, up to which the optimum of a relaxation is made exact
 directly. For books, all motions are found after steps of De Saxce's iteration, and optima with a
@@ -149,6 +152,15 @@ class _MotionSearch:
         return breach(self.law, candidate.x, candidate.forces) <= NEAR * float(
             self.law.load @ candidate.x
         )
+
+    def worthwhile(self, candidate: TrialMotion, method: str, step: int) -> bool:
+        """True if the candidate of a step is made exact before the iteration ends."""
+        if method == BY_MODES:
+            return step == 0 and self.near(candidate)
+        if len(self.law.mu) <= MOST_POINTS:
+            return step in TRIES
+        # at step 0 a candidate has no forces, or those of other coefficients of friction
+        return step > 0 and step in TRIES and self.near(candidate)
 
     def offer(self, candidate: TrialMotion, method: str) -> None:
         """Make a candidate exact, check it, and keep the best."""
@@ -257,7 +269,7 @@ def _iterate(search: _MotionSearch, candidate: TrialMotion, method: str) -> None
     no_lubrication = np.zeros(len(search.law.mu), dtype=bool)
     shift = search.shift(candidate.x)
     for step in range(FEW if method == BY_MODES else ITERATIONS):
-        if (step == 0 and search.near(candidate)) if method == BY_MODES else (step in TRIES):
+        if search.worthwhile(candidate, method, step):
             search.offer(candidate, method)
         size = float(np.linalg.norm(candidate.x))
         if search.over or size < GONE:
@@ -269,7 +281,8 @@ def _iterate(search: _MotionSearch, candidate: TrialMotion, method: str) -> None
         shift = search.shift(candidate.x)
         if float(np.abs(shift - last_shift).max(initial=0.0)) < STEADY * size:
             break
-    if float(np.linalg.norm(candidate.x)) >= GONE:
+    small = len(search.law.mu) <= MOST_POINTS
+    if float(np.linalg.norm(candidate.x)) >= GONE and (small or search.near(candidate)):
         search.offer(candidate, method)
 
 

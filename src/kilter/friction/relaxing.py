@@ -36,7 +36,9 @@ INNER, IDLE = 80, 25
 """Maximum number of Newton steps within a step h, and number of them without a reduction of the
 error after which Newton's method has failed.
 """
-STEP_ERROR, STEP_ERROR_SMALL, SMALL = 0.5, 0.1, 0.05
+ROUGH = 20
+"""Number of Newton steps within a step h that use symmetric matrices of large systems."""
+STEP_ERROR, STEP_ERROR_SMALL, SMALL = 0.8, 0.3, 0.05
 """A step h is solved to the first fraction of r at its beginning; to the second if r is below the
 third number.
 """
@@ -48,7 +50,7 @@ FALLING = 0.98
 """A Newton step that leaves more than this fraction of the least error does not count as a
 reduction.
 """
-GROWTH, SLOW, LEAP, EASY = 2.0, 1.2, 10.0, 6
+GROWTH, SLOW, LEAP, EASY = 4.0, 1.2, 10.0, 6
 """h grows by the first factor after a step of at most the last number of Newton steps, else by the
 second; and by the factor by which r fell, up to the third.
 """
@@ -134,9 +136,11 @@ def _advance(
     least_error = float(np.linalg.norm(error_vector))
     accepted = (STEP_ERROR if least_error > SMALL else STEP_ERROR_SMALL) * least_error
     stalled = 0
+    rough = springs.system.matrix.symmetric_pays
     for count in range(1, INNER + 1):
+        exact = not rough or count > ROUGH
         try:
-            move = springs.newton(new, error_vector, 1.0 / step, work)
+            move = springs.newton(new, error_vector, 1.0 / step, work, exact=exact)
         except np.linalg.LinAlgError:
             return None, count
         new, error_vector = _line_search(springs, (state, new, error_vector), move, step, accepted)

@@ -39,6 +39,9 @@ TRIES = 8
 LOOSE = 3.0
 """Largest gap, over the deflection of its point."""
 
+HOPELESS = 1.5
+"""A try ends as not found if all tries, at its rate, take this many times the allowed work."""
+
 End = Literal["balance", "runs-away", "not-found"]
 
 
@@ -132,7 +135,8 @@ def find_settling(
         work.tell(f"putting it down loosely, try {number + 1} of {tries}")
         gap_share = np.random.default_rng([seed + number, 8]).uniform(0.0, LOOSE, len(law.mu))
         springs = Springs(system, stiffness, np.where(law.tied, 0.0, gap_share * deflection))
-        rest = relaxed(springs, np.zeros(len(law.load)), work=work, size=size)
+        share = work.until(HOPELESS * (number + 1) / tries)
+        rest = relaxed(springs, np.zeros(len(law.load)), work=share, size=size)
         iterations += rest.steps
         world_forces = law.forces(rest.state.forces)
         balanced = check_balance(program, world_forces) <= BALANCED
