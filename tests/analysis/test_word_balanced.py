@@ -8,6 +8,7 @@ import pytest
 
 import kilter
 from kilter import Assembly, Box, Part, Pose, Sphere
+from kilter.analysis.verification import _wrong_word
 from kilter.assembly.interactions import FrictionPair
 from kilter.mechanics.proof import digest_of
 from kilter.scenes import scene
@@ -49,6 +50,36 @@ def test_a_balanced_proof_with_friction_needs_its_rolling() -> None:
         "it states 'balanced', but its evidence proves 'stable'",
     )
     assert kilter.verify(assembly, signed_anew(open_rolling, verdict="stable")).holds
+
+
+BALANCED: list[tuple[dict[str, str] | None, bool]] = [
+    ({"state": "balanced"}, False),
+    ({"state": "balanced", "rolling": "falls"}, False),
+    ({"state": "balanced", "rolling": "falls"}, True),
+]
+"""Second order, and whether a contact has friction: its evidence proves "balanced"."""
+STABLE: list[tuple[dict[str, str] | None, bool]] = [
+    (None, False),
+    (None, True),
+    ({"state": "balanced"}, True),
+    ({"state": "balanced", "rolling": "open"}, False),
+    ({"state": "balanced", "rolling": "open"}, True),
+    ({"state": "minimum"}, False),
+    ({"state": "minimum", "rolling": "falls"}, True),
+]
+"""Evidence that proves no more than "stable"."""
+
+
+@pytest.mark.parametrize("word", ["balanced", "stable"])
+@pytest.mark.parametrize(
+    ("second", "rubs", "fits"),
+    [(*case, "balanced") for case in BALANCED] + [(*case, "stable") for case in STABLE],
+)
+def test_a_word_is_compared_with_its_second_order(
+    second: dict[str, str] | None, rubs: bool, fits: str, word: str
+) -> None:
+    reasons = [f"it states {word!r}, but its evidence proves {fits!r}"] * (word != fits)
+    assert _wrong_word(word, second, rubs=rubs) == reasons
 
 
 @pytest.mark.parametrize("name", ["tower", "paper-figure-9"])
