@@ -59,6 +59,7 @@ class TestStacks:
                 if size == 1.0:
                     assert stable(assembly) == holds
 
+    @pytest.mark.quick(3)
     @pytest.mark.parametrize("azimuth", [0, 22.5, 45, 200])
     def test_slope_slides_past_its_friction_whatever_its_direction(self, azimuth):
         holds = stacks.block_on_slope(26, azimuth=azimuth, friction=0.5)
@@ -133,6 +134,7 @@ class TestWalls:
     def test_wall_of_about_a_count(self, count):
         assert len(walls.wall_of(count).parts) - 1 == pytest.approx(count, rel=0.06)
 
+    @pytest.mark.slow
     def test_large_walls_are_fast(self):
         start = time.process_time()
         walls.wall_of(10_000)
@@ -175,6 +177,7 @@ class TestPilesAndWedges:
     def test_corner_boxes_are_stable(self):
         assert stable(wedges.corner_boxes(2))
 
+    @pytest.mark.quick(2)
     @pytest.mark.parametrize("angle", [5, 15, 30])
     def test_keystone_is_stable(self, angle):
         assembly = wedges.keystone(angle)
@@ -183,6 +186,7 @@ class TestPilesAndWedges:
 
 
 class TestTraps:
+    @pytest.mark.quick(2)
     @pytest.mark.parametrize("index", [0, 2, -1])
     def test_one_block_floats(self, index):
         assembly = traps.floating_block(index)
@@ -199,6 +203,7 @@ class TestTraps:
         assembly = traps.laden_slab()
         assert len(touching(assembly).pairs) == 125
 
+    @pytest.mark.slow
     def test_two_patches_and_a_ring_have_their_areas(self):
         for build, volume in ((traps.bridge_on_slab, 6.0), (traps.ring_on_slab, 12.0)):
             assembly = build()

@@ -66,6 +66,7 @@ class TestArches:
 
 
 class TestHeldByFriction:
+    @pytest.mark.quick(3)
     @pytest.mark.parametrize(("wall", "limit"), [(0.0, 51.3402), (0.3, 47.7263)])
     @pytest.mark.parametrize("planar", [True, False])
     def test_ladder(self, wall, limit, planar):

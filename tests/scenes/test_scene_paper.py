@@ -23,10 +23,12 @@ class TestFigures:
         up = 1 if planar else 2
         assert np.allclose(dp[:, [0, up]], [[0, -1], [1, 0]], atol=1e-6)
 
+    @pytest.mark.quick(5)
     @pytest.mark.parametrize(("orientation", "z"), [(1, -5), (2, -2.5), (3, 0), (4, 0)])
     def test_4_z_rises_as_gravity_turns(self, planar, orientation, z):
         assert lp9(paper.figure_4(orientation, planar=planar))[0] == pytest.approx(z, abs=1e-9)
 
+    @pytest.mark.quick(2)
     @pytest.mark.parametrize("angle", [45, 60, 75])
     def test_8_c2_sinks_by_1_and_c3_goes_aside_by_its_cotangent(self, planar, angle):
         assembly = paper.figure_8(angle, planar=planar)
@@ -121,7 +123,7 @@ class TestTrappedWedge:
     def test_holds_in_space_too(self, ratio):
         assert stable(paper.trapped_wedge(10.0, mass_b=ratio, planar=False))
 
-    @pytest.mark.quick(1)
+    @pytest.mark.slow
     def test_moves_at_no_cost_when_level_and_not_at_all_when_tilted(self, ratio):
         two_sided, one_sided = neutral(paper.trapped_wedge(0.0, mass_b=ratio))
         assert two_sided == 0

@@ -20,6 +20,7 @@ class TestEveryScene:
         assert isinstance(assembly, Assembly)
         assert 0 < assembly.geometry.grounded.sum() < len(assembly.parts)
 
+    @pytest.mark.quick(24)
     def test_has_masses_and_volumes_above_zero(self, name):
         geometry = BUILT[name].geometry
         assert (geometry.mass > 0).all()
@@ -31,12 +32,12 @@ class TestEveryScene:
         meant = [("post", "screw")] if name == "cad-export" else []
         assert overlapping(BUILT[name]) == meant
 
-    @pytest.mark.quick(3)
+    @pytest.mark.quick(2)
     def test_has_contacts_that_touch_exactly(self, name):
         assembly = BUILT[name]
         assert touching(assembly).gap.max(initial=0.0) < 1e-12
 
-    @pytest.mark.quick(2)
+    @pytest.mark.quick(1)
     def test_has_the_answer_it_says(self, name):
         assembly, answer = BUILT[name], SCENES[name].answer
         has_friction = bool(assembly.friction or assembly.friction_pairs or assembly.contacts)
@@ -79,6 +80,7 @@ def test_unknown_name_names_the_nearest():
         scene("??")
 
 
+@pytest.mark.slow
 def test_listing_the_examples_is_light():
     code = (
         "import sys, kilter; kilter.example();"

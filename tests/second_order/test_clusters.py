@@ -143,6 +143,7 @@ def test_rows_of_the_clusters_are_those_of_the_whole() -> None:
         np.testing.assert_array_equal(one.program.point, program.point[one.rows])
 
 
+@pytest.mark.slow
 def test_a_proof_of_clusters_is_judged_again_and_no_other() -> None:
     row = side_by_side([case_of(number).build(0.0) for number in ("03", "38", "35", "03")])
     proof = kilter.check(row).proof()
@@ -163,6 +164,7 @@ def test_a_proof_of_clusters_is_judged_again_and_no_other() -> None:
     assert not kilter.verify(row, short).holds
 
 
+@pytest.mark.slow
 def test_a_cluster_without_a_proof_is_open() -> None:
     """A cluster without a proof may not count for the state of the assembly."""
     row = side_by_side([case_of(number).build(0.0) for number in ("02", "03")])

@@ -60,6 +60,7 @@ def changed(proof: dict[str, Any], **entries: Any) -> dict[str, Any]:
     return other
 
 
+@pytest.mark.slow
 def test_proofs_without_idle_contacts_are_judged_again() -> None:
     assembly = Assembly([FLOOR, WALL, BALL])
     proof = kilter.check(assembly).proof()

@@ -103,6 +103,7 @@ def test_the_gaps_of_any_surface_within_its_doubt_lie_between_the_bounds(seed: i
         assert np.linalg.eigvalsh(one - least).min() > -1e-9 * size
 
 
+@pytest.mark.slow
 def test_radii_that_are_nearly_alike_are_open() -> None:
     """If the surfaces may not separate, the gap has no second derivative."""
     cup = mesh_rounds.held(solids.socket(1.004, 2.0, 2.0, -0.1, sides=FINE, rings=FINE // 4))
@@ -127,6 +128,7 @@ def test_the_proof_is_judged_again_and_a_changed_number_refused(seed: int) -> No
         assert not kilter.verify(pair.meshes, changed(proof, place, 0.37)).holds, place
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("doubts", "state"), [(-2.0, "free"), (2.0, "balanced")])
 def test_a_proof_for_the_surface_as_recognised_alone_is_refused(
     doubts: float, state: str, monkeypatch: pytest.MonkeyPatch

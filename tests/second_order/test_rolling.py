@@ -76,6 +76,7 @@ def test_a_board_across_a_cylinder_rolls_one_way_in_space_too() -> None:
         assert kilter.verify(board, proof).holds
 
 
+@pytest.mark.slow
 def test_no_squeeze_lets_one_of_two_points_slip() -> None:
     """Friction (x_1, y_1), (x_2, y_2) within its limits; of y only the sum y_1 + y_2 is known.
 
@@ -169,6 +170,7 @@ def test_of_several_the_one_that_rolls_off_is_told() -> None:
     assert second.rolling.state == "falls"
 
 
+@pytest.mark.slow
 def test_a_proof_says_of_rolling_what_is_found_again() -> None:
     board, stone = rolling_case("R1"), rolling_case("R2")
     row = side_by_side([stone.build(0.9), stone.build(1.1)]).with_friction(GRIP)

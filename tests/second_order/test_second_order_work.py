@@ -51,6 +51,7 @@ def test_parts_on_level_faces_are_free_without_any_work() -> None:
     assert verdict.second_order.left_open(verdict.program.names) == ""
 
 
+@pytest.mark.slow
 def test_many_clusters_share_the_work_and_level_strict_does_more() -> None:
     balls = bowls(60)
     usual, strict = kilter.check(balls), kilter.check(balls, require="strict")
@@ -67,6 +68,7 @@ def test_many_clusters_share_the_work_and_level_strict_does_more() -> None:
     assert strict.second_order.state == "minimum"
 
 
+@pytest.mark.slow
 def test_near_a_limit_the_usual_work_is_enough() -> None:
     """The hardest known case, as near to its limit as its proof resolves."""
     verdict = kilter.check(case("39", 0.5 - 1e-6))

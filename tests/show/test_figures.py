@@ -55,7 +55,7 @@ def named(names: list[str]) -> Assembly:
 # --- order of painting ---------------------------------------------------------------------
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["tower", "paper-figure-8", "keystone", "ladder"])
 @pytest.mark.parametrize("angles", [(-32, 22), (140, 60), (75, -35)])
 def test_nothing_is_painted_over_what_lies_in_front_of_it(
@@ -132,6 +132,7 @@ def test_arrows_are_the_accelerations_of_the_answer() -> None:
     assert any("0.75 g" in text for text in words(figure))
 
 
+@pytest.mark.slow
 def test_a_stable_assembly_has_forces_and_no_motion() -> None:
     verdict = kilter.check(scene("tower"))
     figure = draw_assembly(verdict)
@@ -285,6 +286,7 @@ def test_draw_writes_each_kind_of_figure(
     assert out.read_bytes() == first
 
 
+@pytest.mark.slow
 def test_draw_what_region(wall: Path) -> None:
     assert main(["draw", str(wall), "--what", "region", "-o", "r.svg", "--quiet"]) == 0
     assert "One direction of gravity is stable" in Path("r.svg").read_text(encoding="utf-8")

@@ -102,6 +102,7 @@ def test_names_are_text_and_nothing_else(bad: str) -> None:
     assert "שלום עולם" in tags.text
 
 
+@pytest.mark.slow
 def test_signs_that_turn_text_about_or_control_it_are_replaced(bad: str) -> None:
     for sign in "\u202e\u2066\x00\u2028":
         assert sign not in bad
@@ -259,6 +260,7 @@ def test_a_force_is_said_as_the_program_of_the_page_says_it() -> None:
     assert [force(newtons) for newtons, _ in table] == [words for _, words in table]
 
 
+@pytest.mark.slow
 def test_above_its_limit_the_region_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     import kilter.analysis.everything as module
 

@@ -43,6 +43,7 @@ def test_each_part_comes_at_its_step_along_its_way_to_its_seat(
         assert np.allclose(along, -np.array(step.direction), atol=1e-4)
 
 
+@pytest.mark.slow
 def test_a_mark_is_there_while_a_part_is_held(built: tuple[kilter.Order, Film]) -> None:
     order, film = built
     held = {name for step in order.steps for name in step.held}
@@ -92,6 +93,7 @@ def test_without_an_order_there_is_no_film(tmp_path: Path) -> None:
         kilter.animate(none, tmp_path / "film.gltf")
 
 
+@pytest.mark.slow
 def test_the_same_plan_gives_the_same_bytes() -> None:
     made: Assembly = scene("paper-figure-9")
     assert kilter.animate(kilter.plan(made)) == kilter.animate(kilter.plan(made))

@@ -29,6 +29,7 @@ def built() -> tuple[kilter.Order, str]:
     return order, page_of(order)
 
 
+@pytest.mark.slow
 def test_the_data_are_those_of_the_plan(built: tuple[kilter.Order, str]) -> None:
     order, page = built
     data, told = data_of(page), order.to_dict()
