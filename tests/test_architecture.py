@@ -68,9 +68,15 @@ class Imports(ast.NodeVisitor):
 
 
 @cache
+def tree_of(module: str) -> ast.Module:
+    """Syntax tree of a module: each file is read once for all tests."""
+    return ast.parse(FILES[module].read_text(encoding="utf-8"))
+
+
+@cache
 def imports(module: str) -> Imports:
     found = Imports()
-    found.visit(ast.parse(FILES[module].read_text(encoding="utf-8")))
+    found.visit(tree_of(module))
     return found
 
 
@@ -187,7 +193,7 @@ def test_no_module_imports_another_by_a_string() -> None:
         module
         for module, path in FILES.items()
         if path.name != "__init__.py"
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for node in ast.walk(tree_of(module))
         if isinstance(node, ast.Name | ast.Attribute)
         and (node.id if isinstance(node, ast.Name) else node.attr)
         in ("import_module", "__import__")
@@ -203,8 +209,8 @@ def test_no_two_files_have_one_name() -> None:
 @pytest.mark.slow
 def test_no_two_classes_have_one_name() -> None:
     names: dict[str, list[str]] = defaultdict(list)
-    for module, path in FILES.items():
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for module in FILES:
+        for node in ast.walk(tree_of(module)):
             if isinstance(node, ast.ClassDef):
                 names[node.name].append(module)
     assert {name: places for name, places in names.items() if len(places) > 1} == {}
@@ -254,10 +260,10 @@ DOUBT_STEPS = {
 """Steps of the decision that act on doubts."""
 
 
-def doubt_readers(source: str) -> set[str]:
+def doubt_readers(tree: ast.Module) -> set[str]:
     """Marks of doubts that a module reads, and steps of the decision that it imports."""
     read = set()
-    for node in ast.walk(ast.parse(source)):
+    for node in ast.walk(tree):
         if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Load):
             read |= {node.attr} & DOUBT_MARKS
         if isinstance(node, ast.ImportFrom):
@@ -266,9 +272,9 @@ def doubt_readers(source: str) -> set[str]:
 
 
 def test_doubt_readers_finds_a_mark_and_a_step() -> None:
-    assert doubt_readers("x = contacts.patch_doubt > 0") == {"patch_doubt"}
-    assert doubt_readers("from a import decide_degenerate") == {"decide_degenerate"}
-    assert doubt_readers("doubts.degenerate_points") == set()
+    assert doubt_readers(ast.parse("x = contacts.patch_doubt > 0")) == {"patch_doubt"}
+    assert doubt_readers(ast.parse("from a import decide_degenerate")) == {"decide_degenerate"}
+    assert doubt_readers(ast.parse("doubts.degenerate_points")) == set()
 
 
 def test_only_the_decision_reads_doubts() -> None:
@@ -276,8 +282,8 @@ def test_only_the_decision_reads_doubts() -> None:
     # the joined contacts of open pairs are built without the marks, on behalf of the decision
     exempt = {"kilter.analysis.open_pairs.ordinary_contacts"}
     readers = {
-        module: doubt_readers(path.read_text(encoding="utf-8"))
-        for module, path in FILES.items()
+        module: doubt_readers(tree_of(module))
+        for module in FILES
         if module.startswith(("kilter.analysis.", "kilter.cli.", "kilter.publish"))
         and not module.startswith("kilter.analysis.decision.")
         and module not in exempt

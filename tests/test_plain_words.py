@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -47,10 +48,16 @@ def too_many(texts: list[str]) -> dict[str, float]:
     return {name: rate for name, rate in rates(texts).items() if rate > VAGUE[name][1]}
 
 
+@cache
+def tree_of(path: Path) -> ast.Module:
+    """Syntax tree of a file: each file is read once for all tests."""
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def docstrings(folder: Path) -> Iterator[tuple[str, str]]:
     """Place and text of each docstring below a folder."""
     for path in sorted(folder.rglob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in ast.walk(tree_of(path)):
             if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
                 text = ast.get_docstring(node)
                 if text:
@@ -62,7 +69,7 @@ def messages() -> list[str]:
     """String constants of the code that are sentences, docstrings left out."""
     found = []
     for path in sorted(SOURCE.rglob("*.py")):
-        tree = ast.parse(path.read_text(encoding="utf-8"))
+        tree = tree_of(path)
         bare = {
             id(node.value)
             for node in ast.walk(tree)
