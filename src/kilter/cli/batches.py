@@ -69,7 +69,7 @@ def batch(
     files with kilter[batch], otherwise CSV files.
 
     A second run computes only the missing rows. An assembly that cannot be checked gets a row with
-    its error. The column 'stable' tells whether it holds at the level of --require.
+    its error. The column 'stable' states whether it holds at the level of --require.
 
     Exit code: 0 all rows are written, whatever the verdicts; 1 some rows are errors.
     """

@@ -163,8 +163,8 @@ def margin(
         typer.Option(
             "--part",
             metavar="NAME",
-            help="Compute the greatest push that this part resists, and how much holding it adds. "
-            "Repeatable; all parts by default if there are at most 20.",
+            help="Compute the greatest push that this part resists, and the gain in tilt or load "
+            "if it is held. Repeatable; all parts by default if there are at most 20.",
             rich_help_panel=ASKED,
             show_default=False,
         ),

@@ -131,7 +131,7 @@ def _contact_set(
     unsupported = (*near.unsupported, *smooth.unsure)
     records: list[RejectedPair | Overlap | UnsupportedContact] = [*refused, *overlaps, *unsupported]
     recorded = [record.parts for record in records]
-    refused += near_edges(search, _unrecorded(search, patches, recorded))
+    refused += near_edges(search, _unrecorded_pairs(search, patches, recorded))
     rejected = sorted(refused, key=lambda r: (abs(r.gap), r.angle))
     rims = rim_contacts(search.geometry, flat.patches)
     possible = PossibleContacts.join([near.possible, rims, face_patches.curved.possible])
@@ -188,7 +188,7 @@ def _fits(
     return tuple(fit for fit in candidates if not fit.tight or frozenset(fit.parts) in overlapping)
 
 
-def _unrecorded(
+def _unrecorded_pairs(
     search: ContactSearch, patches: Patches, other_pairs: list[tuple[int, int]]
 ) -> Mask:
     """Pairs without a patch that are also not among the pairs of parts `other_pairs`."""

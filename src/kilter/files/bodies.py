@@ -84,7 +84,7 @@ def _labels(places: Array, faces: Index) -> Index:
         ends = low[rows[:, :1]], high[rows[:, :1]]
         opposite = places[_third(faces[face[rows]], *ends)]
         edge = places[ends[0][:, 0]], places[ends[1][:, 0]]
-        group, opening, closing = _around(edge, opposite, sign * turn[rows])
+        group, opening, closing = _pair_about_edge(edge, opposite, sign * turn[rows])
         pairs.append(np.column_stack([face[rows[group, opening]], face[rows[group, closing]]]))
     label = connected(len(faces), *np.concatenate(pairs).T)
     loose = np.unique(face[order[np.repeat(~balanced, count)]])
@@ -126,7 +126,9 @@ def _third(faces: Index, low: Index, high: Index) -> Index:
     return third
 
 
-def _around(edge: tuple[Array, Array], opposite: Array, turn: Index) -> tuple[Index, Index, Index]:
+def _pair_about_edge(
+    edge: tuple[Array, Array], opposite: Array, turn: Index
+) -> tuple[Index, Index, Index]:
     """Pair the faces about each edge so that material lies between the two faces of a pair.
 
     Faces are sorted by their angle about the edge. A face that runs along the edge has its

@@ -171,7 +171,7 @@ class Choices:
 
     def __post_init__(self) -> None:
         for name in KEYS:
-            object.__setattr__(self, name, _fixed(getattr(self, name), DEFAULT[name]))
+            object.__setattr__(self, name, _freeze(getattr(self, name), DEFAULT[name]))
         object.__setattr__(self, "folder", Path(self.folder))
         _validate(self.to_dict())
 
@@ -348,7 +348,7 @@ def plain(value: Any) -> Any:
     return value
 
 
-def _fixed(value: Any, default: Any) -> Any:
+def _freeze(value: Any, default: Any) -> Any:
     """The value as tuples and read-only mappings; the default for None."""
     if value is None:
         return default

@@ -65,7 +65,7 @@ def read_glb(data: bytes) -> tuple[list[tuple[str | None, Mesh]], list[str]]:
         return _solids(header, binary)
 
 
-def _at(rows: list[_Row], k: int, what: str) -> _Row:
+def _header_entry(rows: list[_Row], k: int, what: str) -> _Row:
     """Entry k of a list of the header; `what` is its noun for the message.
 
     Raises
@@ -140,7 +140,7 @@ def _solids(header: Gltf, binary: bytes) -> tuple[list[tuple[str | None, Mesh]],
     pending = [(k, np.eye(4), start) for k in reversed(_roots(header))]
     while pending:
         k, above, path = pending.pop()
-        node = _at(header.nodes, k, "node")
+        node = _header_entry(header.nodes, k, "node")
         if k in seen:
             raise InputError(f"node {k} of the GLB has two parent nodes", hint=_DAMAGED)
         seen.add(k)
@@ -152,7 +152,7 @@ def _solids(header: Gltf, binary: bytes) -> tuple[list[tuple[str | None, Mesh]],
         pending.extend((child, matrix, below) for child in reversed(node.children))
         if node.mesh is None:
             continue
-        source = _at(header.meshes, node.mesh, "mesh")
+        source = _header_entry(header.meshes, node.mesh, "mesh")
         name = node_name or (source.name or "").strip() or None
         if node.mesh not in read:
             tally.add(_triangles(header, source.primitives))
@@ -171,7 +171,7 @@ def _solids(header: Gltf, binary: bytes) -> tuple[list[tuple[str | None, Mesh]],
 def _roots(header: Gltf) -> list[int]:
     """Nodes of the scene; without a scene, the nodes without parents."""
     if header.scenes:
-        return _at(header.scenes, header.scene, "scene").nodes
+        return _header_entry(header.scenes, header.scene, "scene").nodes
     below = {child for node in header.nodes for child in node.children}
     return [k for k in range(len(header.nodes)) if k not in below]
 
@@ -193,7 +193,9 @@ def _matrix(node: Node) -> Array:
 def _triangles(header: Gltf, primitives: list[Primitive]) -> int:
     """Number of triangles that the header states for primitives; strips and fans have more."""
     given = (p.attributes.get("POSITION") if p.indices is None else p.indices for p in primitives)
-    return sum(_at(header.accessors, k, "accessor").count // 3 for k in given if k is not None)
+    return sum(
+        _header_entry(header.accessors, k, "accessor").count // 3 for k in given if k is not None
+    )
 
 
 def _named_mesh(
@@ -242,7 +244,7 @@ def _accessor(header: Gltf, binary: bytes, index: int, wanted: str) -> NDArray[A
     InputError
         If the type of the accessor is not `wanted` ("SCALAR" or "VEC3"), or bytes are missing.
     """
-    accessor = _at(header.accessors, index, "accessor")
+    accessor = _header_entry(header.accessors, index, "accessor")
     if accessor.type != wanted:
         what = f"damaged GLB: accessor {index} is of type {accessor.type!r:.20}, not {wanted}"
         raise InputError(what, hint=_DAMAGED)
@@ -296,7 +298,7 @@ def _view(
     shape : (int, int)
         Number of rows, and numbers per row.
     """
-    view = _at(header.bufferViews, place[0], "buffer view")
+    view = _header_entry(header.bufferViews, place[0], "buffer view")
     start = view.byteOffset + place[1]
     row = shape[1] * kind.itemsize
     stride = view.byteStride or row

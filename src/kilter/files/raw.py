@@ -23,7 +23,7 @@ def read_bytes(path: Path) -> bytes:
         with path.open("rb") as stream:
             data = read_bounded(stream, str(path))
     except FileNotFoundError:
-        raise InputError("no such file", file=str(path), hint=_near(path)) from None
+        raise InputError("no such file", file=str(path), hint=_similar_name_hint(path)) from None
     except (OSError, ValueError) as error:
         raise InputError(
             f"cannot be read: {_why(error)}",
@@ -58,7 +58,7 @@ def _why(error: OSError | ValueError) -> str:
     return getattr(error, "strerror", None) or str(error)
 
 
-def _near(path: Path) -> str:
+def _similar_name_hint(path: Path) -> str:
     """A hint for a missing file: the most similar name in its folder."""
     try:
         names = [entry.name for entry in path.parent.iterdir() if not entry.name.startswith(".")]

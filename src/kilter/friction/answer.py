@@ -170,8 +170,8 @@ def ask_friction(
     if _out_of_reach(program, whole):
         return not_asked(program)
     seating, settling = _seat_and_settle(program, whole)
-    seats = _verified(program, [seating.forces] if seating.seated == "yes" else [])
-    tries = _verified(program, settling.forces)
+    seats = _verify_forces(program, [seating.forces] if seating.seated == "yes" else [])
+    tries = _verify_forces(program, settling.forces)
 
     def answer(
         guarantee: Answer, witness: CoulombMotion | None = None, exclusion: Exclusion | None = None
@@ -214,7 +214,7 @@ def _seat_and_settle(program: Program, whole: Work) -> tuple[Seating, Settling]:
     return seating, settling
 
 
-def _verified(program: Program, forces: Sequence[Array]) -> tuple[ForceProof, ...]:
+def _verify_forces(program: Program, forces: Sequence[Array]) -> tuple[ForceProof, ...]:
     """The forces that are a proof of equilibrium, as proofs."""
     proofs = []
     for vectors in forces:

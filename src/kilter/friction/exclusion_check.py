@@ -73,14 +73,14 @@ class _ProofState:
             self._leaves(self.bounds.scale * power)
         elif isinstance(step, ShrinkStep):
             self.bounds = shrunk_by(self.law, self.relaxation, self.bounds, step)
-        elif self._closed(self.bounds, step):
+        elif self._is_closed(self.bounds, step):
             self.power = min(self.power, self.tolerance)
 
     def _leaves(self, power: float) -> None:
         self.power = min(self.power, power)
         self.bounds = rescaled(self.relaxation.fastest, self.bounds, power / self.bounds.scale)
 
-    def _closed(self, bounds: Enclosure, root: CaseStep) -> bool:
+    def _is_closed(self, bounds: Enclosure, root: CaseStep) -> bool:
         """True if a case, or all cases into which it is divided, leave no power."""
         ready = [(bounds, root)]
         while ready:

@@ -125,8 +125,8 @@ def moment_forms(law: ReducedLaw, scale: float) -> MomentForms:
     dynamics = hstack([-load, scale * eye_array(count), -forces.T, csr_array((count, groups))])
     # the rows of the dynamics, with the forces of a single patch
     owner = np.concatenate([patch, np.repeat(law.patch, law.directions)])
-    pushes = [_padded(forces.T.multiply(owner == k), 1 + count, width) for k in range(patches)]
-    speeds = [_padded(block, 1, width) for block in (law.normal, law.tangent)]
+    pushes = [_pad_columns(forces.T.multiply(owner == k), 1 + count, width) for k in range(patches)]
+    speeds = [_pad_columns(block, 1, width) for block in (law.normal, law.tangent)]
     blocks = [unit, *speeds, csr_array(weights, shape=(groups, width)), dynamics, *pushes]
     at = starts([block.shape[0] for block in blocks])
     un, ut, total, zero = (np.arange(at[k], at[k + 1]) for k in range(1, 5))
@@ -163,7 +163,7 @@ def _pushed_bodies(
     return touching
 
 
-def _padded(rows: csr_array, before: int, width: int) -> csr_array:
+def _pad_columns(rows: csr_array, before: int, width: int) -> csr_array:
     """Rows with columns of zeros before and after."""
     entries = csr_array(rows)
     entries.eliminate_zeros()  # stored zeros would multiply in products of forms

@@ -156,10 +156,10 @@ def _starts(
         yield np.ones(len(law.mu)), elastic.displacement, NEAR
     yield np.ones(len(law.mu)), np.zeros(len(law.load)), FIRST
     while True:
-        yield *_squeezed(law, rng), FIRST
+        yield *_random_squeeze(law, rng), FIRST
 
 
-def _squeezed(law: CoulombLaw, rng: np.random.Generator) -> tuple[Array, Array]:
+def _random_squeeze(law: CoulombLaw, rng: np.random.Generator) -> tuple[Array, Array]:
     """Random stiffness of each patch, and a first displacement that squeezes the patches."""
     from scipy.sparse.linalg import splu
 

@@ -140,10 +140,10 @@ def behind(faces: list[Array], point: Array, normal: Array) -> list[Array]:
                 rim.append(cut)
         if len(corners) > 2:
             kept.append(np.array(corners))
-    return [*kept, _around(np.unique(np.array(rim), axis=0), normal)]
+    return [*kept, _sort_corners(np.unique(np.array(rim), axis=0), normal)]
 
 
-def _around(points: Array, normal: Array) -> Array:
+def _sort_corners(points: Array, normal: Array) -> Array:
     """Corners of a convex polygon, sorted counterclockwise about `normal`."""
     u = unit(np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))]))
     relative = points - points.mean(axis=0)

@@ -36,7 +36,7 @@ def covered(triangles: Array, points: Array, normals: Array, reach: float, grow:
     inside = np.zeros(len(points), dtype=bool)
     if not len(triangles) or not len(points):
         return inside
-    near = _near(triangles, points, reach + grow)
+    near = _boxes_near(triangles, points, reach + grow)
     p, q, r = triangles[near].transpose(1, 0, 2)
     upright = unit_rows(cross(q - p, r - p))
     step = max(1, BATCH // max(len(p), 1))
@@ -55,7 +55,7 @@ def covered(triangles: Array, points: Array, normals: Array, reach: float, grow:
     return inside
 
 
-def _near(triangles: Array, points: Array, margin: float) -> Mask:
+def _boxes_near(triangles: Array, points: Array, margin: float) -> Mask:
     """Whether the box of each triangle is within a margin of the box of the points, shape (m,)."""
     low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
     meets: Mask = (triangles.min(axis=1) <= high).all(axis=1)

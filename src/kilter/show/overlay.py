@@ -247,7 +247,7 @@ def name_places(faces: list[tuple[int, Array]], count: int) -> dict[int, Array]:
         for face in candidates:
             near = (low[face + 1 :] < middle[face]) & (high[face + 1 :] > middle[face])
             over = face + 1 + np.flatnonzero(near.all(axis=1))
-            if not any(_within(middle[face], faces[j][1]) for j in over):
+            if not any(_is_within_polygon(middle[face], faces[j][1]) for j in over):
                 places[k] = middle[face]
                 break
     return places
@@ -258,7 +258,7 @@ def _signed_area(corners: Array) -> float:
     return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
 
 
-def _within(point: Array, corners: Array) -> bool:
+def _is_within_polygon(point: Array, corners: Array) -> bool:
     """Whether a point is inside a convex polygon of either orientation."""
     side = np.roll(corners, -1, axis=0) - corners
     to = point - corners

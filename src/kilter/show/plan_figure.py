@@ -107,7 +107,7 @@ def _draw_step(
     """
     index = assembly.index
     group = [index[name] for name in step["parts"]]
-    shift, heading = _before(assembly, group, step)
+    shift, heading = _displacement_before(assembly, group, step)
     shown = [k for k, name in enumerate(assembly.names) if name in present]
     parts = [
         dataclasses.replace(part, pose=Pose(part.pose.position + shift, part.pose.rotation))
@@ -141,7 +141,9 @@ def _draw_step(
     return entries
 
 
-def _before(assembly: Assembly, group: list[int], step: Mapping[str, Any]) -> tuple[Array, Array]:
+def _displacement_before(
+    assembly: Assembly, group: list[int], step: Mapping[str, Any]
+) -> tuple[Array, Array]:
     """Displacement of the new parts on the last segment of their path, and the unit direction.
 
     `group` lists the indices of the parts. Both results have shape (3,).
@@ -160,7 +162,7 @@ def _limits(
     corners = [geometry.vertices[~geometry.grounded[geometry.vertex_part]]]
     for step in steps:
         group = [index[name] for name in step["parts"]]
-        shift, _ = _before(assembly, group, step)
+        shift, _ = _displacement_before(assembly, group, step)
         corners += [geometry.corners_of(k).reshape(-1, 3) + shift for k in group]
     flat, wanted = camera.flat(geometry.vertices), camera.flat(np.concatenate(corners))
     low, high = wanted.min(axis=0), wanted.max(axis=0)

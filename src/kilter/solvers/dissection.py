@@ -109,7 +109,7 @@ def _dissect(place: Array, graph: csr_array, leaf: int) -> list[tuple[Index, tup
         order = np.argsort(points[:, axis], kind="stable")
         left, right = which[order[: len(which) // 2]], which[order[len(which) // 2 :]]
         right_side[right] = True
-        touching = _linked(graph, left, right_side)
+        touching = _linked_blocks(graph, left, right_side)
         right_side[right] = False
         parts = [part for part in (left[~touching], right) if len(part)]
         children = tuple(divide(part) for part in parts)
@@ -129,7 +129,7 @@ def _sorted_along(place: Array, which: Index) -> Index:
     return ordered
 
 
-def _linked(graph: csr_array, which: Index, marked: Mask) -> Mask:
+def _linked_blocks(graph: csr_array, which: Index, marked: Mask) -> Mask:
     """Mask of the blocks in `which` that are linked to a marked block."""
     owner, entry = ragged(graph.indptr.astype(np.int64), which)
     hits = np.bincount(owner[marked[graph.indices[entry]]], minlength=len(which))

@@ -73,7 +73,7 @@ class LinkedCones:
         return link
 
     @cached_property
-    def _both(self) -> Index:
+    def _shared_links(self) -> Index:
         """Links between two blocks."""
         return np.flatnonzero(self.second >= 0)
 
@@ -82,14 +82,14 @@ class LinkedCones:
         """Matrices that sum the contributions of links to their first and second blocks."""
         shape, links = (len(self.place), len(self.start)), np.arange(len(self.start))
         first = csr_array((np.ones(len(links)), (self.first, links)), shape=shape)
-        both = self._both
+        both = self._shared_links
         second = csr_array((np.ones(len(both)), (self.second[both], both)), shape=shape)
         return first, second
 
     @cached_property
     def factor(self) -> BlockCholesky:
         """Factorisation for matrices of the pattern of A A^T."""
-        both = self._both
+        both = self._shared_links
         ends = self.first[both], self.second[both]
         return BlockCholesky(self.place, *ends, self.columns.shape[0])
 
@@ -123,7 +123,7 @@ class LinkedCones:
     def openings(self, y: Array) -> Array:
         """A^T y, shape (d, K), for y of shape (N, n)."""
         links = y[self.first]
-        both = self._both
+        both = self._shared_links
         links[both] += np.einsum("lji,lj->li", self.carried[both], y[self.second[both]])
         result: Array = np.einsum("idk,ik->dk", self.columns, links.T[:, self._link])
         return result
@@ -145,4 +145,4 @@ class LinkedCones:
         first, second = self._gather
         flat = (-1, size * size)
         diagonal = first @ links.reshape(flat) + second @ far.reshape(flat)
-        return diagonal.reshape(-1, size, size), across[self._both]
+        return diagonal.reshape(-1, size, size), across[self._shared_links]

@@ -117,13 +117,13 @@ class Scaling:
 
     def times(self, x: Array) -> Array:
         """W x."""
-        return _boosted(self.w, x) * self.eta
+        return _boost(self.w, x) * self.eta
 
     def over(self, x: Array) -> Array:
         """W^-1 x."""
         w = -self.w
         w[0] = self.w[0]
-        return _boosted(w, x) / self.eta
+        return _boost(w, x) / self.eta
 
     def twice(self, x: Array) -> Array:
         """W^2 x."""
@@ -133,7 +133,7 @@ class Scaling:
         return scaled
 
 
-def _boosted(w: Array, x: Array) -> Array:
+def _boost(w: Array, x: Array) -> Array:
     """V x, the hyperbolic rotation by w."""
     tail = (w[1:] * x[1:]).sum(axis=0)
     result: Array = x + (x[0] + tail / (1 + w[0])) * w

@@ -129,14 +129,14 @@ def open_options(open_pairs: Sequence[Pair]) -> list[OpenOption]:
     for kind in dict.fromkeys(pair["kind"] for pair in decides):
         alike = [pair for pair in decides if pair["kind"] == kind]
         if kind == "clearance":
-            above = _above(alike)
+            above = _rounded_gap(alike)
             options.append(OpenOption(f"--clearance {above}", clearance=float(above)))
         elif kind == "near":
             loose = any(not pair["gap"] or TILT in pair["why"] for pair in alike)
             if loose:
                 options.append(OpenOption("--loose", loose=True))
             else:
-                above = _above(alike)
+                above = _rounded_gap(alike)
                 options.append(OpenOption(f"--gap {above}", gap=float(above)))
         elif kind == "overlap" and len(alike) > FEW:
             options.append(OpenOption("--fasten-overlaps", overlaps=True))
@@ -148,7 +148,7 @@ def open_options(open_pairs: Sequence[Pair]) -> list[OpenOption]:
     return options
 
 
-def _above(pairs: Sequence[Pair]) -> str:
+def _rounded_gap(pairs: Sequence[Pair]) -> str:
     """Return a length of three digits just above the widest gap of the pairs [length unit]."""
     widest = ABOVE * max(abs(pair["gap"]) for pair in pairs)
     step = 10.0 ** (math.floor(math.log10(widest)) - 2)

@@ -34,7 +34,7 @@ def order_sentence(answer: Answer) -> str:
         given = "in this order, " if answer["given"] else ""
         steps = count(len(answer["steps"]), "step")
         first = f"It can be put together {given}in {steps}, {words}."
-        return " ".join(filter(None, [first, fewer, _least(answer), _finished(answer)]))
+        return " ".join(filter(None, [first, fewer, _least(answer), _finished_sentence(answer)]))
     if answer["verdict"] == "undecided":
         return (
             "No order was found, because it is undecided whether the finished assembly holds"
@@ -58,7 +58,7 @@ def order_sentence(answer: Answer) -> str:
     return f"{first} {fewer}" if fewer else first
 
 
-def _finished(answer: Answer) -> str:
+def _finished_sentence(answer: Answer) -> str:
     """Return a sentence about the finished assembly if it is only balanced."""
     if answer["finished"]["verdict"] != "balanced":
         return ""

@@ -200,7 +200,7 @@ def _run(
             workers.take(waiting.popleft())
         for task, judged in workers.finished(0.2):
             if judged is None:
-                judged, again = _died(task)
+                judged, again = _rows_of_dead_task(task)
                 waiting.extendleft(reversed(again))
             chunk_rows = rows[task.chunk]
             chunk_rows |= {row["index"]: row for row in judged}
@@ -212,7 +212,7 @@ def _run(
         progress(tables.rows, folder.count)
 
 
-def _died(task: Task) -> tuple[list[BatchRow], list[Task]]:
+def _rows_of_dead_task(task: Task) -> tuple[list[BatchRow], list[Task]]:
     """Rows, and tasks to try, in place of a task whose worker died."""
     if task.tries + 1 < TRIES:
         return [], [Task(task.chunk, task.files, task.tries + 1)]

@@ -100,7 +100,7 @@ def open_folder(
         raise InputError(
             f"cannot be made: {error.strerror}", file=str(path), hint="give another folder"
         ) from None
-    with _alone(path):
+    with _locked_folder(path):
         for left in path.glob(".part-*"):  # of a run that was killed
             left.unlink()
         asked = {
@@ -111,7 +111,7 @@ def open_folder(
         }
         manifest = path / MANIFEST
         if manifest.exists():
-            form, size = _same(manifest, asked)
+            form, size = _written_form(manifest, asked)
         else:
             if any(path.glob("part-*")):
                 raise InputError(
@@ -122,7 +122,7 @@ def open_folder(
         yield BatchFolder(path, len(files), size, form)
 
 
-def _same(manifest: Path, asked: dict[str, Any]) -> tuple[str, int]:
+def _written_form(manifest: Path, asked: dict[str, Any]) -> tuple[str, int]:
     """File format and chunk size of the batch in a folder; an error if it is another batch."""
     try:
         written = json.loads(manifest.read_text(encoding="utf-8"))
@@ -156,7 +156,7 @@ def _as_data(question: BatchQuestion) -> dict[str, Any]:
 
 
 @contextlib.contextmanager
-def _alone(path: Path) -> Iterator[None]:
+def _locked_folder(path: Path) -> Iterator[None]:
     """No other run in the folder while this lasts; a run that is killed leaves it free."""
     try:
         handle = os.open(path / LOCK, os.O_RDWR | os.O_CREAT, 0o666)

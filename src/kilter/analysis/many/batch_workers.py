@@ -69,13 +69,13 @@ class LocalWorkers:
 
     def take(self, task: Task) -> None:
         """Start a task."""
-        worker = self._idle.pop() if self._idle else self._started()
+        worker = self._idle.pop() if self._idle else self._start_worker()
         assert worker.stdin is not None
         self._busy[worker] = task
         with contextlib.suppress(OSError):  # it died: that is seen where it is waited for
             send(worker.stdin, task.files)
 
-    def _started(self) -> subprocess.Popen[bytes]:
+    def _start_worker(self) -> subprocess.Popen[bytes]:
         worker = start_process(__name__)
         assert worker.stdin is not None
         assert worker.stdout is not None

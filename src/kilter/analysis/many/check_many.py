@@ -93,7 +93,7 @@ def check_many(
         "effort": effort,
         "time_limit": time_limit,
     }
-    given = assemblies if isinstance(assemblies, AssemblyArrays) else _listed(assemblies)
+    given = assemblies if isinstance(assemblies, AssemblyArrays) else _as_tuple(assemblies)
     rows: dict[int, Row] = {}
     for first in range(0, len(given), AT_ONCE):
         last = min(first + AT_ONCE, len(given))
@@ -103,7 +103,7 @@ def check_many(
             }
         for k in range(first, last):
             if k not in rows:
-                rows[k] = _alone(given, k, options)
+                rows[k] = _row_of_check(given, k, options)
         if not proofs:
             for k in range(first, last):
                 rows[k] = rows[k].without_proof()
@@ -112,7 +112,7 @@ def check_many(
     return Verdicts(given, tuple(rows[k] for k in range(len(given))), options)
 
 
-def _listed(assemblies: Iterable[Assembly]) -> tuple[Assembly, ...]:
+def _as_tuple(assemblies: Iterable[Assembly]) -> tuple[Assembly, ...]:
     """Return the assemblies as a tuple; raise InputError for any other object."""
     listed = tuple(assemblies)
     for k, assembly in enumerate(listed):
@@ -187,7 +187,9 @@ def _has_geometry(assembly: Assembly) -> bool:
         return False
 
 
-def _alone(given: Sequence[Assembly] | AssemblyArrays, k: int, options: dict[str, Any]) -> Row:
+def _row_of_check(
+    given: Sequence[Assembly] | AssemblyArrays, k: int, options: dict[str, Any]
+) -> Row:
     """Return the row of the verdict of `check`, or of its error."""
     try:
         return Row.of_verdict(check(given[k], **options))

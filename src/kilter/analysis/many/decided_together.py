@@ -56,18 +56,18 @@ class Together:
         """Whether assembly k is proved stable or unstable."""
         return bool(self.stable[k] or self.unstable[k])
 
-    def _of(self, k: int) -> tuple[ProgramBlocks, BlockProofs]:
+    def _block_of(self, k: int) -> tuple[ProgramBlocks, BlockProofs]:
         """Return the programs and proofs that include those of assembly k."""
         outer = self.outer if self.in_outer[k] else None
         return self.certain if outer is None else outer
 
     def proofs(self, k: int) -> BlockProofs:
         """Return the proofs that include the proof of assembly k."""
-        return self._of(k)[1]
+        return self._block_of(k)[1]
 
     def certificate(self, k: int) -> tuple[Program, ForceProof | MotionProof]:
         """Return the program of assembly k and its proof, verified separately."""
-        blocks, proofs = self._of(k)
+        blocks, proofs = self._block_of(k)
         program = blocks.program(k)
         if self.stable[k]:
             return program, check_forces(

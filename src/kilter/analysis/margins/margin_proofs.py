@@ -97,10 +97,10 @@ def _limits(
     down = limits.program.down
     if tilt is not None and tilt.limit.mechanism is not None and (tilt.down != down).any():
         sides = tilt.angle, tilt.angle
-        yield "tilt", sides, _turned(down, tilt.down), True, tilt.limit.mechanism
+        yield "tilt", sides, _turn_gravity(down, tilt.down), True, tilt.limit.mechanism
     if nearest is not None and (nearest.down != down).any():
         sides = nearest.angle, nearest.lower
-        yield "nearest held", sides, _turned(down, nearest.down), False, nearest.mechanism
+        yield "nearest held", sides, _turn_gravity(down, nearest.down), False, nearest.mechanism
     if friction is not None and friction.value > 0 and friction.attained:
         sides = friction.value, friction.lower
         yield "friction", sides, lambda mu: {"mu": mu}, False, friction.mechanism
@@ -110,22 +110,22 @@ def _limits(
     if factor is not None and factor[1] is not None and np.isfinite(factor[1].value):
         greatest = factor[1]
         sides = greatest.value, greatest.value
-        yield "load factor", sides, _loaded(limits), True, greatest.mechanism
+        yield "load factor", sides, _scale_loads(limits), True, greatest.mechanism
     for push in limits.pushes:
         if np.isfinite(push.force):
             weight = float(limits.program.weight[limits.program.free].sum())
-            pushed = _pushed(limits.assembly, push.part, push.direction * weight)
+            pushed = _push_part(limits.assembly, push.part, push.direction * weight)
             sides = push.force / weight, push.force / weight
             yield f"push of {push.part}", sides, pushed, True, push.limit.mechanism
     for load in limits.loads:
         if 0 < load.load < np.inf:
             share, beyond = load.load / load.unit, load.beyond / load.unit
             sides = share, beyond if np.isfinite(beyond) else share
-            pressed = _pushed(limits.assembly, load.part, down * load.unit)
+            pressed = _push_part(limits.assembly, load.part, down * load.unit)
             yield f"load on {load.part}", sides, pressed, True, load.limit.mechanism
 
 
-def _turned(down: Array, toward: Array) -> Change:
+def _turn_gravity(down: Array, toward: Array) -> Change:
     """Gravity turned from a direction toward another direction, by an angle [rad]."""
     aside = toward - (toward @ down) * down
     aside = aside / max(float(np.linalg.norm(aside)), TINY)
@@ -137,7 +137,7 @@ def _load(part: str, force: Array, torque: Array, point: Array | None = None) ->
     return {"part": part, "force": force.tolist(), "torque": torque.tolist(), "point": where}
 
 
-def _loaded(limits: KnownLimits) -> Change:
+def _scale_loads(limits: KnownLimits) -> Change:
     """Function from a load factor to the change of the file: scaled loads, or a body force."""
     assembly, program = limits.assembly, limits.program
     if limits.push is None:
@@ -159,7 +159,7 @@ def _loaded(limits: KnownLimits) -> Change:
     }
 
 
-def _pushed(assembly: Assembly, part: str, force: Array) -> Change:
+def _push_part(assembly: Assembly, part: str, force: Array) -> Change:
     given = [_load(load.part, load.force, load.torque, load.point) for load in assembly.loads]
     return lambda share: {"loads": [*given, _load(part, share * force, np.zeros(3))]}
 

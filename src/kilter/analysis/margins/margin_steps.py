@@ -100,7 +100,7 @@ class MarginSteps:
         whys = [end.why for end in (least, greatest) if isinstance(end, NoLimit)]
         if whys:
             self.missing[name] = next(why for why in ("time", "failed", "none") if why in whys)
-        return _known(least), _known(greatest)
+        return _limit_or_none(least), _limit_or_none(greatest)
 
     def pushes(self, opening: Opening) -> tuple[Push, ...]:
         """The weakest push of each part of the question."""
@@ -148,7 +148,7 @@ class MarginSteps:
     def beyond(self, tilt: TiltMargin) -> str | None:
         """The verdict just beyond the tilt margin."""
         assembly, touching = self.question.assembly, self.verdict.contacts
-        return _known(
+        return _limit_or_none(
             self._in_time(verdict_outside, assembly, touching, tilt.angle, tilt.toward, self.work)
         )
 
@@ -193,7 +193,7 @@ class MarginSteps:
         return tuple(limit for limit in limits if limit is not None)
 
 
-def _known(limit: T | NoLimit | None) -> T | None:
+def _limit_or_none(limit: T | NoLimit | None) -> T | None:
     """A limit; None if there is no limit."""
     return None if isinstance(limit, NoLimit) else limit
 

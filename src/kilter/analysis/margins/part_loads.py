@@ -85,17 +85,17 @@ def find_part_load(
     """
     opening = opening or Opening(cone_problem(program))
     unit = float(program.weight[program.free].sum() + program.pull.sum())
-    limit = _asked(program, part, unit, opening)
+    limit = _largest_load(program, part, unit, opening)
     if isinstance(limit, NoLimit) or not 0 < limit.load < np.inf:
         return limit
     if limit.beyond - limit.load <= SIDES_NEAR * limit.load:
         return limit
-    nearer = _asked(program, part, limit.load, opening)
+    nearer = _largest_load(program, part, limit.load, opening)
     better = isinstance(nearer, PartLoad) and nearer.beyond < limit.beyond
     return nearer if better else limit
 
 
-def _asked(program: Program, part: int, unit: float, opening: Opening) -> PartLoad | NoLimit:
+def _largest_load(program: Program, part: int, unit: float, opening: Opening) -> PartLoad | NoLimit:
     wrench = np.zeros((len(program.names), 6))
     wrench[part, :3] = unit * program.down
     limit = find_limit(program, wrench, opening=opening)

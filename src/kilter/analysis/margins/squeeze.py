@@ -75,7 +75,7 @@ def held_by_squeeze(program: Program) -> ForceProof | None:
         Whatever its friction: contacts whose normals are in doubt hold nothing.
     """
     smooth = program.frictionless
-    wide, stuck = _sticking(smooth, np.zeros(len(smooth.part_a), dtype=bool))
+    wide, stuck = _with_sticking_rows(smooth, np.zeros(len(smooth.part_a), dtype=bool))
     levels: list[_Level] = []
     while True:
         press = squeeze(stuck)
@@ -84,7 +84,7 @@ def held_by_squeeze(program: Program) -> ForceProof | None:
             break
         rows = pressed[: len(smooth.part_a)]
         levels.append(_Level(rows, *wide.gathered(press)))
-        wide, stuck = _sticking(smooth, np.any([step.rows for step in levels], axis=0))
+        wide, stuck = _with_sticking_rows(smooth, np.any([step.rows for step in levels], axis=0))
     judged = judge(stuck) if levels else None
     if judged is None or not judged.stable or judged.forces is None:
         return None
@@ -115,7 +115,7 @@ class _Level:
         return float(missing.max(initial=0.0))
 
 
-def _sticking(smooth: Program, rows: Mask) -> tuple[ConeProblem, Program]:
+def _with_sticking_rows(smooth: Program, rows: Mask) -> tuple[ConeProblem, Program]:
     """The program with forces of any size along and across some contacts."""
     wide = cone_problem(smooth.with_rows(mu=np.where(rows, 1.0, 0.0)))
     spread_rows = wide.problem.program

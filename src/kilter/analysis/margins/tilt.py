@@ -251,10 +251,10 @@ def find_nearest_held(program: Program) -> NearestHeld | NoLimit:
     >>> bool(found.lower <= 1e-7 <= found.angle + 1e-12), round(found.angle * 1e7, 2)
     (True, 1.0)
     """
-    nearest = _projected(program)
+    nearest = _project_by_cones(program)
     if isinstance(nearest, NoLimit):
         return nearest
-    angle, lower, held = _between(program.down, nearest), 0.0, nearest
+    angle, lower, held = _angle_between(program.down, nearest), 0.0, nearest
     mechanism: MotionProof | None = None
     aim, start = program.down, program.turned(nearest)
     for _ in range(NEARER):
@@ -265,8 +265,8 @@ def find_nearest_held(program: Program) -> NearestHeld | NoLimit:
             break
         held_down = nearest + min(limit.value, 1.0) * (aim - nearest)
         held_down = held_down / float(np.linalg.norm(held_down))
-        if _between(program.down, held_down) < angle:
-            angle, held = _between(program.down, held_down), held_down
+        if _angle_between(program.down, held_down) < angle:
+            angle, held = _angle_between(program.down, held_down), held_down
         if limit.mechanism is None:
             break
         moment = (program.mass * program.free) @ limit.mechanism.motion[:, :3]
@@ -284,7 +284,7 @@ def find_nearest_held(program: Program) -> NearestHeld | NoLimit:
     return NearestHeld(angle, lower, held, mechanism)
 
 
-def _projected(program: Program) -> Array | NoLimit:
+def _project_by_cones(program: Program) -> Array | NoLimit:
     """The nearest held direction as a conic program finds it, unit."""
     from kilter.solvers.clarabel import solve_conic
 
@@ -301,7 +301,7 @@ def _projected(program: Program) -> Array | NoLimit:
     return NoLimit("none") if size < NO_PROJECTION else vector / size
 
 
-def _between(first: Array, other: Array) -> float:
+def _angle_between(first: Array, other: Array) -> float:
     """The angle between two directions [rad]."""
     return float(angle_between(first, other))
 

@@ -141,10 +141,12 @@ class _Search:
                 return chosen
             self.doubtful |= holds is None
             # without a proof that the set fails, it only serves to exclude its own subsets
-            to_hit.append(every - self._enlarged(chosen) if holds is False else every - chosen)
+            to_hit.append(
+                every - self._maximal_superset(chosen) if holds is False else every - chosen
+            )
         return None
 
-    def _enlarged(self, chosen: frozenset[int]) -> frozenset[int]:
+    def _maximal_superset(self, chosen: frozenset[int]) -> frozenset[int]:
         """A maximal superset of a set that does not hold, which does not hold either."""
         every = frozenset(range(len(self.ends)))
         larger = chosen | (every - self._pairs_in_motion(chosen))

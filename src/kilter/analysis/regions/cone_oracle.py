@@ -130,17 +130,17 @@ class ConeOracle:
     def support(self, direction: Array) -> Reach:
         """Largest cosine of a direction of the cone with a unit direction, and that direction."""
         self._kept.change_cost(self._columns, -direction)
-        solution = self._solved()
+        solution = self._optimum()
         for share in FORCE_PRICES:
             if not self._jams(solution):
                 break
             price = np.full(len(self._pushes), share * self._tolerance)
             self._kept.change_cost(self._pushes, price)
-            solution = self._solved()
+            solution = self._optimum()
             self._kept.change_cost(self._pushes, np.zeros(len(self._pushes)))
         return self._reach(direction, solution)
 
-    def _solved(self) -> Solution:
+    def _optimum(self) -> Solution:
         """The optimum of the present program, or at least a point, which is judged afterwards."""
         solution = self._kept.solve()
         return (
@@ -174,7 +174,7 @@ class ConeOracle:
         """Forces that balance a direction of the cone as well as they can, shape (n,)."""
         self._kept.change_cost(self._columns, np.zeros(self.dimension))
         self._kept.change_bounds(self._columns, direction, direction)
-        solution = self._solved()
+        solution = self._optimum()
         far = np.full(self.dimension, FAR)
         self._kept.change_bounds(self._columns, -far, far)
         forces: Array = solution.x[: self._forces] / self._size

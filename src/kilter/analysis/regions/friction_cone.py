@@ -168,7 +168,7 @@ class _Cutting:
         """
         is_cut = False
         for direction in extreme_rays(self.normals):
-            k = self._known(direction)
+            k = self._known_ray(direction)
             if k is None:
                 if self.programs >= PROGRAMS:
                     return False
@@ -184,7 +184,7 @@ class _Cutting:
                 is_cut = True
         return is_cut
 
-    def _known(self, direction: Array) -> int | None:
+    def _known_ray(self, direction: Array) -> int | None:
         """The known extreme ray that equals this ray."""
         near = np.linalg.norm(self.seen - direction, axis=1)
         return int(near.argmin()) if len(near) and near.min() < SAME_RAY else None
@@ -204,7 +204,7 @@ class _Cutting:
         angle = np.pi / 2
         if size > NO_PROJECTION:
             ray = self._ray(nearest / size, self.wide.decoded(answer.x[:-3] / size))
-            angle = np.pi if ray is None else _between(direction, ray)
+            angle = np.pi if ray is None else _angle_between(direction, ray)
         if angle < SAME_RAY:
             return angle, None
         rows = len(self.wide.problem.right)
@@ -270,8 +270,8 @@ class _Cutting:
             return angle, None
         share = min(limit.value, 1.0)
         toward = start + share * (direction - start)
-        ray = self._ray(toward / float(np.linalg.norm(toward)), _scaled(limit.forces, toward))
-        angle = angle if ray is None else min(angle, _between(direction, ray))
+        ray = self._ray(toward / float(np.linalg.norm(toward)), _scale_forces(limit.forces, toward))
+        angle = angle if ray is None else min(angle, _angle_between(direction, ray))
         if limit.mechanism is None:
             return angle, None
         return angle, self._facet(direction, toward, limit.mechanism.motion, BEYOND_FAR)
@@ -284,7 +284,7 @@ class _Cutting:
 
     def _distance(self, direction: Array, rays: Array) -> float:
         """Upper bound of the angle between a direction and the inner cone [rad]."""
-        k = self._known(direction)
+        k = self._known_ray(direction)
         if k is not None and self.angle[k] <= np.pi / 2:
             return float(self.angle[k]) + SAME_RAY
         near = np.linalg.norm(rays - direction, axis=1).min(initial=2.0)
@@ -313,12 +313,12 @@ class _Cutting:
         )
 
 
-def _scaled(proof: ForceProof, down: Array) -> tuple[Array, Array]:
+def _scale_forces(proof: ForceProof, down: Array) -> tuple[Array, Array]:
     """Forces for a direction of any length, over that length."""
     length = float(np.linalg.norm(down))
     return proof.forces / length, proof.friction / length
 
 
-def _between(first: Array, other: Array) -> float:
+def _angle_between(first: Array, other: Array) -> float:
     """Angle between two unit vectors [rad]."""
     return float(2 * np.arcsin(min(float(np.linalg.norm(first - other)) / 2, 1.0)))

@@ -101,7 +101,7 @@ def _span(
     equations: list[tuple[Array, Reach, Reach]] = []
     while len(span) + len(equations) < oracle.dimension:
         known = np.vstack([span, *[e[None] for e, _, _ in equations]])
-        direction = _beyond(known, first)
+        direction = _orthogonal_unit(known, first)
         sides = []
         for sign in (1.0, -1.0):
             tell()
@@ -112,20 +112,20 @@ def _span(
             continue
         points += [side for side in reached if _is_new(side, points, blur)]
         farthest = max(reached, key=lambda side: side.angle).point
-        span = np.vstack([span, _rest(known, farthest)])
+        span = np.vstack([span, _orthogonal_part(known, farthest)])
     return span, points, equations
 
 
-def _beyond(known: Array, first: Array) -> Array:
+def _orthogonal_unit(known: Array, first: Array) -> Array:
     """A unit vector orthogonal to orthonormal rows, near `first` if that is not among them."""
     rest = first - known.T @ (known @ first)
     if np.linalg.norm(rest) > 0.1:
-        return _rest(known, rest)
+        return _orthogonal_part(known, rest)
     _, _, vectors = np.linalg.svd(np.vstack([known, np.zeros((1, known.shape[1]))]))
-    return _rest(known, vectors[len(known)])
+    return _orthogonal_part(known, vectors[len(known)])
 
 
-def _rest(known: Array, vector: Array) -> Array:
+def _orthogonal_part(known: Array, vector: Array) -> Array:
     """Component of a vector orthogonal to orthonormal rows, unit."""
     for _ in range(2):
         vector = vector - known.T @ (known @ vector)
@@ -147,7 +147,7 @@ def _close(
     proved: list[tuple[Array, Reach]] = []
     held: list[frozenset[int]] = []
     while True:
-        inside = _inside(span, points)
+        inside = _span_coordinates(span, points)
         normals, tight = facets_of(inside, blur)
         sets = [frozenset(np.flatnonzero(row).tolist()) for row in tight]
         # a proved facet holds all the points that an unknown one does not
@@ -182,6 +182,6 @@ def _focus(oracle: Oracle, points: list[Reach]) -> None:
         oracle.focus(mean / length)
 
 
-def _inside(span: Array, points: list[Reach]) -> Array:
+def _span_coordinates(span: Array, points: list[Reach]) -> Array:
     """Points in coordinates of the span, unit, shape (n, D)."""
     return unit_rows(np.array([reach.point for reach in points]) @ span.T)

@@ -219,7 +219,7 @@ def _rays(equations: Array, facets: Array, lines: Array, points: Array, blur: fl
         chosen = [np.where(tight[:, k], length, -1.0).argmax() for k in range(len(facets))]
         return _units(aside[chosen])
     extreme = _extreme(tight, facets, blur)
-    return _around(points[extreme] if extreme.any() else points, facets)
+    return _sort_around_axis(points[extreme] if extreme.any() else points, facets)
 
 
 def _extreme(tight: Mask, facets: Array, blur: float) -> Mask:
@@ -232,7 +232,7 @@ def _extreme(tight: Mask, facets: Array, blur: float) -> Mask:
     return extreme
 
 
-def _around(rays: Array, facets: Array) -> Array:
+def _sort_around_axis(rays: Array, facets: Array) -> Array:
     """Sort rays by their angle around the axis; the ray with the largest entries is first."""
     axis = widest_axis(facets)
     side = np.cross(axis, np.eye(3)[np.abs(axis).argmin()])

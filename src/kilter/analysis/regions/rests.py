@@ -104,7 +104,7 @@ def find_rests(cone: Cone, assembly: Assembly, contacts: ContactSet) -> tuple[Pl
     tuple of PlaceOfRest
         `MOST_RESTS` at most; none of a cone without an axis, lines or rays.
     """
-    return tuple(_rest(down, cone, assembly, contacts) for down in _directions(cone))
+    return tuple(_classify_rest(down, cone, assembly, contacts) for down in _directions(cone))
 
 
 def _directions(cone: Cone) -> Array:
@@ -117,7 +117,9 @@ def _directions(cone: Cone) -> Array:
     return places
 
 
-def _rest(down: Array, cone: Cone, assembly: Assembly, contacts: ContactSet) -> PlaceOfRest:
+def _classify_rest(
+    down: Array, cone: Cone, assembly: Assembly, contacts: ContactSet
+) -> PlaceOfRest:
     """State of rest of an assembly with gravity along a direction of its region."""
     tilt = _tilt(down, cone)
     turned = assembly.with_down(down)

@@ -150,7 +150,7 @@ def stable_cone(program: Program, *, progress: Callable[[str], None] | None = No
     for price in (*PRICES, None) if coarse else (None, *PRICES[::-1]):
         stable = _at_price(problem, price, blur, progress)
         programs += stable.programs
-        if best is None or _held(stable) > _held(best):
+        if best is None or _proved_fraction(stable) > _proved_fraction(best):
             best = stable
         if best.proved:
             break
@@ -158,7 +158,7 @@ def stable_cone(program: Program, *, progress: Callable[[str], None] | None = No
     return replace(best, programs=programs)
 
 
-def _held(cone: StableCone) -> float:
+def _proved_fraction(cone: StableCone) -> float:
     """The fraction of the proofs that hold."""
     holds = [float(proof.certificate.holds) for proof in cone.proofs]
     return float(np.mean(holds or [1.0]))

@@ -154,7 +154,7 @@ class _Known:
         right[:, :3] = -(self._problem.frame @ gravity)
         problem = replace(self._problem, right=right[:, program.freedoms].reshape(-1))
         quadratic = impending_motion(problem)
-        x = _solved(quadratic)
+        x = _minimum(quadratic)
         share = program.mass[program.free] / program.mass[program.free].max()
         moved = np.zeros((free, 6))
         moved[:, program.freedoms] = x.reshape(free, per)
@@ -186,7 +186,7 @@ class _Known:
         return result
 
 
-def _solved(quadratic: ConicProgram) -> Array:
+def _minimum(quadratic: ConicProgram) -> Array:
     """The minimum; with a looser tolerance if rounding keeps the solver from it."""
     from kilter.solvers.clarabel import solve_quadratic
 

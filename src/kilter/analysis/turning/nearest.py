@@ -119,12 +119,12 @@ def nearest(
     """
     optimum = walk(program) if method == "walk" else solved or joint(program)
     length = float(np.linalg.norm(optimum.gravity))
-    on_diamond = _displaced(program, optimum.gravity / length, optimum.z, optimum.programs)
+    on_diamond = _with_displacement(program, optimum.gravity / length, optimum.z, optimum.programs)
     sphere = nearest_on_sphere(program)
     if sphere is None:  # a direction is stable: the diamond has found it
         on_sphere = on_diamond
     else:
-        on_sphere = _displaced(program, sphere.direction, sphere.z, sphere.programs)
+        on_sphere = _with_displacement(program, sphere.direction, sphere.z, sphere.programs)
     return Nearest(on_diamond, on_sphere, _least_unstable(program))
 
 
@@ -144,7 +144,9 @@ def _least_unstable(program: Program) -> NearestDirection | None:
     )
 
 
-def _displaced(program: Program, direction: Array, z: float, programs: int) -> NearestDirection:
+def _with_displacement(
+    program: Program, direction: Array, z: float, programs: int
+) -> NearestDirection:
     shift = find_displacement(program.turned(direction)).displacement
     motion = None if shift is None else frozen(shift)
     return NearestDirection(frozen(direction), z, z, motion, programs)

@@ -242,11 +242,11 @@ def _orient(
         for direction in cone.candidates(program.down):
             judgement = judge(turned_program.turned(direction))
             if judgement.stable:
-                return _found(program, every, direction, judgement, method)
+                return _answer_of_direction(program, every, direction, judgement, method)
     best = joint(smooth, every=True)
     judgement = judge(smooth.turned(best.gravity))
     if judgement.stable:
-        return _found(program, every, best.gravity, judgement, method)
+        return _answer_of_direction(program, every, best.gravity, judgement, method)
     tell("nearest to stable")
     near = nearest(smooth, method=method, solved=best)
     why = [] if every.friction and every.none else _open_questions(contacts, every, smooth, best)
@@ -278,7 +278,7 @@ def _sides(program: Program, every: Region) -> Iterator[tuple[Program, Cone]]:
         yield program.frictionless, stable_cone(program.frictionless).cone
 
 
-def _found(
+def _answer_of_direction(
     program: Program, every: Region, direction: Array, judgement: Judgement, method: Method
 ) -> Orientation:
     """The answer if a direction was proved to have forces that hold it."""

@@ -77,7 +77,7 @@ class Reachable:
                 points.append(new[0])
             else:
                 points = new if len(new) == 2 else [np.zeros(3), *new]  # 0 is the other end
-            rest = _across(np.array(points), self.work.unit.axes)
+            rest = _basis_across(np.array(points), self.work.unit.axes)
         return np.array(points).reshape(-1, 3)
 
     def _on_both_sides(self, direction: Array, level: float) -> list[Array]:
@@ -96,7 +96,7 @@ def _span(points: Array) -> Array:
     return np.ascontiguousarray(basis.T)
 
 
-def _across(points: Array, axes: Index) -> Array:
+def _basis_across(points: Array, axes: Index) -> Array:
     """Orthonormal basis of the directions among `axes` across the span of points, (k, 3)."""
     span = _span(points)[:, axes]
     _, _, rows = np.linalg.svd(span)

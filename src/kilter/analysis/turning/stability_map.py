@@ -141,17 +141,17 @@ def stability_map(program: Program, *, limit: int = PROGRAMS) -> StabilityMap:
         chosen = int(open_[(hull.normals[open_] @ last).argmax()])
         last = hull.normals[chosen]
         known.settle(chosen)
-    return _assembled(reachable, hull, program.planar)
+    return _assemble_map(reachable, hull, program.planar)
 
 
-def _assembled(reachable: Reachable, hull: GrowingHull | None, planar: bool) -> StabilityMap:
+def _assemble_map(reachable: Reachable, hull: GrowingHull | None, planar: bool) -> StabilityMap:
     """The map, with coplanar simplices merged into facets, in the units of the program."""
     mass, basis = reachable.work.unit.mass, reachable.basis
     _, _, rows = np.linalg.svd(np.vstack([basis, np.zeros((1, 3))]))
     vertices, normals, offsets = np.zeros((1, 0)), np.zeros((0, 0)), np.zeros(0)
     facets: tuple[Index, ...] = ()
     if hull is not None:
-        vertices, normals, offsets, facets = _merged(hull)
+        vertices, normals, offsets, facets = _merge_facets(hull)
     return StabilityMap(
         vertices=frozen(vertices @ basis * mass),
         normals=frozen(normals @ basis),
@@ -165,7 +165,7 @@ def _assembled(reachable: Reachable, hull: GrowingHull | None, planar: bool) -> 
     )
 
 
-def _merged(hull: GrowingHull) -> tuple[Array, Array, Array, tuple[Index, ...]]:
+def _merge_facets(hull: GrowingHull) -> tuple[Array, Array, Array, tuple[Index, ...]]:
     """Vertices, normals, offsets and corners of the facets, merged by planes."""
     facet, chosen = _planes(hull)
     normals, offsets = hull.normals[chosen], hull.offsets[chosen]
@@ -176,7 +176,9 @@ def _merged(hull: GrowingHull) -> tuple[Array, Array, Array, tuple[Index, ...]]:
     # a vertex lies on as many facets as there are dimensions; other points are between vertices
     true = np.flatnonzero(on.sum(axis=1) >= size)
     points = hull.points[true]
-    facets = tuple(_around(points, np.flatnonzero(on[true, k]), n) for k, n in enumerate(normals))
+    facets = tuple(
+        _sort_corners(points, np.flatnonzero(on[true, k]), n) for k, n in enumerate(normals)
+    )
     return points, normals, offsets, facets
 
 
@@ -208,7 +210,7 @@ def _planes(hull: GrowingHull) -> tuple[Index, list[int]]:
     return facet, chosen
 
 
-def _around(points: Array, corners: Index, normal: Array) -> Index:
+def _sort_corners(points: Array, corners: Index, normal: Array) -> Index:
     """Corners of a facet in order, seen from outside turning left."""
     if len(normal) < 3:
         return corners

@@ -70,7 +70,7 @@ def free_travel(verdict: Verdict) -> Array:
     return travel
 
 
-def _displaced(assembly: Assembly, screws: Array, amount: float) -> Assembly:
+def _displace(assembly: Assembly, screws: Array, amount: float) -> Assembly:
     """The assembly after each part has followed its screw, without joints, bonds and loads."""
     center, parts = assembly.geometry.center, []
     for k, part in enumerate(assembly.parts):
@@ -93,10 +93,10 @@ def _depths(assembly: Assembly) -> dict[tuple[int, int], float]:
 
 def _free_amount(assembly: Assembly, screws: Array, most: float) -> float:
     """Largest amount, up to `most`, by which all screws are free of new penetration."""
-    rest = _depths(_displaced(assembly, screws, 0.0))
+    rest = _depths(_displace(assembly, screws, 0.0))
 
     def is_free(amount: float) -> bool:
-        deep = _depths(_displaced(assembly, screws, amount))
+        deep = _depths(_displace(assembly, screws, amount))
         return all(depth <= rest.get(pair, 0.0) + ENTERS for pair, depth in deep.items())
 
     low = 0.0

@@ -91,7 +91,7 @@ def find_candidates(
         if len(chosen):
             kernel_limits = limits.take(chosen)
             blocks.append(kernel(s, rows[chosen], first[chosen], second[chosen], kernel_limits))
-    unknown |= _unmodelled(s, first, second, inside, outside, socket)
+    unknown |= _pairs_without_kernel(s, first, second, inside, outside, socket)
     candidates = Candidates.join(blocks)
     unknown[candidates.row] = False  # a kernel returned a candidate
     turned = swap[candidates.row][:, None]
@@ -100,7 +100,9 @@ def find_candidates(
     ), unknown
 
 
-def _unmodelled(s: Surfaces, i: Index, j: Index, inside: Mask, outside: Mask, socket: Mask) -> Mask:
+def _pairs_without_kernel(
+    s: Surfaces, i: Index, j: Index, inside: Mask, outside: Mask, socket: Mask
+) -> Mask:
     """Pairs that may also touch in ways without a kernel."""
     first_kind, second_kind = s.kind[i], s.kind[j]
     torus = (second_kind == TORUS) & (first_kind != SPHERE) & ~(s.hollow[i] & s.hollow[j])

@@ -71,7 +71,7 @@ def require_apart(assembly: Assembly, contacts: ContactSet) -> None:
 
 def _describe(contacts: ContactSet, overlap: Overlap) -> str:
     """A description of how two parts lie on one another; the smaller part is the second."""
-    larger, smaller = (repr(contacts.assembly.names[k]) for k in _by_volume(contacts, overlap))
+    larger, smaller = (repr(contacts.assembly.names[k]) for k in _sort_by_volume(contacts, overlap))
     if overlap.why == SAME_BODY:
         return f"{larger} and {smaller} are the same body twice"
     if (overlap.share or 0.0) > INSIDE:
@@ -79,7 +79,7 @@ def _describe(contacts: ContactSet, overlap: Overlap) -> str:
     return f"{larger} and {smaller} share {100 * (overlap.share or 0.0):.2g} % of {smaller}"
 
 
-def _by_volume(contacts: ContactSet, overlap: Overlap) -> tuple[int, int]:
+def _sort_by_volume(contacts: ContactSet, overlap: Overlap) -> tuple[int, int]:
     """The parts of an overlap, the larger part first."""
     a, b = overlap.parts
     volume = contacts.assembly.geometry.volume
@@ -90,7 +90,7 @@ def _cause_and_remedy(contacts: ContactSet, overlaps: Sequence[Overlap]) -> tupl
     """Likely cause of the overlaps, and the remedy in Python and as an option."""
     parts = contacts.assembly.parts
     first = overlaps[0]
-    larger, smaller = _by_volume(contacts, first)
+    larger, smaller = _sort_by_volume(contacts, first)
     names = parts[larger].name, parts[smaller].name
     if any(parts[k].table for k in first.parts):
         how = "give the floor a lower height"

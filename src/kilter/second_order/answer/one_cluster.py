@@ -86,14 +86,14 @@ def answer_alone(
     problem = facts.problem
     critical = critical or find_critical(problem, work=work)
     if critical is not None and len(critical.sides) and not doubted:
-        answer = _stopped(facts, work)
+        answer = _stopped_or_none(facts, work)
         if answer is not None:
             return answer
-    decision, free = _decided(facts, critical, work, only_if_stays)
+    decision, free = _decide_across_free(facts, critical, work, only_if_stays)
     if doubted:
         problem, decision = decided_for_all(program, facts.features, problem, decision, work)
     if decision.state == "minimum":
-        return _staying(facts, problem, decision, free)
+        return _minimum_or_free(facts, problem, decision, free)
     if decision.state == "balanced":
         if only_if_stays:
             return open_answer("it falls", program)
@@ -105,7 +105,7 @@ def answer_alone(
     return answer_of(program, problem, decision)
 
 
-def _decided(
+def _decide_across_free(
     facts: ClusterFacts, critical: Critical | None, work: Work, only_if_stays: bool
 ) -> tuple[Decision, FreeMotions]:
     """The decision across the free motions, and these.
@@ -130,7 +130,7 @@ def _decided(
     return decision, free
 
 
-def _staying(
+def _minimum_or_free(
     facts: ClusterFacts, problem: Stationary, decision: Decision, free: FreeMotions
 ) -> SecondOrder:
     """A minimum; free if a free motion moves a part visibly."""
@@ -253,7 +253,7 @@ def _sliding(facts: ClusterFacts, critical: Critical | None, work: Work) -> Seco
     return _sliding_by(program, problem, decision, motion)
 
 
-def _stopped(facts: ClusterFacts, work: Work) -> SecondOrder | None:
+def _stopped_or_none(facts: ClusterFacts, work: Work) -> SecondOrder | None:
     """Parts slide level, also away from stops; None if that was not proved."""
     question = stop_question(facts)
     proof = find_stopped(*question, work=work)

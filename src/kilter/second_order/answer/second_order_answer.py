@@ -124,9 +124,12 @@ class SecondOrder:
         if still:
             free = np.any([c.program.free for c in still if c.program is not None], axis=0)
             whys = " and ".join(dict.fromkeys(cluster.why for cluster in still))
-            return f"whether a small push makes {_named(names, np.flatnonzero(free))} fall: {whys}"
+            moving = _listed_names(names, np.flatnonzero(free))
+            return f"whether a small push makes {moving} fall: {whys}"
         if self.rolling is not None and self.rolling.state == "open":
-            return f"whether friction holds {_named(names, self.moving)} against a small push"
+            return (
+                f"whether friction holds {_listed_names(names, self.moving)} against a small push"
+            )
         return ""
 
     def to_dict(self, names: tuple[str, ...]) -> dict[str, Any]:
@@ -148,7 +151,7 @@ class SecondOrder:
         }
 
 
-def _named(names: tuple[str, ...], parts: Index) -> str:
+def _listed_names(names: tuple[str, ...], parts: Index) -> str:
     """The first parts by name, and the number of the others."""
     shown = [names[k] for k in parts[:NAMED].tolist()]
     if len(parts) > NAMED:

@@ -122,7 +122,7 @@ def find_second_order(
     answers = tuple(search.answer(cluster) for cluster in clusters(whole))
     if all(answer.state == "minimum" and not answer.neutral for answer in answers):
         return None
-    return _of_parts(_joined(answers), groups)
+    return _of_parts(_join_answers(answers), groups)
 
 
 def _share(work: Work, program: Program, *, strict: bool) -> Work:
@@ -265,7 +265,7 @@ def _without_neutral(program: Program, held: Held) -> SecondOrder:
     return SecondOrder("minimum", 0, 0, 0, 0, None, None, none, "", decision, program=program)
 
 
-def _joined(answers: tuple[SecondOrder, ...]) -> SecondOrder:
+def _join_answers(answers: tuple[SecondOrder, ...]) -> SecondOrder:
     """The answer for an assembly from those of its clusters."""
     if len(answers) == 1:
         return answers[0]

@@ -109,7 +109,7 @@ def touched_surfaces(
         (parts[:, 1], -program.normal, features.kind_b, features.edge_b, features.curvature_b),
     )
     flat, given, geometry = kinds == "plane", kinds == "given", contacts.assembly.geometry
-    first, second = (_touched(program.point, *side, geometry, given) for side in sides)
+    first, second = (_surfaces_of_side(program.point, *side, geometry, given) for side in sides)
     for side, axis in ((first, features.axis_a), (second, features.axis_b)):
         stated = (side.kind == UNKNOWN) & axis[:, 3:].any(axis=1)
         side.kind[stated] = AXIS
@@ -125,7 +125,7 @@ def planes_of(touched: tuple[Touched, Touched]) -> Mask:
     return planes
 
 
-def _touched(
+def _surfaces_of_side(
     at: Array,
     part: Index,
     out: Array,
@@ -145,7 +145,7 @@ def _touched(
         elif kind[row] == EDGE and not bent[row]:
             touched.kind[row], touched.direction[row] = LINE, edge[row]
         elif given[row] and kind[row] == FACE:
-            _as_stated(touched, row, curvature[row])
+            _fill_stated_curvature(touched, row, curvature[row])
         elif part[row] >= 0 and not given[row]:
             on_surface[row] = True
     for k in np.unique(part[on_surface]):
@@ -153,7 +153,7 @@ def _touched(
     return touched
 
 
-def _as_stated(touched: Touched, row: int, curvature: Array) -> None:
+def _fill_stated_curvature(touched: Touched, row: int, curvature: Array) -> None:
     """Fill in the plane, sphere or cylinder of a stated curvature, shape (3, 3)."""
     frame = np.array(across(touched.direction[row][None]))[:, 0]
     values, vectors = np.linalg.eigh(frame @ curvature @ frame.T)

@@ -120,19 +120,19 @@ class _FreeSearch:
     def all(self) -> FreeMotions:
         """All free motions in space."""
         for part in self.parts:
-            self._own(int(part))
+            self._add_screws_of_part(int(part))
             self._pivot(int(part))
         for chosen in self._sets():
             self._level(chosen)
         self._shifts()
-        return self._found()
+        return self._known_motions()
 
     def planar(self) -> FreeMotions:
         """All free motions in the plane: translations."""
         self._shifts()
-        return self._found()
+        return self._known_motions()
 
-    def _found(self) -> FreeMotions:
+    def _known_motions(self) -> FreeMotions:
         """The motions found so far."""
         shape = (0, len(self.program.names), 6)
         motions = np.array(self.motions) if self.motions else np.empty(shape)
@@ -148,7 +148,7 @@ class _FreeSearch:
         self.motions.append(motion)
         self.kinds.append(kind)
 
-    def _own(self, part: int) -> None:
+    def _add_screws_of_part(self, part: int) -> None:
         """Add screws of a part that keep its touched surfaces in place, and its height.
 
         A centre of mass keeps its height to all orders if it stays, or if the screw is level.

@@ -95,7 +95,7 @@ def find_rolling(program: Program, features: Features) -> Rolling:
     features : Features
         Features of its rows.
     """
-    why = _beyond(program, features)
+    why = _unmodelled_reason(program, features)
     if why:
         return _open(program, why)
     scale = _scale(program)
@@ -107,7 +107,7 @@ def find_rolling(program: Program, features: Features) -> Rolling:
     if np.abs(grip.T @ components + load).max() > BALANCED * np.abs(load).max():
         return _open(program, "no forces balance it")
     forces = components.reshape(len(program.part_a), -1) @ _directions(program)
-    if not _inside(program, forces):
+    if not _all_inside_cones(program, forces):
         return _open(program, "its forces are not within the cones of friction")
     basis = null_space(grip, BALANCED) * scale[:, None]
     stiffness = _stiffness(program, features, forces, basis)
@@ -147,7 +147,7 @@ def _open(program: Program, why: str) -> Rolling:
     return Rolling("open", 0, 0.0, why, *none)
 
 
-def _beyond(program: Program, features: Features) -> str:
+def _unmodelled_reason(program: Program, features: Features) -> str:
     """Why rolling is not modelled; empty if it is."""
     if (program.kind != CONTACT).any() or program.pull.any() or program.tied.any():
         return "rolling is not modelled with joints and bonds"
@@ -194,7 +194,7 @@ def _slip(program: Program, motion: Array) -> Array:
     return over - _velocity(program, motion, program.part_a)
 
 
-def _inside(program: Program, forces: Array) -> bool:
+def _all_inside_cones(program: Program, forces: Array) -> bool:
     """Whether all forces, shape (K, 3), are strictly within their friction cones."""
     along = np.einsum("ki,ki->k", forces, program.normal)
     aside = np.linalg.norm(forces - along[:, None] * program.normal, axis=1)

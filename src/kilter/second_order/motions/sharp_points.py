@@ -91,21 +91,21 @@ def sharp_points(program: Program, contacts: ContactSet) -> SharpPoints:
     a, b = program.part_a[rows], program.part_b[rows]
     pair[rows] = np.minimum(a, b) * len(program.names) + np.maximum(a, b)
     normal = np.round(program.normal[rows], SAME_NORMAL)
-    of_pair = _numbered(pair[rows][:, None])
-    of_normal = _numbered(np.column_stack([of_pair, normal]))
+    of_pair = _number_rows(pair[rows][:, None])
+    of_normal = _number_rows(np.column_stack([of_pair, normal]))
     at_all_points = _different(number, of_normal) == _different(number, of_pair)
     along[rows] = np.where(at_all_points, of_normal, -1)
     return SharpPoints(pair, along)
 
 
-def _numbered(rows: Array | Index) -> Index:
+def _number_rows(rows: Array | Index) -> Index:
     """Numbers of rows (k, m), equal for equal rows, shape (k,)."""
     return np.asarray(np.unique(rows, axis=0, return_inverse=True)[1]).reshape(-1)
 
 
 def _different(values: Index, group: Index) -> Index:
     """Number of different values in the group of each row, shape (k,)."""
-    first = np.unique(_numbered(np.column_stack([group, values])), return_index=True)[1]
+    first = np.unique(_number_rows(np.column_stack([group, values])), return_index=True)[1]
     return np.bincount(group[first])[group]
 
 

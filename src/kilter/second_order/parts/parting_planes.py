@@ -148,13 +148,13 @@ class PartingPlanes:
                 for m, n in np.argwhere(apart <= size + room).tolist():
                     for key in ((i, m), (j, n)):
                         if key not in moved:
-                            moved[key] = self._moved(key, places)
+                            moved[key] = self._moved_corners(key, places)
                     a, b = moved[i, m], moved[j, n]
                     if _box_distance(a, b) <= room:
                         pairs.append(((i, m, j, n), a, b))
         return pairs
 
-    def _moved(self, key: tuple[int, int], places: Places) -> Body:
+    def _moved_corners(self, key: tuple[int, int], places: Places) -> Body:
         part, body = key
         center, shift, turn = (
             values[part] for values in (self._program.center, places.shifts, places.turns)

@@ -132,11 +132,11 @@ def _round_pieces(geometry: Geometry, part: int) -> list[Body] | None:
     span = slice(geometry.triangle_start[part], geometry.triangle_start[part + 1])
     flat = geometry.vertices[geometry.triangles[span][geometry.triangle_surface[span] < 0]]
     points = flat.reshape(-1, 3)
-    within = [_within(piece, points, near).reshape(-1, 3).all(axis=1) for piece in pieces]
+    within = [_is_within(piece, points, near).reshape(-1, 3).all(axis=1) for piece in pieces]
     return pieces if np.any(within, axis=0).all() else None
 
 
-def _within(body: Body, points: Array, near: float) -> Mask:
+def _is_within(body: Body, points: Array, near: float) -> Mask:
     """Whether points (n, 3) are inside a ball or a cylinder, up to `near`, shape (n,)."""
     off = points - body.corners[0]
     if body.axis is None:

@@ -163,14 +163,16 @@ class _Question:
             rest = self.across.shape[1]
             return Decision("open", self.neutral, self.free.shape[1], 0, rest, why=why)
         if len(self.sides):
-            return self._on(self.across, np.zeros(len(self.carrying.rows)))
+            return self._decide_on_basis(self.across, np.zeros(len(self.carrying.rows)))
         curved = self._without_flat()
         self.flat = self.across.shape[1] - curved.shape[1]
         rest, stress = self._without_blocked(curved)
         if rest.shape[1]:
-            return self._on(rest, stress)
+            return self._decide_on_basis(rest, stress)
         forces = self.critical.forces[self.critical.carries]
-        return self._strengthened(forces, stress) or self._open("the numbers carry no proof")
+        return self._strengthened_minimum(forces, stress) or self._open(
+            "the numbers carry no proof"
+        )
 
     def _no_weights(self) -> Array:
         """Zero weights of the sides."""
@@ -204,11 +206,11 @@ class _Question:
             basis = basis @ vectors[:, ~blocked]
         return basis, total
 
-    def _on(self, basis: Array, stress: Array) -> Decision:
+    def _decide_on_basis(self, basis: Array, stress: Array) -> Decision:
         """Steps 4 to 7 on a basis, with the self-stress of step 3."""
         if self._only_forces():
             forces = self.critical.forces[self.critical.carries]
-            proved = self._strengthened(forces, stress)
+            proved = self._strengthened_minimum(forces, stress)
             if proved is not None:
                 return proved
         self._note(self.critical.forces[self.critical.carries])
@@ -216,7 +218,7 @@ class _Question:
         candidates = list(self._from_forces(basis))
         if best is not None:
             self._note(best.forces)
-            proved = self._strengthened(best.forces, stress, best.sides)
+            proved = self._strengthened_minimum(best.forces, stress, best.sides)
             if proved is not None:
                 return proved
             candidates += self._from_multiplier(basis, best.motions)
@@ -275,14 +277,14 @@ class _Question:
 
     def _note(self, forces: Array) -> None:
         """Keep balanced forces on the carrying rows, because they exclude paths."""
-        forces = self._balanced(forces)
+        forces = self._nearest_balanced_forces(forces)
         if self.carrying.imbalance(forces) < EXACT:
             self.balancing = np.vstack([self.balancing, self._spread(forces)])
 
     def _paths_alone(self) -> list[Path]:
         """Falling paths of a single part, the steepest first."""
         paths = []
-        for motion in self._alone():
+        for motion in self._motions_of_part():
             path = self._path(motion)
             if path is not None and path.falls:
                 paths.append(path)
@@ -294,7 +296,7 @@ class _Question:
         """The paths in order, the steepest first."""
         return sorted(paths, key=lambda path: -min(path.opens, path.power))
 
-    def _alone(self) -> list[Array]:
+    def _motions_of_part(self) -> list[Array]:
         """Critical motions of a single part that curve least: parts pressed between others stay."""
         whole = np.hstack([self.across, self.free])
         columns = self.problem.columns.reshape(-1, 6)
@@ -342,20 +344,22 @@ class _Question:
         size = float(np.linalg.norm(y))
         return basis @ (y / size) if size > 1e-6 else None
 
-    def _strengthened(
+    def _strengthened_minimum(
         self, forces: Array, stress: Array, weights: Array | None = None
     ) -> Decision | None:
         """A minimum proved by given forces plus enough self-stress; None if no share suffices."""
-        forces = self._balanced(forces)
+        forces = self._nearest_balanced_forces(forces)
         weights = self._no_weights() if weights is None else weights
         for share in (0.0, *np.geomspace(1.0, 1e6, 13)) if stress.any() else (0.0,):
-            leaf = Leaf(self._spread(self._balanced(forces + share * stress)), weights)
+            leaf = Leaf(
+                self._spread(self._nearest_balanced_forces(forces + share * stress)), weights
+            )
             decision = self._minimum((), (leaf,))
             if decision.state == "minimum":
                 return decision
         return None
 
-    def _balanced(self, forces: Array) -> Array:
+    def _nearest_balanced_forces(self, forces: Array) -> Array:
         """The nearest forces that balance the load, with negative forces set to 0."""
         rows = self.carrying.rows
         miss = rows.T @ forces + self.carrying.load
@@ -383,7 +387,9 @@ class _Question:
                 self._note(best.forces)
             if best is not None and self._curves(basis, best.forces, bounds, best.sides):
                 splits.append(None)
-                leaves.append(Leaf(self._spread(self._balanced(best.forces)), best.sides))
+                leaves.append(
+                    Leaf(self._spread(self._nearest_balanced_forces(best.forces)), best.sides)
+                )
                 continue
             motions = [*(basis @ rays).T, basis @ rays.sum(axis=1)]
             new = [motion for motion in motions if motion.tobytes() not in tried]
@@ -406,7 +412,10 @@ class _Question:
 
     def _curves(self, basis: Array, forces: Array, sides: Array, weights: Array) -> bool:
         """Whether balanced forces curve the energy upward by more than the weighted sides."""
-        matrix = self.carrying.curvature(self._balanced(forces), basis) - sides.T @ weights @ sides
+        matrix = (
+            self.carrying.curvature(self._nearest_balanced_forces(forces), basis)
+            - sides.T @ weights @ sides
+        )
         size = max(1.0, float(np.abs(matrix).max(initial=0.0)))
         return bool(np.linalg.eigvalsh(matrix).min(initial=np.inf) > 2 * CURVED * size)
 
@@ -429,7 +438,7 @@ class _Question:
     def _open(self, why: str) -> Decision:
         """An open decision; motions that the critical forces curve upward count as blocked."""
         free = self.free.shape[1]
-        forces = self._balanced(self.critical.forces[self.critical.carries])
+        forces = self._nearest_balanced_forces(self.critical.forces[self.critical.carries])
         values = np.linalg.eigvalsh(self.carrying.curvature(forces, self.across))
         size = max(1.0, float(np.abs(values).max(initial=TINY)))
         curved = int((values > CURVED * size).sum())

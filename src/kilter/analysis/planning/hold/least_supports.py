@@ -107,7 +107,7 @@ def find_least_supports(
             none = chosen is None and not passed and limit == count
             return answer(None, False if none else None)
         work.tell(f"{len(chosen)} supports")
-        state = _judged(given, chosen, work)
+        state = _judge_supports(given, chosen, work)
         if state.stable:
             part = work.beside(units_of(effort))
             state = given.decide(state, require=require, work=part)
@@ -134,7 +134,7 @@ def _stops_witness(given: Supported, state: SupportedState) -> Shares:
     return dict.fromkeys(moved or others, 1.0)
 
 
-def _judged(given: Supported, chosen: frozenset[int], work: Work) -> SupportedState:
+def _judge_supports(given: Supported, chosen: frozenset[int], work: Work) -> SupportedState:
     before = given.asked
     state = given.judge(chosen, work)
     work.charge(JUDGED * (given.asked - before) * (FEW + len(given.assembly)))
@@ -149,7 +149,7 @@ def _fewest_that_stop(given: Supported, state: SupportedState, work: Work) -> St
     size = max(len(stopping.shares) // 2, 1)
     while (left := sorted(set(stopping.shares) - needed)) and len(stopping.shares) > 1:
         size = min(size, max(len(left) // 2, 1))
-        other = _judged(given, (every - set(stopping.shares)) | set(left[:size]), work)
+        other = _judge_supports(given, (every - set(stopping.shares)) | set(left[:size]), work)
         if other.stable is False:
             stopping = Stopping(other, given.shares(other))
         elif size == 1:

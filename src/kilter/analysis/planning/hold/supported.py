@@ -118,10 +118,10 @@ class Supported:
         key = frozenset(chosen)
         if key not in self._found:
             self.asked += 1
-            self._found[key] = self._judged(key, work)
+            self._found[key] = self._judge_chosen(key, work)
         return self._found[key]
 
-    def _judged(self, chosen: frozenset[int], work: Work) -> SupportedState:
+    def _judge_chosen(self, chosen: frozenset[int], work: Work) -> SupportedState:
         program = self._program(chosen, self._programs.whole)
         judgement = judge(program, work=work)
         state = SupportedState(chosen, None, program, judgement.forces, None)

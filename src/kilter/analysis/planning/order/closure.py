@@ -47,12 +47,14 @@ def find_unreachable(states: States) -> tuple[Mask, list[State]]:
     while grown:
         grown = False
         for part in np.flatnonzero(~reached).tolist():
-            if _alone(states, reached, part).stable is not False:
+            if _state_of_part(states, reached, part).stable is not False:
                 reached[part] = grown = True
-    return reached, [_alone(states, reached, part) for part in np.flatnonzero(~reached).tolist()]
+    return reached, [
+        _state_of_part(states, reached, part) for part in np.flatnonzero(~reached).tolist()
+    ]
 
 
-def _alone(states: States, standing: Mask, part: int) -> State:
+def _state_of_part(states: States, standing: Mask, part: int) -> State:
     """Return the state of a part that is alone free on held standing parts."""
     present = standing.copy()
     present[part] = True

@@ -135,10 +135,10 @@ def _support(order: Order, step: Step) -> StepForces:
     if state.forces is None:
         nothing = np.zeros((0, 3))
         return StepForces(nothing, np.zeros((0, 2), dtype=np.int64), nothing, hands)
-    return StepForces(*_pressed(state.program, state.forces), hands)
+    return StepForces(*_pressure_centres(state.program, state.forces), hands)
 
 
-def _pressed(program: Program, proof: ForceProof) -> tuple[Array, Index, Array]:
+def _pressure_centres(program: Program, proof: ForceProof) -> tuple[Array, Index, Array]:
     """Return centres of pressure, parts and forces of the patches that carry a force."""
     straight = np.flatnonzero(~program.angular)
     forces = proof.forces[straight, None] * program.normal[straight] + proof.friction[straight]

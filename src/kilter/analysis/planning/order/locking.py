@@ -86,7 +86,7 @@ def find_locked(states: States, removal: Removal) -> list[Locked]:
         present = base | sum(1 << k for k in core)
         loose = [k for k in core if removal.lets_go(1 << k, present)]
         if not loose:
-            proofs = [(k, _locked(states, removal, k, present)) for k in core]
+            proofs = [(k, _prove_locked(states, removal, k, present)) for k in core]
             loose = [k for k, locked in proofs if locked is None]
             if not loose:
                 return sorted((proof for _, proof in proofs if proof), key=lambda proof: proof.part)
@@ -94,7 +94,7 @@ def find_locked(states: States, removal: Removal) -> list[Locked]:
     return []
 
 
-def _locked(states: States, removal: Removal, part: int, present: int) -> Locked | None:
+def _prove_locked(states: States, removal: Removal, part: int, present: int) -> Locked | None:
     """Return the proof that the other present parts lock a part, or None."""
     is_present = mask_of(present, len(states.assembly))
     held = is_present.copy()

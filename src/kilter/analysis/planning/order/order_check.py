@@ -70,9 +70,9 @@ def wrong_order(
             continue
         entries[kind].append(entry)
         if (verdict == "unstable") != FALLS[kind]:
-            yield f"{kind} {_of(entry)}: the verdict of its state is {verdict}"
+            yield f"{kind} {_subject_names(entry)}: the verdict of its state is {verdict}"
         if set(change) - CHANGES - MORE.get(kind, set()):
-            yield f"{kind} {_of(entry)}: it changes more of the assembly than its parts"
+            yield f"{kind} {_subject_names(entry)}: it changes more of the assembly than its parts"
     shows = ("step", "falls alone", "finished falls", "locked", "refused")
     if not any(entries[kind] for kind in shows):
         yield "it has neither an order nor a proof that there is none"
@@ -142,7 +142,7 @@ FALLS = {
 """Kinds of proof in a plan, and whether the state of such a proof falls."""
 
 
-def _of(entry: About) -> str:
+def _subject_names(entry: About) -> str:
     """Return the names of the parts that an entry is about."""
     return some_names([entry["part"]] if "part" in entry else entry.get("parts", []))
 
@@ -153,7 +153,7 @@ def _wrong_steps(
     """Yield the reasons why the steps do not lead from the base to the whole assembly."""
     sweeps = Sweeps(contacts)
     standing = {part.name for part in assembly if part.grounded}
-    touching = _touching(assembly, contacts)
+    touching = _neighbours_of_parts(assembly, contacts)
     for number, step in enumerate(steps, 1):
         parts, over = step["parts"], step["over"]
         moved = [assembly.index_of(part) for part in parts]
@@ -166,7 +166,7 @@ def _wrong_steps(
             reasons.append(f"{said} touches no standing part")
         is_present = np.array([name in standing and name != over for name in assembly.names])
         if any(
-            _stopped(assembly, sweeps, part, bits_of(is_present), step["legs"]) for part in moved
+            _is_blocked(assembly, sweeps, part, bits_of(is_present), step["legs"]) for part in moved
         ):
             reasons.append(f"a part blocks the path of {said}")
         yield from (f"step {number}: {reason}" for reason in reasons)
@@ -188,7 +188,7 @@ def _hang_on(standing: set[str], parts: Sequence[str], touching: dict[str, set[s
     return True
 
 
-def _touching(assembly: Assembly, contacts: ContactSet) -> dict[str, set[str]]:
+def _neighbours_of_parts(assembly: Assembly, contacts: ContactSet) -> dict[str, set[str]]:
     """Return for each part the parts that it touches or is joined to."""
     neighbours: dict[str, set[str]] = {name: set() for name in assembly.names}
     pairs = [(assembly.names[a], assembly.names[b]) for a, b in contacts.patch_parts.tolist()]
@@ -199,7 +199,7 @@ def _touching(assembly: Assembly, contacts: ContactSet) -> dict[str, set[str]]:
     return neighbours
 
 
-def _stopped(assembly: Assembly, sweeps: Sweeps, part: int, present: int, legs: Any) -> bool:
+def _is_blocked(assembly: Assembly, sweeps: Sweeps, part: int, present: int, legs: Any) -> bool:
     """Whether a part of the set `present` blocks the path, or its last leg is bounded."""
     start = np.zeros(3)
     others = [k for k in range(len(assembly)) if present >> k & 1 and k != part]
@@ -263,12 +263,12 @@ def _wrong_exhaustion(
         parts, change = set(cut["parts"]), cut["change"]
         standing = set(names) - set(change["without"])
         if set(change["held"]) != standing - base - parts:
-            yield f"refused {_of(cut)}: other parts are free in the proof"
+            yield f"refused {_subject_names(cut)}: other parts are free in the proof"
             return
         present = bits_of(np.array([name in standing for name in names]))
         may = bits_of(np.array([name in parts - rules.never_held for name in names]))
         motions.setdefault(present, []).append(may)
-    touching = _touching(assembly, contacts)
+    touching = _neighbours_of_parts(assembly, contacts)
 
     def goes_on(part: int, rest: int) -> bool:
         """Whether the bit set `rest` may remain after the removal of `part`."""
@@ -333,7 +333,7 @@ def _wrong_pressing(
         given = [tuple(load[key] for key in LOAD) for load in change["loads"]]
         standing = set(step["change"]["without"]) - set(parts)
         if set(change["without"]) != standing or change["held"] != step["change"]["held"]:
-            yield f"step {entry['step']}: the proof presses other parts"
+            yield f"step {entry['step']}: the proof presses parts that the step does not insert"
         elif len(given) != len(wanted) or not all(map(_same_load, given, wanted)):
             yield f"step {entry['step']}: the proof has another pressing force"
 

@@ -85,7 +85,7 @@ class Removal:
         self._geometry = contacts.assembly.geometry
         self._up = -contacts.assembly.down
         self._angle = contacts.tolerance.angle
-        self._touching = _touching(contacts)
+        self._contacts_by_part = _contacts_by_part(contacts)
         self._given = [
             _direction(direction) if not isinstance(direction, str) else direction
             for direction in directions
@@ -124,7 +124,7 @@ class Removal:
                 directions, others, legs = [screw.axis, back], others & ~bolt, 1
         if legs == 1:
             parts = self._members(moved)
-            for direction in self._unpressed(moved, others, directions):
+            for direction in self._free_directions(moved, others, directions):
                 if not any(self.sweeps.stops(part, others, direction) for part in parts):
                     return (Leg(direction, float("inf")),)
             return None
@@ -141,7 +141,7 @@ class Removal:
         """Whether a tried direction exists along which no contact presses."""
         others = present & ~moved
         over = any(1 << s.nut == moved and others >> s.bolt & 1 for s in self.screws)
-        return over or bool(self._unpressed(moved, others, self.directions(moved)))
+        return over or bool(self._free_directions(moved, others, self.directions(moved)))
 
     @property
     def threads(self) -> frozenset[tuple[int, int]]:
@@ -157,7 +157,7 @@ class Removal:
         self, moved: int, present: Mask, direction: Direction
     ) -> tuple[list[int], list[int]]:
         """Return the present parts that touch moved parts, and those of them that they slide on."""
-        other, normals = self._touched(moved)
+        other, normals = self._contacts_of_moved(moved)
         here = present[other]
         slides = here & (np.abs(normals @ np.array(direction)) <= self._angle)
         return np.unique(other[here]).tolist(), np.unique(other[slides]).tolist()
@@ -176,16 +176,16 @@ class Removal:
 
     def _members(self, parts: int) -> list[int]:
         """Return the indices of the parts of a bit set."""
-        indices: list[int] = members(parts, len(self._touching)).tolist()
+        indices: list[int] = members(parts, len(self._contacts_by_part)).tolist()
         return indices
 
-    def _touched(self, moved: int) -> tuple[Index, Array]:
+    def _contacts_of_moved(self, moved: int) -> tuple[Index, Array]:
         """Return the other part of each contact point of moved parts, and the normal towards it."""
         if not moved & (moved - 1):
-            return self._touching[moved.bit_length() - 1]
+            return self._contacts_by_part[moved.bit_length() - 1]
         parts = self._members(moved)
-        other = np.concatenate([self._touching[part][0] for part in parts])
-        normals = np.concatenate([self._touching[part][1] for part in parts])
+        other = np.concatenate([self._contacts_by_part[part][0] for part in parts])
+        normals = np.concatenate([self._contacts_by_part[part][1] for part in parts])
         outside = ~np.isin(other, parts)
         return other[outside], normals[outside]
 
@@ -196,17 +196,17 @@ class Removal:
 
     def _normals(self, moved: int) -> list[Direction]:
         """Return the mean direction away from all touched parts, then each single normal."""
-        away = -self._touched(moved)[1]
+        away = -self._contacts_of_moved(moved)[1]
         away = away[np.sort(np.unique(away.round(9), axis=0, return_index=True)[1])]
         mean = away.sum(axis=0)
         first = [mean] if np.linalg.norm(mean) > self._angle else []
         return [_direction(vector) for vector in [*first, *away[:NORMALS]]]
 
-    def _unpressed(
+    def _free_directions(
         self, moved: int, others: int, directions: Iterable[Direction]
     ) -> list[Direction]:
         """Return the directions that do not press against a contact with the other parts."""
-        other, normals = self._touched(moved)
+        other, normals = self._contacts_of_moved(moved)
         here = np.isin(other, self._members(others))
         most = self._angle
         return [d for d in directions if not (normals[here] @ np.array(d) > most).any()]
@@ -217,7 +217,7 @@ class Removal:
         """Return a free path of two legs past the other parts, or None if none was found."""
         parts, rest = self._members(moved), self._members(others)
         pairs = [(part, other) for part in parts for other in rest]
-        for first in self._unpressed(moved, others, directions):
+        for first in self._free_directions(moved, others, directions):
             for distance in self._places(parts, rest, first):
                 start = distance * np.array(first)
                 if any(self.sweeps.pair_stops(*pair, first, distance=distance) for pair in pairs):
@@ -263,7 +263,7 @@ def _negative(direction: Direction) -> Direction:
     return x, y, z
 
 
-def _touching(contacts: ContactSet) -> list[tuple[Index, Array]]:
+def _contacts_by_part(contacts: ContactSet) -> list[tuple[Index, Array]]:
     """Return for each part the other parts at its contact points and the normals towards them."""
     a, b = contacts.patch_parts[contacts.point_patch].T
     part, other = np.concatenate([a, b]), np.concatenate([b, a])

@@ -261,13 +261,13 @@ class OrderSearch:
 
     def hangs_on(self, moved: int, standing: int) -> bool:
         """Whether contacts connect every part of `moved` with the standing parts."""
-        return self._connected(standing, standing | moved) == standing | moved
+        return self._grow_connected(standing, standing | moved) == standing | moved
 
     def _hangs_together(self, present: int) -> bool:
         """Whether contacts within a set connect each of its parts with a grounded part."""
-        return self._connected(present & self.base, present) == present
+        return self._grow_connected(present & self.base, present) == present
 
-    def _connected(self, seen: int, among: int) -> int:
+    def _grow_connected(self, seen: int, among: int) -> int:
         """Return `seen` and the parts of `among` that contacts within `among` connect with it."""
         new = seen
         while new:
@@ -285,7 +285,7 @@ class OrderSearch:
         moves = blocked_together(self.removal, units, present, self.base)
         self.work.charge(SWEEP * (self.removal.sweeps.tests - tests))
         for moved, direction in moves:
-            connected = self._connected(moved & -moved, moved) == moved
+            connected = self._grow_connected(moved & -moved, moved) == moved
             if connected and self.may_leave(moved, present):
                 yield moved, (Leg(direction, float("inf")),)
 
@@ -299,12 +299,12 @@ class OrderSearch:
     def state(self, present: int) -> State:
         """Judge a part set without holds beside the grounded parts."""
         count = len(self._near)
-        solved = self._solved()
+        solved = self._program_count()
         state = self.states.judge(mask_of(present, count), np.zeros(count, dtype=bool))
         self._charge(solved, present)
         return state
 
-    def _solved(self) -> int:
+    def _program_count(self) -> int:
         """Return the number of programs solved so far; open states count `CHECK` programs."""
         counts = self.states.counts
         several = counts["open"] + counts["checks"]
@@ -312,7 +312,7 @@ class OrderSearch:
 
     def _charge(self, solved: int, present: int) -> None:
         """Charge the programs solved since the count `solved` as work."""
-        self.work.charge(PROGRAM * (self._solved() - solved) * (FEW + present.bit_count()))
+        self.work.charge(PROGRAM * (self._program_count() - solved) * (FEW + present.bit_count()))
 
     def _held(
         self, moved: int, legs: tuple[Leg, ...], present: int, hold: int
@@ -330,7 +330,7 @@ class OrderSearch:
     ) -> Iterator[Removed]:
         """Yield the removal with the fewest holds that also allow pressing the parts in."""
         x, y, z = legs[0].direction
-        solved, judge = self._solved(), pressing.judge_of(moved, (-x, -y, -z))
+        solved, judge = self._program_count(), pressing.judge_of(moved, (-x, -y, -z))
         rest = mask_of(present & ~moved, len(self._near))
         names = self.states.assembly.names
         known = find_fewest_holds(judge, names, rest, self.holdable & rest, most=hold)
@@ -344,7 +344,7 @@ class OrderSearch:
         """Return the fewest holds of a set; `held` is None if more than `hold` are necessary."""
         known = self._holds.get(rest)
         if known is None or (known.held is None and known.least <= hold):
-            solved = self._solved()
+            solved = self._program_count()
             known = self.states.holds_of(mask_of(rest, len(self._near)), self.holdable, most=hold)
             self._charge(solved, rest)
             self._holds[rest] = known

@@ -167,7 +167,7 @@ class Sweeps:
         if start is not None:
             basis = _basis(np.array(direction))
             moving = moving.moved(basis[:2] @ start, float(basis[2] @ start))
-        return _stopped(moving, still, self.tolerance(part, other), distance)
+        return _blocks_within(moving, still, self.tolerance(part, other), distance)
 
     def _shadow(self, part: int, direction: Direction) -> _Shadow:
         """Return the projection of a part along a direction, computed once."""
@@ -186,10 +186,10 @@ def _basis(direction: Array) -> Array:
     return np.stack([*across(direction), direction])
 
 
-def _stopped(moving: _Shadow, still: _Shadow, tolerance: float, distance: float) -> bool:
+def _blocks_within(moving: _Shadow, still: _Shadow, tolerance: float, distance: float) -> bool:
     """Whether the still part blocks the moving part within a distance (module docstring)."""
     exits, entries = np.flatnonzero(moving.facing > ALONG), np.flatnonzero(still.facing < -ALONG)
-    first, second = _near(moving, exits, still, entries, tolerance, distance)
+    first, second = _near_faces(moving, exits, still, entries, tolerance, distance)
     if not len(first):
         return False
     shared = shapely.intersection(
@@ -212,7 +212,7 @@ def _stopped(moving: _Shadow, still: _Shadow, tolerance: float, distance: float)
     region = [
         *shared[whole],
         *(
-            _between(corner[owner == k][:-1], between[owner == k][:-1], low, high)
+            _polygon_between(corner[owner == k][:-1], between[owner == k][:-1], low, high)
             for k in np.flatnonzero(partly)
         ),
     ]
@@ -223,7 +223,7 @@ def _stopped(moving: _Shadow, still: _Shadow, tolerance: float, distance: float)
     return not shapely.is_empty(shapely.buffer(joined, -tolerance))
 
 
-def _near(
+def _near_faces(
     moving: _Shadow, exits: Index, still: _Shadow, entries: Index, tolerance: float, distance: float
 ) -> tuple[Index, Index]:
     """Return pairs of exit and entry faces whose boxes overlap within the distance."""
@@ -259,15 +259,15 @@ def _fits_a_disk(pieces: Array, radius: float) -> bool:
     return bool((shapely.area(pieces) > radius * shapely.length(pieces)).any())
 
 
-def _between(corners: Array, values: Array, low: float, high: float) -> object | None:
+def _polygon_between(corners: Array, values: Array, low: float, high: float) -> object | None:
     """Return the piece of a convex polygon on which a linear function is between two bounds."""
     for bound, sign in ((low, 1.0), (high, -1.0)):
         if np.isfinite(bound):
-            corners, values = _clipped(corners, values, sign * (values - bound))
+            corners, values = _clip_polygon(corners, values, sign * (values - bound))
     return shapely.polygons(corners) if len(corners) > 2 else None
 
 
-def _clipped(corners: Array, values: Array, above: Array) -> tuple[Array, Array]:
+def _clip_polygon(corners: Array, values: Array, above: Array) -> tuple[Array, Array]:
     """Clip a convex polygon to `above` >= 0; return the corners and values of the rest."""
     if not len(corners):
         return corners, values

@@ -88,7 +88,7 @@ class TurningSearch:
         if down not in self._states:
             part_states = self.search.states
             turned = States(part_states.assembly.with_down(down), part_states.contacts)
-            self._states[down] = part_states if down == self._own() else turned
+            self._states[down] = part_states if down == self._file_direction() else turned
         return self._states[down]
 
     def find(self, most: int, fewest: str) -> list[Removed] | None:
@@ -103,14 +103,14 @@ class TurningSearch:
                 return order
         return None
 
-    def _own(self) -> Direction:
+    def _file_direction(self) -> Direction:
         """Return the direction of gravity of the file (unit)."""
         x, y, z = self.search.states.assembly.down.tolist()
         return x, y, z
 
     def _find(self, hold: int, turns: int) -> list[Removed] | None:
         """Return the removals of an order within both limits, or None."""
-        search, start = self.search, _Run(self._own(), ((self.search.whole, 0),))
+        search, start = self.search, _Run(self._file_direction(), ((self.search.whole, 0),))
         order: list[Removed] = []
         dead: set[tuple[int, int, Direction]] = set()
         waiting = [(search.whole, turns, start, self._removals(search.whole, start, turns, hold))]
@@ -118,7 +118,7 @@ class TurningSearch:
         while waiting:
             present, left, run, removals = waiting[-1]
             if present == search.base:
-                return self._settled(order, [entry[2] for entry in waiting[1:]])
+                return self._with_final_direction(order, [entry[2] for entry in waiting[1:]])
             if search.work.over:
                 return None
             choice = next(
@@ -143,7 +143,7 @@ class TurningSearch:
         search.exhausted = True
         return None
 
-    def _settled(self, order: list[Removed], runs: list[_Run]) -> list[Removed]:
+    def _with_final_direction(self, order: list[Removed], runs: list[_Run]) -> list[Removed]:
         """Return the removals with their states under the final direction of their run."""
         downs = {run.number: run.down for run in runs}
         settled = []
@@ -166,14 +166,14 @@ class TurningSearch:
         search.visited += 1
         free = list(search.ways(present))
         for moved, legs in free:
-            state = self._held(run.down, present & ~moved, hold)
+            state = self._fewest_holds_under(run.down, present & ~moved, hold)
             if state is not None:
                 yield self._taken(moved, legs, state, run, turns)
         if not run.first:
             for moved, legs in free:
                 yield from self._other(moved, legs, present, run, turns)
         for moved, legs in free if turns else ():
-            yield from self._turned(moved, legs, present, run, turns)
+            yield from self._removal_with_turn(moved, legs, present, run, turns)
 
     def _taken(
         self,
@@ -202,7 +202,7 @@ class TurningSearch:
             state = self.states(down).judge(self._mask(rest), self._mask(0))
             yield self._taken(moved, legs, state, _Run(down, run.states, run.number), turns)
 
-    def _turned(
+    def _removal_with_turn(
         self, moved: int, legs: tuple[Leg, ...], present: int, run: _Run, turns: int
     ) -> Iterator[tuple[Removed, _Run, int]]:
         """Yield a removal with a turn, which begins a new run."""
@@ -222,7 +222,7 @@ class TurningSearch:
         """Return the mask of a bit set of parts, shape (N,)."""
         return mask_of(parts, len(self.search.states.assembly))
 
-    def _held(self, down: Direction, rest: int, hold: int) -> State | None:
+    def _fewest_holds_under(self, down: Direction, rest: int, hold: int) -> State | None:
         """Return the state with the fewest held parts under a direction, or None above `hold`."""
         states = self.states(down)
         self.search.work.charge(PROGRAM * (FEW + rest.bit_count()))

@@ -136,10 +136,10 @@ def motions_for_others(outer: Program, state: Program, proof: MotionProof) -> li
     if not groups:
         groups = [(proof, sizes > 0)]
     groups.sort(key=lambda pair: -pair[0].ratio)
-    return [_known(outer, motion, group) for motion, group in groups]
+    return [_stored_motion(outer, motion, group) for motion, group in groups]
 
 
-def _known(outer: Program, proof: MotionProof, moving: Mask) -> KnownMotion:
+def _stored_motion(outer: Program, proof: MotionProof, moving: Mask) -> KnownMotion:
     """A proved motion with the parts that it enters where they are present."""
     weight = float(outer.weight[moving].sum())
     most = max(proof.power / (RULED_OUT * weight), proof.violation)

@@ -250,17 +250,17 @@ class States:
         state = self._found.get(key)
         if state is None:
             self.counts["asked"] += 1
-            state = self._found[key] = self._judged(present, free, key)
+            state = self._found[key] = self._decide_state(present, free, key)
         return state
 
     @on_one_thread
-    def _judged(self, present: Mask, free: Mask, key: tuple[int, int]) -> State:
+    def _decide_state(self, present: Mask, free: Mask, key: tuple[int, int]) -> State:
         """Decide a state by the methods of the module docstring, in their order."""
         held = present & ~free
         program = self._programs.of(present, held)
         outer = self._programs.outer_of(present, held) if self._programs.open else program
         state = State(self.assembly.names, present, free, None, program)
-        proof: _Found = self._by_known(state, outer, key)
+        proof: _Found = self._matching_proof(state, outer, key)
         if proof is None:
             ways = [self._by_pyramid, self._by_cones]
             if self._far(state):
@@ -276,9 +276,9 @@ class States:
             return replace(state, stable=True, forces=proof)
         if isinstance(proof, MotionProof) and not self._doubts.explain_motion(outer):
             return replace(state, stable=False, program=outer, motion=proof)
-        return self._checked(state)
+        return self._state_by_check(state)
 
-    def _by_known(
+    def _matching_proof(
         self, state: State, outer: Program, key: tuple[int, int]
     ) -> ForceProof | MotionProof | None:
         """Return the first stored proof that is also a proof of this state, or None."""
@@ -369,9 +369,9 @@ class States:
             second_order=False,
             question=False,
         )
-        return state if decision.verdict == "undecided" else self._checked(state)
+        return state if decision.verdict == "undecided" else self._state_by_check(state)
 
-    def _checked(self, state: State) -> State:
+    def _state_by_check(self, state: State) -> State:
         """Return the state with the verdict of `kilter.check`."""
         self.counts["checks"] += 1
         assembly = self.sub_assembly(state)
@@ -463,7 +463,7 @@ class States:
             If the state is undecided.
         """
         if state.stable is None and state.verdict is None:
-            state = self._checked(state)
+            state = self._state_by_check(state)
         if state.verdict is not None:
             return state.verdict.proof(options=options or {})
         assembly = self.sub_assembly(state)
