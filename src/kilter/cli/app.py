@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+from collections.abc import Callable
 from typing import Annotated, Any
 
 import typer
@@ -20,8 +21,37 @@ from kilter.cli.transporting import transport
 
 __all__ = ["command"]
 
+GROUPS: dict[str, dict[Callable[..., int], str]] = {
+    "ask": {
+        check: "does it stay together, and which parts move if not?",
+        contacts: "which parts touch, and which nearly touch?",
+        orient: "in which orientation does it stay with the widest margin?",
+        region: "in which directions of gravity does it stay?",
+        margin: "how far may it tilt, how little friction does it need?",
+        transport: "how hard may it be accelerated?",
+    },
+    "plan": {
+        plan: "in which order can it be put together?",
+        hold: "which supports are the fewest that hold it?",
+        improve: "which toy brick makes it stand?",
+    },
+    "show": {
+        report: "write an offline page in 3D with all answers",
+        view: "show the page in the browser, updated with the file",
+        draw: "write a figure or a film",
+    },
+    "files": {
+        save: "save the options about a file for all later commands",
+        verify: "recompute a proof without any solver",
+        batch: "check many files, and write a table",
+        example: "list the built-in examples, or write one of them",
+        doctor: "test this installation",
+    },
+}
+"""Commands by group, each with its summary in a few words."""
 JUDGING = (check, orient, region, margin, transport, plan, hold)
-COMMANDS = (*JUDGING, improve, report, view, draw, contacts, verify, batch, save, example, doctor)
+COMMANDS = tuple(entry for group in GROUPS.values() for entry in group)
+PURPOSE = "Does an assembly of rigid parts stay together under gravity? With a proof."
 
 
 def _untyped(params: list[Any]) -> list[Any]:
@@ -41,14 +71,33 @@ class _Group(typer.core.TyperGroup):
     def get_params(self, ctx: Any) -> list[Any]:
         return _untyped(super().get_params(ctx))
 
+    def format_help(self, ctx: Any, formatter: Any) -> None:
+        """Write the commands in groups, on a single screen of 80 x 24 characters."""
+        formatter.write(overview())
+
+
+def overview() -> str:
+    """Return the help of the program: its purpose, and its commands in groups."""
+    lines = [PURPOSE, ""]
+    for group, entries in GROUPS.items():
+        for k, (entry, summary) in enumerate(entries.items()):
+            lines.append(f"{'' if k else group:7}{entry.__name__:10}{summary}")
+    return (
+        "\n".join(
+            [
+                *lines,
+                "",
+                "options: kilter COMMAND --help; kilter --version, kilter --install-completion",
+            ]
+        )
+        + "\n"
+    )
+
 
 app = typer.Typer(
     name="kilter",
     cls=_Group,
-    help="Does an assembly of rigid parts stay together under gravity? kilter gives an exact "
-    "verdict with a proof. Answers are of first order. If motions without any first-order change "
-    "of energy remain (see 'neutral'), 'check' also decides them to second order "
-    "('second_order'): a ball on top of a ball is balanced.",
+    help=PURPOSE,
     invoke_without_command=True,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},

@@ -72,7 +72,7 @@ def reading_of(
         keyframe=keyframe,
         base=base,
         stud_pull=stud_pull,
-        stud_shear=stud_shear,
+        stud_shear=float(stud_shear) if _is_number(stud_shear or "") else stud_shear,
         brick_sides=brick_sides,
         bond=tuple(_bond_of(words) for words in bond or ()),
     )

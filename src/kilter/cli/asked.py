@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from kilter.cli.arguments import ToleranceOptions, reading_of
 from kilter.cli.colour import in_colour
 from kilter.cli.exit_codes import VERDICT
-from kilter.cli.output import as_json, emit, keep_apart, tell_warnings, write_whole
+from kilter.cli.output import as_json, emit, keep_apart, tell_warnings, tell_written, write_whole
 from kilter.errors import InputError, TimeLimitReached, shell_words
 from kilter.files.choices import find_choices
 from kilter.files.formats import EXACT
@@ -149,6 +149,7 @@ class Asked:
             "warnings": [],
         }
         emit(as_json(answer) if self.json else sentence, self.output)
+        tell_written(self.output, "incomplete answer", self.quiet)
         return VERDICT["undecided"]
 
     def of_file(self, file: str) -> Asked:
@@ -244,15 +245,19 @@ class Asked:
         bricks : bool
             Whether the assembly is a model of bricks, for the next step.
         """
+        from kilter.tell.facts import kind_of
         from kilter.tell.text import text_of
 
+        content = f"answer of {kind_of(answer)} as {'JSON' if self.json else 'text'}"
         tell_warnings(answer.get("warnings", ()), self.quiet or self.json)
         if self.json:
             emit(as_json(answer), self.output)
+            tell_written(self.output, content, self.quiet)
             return
         text = text_of(answer, *more, brief=not self.verbose) + after
         text += "" if "\n\n" in after else self._next(answer, typed, bricks)
         emit(text if self.output else in_colour(text, answer), self.output)
+        tell_written(self.output, content, self.quiet)
 
     def _next(self, answer: Mapping[str, Any], typed: Sequence[str], bricks: bool) -> str:
         """Return the next step as a command to type, or nothing for standard input."""

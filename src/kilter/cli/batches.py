@@ -98,7 +98,7 @@ def batch(
         if result.found_there:
             before = f" ({result.found_there:,} of them from an earlier run)"
         rows, files = count(result.rows, "row", grouped=True), count(len(result.files), "file")
-        head = f"{rows} in {files}{before}: {counts}"
+        head = f"{output}: {rows} in {files}{before}: {counts}"
         emit("\n".join([head, *_error_lines(result.errors, errors)]), None)
     return SOME_ERRORS if errors else WRITTEN
 

@@ -9,7 +9,7 @@ import typer
 
 from kilter.cli.asked import Asked
 from kilter.cli.exit_codes import ORIENT, VERDICT, WRITTEN
-from kilter.cli.options import FORM, Require, asks
+from kilter.cli.options import FORM, asks
 from kilter.cli.output import Progress
 from kilter.errors import InputError
 from kilter.work import stop_after
@@ -187,7 +187,17 @@ def margin(
             rich_help_panel=ASKED,
         ),
     ] = False,
-    require: Require = "equilibrium",
+    require: Annotated[
+        str,
+        typer.Option(
+            "--require",
+            metavar="LEVEL",
+            help="Level of the limits: equilibrium, settles, proved or strict. Other commands "
+            "require settles. Here the default is lower, because only limits of equilibrium have "
+            "a proof from both sides; a higher level adds a search.",
+            rich_help_panel=FORM,
+        ),
+    ] = "equilibrium",
     mass_range: Annotated[
         tuple[float, float] | None,
         typer.Option(

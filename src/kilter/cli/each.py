@@ -9,7 +9,7 @@ from typing import Any
 from kilter.cli.asked import Asked
 from kilter.cli.exit_codes import FAULT, HOLDS, LOWER, USAGE, VERDICT
 from kilter.cli.mistakes import NO_MEMORY, fault_words
-from kilter.cli.output import as_json, emit, tell_warnings
+from kilter.cli.output import as_json, emit, tell_warnings, tell_written
 from kilter.errors import InputError, visible
 
 __all__ = ["check_each", "code_of"]
@@ -56,6 +56,7 @@ def check_each(asked: Asked, files: Sequence[str], judge: Callable[[Asked], Answ
         rows.append((file, answer.get("verdict", "error"), moves))
     text = as_json(answers) if asked.json else "\n".join(aligned(rows))
     emit(text, asked.output)
+    tell_written(asked.output, f"answers of check about {len(files)} files", asked.quiet)
     return next(code for code in WORST if code in codes)
 
 

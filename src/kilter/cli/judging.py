@@ -14,7 +14,7 @@ from kilter.cli.asked import Asked
 from kilter.cli.each import check_each, code_of
 from kilter.cli.exit_codes import VERIFY, WRITTEN
 from kilter.cli.options import FORM, File, Files, Json, Output, Quiet, Require, asks
-from kilter.cli.output import Progress, as_json, emit, keep_apart, write_whole
+from kilter.cli.output import Progress, as_json, emit, keep_apart, tell_written, write_whole
 from kilter.errors import InputError
 from kilter.tell.levels import REQUIRE
 
@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from kilter.analysis.verdict.verdict import Verdict
 
 __all__ = ["check", "contacts", "example", "verify"]
+
+SMALL = 400
+"""Largest number of parts of an example whose verdict is printed when it is written."""
 
 
 @asks(searches=True, proves=True)
@@ -56,6 +59,9 @@ def check(
     ] = False,
 ) -> int:
     """Decide whether it stays together under gravity, and if not, which parts move and how.
+
+    The verdict is of first order. If motions without any first-order change of energy remain (see
+    'neutral'), they are also decided to second order: a ball on top of a ball is balanced.
 
     Exit code: 0 it holds at the level of --require, 3 it holds only at a lower level, 1 unstable,
     4 undecided. For several files a line each, and the worst exit code.
@@ -170,6 +176,7 @@ def verify(
         result = recompute(file, proof, progress=progress)
     answer = result.to_dict()
     emit(as_json(answer) if json else text_of(answer), output)
+    tell_written(output, f"answer of verify as {'JSON' if json else 'text'}", quiet)
     return VERIFY[result.holds]
 
 
@@ -203,7 +210,11 @@ def example(
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
     json: Json = False,
 ) -> int:
-    """List the built-in examples, or write one as an assembly file."""
+    """List the built-in examples, or write one as an assembly file.
+
+    For an example of up to 400 parts the verdict of 'kilter check' is printed, too.
+    """
+    from kilter.analysis.check import check as decide
     from kilter.scenes import SCENES, scene
 
     if name is None:
@@ -216,10 +227,12 @@ def example(
 
             rows = [[entry.name, entry.answer, entry.title] for entry in SCENES.values()]
             emit("\n".join(aligned(rows)), output)
+        tell_written(output, "list of the examples", quiet=False)
         return WRITTEN
     from kilter.files import to_text
 
-    text = to_text(scene(name, size=None if size is None else _size(size)))
+    assembly = scene(name, size=None if size is None else _size(size))
+    text = to_text(assembly)
     if output is not None and str(output) == "-":
         sys.stdout.write(text)
         return WRITTEN
@@ -228,6 +241,9 @@ def example(
         raise InputError("already exists", file=str(target), hint="add --force to replace it")
     write_whole(target, text)
     print(f"{target}: {SCENES[name].title}")
+    if len(assembly) <= SMALL:
+        with Progress(quiet=False) as progress:
+            print(decide(assembly, progress=progress).sentence)
     print(f"next: kilter check {target}")
     return WRITTEN
 

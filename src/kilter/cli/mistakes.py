@@ -6,6 +6,8 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
+from kilter.cli.synonyms import meant_option
+
 __all__ = ["NO_MEMORY", "fault_words", "usage_words"]
 
 NO_MEMORY = "not enough memory; leave parts out, or use coarser meshes"
@@ -16,6 +18,12 @@ def usage_words(error: Any) -> str:
     context = getattr(error, "ctx", None)
     path = context.command_path if context is not None else "kilter"
     message = " ".join(error.format_message().split()).rstrip(".")
+    unknown = getattr(error, "option_name", None)
+    if unknown is not None and context is not None and not hasattr(error, "param_hint"):
+        known = {name for option in context.command.params for name in option.opts}
+        meant = meant_option(unknown, known)
+        if meant is not None:
+            message = f"there is no option {unknown}: use {meant}"
     message = message.replace("Value error, ", "")
     named = re.match(r"Invalid value for (.+?): Input should be a valid (\w+)", message)
     if named:

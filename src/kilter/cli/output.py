@@ -13,7 +13,15 @@ from typing import Any
 
 from kilter.errors import InputError, visible
 
-__all__ = ["Progress", "as_json", "emit", "keep_apart", "tell_warnings", "write_whole"]
+__all__ = [
+    "Progress",
+    "as_json",
+    "emit",
+    "keep_apart",
+    "tell_warnings",
+    "tell_written",
+    "write_whole",
+]
 
 EACH = 1.0
 """Time between two updates of the progress line [s]."""
@@ -41,6 +49,12 @@ def emit(text: str, output: Path | None) -> None:
         sys.stdout.write(text if text.endswith("\n") else text + "\n")
     else:
         write_whole(output, text)
+
+
+def tell_written(output: Path | None, content: str, quiet: bool) -> None:
+    """Print the path and the content of a written file on the error stream, unless `quiet`."""
+    if output is not None and not quiet:
+        print(f"{visible(str(output))}: {content}", file=sys.stderr)
 
 
 def keep_apart(file: str, *outputs: Path | None) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from kilter.cli.arguments import pair_of
-from kilter.cli.options import Require
+from kilter.cli.options import FORM
 from kilter.cli.order_files import as_typed
 from kilter.errors import InputError
 from kilter.files.sequence import read_sequence
@@ -136,7 +136,17 @@ class PlanOptions:
             rich_help_panel=ORDER,
         ),
     ] = False
-    require: Require = "equilibrium"
+    require: Annotated[
+        str,
+        typer.Option(
+            "--require",
+            metavar="LEVEL",
+            help="Level at which every step counts as holding: equilibrium, settles, proved or "
+            "strict. Other commands require settles. Here the default is lower, because a search "
+            "judges hundreds of half-built states, and a hand or a robot places each part gently.",
+            rich_help_panel=FORM,
+        ),
+    ] = "equilibrium"
 
     def typed(self) -> list[str]:
         """Return the options as they are typed, without those that have their default."""
