@@ -72,7 +72,7 @@ def reading_of(
         keyframe=keyframe,
         base=base,
         stud_pull=stud_pull,
-        stud_shear=float(stud_shear) if _is_number(stud_shear or "") else stud_shear,
+        stud_shear=_number_or_word(stud_shear),
         brick_sides=brick_sides,
         bond=tuple(_bond_of(words) for words in bond or ()),
     )
@@ -238,6 +238,11 @@ def _is_number(word: str) -> bool:
     except ValueError:
         return False
     return True
+
+
+def _number_or_word(word: str | None) -> float | str | None:
+    """Return a word as a number, if it is a number."""
+    return float(word) if word is not None and _is_number(word) else word
 
 
 def _height(floor: str) -> float | str:
