@@ -5,6 +5,7 @@ assemblies of others, and are skipped without them.
 """
 
 import json
+from html import unescape
 from pathlib import Path
 
 import numpy as np
@@ -118,6 +119,40 @@ def test_a_ball_on_a_ball_is_balanced_in_every_command(run) -> None:
     assert (code, "balanced" in oriented["sentence"]) == (0, True)
 
 
+def test_a_cube_half_over_its_support_is_balanced_in_every_command(run) -> None:
+    table = Part("table", Box([1, 1, 1]), Pose([0, 0, -0.5]), grounded=True)
+    half = Assembly([table, Part("cube", Box([1, 1, 1]), Pose([0.5, 0, 0.5]))])
+    inside = Assembly([table, Part("cube", Box([1, 1, 1]), Pose([0.4, 0, 0.5]))])
+    for assembly, word in ((half, "balanced"), (inside, "stable")):
+        assert kilter.check(assembly).verdict == word
+        assert kilter.check_many([assembly, half, inside]).verdict.tolist() == [
+            word,
+            "balanced",
+            "stable",
+        ]
+        assert run("plan", assembly)[1]["finished"]["verdict"] == word
+
+
+def test_the_page_and_the_notebook_of_a_balanced_assembly_have_its_word_and_sentence() -> None:
+    balls = scene("paper-figure-1-in-space")
+    verdict = kilter.check(balls)
+    assert verdict.verdict == "balanced"
+    page, cell = kilter.report(balls).html, unescape(verdict._repr_html_())
+    assert verdict.sentence in cell
+    assert verdict.sentence.split(":")[0].rstrip(".") in unescape(page)
+    assert '"verdict":"balanced"' in page.replace('": "', '":"')
+
+
+def test_a_wedge_between_walls_keeps_its_level_in_plan_and_hold(run) -> None:
+    squeezed = scene("squeezed-block")
+    check = run("check", squeezed)
+    code, plan = run("plan", squeezed)
+    assert (check[0], check[1]["level"], code) == (3, "equilibrium", 0)  # plan asks equilibrium
+    assert plan["level"] == plan["finished"]["level"] == "equilibrium"
+    code, hold = run("hold", squeezed)
+    assert hold["level"] != "equilibrium" or code == 3
+
+
 def test_bonds_report_the_share_that_is_needed_not_that_of_one_equilibrium() -> None:
     top = Part("top", Box([1, 1, 1]), Pose([0, 0, 1]), grounded=True)
     hung = Assembly([top, Part("low", Box([1, 1, 1]))], bonds=[Bond(("low", "top"), pull=9810)])
@@ -213,6 +248,53 @@ def test_a_squeezed_block_of_others_keeps_its_level_in_a_plan(run, name: str) ->
 
 
 @pytest.mark.slow
+@needs_shared
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "proved"), [("iris_box", 1), ("one_plate", 2)])
+def test_the_parts_that_the_proof_moves_are_listed_first(run, name: str, proved: int) -> None:
+    pytest.importorskip("OCP")
+    plates = kilter.load(SHARED / "cad" / f"{name}.step", floor=True)
+    code, answer = run("check", plates)
+    moved = [part["name"] for part in answer["parts"] if part["moved_by_proof"]]
+    assert (code, len(moved)) == (1, proved)
+    which = "the first" if proved == 1 else f"the first {proved}"
+    title, *rows = text_of(answer).split(f"the proof moves {which}:\n")[1:][0].split("\n")
+    listed = [row.split("  ")[1] for row in [title, *rows][:proved]]
+    assert sorted(listed) == sorted(moved)
+
+
+@needs_shared
+@pytest.mark.slow
+def test_a_heatsink_of_others_falls_without_friction_and_its_remedy_is_typed(run) -> None:
+    pytest.importorskip("OCP")
+    sink = kilter.load(SHARED / "cad" / "heatsink_2024.step", floor=True)
+    code, answer = run("check", sink)
+    assert code == 1
+    assert "without friction" in answer["sentence"]
+    assert answer["remedies"]
+    for remedy in answer["remedies"]:
+        typed = run("check", sink, *remedy["option"].split())[1]
+        assert typed["verdict"] == remedy["leads_to"]
+
+
+@needs_shared
+@pytest.mark.parametrize("mu", [0.0, 0.84])
+@pytest.mark.parametrize(
+    ("name", "held"), [("type-a.json", ["0", "1"]), ("shelf-stable.json", ["0"])]
+)
+@pytest.mark.slow
+def test_plan_and_hold_of_others_have_the_level_of_check(
+    run, name: str, held: list[str], mu: float
+) -> None:
+    assembly = kilter.load(SHARED / "compas_cra" / name, friction=mu, ground=held)
+    check, plan = run("check", assembly)[1], run("plan", assembly)[1]
+    assert plan["finished"]["level"] == check["level"]
+    assert plan["finished"]["verdict"] == check["verdict"]
+    code, hold = run("hold", assembly, "--require", "settles")
+    if code == 0 and not hold["supports"]:
+        assert check["level"] in ("settles", "proved")
+
+
 @needs_shared
 def test_the_bonds_of_external_weight_good() -> None:
     model = kilter.load(SHARED / "stablelego" / "external_weight_good.json")

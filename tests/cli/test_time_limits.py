@@ -88,8 +88,13 @@ def test_a_command_at_its_limit_answers_undecided(
 @pytest.mark.skipif(not VAULT.exists(), reason="the assemblies of others are not here")
 @pytest.mark.parametrize(
     "file",
-    [[str(VAULT), "--friction", "0.84"], [str(ROBOT), "--ground", "plate", "--friction", "0.3"]],
-    ids=["vault", "solids"],
+    [
+        [str(VAULT), "--friction", "0.84"],
+        [str(VAULT), "--friction", "0.84", "--contacts", "file"],
+        [str(ROBOT), "--ground", "plate", "--friction", "0.3"],
+        [str(ROBOT), "--ground", "plate", "--fasten", "*bolt*", "*nut*"],
+    ],
+    ids=["vault", "vault-with-given-contacts", "solids", "fastened-solids"],
 )
 @pytest.mark.parametrize("words", COMMANDS, ids=[" ".join(words[:3]) for words in COMMANDS])
 def test_every_command_ends_in_time_with_an_answer(

@@ -11,8 +11,8 @@ from kilter.tell.shared_facts import Answer, Fact, bond_words, joint_facts
 __all__ = ["level_words", "margin_facts", "part_level_words"]
 
 LEVEL_WORDS = {
-    "settles": ("it settles", "as drawn it does not settle"),
-    "proved": ("no motion can start", "as drawn it is not proved that no motion can start"),
+    "settles": ("it settles", "it does not settle"),
+    "proved": ("no motion can start", "it is not proved that no motion can start"),
 }
 """Words of a level that is reached, and of a level that is not."""
 UNKNOWN = {
@@ -144,8 +144,9 @@ def level_words(
         return ""
     verb, fails = LEVEL_WORDS[level]
     if limit["why"] == "none":
+        as_drawn = bound == "up to"
         return (
-            f"; {fails}" if bound == "up to" else f"; {fails} with any coefficient that was tried"
+            f"; as drawn {fails}" if as_drawn else f"; {fails} with any coefficient that was tried"
         )
     if limit["why"] is not None:
         return f"; the limit at the level {level} is {UNKNOWN[limit['why']]}"
