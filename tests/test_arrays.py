@@ -137,6 +137,7 @@ def test_few_and_many_pairs_are_numbered_alike(seed: int, monkeypatch: pytest.Mo
             assert few.tolist() == connected(300, first, second).tolist()
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("shape", [(), (3,), (2, 3)])
 @given(group=st.lists(st.integers(0, 4), max_size=8))
 def test_group_sums_add_the_rows_of_each_group(shape, group):

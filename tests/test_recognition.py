@@ -84,6 +84,7 @@ def test_the_flat_of_a_shaft_stays_flat() -> None:
     assert (which == 0).sum() == 2 * 64
 
 
+@pytest.mark.slow
 def test_a_bar_on_an_ellipse_stays_flat() -> None:
     angle = np.arange(400) * (2 * np.pi / 400)
     assert kinds(bar(np.column_stack([3 * np.cos(angle), 2 * np.sin(angle)]))) == {"plane": 402}

@@ -79,6 +79,7 @@ def test_a_call_that_ends_leaves_the_one_thread_to_a_call_beside_it() -> None:
         assert threads() == {2}
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork there")
 @pytest.mark.filterwarnings("ignore:.*multi-threaded, use of fork")
 def test_a_process_forked_beside_a_call_has_what_was_before_it() -> None:

@@ -170,6 +170,7 @@ def test_the_size_of_an_arch_does_not_decide_its_level_without_a_word() -> None:
     assert "not tried for lack of effort: --effort" in text
 
 
+@pytest.mark.slow
 def test_the_plan_of_an_assembly_that_falls_is_an_answer(run) -> None:
     code, plan = run("plan", scene("paper-figure-8"), "--proof", "p.json")
     assert (code, plan["found"], plan["impossible"]["kind"]) == (1, False, "falls")

@@ -61,7 +61,7 @@ def test_exactly_one_certificate_passes(name, method):
     assert not (forces.holds and motion.holds)
 
 
-@pytest.mark.quick(10)
+@pytest.mark.quick(3)
 @EACH
 def test_least_imbalance_gives_the_same_answer(name):
     program = program_of(SCENES[name]())

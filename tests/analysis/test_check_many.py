@@ -153,6 +153,7 @@ def test_thousand_piles_get_the_verdicts_of_check_from_assemblies_and_from_array
         require_proved(found)
 
 
+@pytest.mark.slow
 def test_limits_have_both_sides_whatever_stands_beside() -> None:
     shares = np.repeat([1 - 1e-6, 1 + 1e-6], 8)
     sizes, gravities = np.tile([1e-3, 1.0, 40.0, 1e4], 4), np.tile([1e-3, 9.81, 1e4, 2.0, 80.0], 4)
@@ -202,6 +203,7 @@ def test_proofs_are_of_their_own_assembly() -> None:
     assert not check_forces(other, proof.forces).holds
 
 
+@pytest.mark.slow
 def test_refusals_are_rows_with_their_reason() -> None:
     cube = Part("cube", Box([1, 1, 1]), Pose([0, 0, 0.5]))
     sheet = Part("sheet", Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]))
@@ -231,6 +233,7 @@ def test_arrays_are_read_as_meshes_are() -> None:
     assert single.among(np.array([4, 1]))[0].geometry.single.all()
 
 
+@pytest.mark.slow
 def test_meshes_that_are_not_plain_are_read_one_by_one() -> None:
     arrays = arrays_of([overhanging(0.5)] * 5)
     faces, vertices = arrays.faces.copy(), arrays.vertices.copy()

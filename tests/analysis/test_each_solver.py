@@ -83,6 +83,7 @@ def test_no_proof_of_one_is_asked_of_the_next(monkeypatch):
     assert "clarabel" in fallen_back.solvers[1]
 
 
+@pytest.mark.slow
 def test_a_proof_of_the_other_side_is_found(monkeypatch, tmp_path):
     tower = stacks.tower(3)
     with each_solver("tower", tmp_path / "sides.csv"):

@@ -17,7 +17,7 @@ FLOOR = Part("floor", Box([10, 10, 1]), Pose([0, 0, -0.5]), grounded=True)
 RIDGE = Part("ridge", Prism([[-1, -1], [1, -1], [0, 0]], 2), grounded=True)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("degrees", [0, 0.3, 1, 2, 45])
 @pytest.mark.parametrize("axis", [[1, 0, 0], [1, 2, 3]])
 def test_a_ball_rests_however_its_polyhedron_is_turned(axis, degrees):
@@ -93,6 +93,7 @@ def test_ridges_that_nearly_run_side_by_side_may_cross_or_not(angle):
     assert "with the paper's planar approximation it would be stable" in verdict.sentence
 
 
+@pytest.mark.slow
 def test_ridges_side_by_side_slide_off_each_other():
     # it slides down either slope: to first order nothing stops it
     verdict = judged(Assembly([RIDGE, Part("top", TOP)]))
@@ -101,6 +102,7 @@ def test_ridges_side_by_side_slide_off_each_other():
     assert abs(motion[0]) == pytest.approx(-motion[2], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_ridges_that_cross_balance():
     upper = Part("top", TOP, Pose([0, 0, 0], turn([0, 0, 1], np.degrees(2e-3))))
     verdict = judged(Assembly([RIDGE, upper]))
@@ -118,6 +120,7 @@ def test_the_true_circle_reaches_beyond_the_side_of_its_polygon():
     assert judged(Assembly([plank, cylinder])).verdict == "undecided"
 
 
+@pytest.mark.slow
 def test_a_foil_is_two_faces_not_one_of_no_direction():
     foil = Box([4, 4, 3e-6])
     corners = [[x, y, z] for z in (-3e-6, 0.0) for y in (-2, 2) for x in (-2, 2)]

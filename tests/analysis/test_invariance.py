@@ -78,7 +78,7 @@ def test_change_of_density_changes_no_verdict(answers, name, factor):
     same(dataclasses.replace(assembly, parts=parts), answers[name])
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @EACH
 @pytest.mark.parametrize("size", sampled(1, [1e-3, 1e3]))
 def test_size_of_gravity_changes_no_verdict(answers, name, size):

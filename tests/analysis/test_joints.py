@@ -103,7 +103,7 @@ def pendulum(kind="revolute", **options):
     return Assembly([box([-0.1, -0.1, -2], [0.1, 0.1, 0])], joints=[joint(kind)], **options)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["revolute", "spherical", "cylindrical"])
 @pytest.mark.parametrize("planar", [False, True])
 def test_pendulum_hangs_and_falls_sideways_as_a_compound_pendulum(kind, planar):
@@ -171,7 +171,7 @@ def test_door_on_two_hinges_pulls_above_and_pushes_below():
     assert np.allclose([low[1], high[1], *low[3:], *high[3:]], 0, atol=1e-9)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("kinds", [("revolute", "revolute"), ("cylindrical", "revolute")])
 def test_door_swings_when_its_axis_leans_and_only_then(kinds):
     assert judged(door(kinds)).verdict == "stable"
@@ -268,7 +268,7 @@ SCENES = {
 }
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_turn_shift_scale_and_order_change_no_verdict(name):
     build, word = SCENES[name]

@@ -242,6 +242,7 @@ def test_w7_laden_slab_loses_no_patch():
     assert len(verdict.contacts) == 125
 
 
+@pytest.mark.slow
 def test_w8_two_patches_of_one_plane_and_a_ring_have_the_right_area():
     bridge, ring = judged(traps.bridge_on_slab()), judged(traps.ring_on_slab())
     assert (bridge.verdict, ring.verdict) == ("stable", "stable")
@@ -250,7 +251,7 @@ def test_w8_two_patches_of_one_plane_and_a_ring_have_the_right_area():
     assert len(bridge.contacts) == len(ring.contacts) == 1
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("offset", [1.499, 1.501])
 def test_w8_hull_of_a_bridge_carries_up_to_its_ends(offset):
     # a bridge whose weight is moved along x: the hull of both feet reaches from -2 to 2

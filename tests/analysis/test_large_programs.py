@@ -48,6 +48,7 @@ def test_a_large_program_goes_to_hipo_first():
     assert judgement.solvers[0].startswith("equilibrium: hipo")
 
 
+@pytest.mark.slow
 def test_without_its_extra_package_another_solver_is_named_and_judged(monkeypatch):
     monkeypatch.setattr(highs, "hipo_available", lambda: False)
     judgement = judge(large(walls.wall(17, 17)))

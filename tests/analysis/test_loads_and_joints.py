@@ -57,7 +57,7 @@ def test_load_that_lifts(share):
     assert judged(assembly).verdict == word(share)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("share", SIDES)
 @pytest.mark.parametrize("angle", [5.0, 30.0])
 def test_load_that_holds_a_box_on_a_slope_against_a_stop(share, angle):
@@ -101,6 +101,7 @@ def test_loads_on_one_part_add_up():
     assert np.allclose(program_of(free).load, program_of(at).load)
 
 
+@pytest.mark.slow
 def test_loads_scale_and_turn_with_their_assembly():
     for share in SIDES:
         push = share * G * 0.5 / 0.5

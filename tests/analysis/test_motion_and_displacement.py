@@ -144,6 +144,7 @@ def test_kappa_does_not_depend_on_the_frame(name):
         assert judged(turned).motion.instability == pytest.approx(one, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_z_of_a_translation_grows_with_masses_only():
     # (9) bounds translations by 1 unit of length whatever the size: z = -mass
     assembly = paper.figure_8()

@@ -274,6 +274,7 @@ def test_summary_names_the_fastest_first():
     assert fall.summary.endswith(f" and {len(fall.moving) - 2} more")
 
 
+@pytest.mark.slow
 def test_a_motion_whose_projection_is_singular_is_found_by_the_other_method(monkeypatch) -> None:
     program = program_of(scene("hanging-brick"))
     expected = find_motion(program)

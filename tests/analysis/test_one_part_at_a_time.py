@@ -118,7 +118,7 @@ def test_loop_of_equal_blocks_is_stable_for_both():
     assert one_part_at_a_time(verdict.program).stable
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("build", [paper.figure_8, paper.figure_1, lambda: scene("wedge-on-wedge")])
 def test_figures_1_and_8_are_loops_through_the_held_part(build):
     verdict = judged(build())

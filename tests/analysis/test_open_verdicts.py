@@ -30,7 +30,7 @@ def resting(gap: float, **options: object) -> Assembly:
     return Assembly([floor([-2, -2], [2, 2]), cube], **options)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("tolerances", [1.5, 50.0, -1.5, -50.0, -5000.0])
 def test_what_is_not_quite_in_contact_is_undecided_and_decides(tolerances: float) -> None:
     verdict = judged(resting(tolerances * GAP * 3**0.5))

@@ -71,6 +71,7 @@ def test_figure_8_starts_as_two_wedges_do(planar, angle):
     assert np.allclose(a[1:, [0, 2]], [[0, -down], [down * cot, 0]], atol=1e-10)
 
 
+@pytest.mark.slow
 def test_figure_9_is_stable_and_circulates_in_one_way_only():
     verdict = judged(paper.figure_9(planar=True))
     assert verdict.first_order == "stable"

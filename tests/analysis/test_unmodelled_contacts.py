@@ -83,6 +83,7 @@ def test_contact_that_could_hold_it_is_listed_and_undecided():
     assert [one.kind for one in verdict.contacts.open_pairs] == ["free-form"]
 
 
+@pytest.mark.quick(2)
 @SHARP
 def test_what_balances_on_an_edge_or_corner_is_stable_and_neutral(name):
     parts, kind = STANDING[name]
@@ -98,6 +99,7 @@ def test_what_balances_on_an_edge_or_corner_is_stable_and_neutral(name):
     assert verdict.neutral.two_sided == (4 if points == 2 else 5)
 
 
+@pytest.mark.quick(4)
 @SHARP
 @pytest.mark.parametrize("past", [1e-3, 1e-6, 1e-7])
 def test_what_stands_past_its_edge_or_corner_is_unstable(name, past):
@@ -112,6 +114,7 @@ def test_what_stands_past_its_edge_or_corner_is_unstable(name, past):
     assert judged(Assembly([parts[0], moved])).verdict == "unstable"
 
 
+@pytest.mark.quick(2)
 @EACH
 def test_another_part_that_floats_is_unstable_all_the_same(name):
     parts, _ = STANDING[name]
@@ -121,6 +124,7 @@ def test_another_part_that_floats_is_unstable_all_the_same(name):
     assert motion["spare"][2] < 0
 
 
+@pytest.mark.quick(2)
 @EACH
 def test_part_above_the_table_touches_nothing_and_falls(name):
     parts, _ = STANDING[name]
@@ -132,6 +136,7 @@ def test_part_above_the_table_touches_nothing_and_falls(name):
     assert verdict.contacts.unsupported == ()
 
 
+@pytest.mark.quick(2)
 @EACH
 def test_part_joined_to_the_ground_is_stable_whatever_it_touches(name):
     parts, _ = STANDING[name]
@@ -139,6 +144,7 @@ def test_part_joined_to_the_ground_is_stable_whatever_it_touches(name):
     assert verdict.verdict == "stable"
 
 
+@pytest.mark.quick(2)
 @EACH
 def test_contact_that_pushes_up_cannot_hold_when_gravity_points_away(name):
     # hung from the table: an edge, a corner pushes only
@@ -159,6 +165,7 @@ def test_round_part_rests_on_the_table_to_first_order(name):
     assert verdict.neutral.two_sided == (5 if name == "ball" else 4)
 
 
+@pytest.mark.quick(2)
 @ROUND
 @pytest.mark.parametrize("lean", [1e-6, 1e-3])
 def test_round_part_rolls_where_gravity_leans(name, lean):
@@ -256,6 +263,7 @@ def off_centre(reach, angle):
     return Assembly([FLOOR, standing_cylinder(mass=1.0, center_of_mass=center)])
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("k", [0.5, 7.5, 40.5])
 def test_cylinder_is_undecided_only_between_the_two_polygons(k):
     # toward the middle of a side: inscribed at INNER, circle at 1, circumscribed beyond
@@ -268,6 +276,7 @@ def test_cylinder_is_undecided_only_between_the_two_polygons(k):
     assert judged(off_centre(outermost + 1e-6, angle)).verdict == "unstable"
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("k", [0, 5, 31])
 def test_cylinder_toward_a_corner_of_its_polygon_is_stable_to_the_circle(k):
     angle = 2 * np.pi * k / CYLINDER_SIDES
@@ -275,6 +284,7 @@ def test_cylinder_toward_a_corner_of_its_polygon_is_stable_to_the_circle(k):
     assert judged(off_centre(1 / INNER + 1e-6, angle)).verdict == "unstable"
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("past", [1e-3, 1e-6, 1e-7])
 def test_cylinder_at_the_end_of_a_table_stands_to_its_axis(past):
     # the edge of the table passes under the middle of the end: no rim is near

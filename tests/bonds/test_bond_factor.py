@@ -48,6 +48,7 @@ def test_a_bond_far_stronger_than_needed_is_needed_still(strength):
     assert kilter.verify(assembly, json.loads(json.dumps(margin.proof()))).holds
 
 
+@pytest.mark.slow
 def test_bonds_that_nothing_needs_are_null_and_those_that_never_suffice_are_said():
     stands = Assembly(
         [cube("top", z=1.0), cube("low", grounded=True)], bonds=[Bond(("low", "top"), pull=1.0)]

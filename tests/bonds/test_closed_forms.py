@@ -58,6 +58,7 @@ def test_a_cantilever_of_cubes_needs_the_moment_of_its_weight_at_the_upper_point
     assert verdict.verdict == falls(share)
 
 
+@pytest.mark.quick(3)
 @BOTH
 @pytest.mark.parametrize("degrees", [0.0, 30.0, 90.0, 150.0])
 def test_a_magnet_on_a_slope_slides_past_mu_times_what_presses_it(share, degrees):

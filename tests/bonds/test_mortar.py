@@ -31,7 +31,7 @@ def greatest_eccentricity(load, strength):
     return LENGTH / 2 * (1 + (WEIGHT + strength * N_PER_MM2 * AREA) / load)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @BOTH
 @pytest.mark.parametrize(("count", "step"), [(1, 0.3), (5, 0.1), (8, 0.1), (12, 0.05)])
 def test_courses_cantilever_by_the_tension_of_the_lowest_joint(count, step, share):
@@ -48,7 +48,7 @@ def test_dry_courses_cantilever_up_to_the_edge(count, share):
     assert judged(assembly).verdict == ("stable" if share < 1 else "unstable")
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @BOTH
 @pytest.mark.parametrize("strength", [0.0, 0.1])
 def test_a_pier_in_wind_overturns_about_its_foot(strength, share):

@@ -148,6 +148,7 @@ def test_more_pull_never_brings_down_what_stands() -> None:
     assert found[-1] == 1
 
 
+@pytest.mark.slow
 def test_a_hanging_brick_needs_its_weight_over_its_points() -> None:
     """A 2x2 under the middle of a 2x6 on two towers: four studs of three points."""
     corner = [[0, 0, 0], [0, 0, 3], [4, 0, 0], [4, 0, 3], [0, 0, 6], [2, 0, 3]]

@@ -198,6 +198,7 @@ def test_the_same_body_under_two_names_is_named(capsys: pytest.CaptureFixture[st
     assert "'cube' and 'twin' are the same body twice" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_mesh_turned_inside_out_is_turned_back(capsys: pytest.CaptureFixture[str]) -> None:
     kilter.dump(scene("tower"), "a.json")
     data = base()

@@ -65,6 +65,7 @@ def test_every_example_is_written_judged_proved_and_verified(
         assert main(["verify", file, "p.json"]) == 0
 
 
+@pytest.mark.slow
 def test_check_says_everything_that_its_users_rely_on(capsys: pytest.CaptureFixture[str]) -> None:
     _, answer = answered(capsys, "check", written("paper-figure-8"))
     assert set(answer) == {
@@ -120,6 +121,7 @@ def test_text_of_an_unstable_assembly_names_the_parts_that_move(
     assert "brick-2-2  falls freely at 1 g" in out
 
 
+@pytest.mark.slow
 def test_contacts_shows_patches_histogram_and_what_came_near(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -133,6 +135,7 @@ def test_contacts_shows_patches_histogram_and_what_came_near(
     assert len(answer["histogram"]["edges"]) == len(answer["histogram"]["counts"]) + 1
 
 
+@pytest.mark.slow
 def test_contacts_needs_nothing_held(capsys: pytest.CaptureFixture[str]) -> None:
     data = kilter.files.to_dict(scene("tower"))
     for part in data["parts"]:
@@ -184,6 +187,7 @@ def test_the_options_a_file_was_read_with_are_part_of_the_proof(
     assert "floor -3" in out
 
 
+@pytest.mark.slow
 def test_a_proof_of_another_assembly_does_not_hold(capsys: pytest.CaptureFixture[str]) -> None:
     file, other = written("tower"), written("staircase")
     assert main(["check", file, "--proof", "p.json"]) == 0
@@ -216,6 +220,7 @@ def test_an_example_never_replaces_a_file_unasked(capsys: pytest.CaptureFixture[
     assert main(["example", "tower", "--force"]) == 0
 
 
+@pytest.mark.slow
 def test_examples_are_listed_with_their_answers(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["example"]) == 0
     out = capsys.readouterr().out

@@ -64,6 +64,7 @@ def test_a_solver_that_answers_wrong_is_seen(name: str, monkeypatch: pytest.Monk
     assert "optimal: [" in look.found
 
 
+@pytest.mark.slow
 def test_what_cannot_be_imported_is_broken_and_costs_no_other_look(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

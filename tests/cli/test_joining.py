@@ -139,7 +139,7 @@ def test_every_command_joins_what_overlaps_and_goes_on_where_nothing_does(
     assert any(text.startswith("nothing is fastened") for text in answer["warnings"])
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("word", ["--fasten-suggested", "--fasten-overlaps"])
 def test_python_joins_as_the_command_does(word: str, capsys: pytest.CaptureFixture[str]) -> None:
     import kilter

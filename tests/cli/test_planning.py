@@ -69,6 +69,7 @@ def test_steps_are_written_as_a_table(file: Path, tmp_path: Path) -> None:
     assert len(lines) == 10
 
 
+@pytest.mark.slow
 def test_what_falls_when_it_is_finished_is_named(
     file: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -117,7 +118,7 @@ def test_films_and_figures_are_written_where_there_are_steps(
     assert not made.exists()
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("page", [[], ["-o", "plan.html"]])
 def test_an_earlier_proof_stays_where_there_is_none_and_that_is_said(
     page: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any

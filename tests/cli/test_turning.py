@@ -124,7 +124,7 @@ def test_wrong_usage(words: list[str], expected: str, capsys: pytest.CaptureFixt
     assert expected in error
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.skipif(not SHARED.is_dir(), reason="the folder of real assemblies is not there")
 @pytest.mark.parametrize(
     ("file", "held", "kind"),

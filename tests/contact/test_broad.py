@@ -21,7 +21,7 @@ def crowd(rng, owners):
     return owner, low, low + rng.random((count, 3)) * rng.choice([0.0, 0.02, 0.4], (count, 1))
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("most", [0, 100, 10**9], ids=["trees", "both", "products"])
 def test_joins_of_random_boxes_are_those_of_all_pairs(most, monkeypatch):
     rng = np.random.default_rng(7)

@@ -153,6 +153,7 @@ def test_peg_that_cuts_into_its_hole_is_an_overlap_whatever_the_clearance(aside)
         assert [p.kind for p in contacts.open_pairs] == ["overlap"]
 
 
+@pytest.mark.slow
 def test_peg_that_lies_in_its_hole_touches_along_a_line_and_is_not_open():
     parts = held(bore(1 + PLAY)), Part("peg", peg(), Pose([PLAY, 0, 0]))
     contacts = found(*parts)
@@ -203,7 +204,7 @@ def test_shells_on_one_axis_that_do_not_meet_do_not_interfere():
     assert [p.kind for p in contacts.open_pairs] == ["clearance"]
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("deep", [0.002, 0.01])
 def test_shells_on_one_axis_that_meet_interfere_as_deep_as_both_walls_reach(deep):
     outer, inner = bore(0.98, outer=1.0), bore(0.95, outer=0.98 + deep)

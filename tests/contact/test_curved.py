@@ -125,7 +125,7 @@ def test_clearance_is_a_gap_and_no_contact(share):
     assert contacts.rejected[0].gap == pytest.approx(share * 1e-4, rel=1e-6)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("depth", [1.01e-4, 1e-3, 1e-2])
 def test_interference_is_an_overlap_and_no_contact(depth):
     contacts = contacts_of(
@@ -138,6 +138,7 @@ def test_interference_is_an_overlap_and_no_contact(depth):
     assert any("interfere" in warning for warning in contacts.remarks())
 
 
+@pytest.mark.slow
 def test_loose_peg_lies_in_its_hole_along_a_line():
     # radius 1 in 1.2, resting at the bottom: axis down by the clearance
     base = held(bore(radius=1.2, low=-1, high=1), Pose([0, 0, 0], LYING))
@@ -290,6 +291,7 @@ def test_ball_of_the_bore_touches_it_around_a_great_circle():
     assert check(Assembly(parts, gravity=[0, G, 0])).verdict == "stable"
 
 
+@pytest.mark.slow
 def test_ball_beside_a_bar_a_ball_a_cone_and_in_a_groove():
     cases = [
         (peg(), Pose(), [1.5, 0, 0.2], [1, 0, 0.2]),
@@ -311,6 +313,7 @@ def test_ball_beside_a_bar_a_ball_a_cone_and_in_a_groove():
     assert contacts.normals[0] == pytest.approx(out, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_four_spheres_roll_apart_without_friction_and_touch_where_they_should():
     assembly = four_spheres(friction_between=0, friction_ground=0)
     verdict = check(assembly)
@@ -407,7 +410,7 @@ def v_block(x=0.0, opening=45.0):
     return parts
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("exact", [True, False])
 def test_shaft_on_two_v_blocks(exact):
     shape = peg(1.0, -4, 4, sides=32) if exact else mesh_of(peg(1.0, -4, 4, sides=32))
@@ -488,6 +491,7 @@ def test_corner_on_a_flat_face_of_a_round_part_is_a_contact_within_the_gap_only(
     assert (len(apart), apart.unsupported, len(apart.possible)) == (0, (), 0)
 
 
+@pytest.mark.slow
 def test_rims_of_one_axis_touch_only_where_their_circles_do():
     # a washer in a bore, its rim .01 short of that of the hole: chords come nearer than circles
     for gap, kinds in ((0.01, []), (0.0, ["cylinder"])):
@@ -500,6 +504,7 @@ def test_rims_of_one_axis_touch_only_where_their_circles_do():
 # what stays without a formula ---------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_ball_on_the_rim_of_a_hole_is_listed_and_bounded():
     centre = [0, 0, 1 + np.sqrt(1.5**2 - 1)]
     parts = [held(bore()), Part("ball", Sphere(1.5), Pose(centre))]
@@ -508,7 +513,7 @@ def test_ball_on_the_rim_of_a_hole_is_listed_and_bounded():
     assert [u.kind for u in verdict.contacts.unsupported] == ["curved"]
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("gap", "kinds"), [(3.3e-5, ["free-form"]), (2.7e-3, ["free-form"]), (3.3e-3, [])]
 )
@@ -530,6 +535,7 @@ def test_torus_beside_a_torus_is_listed():
     assert len(contacts.possible)
 
 
+@pytest.mark.slow
 def test_free_form_is_listed_and_not_taken_for_its_triangles():
     from kilter.shape.solid import Solid
 

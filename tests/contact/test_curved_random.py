@@ -314,6 +314,7 @@ def test_two_tessellations_of_one_bore_show_no_overlap_at_any_phase():
             assert contacts.unsupported == ()
 
 
+@pytest.mark.slow
 def test_hexagonal_bar_in_a_round_hole_is_no_peg():
     hexagon = mesh_of(peg(sides=6))
     contacts = detect.contacts(Assembly([Part("b", bore(), grounded=True), Part("p", hexagon)]))
@@ -321,6 +322,7 @@ def test_hexagonal_bar_in_a_round_hole_is_no_peg():
     assert "cylinder" not in contacts.patch_kind.tolist()
 
 
+@pytest.mark.slow
 def test_interrupted_face_reaches_as_far_as_its_pieces():
     # a bore with a groove around its middle: two bands, the outer ends decide
     from solids import line

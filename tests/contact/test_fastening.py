@@ -130,7 +130,7 @@ def bolted(radius, *, turned=False, name="sleeve"):
     return assembly
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("turned", [False, True])
 def test_thicker_shaft_is_an_interference_fit(turned):
     assembly = bolted(1.02, turned=turned)
@@ -308,6 +308,7 @@ def test_volume_of_two_boxes_in_any_pose(factor):
     assert volume_of(Part("a", Box([factor] * 3)), away) == 0.0
 
 
+@pytest.mark.slow
 def test_volume_of_a_bolt_in_its_nut_is_that_of_the_ring():
     assembly = bolted(1.05)
     found = detect.contacts(assembly)
@@ -395,6 +396,7 @@ def test_suggestion_is_pasted_from_the_command_and_holds(radius, kind, tmp_path,
     assert check(joined).verdict == ("stable" if kind == "fixed" else "unstable")
 
 
+@pytest.mark.slow
 def test_fits_are_recognised_in_meshes_too():
     exact = bolted(1.05)
     parts = [
@@ -426,7 +428,7 @@ def pairs_of(assembly):
     return {(one.parts, one.kind) for one in suggest_joints(assembly, detect.contacts(assembly))}
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("radius", "name", "kind"),
     [
@@ -458,6 +460,7 @@ def test_names_tell_a_thread_and_an_insert():
     assert named("case", "screwdriver") == (("case", "screwdriver"), "overlap")
 
 
+@pytest.mark.slow
 def test_a_hollow_shaft_that_interferes_is_an_insert():
     parts = [tube("body", 1.0, 2.0, 4.0), tube("ring", 0.5, 1.01, 4.0)]
     assert pairs_of(Assembly(parts)) == {(("ring", "body"), "insert")}

@@ -144,6 +144,7 @@ def test_the_likely_reason_is_told() -> None:
         check(Assembly(low).with_floor(1.0))
 
 
+@pytest.mark.slow
 def test_a_nut_without_its_hole_is_no_part_in_the_wrong_place() -> None:
     """M8: a hexagon of 13 mm as a round of as much area, on a shank of 8 mm."""
     nut = pin("nut", 6.83, 6.5, grounded=True)

@@ -71,7 +71,7 @@ def test_lens_of_two_balls(apart):
     assert overlap.volume == pytest.approx(lens, rel=0.01)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("depth", [0.05, 0.3])
 def test_cap_of_a_ball_and_segment_of_a_cylinder_in_a_slab(depth):
     slab = Part("slab", Box([9, 9, 2]), Pose([0, 0, -1]), grounded=True)

@@ -151,7 +151,7 @@ def test_body_on_a_table_is_in_equilibrium_and_moves_as_derived(name, seed):
     assert verdict.to_dict()["neutral"] == {"two_sided": count, "one_sided": 0}
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("shape", "down", "inside", "outside"),
     [

@@ -214,6 +214,7 @@ def test_a_stand_in_is_the_hull_of_what_is_known() -> None:
     assert solid.second_moment == pytest.approx(2 * np.diag([4.0, 9.0, 16.0]))
 
 
+@pytest.mark.slow
 def test_a_solid_over_which_occt_breaks_down_gets_one(tmp_path: Path) -> None:
     roots = [("base", box(4.0, 4.0, 1.0), None), ("stone", box(1, 1, 1), placement([1, 1, 1]))]
     path = write_step(tmp_path / "a.step", roots)

@@ -56,7 +56,7 @@ def test_a_verdict_and_its_opposite_never_both(seed):
         assert not prove_no_motion(verdict.program, work=EFFORT).proved
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS)
 def test_more_friction_never_takes_equilibrium_away(seed):
     _, assembly = random_assembly(seed)

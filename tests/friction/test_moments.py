@@ -114,6 +114,7 @@ def test_any_multipliers_give_a_bound():
         assert power_left(law, step, forces) >= power * (1 - 1e-7)
 
 
+@pytest.mark.slow
 def test_multipliers_that_do_not_fit_bound_nothing():
     law = reduced_law(program(stacks.block_on_slope(20.0, friction=0.5)))
     work = Work()

@@ -64,7 +64,7 @@ def test_limits_are_those_of_the_formula():
     assert slips == pytest.approx([44.126, 59.237], abs=1e-3)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("pad", [0.1, 0.3])
 def test_wide_pads_press_evenly_and_so_need_more(pad):
     """Elastic pads from z = h/2 to h/2 + p press in proportion to z: the bracket is higher."""
@@ -178,6 +178,7 @@ def test_one_force_flipped_does_not_balance():
         assert check_balance(built, forces) > 1e-3
 
 
+@pytest.mark.slow
 def test_same_seed_same_answer():
     built = program(friction.h_block())
     one, two = find_seating(built), find_seating(built)

@@ -86,6 +86,7 @@ def test_long_arches_settle(count, planar):
     assert all(check_balance(built, one) <= 1e-9 for one in found.forces)
 
 
+@pytest.mark.slow
 def test_tries_that_were_not_made_are_told_with_the_effort_that_makes_them():
     told = check(friction.trough(30, tilt=35.0, friction=0.84), effort=0).to_dict()
     assert dict(facts(told))["settles"] == "8 of 8 loose tries came to rest"
@@ -119,6 +120,7 @@ def test_a_real_shelf_and_a_real_bridge_settle():
         assert find_settling(program(compas(name))).settles
 
 
+@pytest.mark.slow
 def test_a_motion_keeps_the_level_at_equilibrium_though_every_try_came_to_rest():
     _, fence = random_assembly(594)
     verdict = check(fence)
@@ -126,6 +128,7 @@ def test_a_motion_keeps_the_level_at_equilibrium_though_every_try_came_to_rest()
     assert (verdict.level, verdict.why, verdict.guarantee) == ("equilibrium", "refuted", "refuted")
 
 
+@pytest.mark.slow
 def test_work_that_runs_out_is_not_found_and_never_no():
     built = program(arches.arch(20, friction=0.6, planar=False))
     found = find_settling(built, work=Work(3e4))
@@ -195,6 +198,7 @@ def test_stable_in_python_is_the_level_asked_for():
     assert not check(trough, effort=0, require="strict").stable
 
 
+@pytest.mark.slow
 def test_a_time_limit_says_so_and_exits_by_the_level():
     trough = friction.trough(30, tilt=35.0, friction=0.84)
     late = check(trough, time_limit=0.0)
@@ -204,6 +208,7 @@ def test_a_time_limit_says_so_and_exits_by_the_level():
     assert check(trough, effort=0).time_limit is None
 
 
+@pytest.mark.slow
 def test_measures_that_leave_friction_out_are_told_where_asked_for():
     trough = friction.trough(30, tilt=60.0, friction=0.3)
     plain, measured = (check(trough, measures=on).to_dict() for on in (False, True))

@@ -126,6 +126,7 @@ def test_an_arch_of_wedges_that_was_a_fault_once() -> None:
     assert kilter.orient(arch).found
 
 
+@pytest.mark.slow
 def test_of_a_part_thinner_than_a_gap_no_share_is_told() -> None:
     """A sliver in a ball was refused in one frame: rounding was most of its volume."""
     ball = kilter.Part("ball", kilter.Sphere(0.03), pose=kilter.Pose([0.0, 0.0, 0.045]))

@@ -168,6 +168,7 @@ def test_loads_are_refused():
         friction_cone(program.with_rows(applied=applied))
 
 
+@pytest.mark.slow
 def test_where_no_contact_has_friction_nothing_changes():
     smooth = paper.figure_11()
     region, same = kilter.region(smooth), kilter.region(smooth)

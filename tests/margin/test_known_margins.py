@@ -181,6 +181,7 @@ def test_a_wall_leans_out_of_its_plane(mu, degrees):
         assert judged(tilted, effort=0.5).verdict in verdicts
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("courses", [10, pytest.param(32, marks=pytest.mark.slow)])
 def test_tilt_margin_of_a_wall_is_that_of_its_depth(courses):
     wall = walls.wall(courses, 3, friction=0.7)
@@ -296,6 +297,7 @@ def test_what_is_not_held_as_given_has_no_tilt_margin_but_a_way_back(planar):
     assert judge(program.turned(nearest.down)).stable is not False
 
 
+@pytest.mark.slow
 def test_the_nearest_held_direction_carries_its_proof_on_both_sides():
     """Friction of 10 degrees on a slope of 12: forces from a turn of 2 on, a motion before it."""
     slope = stacks.block_on_slope(12.0, friction=float(np.tan(np.radians(10.0))))

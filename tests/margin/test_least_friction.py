@@ -103,6 +103,7 @@ def test_both_sides_of_a_tiny_coefficient_of_three_wedges():
     assert find_cohesion(cone_problem(program.with_friction(found.lower))).value < 2 * TOLERANCE
 
 
+@pytest.mark.slow
 def test_data_that_no_forces_balance_to_rounding_are_held_as_far_as_a_certificate_lets_them():
     """One point under a block, a little beside its centre: a torque is left, whatever forces do."""
     lean = np.array([np.sin(0.1), 0.0, np.cos(0.1)])

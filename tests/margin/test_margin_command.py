@@ -113,6 +113,7 @@ def test_a_load_on_a_held_or_unknown_part_is_refused(tower, capsys, part):
     assert part in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_the_exit_code_says_nothing_of_the_verdict_which_comes_first(tower, capsys):
     kilter.dump(stacks.block_on_slope(50.0, friction=0.3), "slope.json")
     answer = answered(capsys, "margin", "slope.json", "--effort", "0")

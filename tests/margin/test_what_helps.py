@@ -64,6 +64,7 @@ def test_friction_that_helps_the_tilt_by_finite_differences():
     assert found.gain == pytest.approx(np.degrees(1 / (1 + 0.3**2)), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_mass_that_helps_the_tilt_by_finite_differences():
     """The pair topples together: more weight below makes it safer."""
     program = program_of(offset_pair(mu=(2.0, 2.0), above=7000.0))

@@ -87,6 +87,7 @@ def test_vertices_facets_and_partitions_fit_together(name):
         assert (found.partition_of(g) == vertex).all()
 
 
+@pytest.mark.slow
 def test_partitions_are_where_one_displacement_is_optimal():
     program = program_of("paper-figure-8")
     found, work = stability_map(program), VirtualWork(program)

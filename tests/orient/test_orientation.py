@@ -65,6 +65,7 @@ def test_figure_1_b_is_found(planar):
     assert angle_from_down(answer.down) == pytest.approx(45.0, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_a_cone_has_its_widest_margin():
     assembly = wedges.corner_boxes(2)
     answer = proved(assembly, orient(assembly))
@@ -74,7 +75,7 @@ def test_a_cone_has_its_widest_margin():
 
 
 # the contacts of the ladder bring their own friction
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [n for n in ALL if n not in {*UNSTABLE, "ladder"}])
 def test_what_is_found_is_proved(name):
     assembly = ALL[name]().with_friction(0.0)
@@ -108,12 +109,14 @@ def test_none_is_stable(name, method):
     json.dumps(data, allow_nan=False)
 
 
+@pytest.mark.slow
 def test_a_part_that_touches_nothing_is_named():
     answer = orient(scene("floating-block"))
     assert answer.verdict == "none"
     assert any("touches nothing" in text for text in answer.warnings)
 
 
+@pytest.mark.slow
 def test_what_is_not_modelled_and_could_hold_it_leaves_it_undecided():
     """A ball on a ridge: their contact is not modelled."""
     ridge = Part("ridge", Prism([[0, 0], [-1, -1], [1, -1]], 2), grounded=True)
@@ -133,6 +136,7 @@ def test_a_direction_found_without_friction_holds_with_it():
     assert rough.tilt_margin_deg > smooth.tilt_margin_deg
 
 
+@pytest.mark.slow
 def test_locked_in_the_plane_it_stays_as_it_is():
     assembly = paper.figure_9(planar=True)
     answer = proved(assembly, orient(assembly))

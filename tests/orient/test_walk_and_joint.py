@@ -99,7 +99,7 @@ def test_walk_and_joint_agree_on_every_facet(name):
     assert (joined.z < -1e-6 * scale) == (name in UNSTABLE)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["arch", "inverted-triangle", "short-base-turned", "keystone"])
 def test_the_directions_found_have_the_z_that_is_said(name):
     program = program_of(name)
@@ -121,7 +121,7 @@ def test_one_motion_a_facet_proves_that_no_direction_of_it_is_stable(name):
             assert check_motion(program.with_rows(gravity=corner), facet.motion).holds
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["arch", "pile-turned", "wedge-on-wedge", "slot-and-float"])
 def test_no_direction_is_better(name):
     program = program_of(name)

@@ -50,6 +50,7 @@ def test_what_comes_first_slides_above_the_angle_of_friction(degrees: float, ver
     assert not wrong(order)
 
 
+@pytest.mark.slow
 def test_none_is_proved_where_a_path_was_asked() -> None:
     """A box in a closed one of two grounded halves stands: only the walls are in its way."""
     sides = [

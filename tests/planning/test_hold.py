@@ -133,7 +133,7 @@ def test_magnets_carry_a_weight_together(share: float, least: int) -> None:
     assert rechecked(found) == ""
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("share", "verdict"), [(0.17, "held"), (0.16, "impossible")])
 def test_magnets_of_which_all_together_are_too_weak(share: float, verdict: str) -> None:
     made, weight = hanging(0.0)
@@ -164,7 +164,7 @@ def test_a_finger_presses_against_a_wall(friction: float, verdict: str) -> None:
     assert rechecked(found) == ""
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("mu", "held"), [(0.35, False), (0.37, True)])
 def test_a_finger_holds_within_its_cone(mu: float, held: bool) -> None:
     """One finger under a sphere's centre, off the vertical by 20 degrees: tan 20 = .364."""

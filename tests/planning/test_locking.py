@@ -121,6 +121,7 @@ def test_a_flat_cone_of_normals_locks_within_its_angle() -> None:
         assert (multipliers_of(np.vstack([axes, pair, -pair])) is not None) == locks
 
 
+@pytest.mark.slow
 def test_nothing_is_locked_where_there_is_an_order() -> None:
     for name in ("tower", "pit-wedges", "paper-figure-9", "diamond"):
         made = states(scene(name))

@@ -32,6 +32,7 @@ def test_two_that_leave_only_as_one() -> None:
     rechecked(order)
 
 
+@pytest.mark.slow
 def test_with_the_ledges_off_each_leaves_alone() -> None:
     """Then nothing has to move as one, and nothing does."""
     order = kilter.plan(hooked(lid=False), kilter.PlanRules(together=True))

@@ -147,6 +147,7 @@ def test_what_is_said_of_fewer() -> None:
     )
 
 
+@pytest.mark.slow
 def test_an_arch_that_falls_when_it_is_finished_has_no_order() -> None:
     falling = arch(20, ratio=0.2, friction=0.3)
     order = kilter.plan(falling)
@@ -171,6 +172,7 @@ def test_the_finished_assembly_is_a_state_of_its_plan(name: str, require: str) -
     assert (order.level, order.holds) == ("equilibrium", False)
 
 
+@pytest.mark.slow
 def test_two_steps_exchanged_are_refused() -> None:
     order = kilter.plan(scene("tower"))
     proof = rechecked(order)
@@ -209,6 +211,7 @@ def key_in_a_slot() -> Assembly:
     )
 
 
+@pytest.mark.slow
 def test_what_bars_the_way_leaves_first() -> None:
     """The key lifts out, then what lies on the slab, then the slab: by upward ways alone."""
     order = kilter.plan(key_in_a_slot(), kilter.PlanRules(directions=[[0, 0, 1]]))
@@ -308,6 +311,7 @@ def test_an_interruption_gives_the_best_so_far(monkeypatch: pytest.MonkeyPatch) 
     assert order.best
 
 
+@pytest.mark.slow
 def test_the_table_of_steps_is_read_as_csv() -> None:
     order = kilter.plan(arch(9, ratio=0.3, friction=0.6))
     rows = list(csv.DictReader(io.StringIO(order.table())))
@@ -339,6 +343,7 @@ def test_wrong_input() -> None:
         kilter.plan(tower, kilter.PlanRules(before=[("cube-1", "base")]))
 
 
+@pytest.mark.slow
 def test_of_two_that_are_alike_the_first_leaves_first() -> None:
     """The flanks of an arch fall alike once its crown is out, whatever motion is found for each."""
     order = kilter.plan(arch(9, ratio=0.3, friction=0.6))

@@ -182,6 +182,7 @@ def test_exact_cones_decide_what_a_pyramid_does_not(friction: float, stable: boo
     assert found.counts["cones"] == 1
 
 
+@pytest.mark.slow
 def test_holding_more_never_hurts_and_a_held_part_may_be_added() -> None:
     """F1 and F2 of planning, on random states of an arch."""
     found, random = kilter.states(arch(9, ratio=0.3, friction=0.6)), np.random.default_rng(1)

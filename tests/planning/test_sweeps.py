@@ -243,6 +243,7 @@ def test_a_path_ends_where_it_ends(distance: float, stops: bool) -> None:
     assert not sweeps.pair_stops(0, 1, (0.0, 0.0, 1.0), distance=distance, start=aside)
 
 
+@pytest.mark.slow
 def test_a_set_of_parts_stops_what_one_of_them_stops() -> None:
     made = scene("wall")
     sweeps, up = Sweeps(kilter.contacts(made)), (0.0, 0.0, 1.0)

@@ -18,6 +18,7 @@ FIRST = [("A", "B")]
 """What leans comes before what it leans on."""
 
 
+@pytest.mark.slow
 def test_turned_once_where_it_would_slide() -> None:
     """A alone slides off; level it stands, and with B in it is turned back."""
     made = leaning(30.0)
@@ -59,6 +60,7 @@ def test_turns_that_are_not_proved_are_refused(change: str) -> None:
     assert why in reasons(order, proof)
 
 
+@pytest.mark.slow
 def test_a_run_takes_another_direction_for_what_comes_before() -> None:
     """One pair leans on a stop along x, one along y, each by a wall: turned level but once."""
     made = Assembly(
@@ -98,6 +100,7 @@ def test_what_needs_no_turn_has_none() -> None:
     assert (order.turns, len(order.steps)) == (0, 5)
 
 
+@pytest.mark.slow
 def test_turns_of_two_orders() -> None:
     """B leans on the stop by itself: an order that begins with it needs no turn."""
     free = kilter.plan(leaning(30.0), kilter.PlanRules(fewest="turns", hold=0))

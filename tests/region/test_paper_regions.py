@@ -47,6 +47,7 @@ def test_figure_10_is_a_fan(planar: bool) -> None:
     assert same_rays(region.rays, [-X, -Z])
 
 
+@pytest.mark.slow
 def test_figure_1_has_the_orientation_b() -> None:
     region = kilter.region(paper.figure_1())
     turned = kilter.region(paper.figure_1("b"))

@@ -56,7 +56,7 @@ def test_facets_are_not_claimed_where_friction_may_hold() -> None:
     assert any("left out: friction" in text for text in region.warnings)
 
 
-@pytest.mark.quick("True")
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("planar", [False, True])
 def test_proofs_with_friction_are_verified(planar: bool) -> None:
     assembly = rails.railed("-z", planar=planar).with_friction(0.5)

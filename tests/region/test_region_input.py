@@ -84,6 +84,7 @@ def test_what_is_left_out_is_said() -> None:
     assert any("the forces of open pairs" in text for text in on_a_ridge.warnings)
 
 
+@pytest.mark.slow
 def test_a_knife_edge_says_what_to_hold() -> None:
     texts = [text for text in kilter.region(stacks.tower(2)).warnings if "knife edge" in text]
     assert len(texts) == 1

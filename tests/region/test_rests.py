@@ -25,6 +25,7 @@ def corner(mu: float = 0.0) -> Assembly:
     return Assembly([*walls, block("cube", [0, 0, 0], [1, 1, 1])]).with_friction(mu)
 
 
+@pytest.mark.slow
 def test_a_cube_in_a_corner_is_v_shaped_about_its_axis() -> None:
     """The nearest wall is arcsin(1 / sqrt 3) away; no curvature is asked for."""
     axis, *edges = kilter.region(corner(), rests=True).rests
@@ -36,7 +37,7 @@ def test_a_cube_in_a_corner_is_v_shaped_about_its_axis() -> None:
         assert (edge.state, edge.tilt_deg, edge.moving) == ("free", pytest.approx(0), ("cube",))
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("wall", [[1, 0, 0], [0, 1, 0], [0, 0, 1]])
 def test_up_to_its_tilt_it_stays_and_beyond_it_moves(wall: list[int]) -> None:
     rest = kilter.region(corner(), rests=True).rests[0]
@@ -49,7 +50,7 @@ def test_up_to_its_tilt_it_stays_and_beyond_it_moves(wall: list[int]) -> None:
         assert kilter.check(corner().with_down(down)).verdict == verdict
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("number", "state"), [("01", "free"), ("02", "balanced"), ("03", "minimum"), ("05", "free")]
 )

@@ -169,7 +169,7 @@ def test_a_roly_poly_of_one_density_stands_up_to_r_over_root_two(beside: float) 
         assert well.stiffness == pytest.approx(1000 * np.pi * volume * G * (1 - center), rel=1e-9)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("rise", [-1e-4, 1e-4])
 def test_a_weeble_stands_where_its_centre_of_mass_is_low(rise: float) -> None:
     ball = Part("b", Sphere(1.0), Pose([0, 0, 1]), mass=3.0, center_of_mass=[0, 0, rise])
@@ -208,6 +208,7 @@ def test_what_only_rolls_or_balances_has_no_well() -> None:
     assert find_tipping(Assembly([lathed((0, 0), (1, 2), (0, 2))]).geometry, 0, DOWN) is None
 
 
+@pytest.mark.slow
 def test_in_a_corner_there_is_no_table() -> None:
     wall = block("wall", [-1, -1, 0], [0, 2, 2], grounded=True)
     parts = [floor([-4, -4], [4, 4]), wall, block("b", [0, 0, 0], [1, 1, 1])]

@@ -99,6 +99,7 @@ class TestWalls:
         rest = hung.without(names)
         assert stable(rest)
 
+    @pytest.mark.slow
     def test_head_joints_may_be_open(self):
         closed, opened = walls.wall(3, 3), walls.wall(3, 3, gap=0.005)
         assert len(touching(closed).pairs) > len(touching(opened).pairs)
@@ -151,7 +152,7 @@ def falling(assembly):
 
 
 class TestPilesAndWedges:
-    @pytest.mark.quick(1)
+    @pytest.mark.slow
     @pytest.mark.parametrize("seed", range(5))
     def test_level_piles_are_stable(self, seed):
         assembly = packings.box_pile(20, seed=seed)

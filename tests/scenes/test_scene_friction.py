@@ -11,7 +11,7 @@ HOLDS = 1e-8
 
 
 class TestArches:
-    @pytest.mark.quick(1)
+    @pytest.mark.slow
     @pytest.mark.parametrize(("sectors", "count", "least"), [
         (True, 20, 0.10746), (True, 40, 0.10746), (False, 20, 0.10735), (False, 40, 0.10743),
     ])  # fmt: skip

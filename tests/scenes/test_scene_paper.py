@@ -48,7 +48,7 @@ class TestFigures:
         frame, loop = {(0, k) for k in range(1, 5)}, {(1, 2), (2, 3), (3, 4), (1, 4)}
         assert touching(assembly).pairs == frame | loop
 
-    @pytest.mark.quick(1)
+    @pytest.mark.slow
     def test_10_is_stable_between_minus_x_and_minus_z_only(self, planar):
         assembly = paper.figure_10("a", planar=planar)
         assert not stable(assembly)

@@ -45,6 +45,7 @@ def test_balls_upright_between_two_walls_fall_along_them() -> None:
         assert not kilter.verify(assembly, other).holds, (axis, by)
 
 
+@pytest.mark.slow
 def test_turned_as_a_whole_it_is_the_same() -> None:
     rotation = np.array([0.5, 0.3, -0.7, 0.41])
     assembly = moved(Assembly([FLOOR, *WALLS, *BALLS]), rotation, [3.0, -2.0, 5.0])
@@ -53,6 +54,7 @@ def test_turned_as_a_whole_it_is_the_same() -> None:
     assert second.state == "balanced"
 
 
+@pytest.mark.slow
 def test_balls_upright_in_a_square_tube_stay() -> None:
     assembly = Assembly([FLOOR, *WALLS, *ENDS, *BALLS])
     found = kilter.check(assembly)

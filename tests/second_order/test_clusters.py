@@ -108,6 +108,7 @@ def test_balls_are_decided_one_by_one(count: int, curvature: float, state: str) 
         assert second.moving.tolist() == [count]
 
 
+@pytest.mark.slow
 def test_all_that_falls_is_named() -> None:
     row = side_by_side([case_of(number).build(0.0) for number in ("02", "03", "02")])
     verdict = kilter.check(row)
@@ -118,6 +119,7 @@ def test_all_that_falls_is_named() -> None:
     assert (np.linalg.norm(second.motion[:, :3], axis=1) > 0.1).nonzero()[0].tolist() == [1, 5]
 
 
+@pytest.mark.slow
 def test_what_falls_falls_beside_what_is_not_known() -> None:
     """A contact with unknown features leaves only its own cluster open."""
     known, unknown = bowls(2, 1 / 1.3), bowls(2, 1 / 1.3)
@@ -133,6 +135,7 @@ def test_what_falls_falls_beside_what_is_not_known() -> None:
     assert "curvature" in second.why
 
 
+@pytest.mark.slow
 def test_rows_of_the_clusters_are_those_of_the_whole() -> None:
     row = side_by_side([case.build(0.2) for case in CASES[:12]])
     program = build_program(row, kilter.contacts(row)).frictionless

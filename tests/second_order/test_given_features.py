@@ -170,6 +170,7 @@ def test_shown_in_one_line() -> None:
     assert repr(CYLINDER) == "Feature('face', along=(0, 1, 0), curvature=(0, 0.5))"
 
 
+@pytest.mark.slow
 def test_the_contact_of_the_page_is_a_ball_in_a_bowl() -> None:
     page = (Path(__file__).parents[2] / "docs" / "contacts.md").read_text(encoding="utf-8")
     [text] = re.findall(r"```json\n(.*?)```", page, flags=re.S)

@@ -62,6 +62,7 @@ def test_a_known_case_of_two_halves_has_its_state(case: Case) -> None:
         assert set(second.moving.tolist()) in ({1, 2}, set())
 
 
+@pytest.mark.slow
 def test_what_rolls_in_two_halves_does_so() -> None:
     board = next(case for case in ROLLING if case.number == "R1")
     for h, state in ((0.9, "holds"), (1.1, "falls")):
@@ -150,6 +151,7 @@ def test_what_is_tied_to_the_held_is_held_and_other_joints_leave_it_open() -> No
     assert "joints" in found.why
 
 
+@pytest.mark.slow
 def test_what_is_tied_to_the_ground_is_held() -> None:
     hand = Part("hand", Box([1, 1, 1]), Pose([0, 0, 5]))
     arm = Part("arm", Box([1, 1, 1]), Pose([0, 0, 6]))

@@ -59,6 +59,7 @@ def test_a_stop_holds_up_to_twice_its_height() -> None:
     assert state(overhanging(0.6, slid=0.1, stop=None)) == "free"
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("height", [-0.4, -0.01, 0.01, 0.4])
 def test_exact_places_of_a_box_over_an_edge_agree(height: float) -> None:
     """The height of the centre over random places, with the box on the table x <= 0."""

@@ -60,6 +60,7 @@ def test_a_viewer_without_programs_gets_a_figure() -> None:
     assert none.found or none.show()._repr_svg_() is None
 
 
+@pytest.mark.slow
 def test_what_cannot_be_shown_is_told() -> None:
     towers = [scene("tower"), scene("tower")]
     with pytest.raises(InputError, match=r"belongs to 2 assemblies, but a page shows one"):

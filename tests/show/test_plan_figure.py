@@ -27,6 +27,7 @@ def test_a_picture_a_step_and_who_is_held(tmp_path: Path) -> None:
     assert svg.count("hold voussoir") == order.held_steps > 0
 
 
+@pytest.mark.slow
 def test_the_part_that_comes_stands_back_along_its_way() -> None:
     figure = kilter.draw(kilter.plan(scene("tower")), view=(0, 0))
     for axes in figure.axes:

@@ -89,6 +89,7 @@ def test_a_tower_is_pulled_apart_upwards_each_above_the_one_below() -> None:
     assert (rises > 0.5).all()
 
 
+@pytest.mark.slow
 def test_an_impossibility_shows_how_each_part_falls() -> None:
     order = kilter.plan(arch(9, ratio=0.3, friction=0.6), kilter.PlanRules(hold=0))
     data = data_of(page_of(order))["plan"]
@@ -98,6 +99,7 @@ def test_an_impossibility_shows_how_each_part_falls() -> None:
     assert all(unpacked(one["motion"]).any() for one in data["falls"])
 
 
+@pytest.mark.slow
 def test_names_are_text_in_the_strip_the_table_and_the_graph() -> None:
     base = Part("base", Box([40, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
     cubes = [
@@ -112,6 +114,7 @@ def test_names_are_text_in_the_strip_the_table_and_the_graph() -> None:
     assert HOSTILE[0] in tags.text
 
 
+@pytest.mark.slow
 def test_the_page_is_the_same_each_time_but_for_the_seconds() -> None:
     first, second = (page_of(kilter.plan(scene("paper-figure-9"))) for _ in range(2))
     assert first == second

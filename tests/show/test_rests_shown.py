@@ -39,6 +39,7 @@ def test_the_page_marks_each_place_of_rest_with_the_words_of_the_answer() -> Non
         assert all(f"<td>{cell}</td>" in page for cell in row)
 
 
+@pytest.mark.slow
 def test_what_it_lies_on_is_what_bears_it() -> None:
     """Along the axis of the corner three walls carry the cube, along an edge only two."""
     axis, *edges = kilter.region(corner(), rests=True).rests

@@ -16,7 +16,7 @@ from kilter.tell.palette import PALETTE
 CUBE = surface(Box([1, 1, 1]))
 
 
-@pytest.mark.quick(8)
+@pytest.mark.quick(7)
 @pytest.mark.parametrize("name", list(SCENES))
 def test_parts_are_drawn_where_their_geometry_is(name: str) -> None:
     assembly = scene(name)
