@@ -52,6 +52,7 @@ def on_one_thread(function: Callable[Given, Result]) -> Callable[Given, Result]:
 
     @wraps(function)
     def limited(*given: Given.args, **named: Given.kwargs) -> Result:
+        """Call the function on a single thread of linear algebra."""
         # a nested call on the same thread finds the limit in place
         if _running.inside:
             return function(*given, **named)

@@ -42,29 +42,29 @@ BETWEEN_WORDS = 1.0
 LEAST = 1e-3
 """Least time limit of a solver call under a time limit [s]."""
 
-# Costs in units, fitted to measured times on scenes with 4 to 800 contact points.
+# Work in units, fitted to measured times on scenes with 4 to 800 contact points.
 CONIC, CONIC_ENTRY = 350.0, 0.25
-"""Cost of a conic program, and per iteration and matrix entry."""
+"""Work of a conic program, and in addition for each iteration and matrix entry."""
 SEMIDEFINITE, SEMIDEFINITE_ENTRY = 2000.0, 2.0
-"""Cost of a semidefinite program, and per iteration and entry of its rows."""
+"""Work of a semidefinite program, and in addition for each iteration and entry."""
 LOADED, LOADED_ENTRY = 700.0, 0.2
-"""Cost of passing a linear program to the solver, and per matrix entry."""
+"""Work of passing a linear program to the solver, and in addition for each matrix entry."""
 LINEAR, LINEAR_ENTRY = 1000.0, 0.012
-"""Cost of solving a linear program, and per simplex step and matrix entry."""
+"""Work of solving a linear program, and in addition for each simplex step and entry."""
 DENSE, DENSE_ENTRY, DENSE_WIDE = 60.0, 0.02, 250.0
 """Cost of a dense system, per matrix entry; number of unknowns at which an entry costs double."""
 SPARSE, SPARSE_ENTRY, SPARSE_WIDE = 500.0, 0.3, 200.0
 """Cost of a sparse factorisation, per factor entry; entries per unknown at which that doubles."""
 BAND, BAND_POINT, BAND_ENTRY = 150.0, 0.5, 0.01
-"""Cost of a band system, per contact point, and per entry of the band."""
+"""Work of a band system, for each contact point, and for each entry of the band."""
 HALF_BAND_ENTRY, DISSECTED_ENTRY, DISSECTED_WIDE = 0.003, 0.03, 200.0
 """Cost of a symmetric band system, per entry of the band; of a symmetric system by nested
 dissection, per entry of its factor, and entries per unknown at which that doubles.
 """
 JUDGED, JUDGED_POINT = 1000.0, 6.0
-"""Cost of testing a candidate against the contact law, and per contact point."""
+"""Work of a test of a candidate against the contact law, and for each contact point."""
 WEIGHED, WEIGHED_POINT = 150.0, 0.6
-"""Cost of the cheap test whether a candidate is worth the full test, and per contact point."""
+"""Work of the cheap test before the full test of a candidate, and for each contact point."""
 
 
 def units_of(effort: float) -> float:

@@ -396,6 +396,7 @@ def asks(
     """
 
     def decorate(act: Callable[..., int]) -> Callable[..., int]:
+        """The command with the shared options in its signature."""
         _, *declared = inspect.signature(act, eval_str=True).parameters.values()
         declared_options = [field for parameter in declared for field in _own_options(parameter)]
         limits = {"time_limit": (TimeLimit, None)} if timed else {}

@@ -85,6 +85,7 @@ def with_bodies(assembly: Assembly, entries: Entries) -> Assembly:
     }
 
     def changed(part: Part) -> Part:
+        """The part with its saved pose and material."""
         changes: dict[str, Any] = {}
         if part.name in poses:
             pose = poses[part.name]

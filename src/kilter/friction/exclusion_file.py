@@ -89,6 +89,7 @@ def recheck_exclusion(program: Program, data: dict[str, Any]) -> tuple[list[str]
 
 
 def _step(step: ExclusionStep) -> dict[str, Any]:
+    """JSON data of a step."""
     if isinstance(step, MomentStep):
         given = step.multipliers
         return {"moments": {

@@ -291,6 +291,7 @@ def _advance(iterate: Iterate, short_of: float) -> None:
     solve = _direction(iterate, residuals, scaled_point)
 
     def lengths(step: _Step) -> tuple[float, float]:
+        """Largest step lengths that keep x and s in their cones."""
         return (
             min(
                 reach(iterate.x[:, coned], step.x[:, coned]), _largest_step(iterate.ends, step.ends)
@@ -355,6 +356,7 @@ def _direction(
         return both[..., 0]
 
     def solve(change: Array, flat: Array) -> _Step:
+        """Solve the Newton equations for a change of the complementarity."""
         change[:, free] = 0.0
         aimed = scaling.times(divided(scaled_point, change))
         ends = flat / iterate.slacks - weight * residuals.ends

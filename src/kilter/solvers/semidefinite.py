@@ -28,7 +28,7 @@ __all__ = ["Multipliers", "SemidefiniteProgram"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SemidefiniteProgram:
-    """max gain.x over x with x[0] = 1, with the constraints above.
+    """The program max gain.x over x with x[0] = 1, under rows, cones and semidefinite matrices.
 
     Attributes
     ----------

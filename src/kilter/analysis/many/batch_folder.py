@@ -145,6 +145,7 @@ def _written_form(manifest: Path, asked: dict[str, Any]) -> tuple[str, int]:
 
 
 def _as_data(question: BatchQuestion) -> dict[str, Any]:
+    """JSON data of a question, to compare it with the question of a folder."""
     tolerance = question.tolerance
     return {
         "reading": question.reading.options(),
@@ -181,6 +182,7 @@ def _locked_folder(path: Path) -> Iterator[None]:
 
 
 def _lock(handle: int) -> None:
+    """Lock an open file for this process; an `OSError` if another process has the lock."""
     if os.name == "nt":
         import msvcrt
 
@@ -228,6 +230,7 @@ def _value(kind: type, text: str) -> Any:
 
 
 def _parquet(rows: Sequence[BatchRow]) -> bytes:
+    """A table of rows as a Parquet file, with fixed types of the columns."""
     import pyarrow
     import pyarrow.parquet
 

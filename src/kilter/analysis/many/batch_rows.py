@@ -101,6 +101,7 @@ def _read(file: str, question: BatchQuestion) -> Assembly:
 
 
 def _row(index: int, file: str, assembly: Assembly, verdicts: Verdicts, k: int) -> BatchRow:
+    """The row of an assembly: its verdict, or its error."""
     if k in verdicts.errors:
         return error_row(index, file, _words(verdicts.errors[k]), parts=len(assembly))
     return {

@@ -96,6 +96,7 @@ def find_part_load(
 
 
 def _largest_load(program: Program, part: int, unit: float, opening: Opening) -> PartLoad | NoLimit:
+    """The largest load straight down on a part, in a unit of force."""
     wrench = np.zeros((len(program.names), 6))
     wrench[part, :3] = unit * program.down
     limit = find_limit(program, wrench, opening=opening)

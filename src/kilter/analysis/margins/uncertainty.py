@@ -97,6 +97,7 @@ class Ranges:
 
 
 def _require_interval(what: str, ends: tuple[float, float], *, positive: bool) -> None:
+    """Reject an interval of factors that is infinite, negative or reversed."""
     low, high = ends
     if not (np.isfinite(low) and np.isfinite(high)) or low < 0 or (positive and low == 0):
         raise InputError(
@@ -297,6 +298,7 @@ def _limits(program: Program, push: Array | None) -> tuple[float, float] | NoLim
 
 
 def _by_following(program: Program, ranges: Ranges, push: Array | None) -> Uncertainty | None:
+    """Worst case by forces that are affine in the masses; None if the program is too large."""
     rays = pyramid(program, SIDES)
     problem = scaled_problem(rays)
     unknowns = _unknowns(rays, ranges)

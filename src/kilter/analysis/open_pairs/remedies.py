@@ -125,6 +125,7 @@ class _Change:
         return assembly, contacts.of(assembly)
 
     def _tolerance(self, tolerance: Tolerance) -> Tolerance:
+        """The tolerance with the options of this change."""
         if self.loose:
             base = Tolerance.loose()
             tolerance = replace(tolerance, relative_gap=base.relative_gap, angle=base.angle)

@@ -124,6 +124,7 @@ def friction_cone(
 
 
 def _exact(program: Program, progress: Callable[[str], None] | None) -> StableCone:
+    """The cone in the plane, where a friction cone is a pyramid of two rays."""
     rays = pyramid(program, 2)
     cone = stable_cone(rays, progress=progress)
     opening = Opening(cone_problem(program))

@@ -88,6 +88,7 @@ def region_proof(
 def _certified(
     program: Program, turned: Assembly, contacts: ContactSet, proof: Proof, friction: bool
 ) -> ForceProof | MotionProof:
+    """The certificate of a proof, recomputed from the program."""
     given = proof.certificate
     if isinstance(given, ForceProof):
         return check_forces(program, given.forces, given.friction)

@@ -96,6 +96,7 @@ def _corners(geometry: Geometry, part: int) -> Array:
 
 
 def _of_polyhedron(corners: Array, down: Array, size: float) -> Tipping | None:
+    """Tipping of a polyhedron over the edges of its hull; None if it stands in no well."""
     try:
         hull = ConvexHull(corners)
     except QhullError:
@@ -179,6 +180,7 @@ def _base_distance(base: Array, down: Array) -> float:
 
 
 def _of_revolution(geometry: Geometry, part: int, down: Array) -> Tipping | None:
+    """Tipping of a body of revolution about the vertical; None if it stands in no well."""
     size = float(geometry.size[part])
     if not _stands_as_turned(geometry, part, down, SAME_RAY * size):
         return None

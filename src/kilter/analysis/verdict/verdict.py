@@ -243,6 +243,7 @@ class Verdict(InCells):
 
     @on_one_thread
     def _motion(self) -> ImpendingMotion:
+        """The impending motion, by the method that fits the verdict and the contacts."""
         if self.verdict in ("stable", "settles", "balanced"):
             return still(self.program)
         if self.modelled.cohesion.any():

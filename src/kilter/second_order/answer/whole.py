@@ -218,7 +218,7 @@ class _ClusterSearch:
         return answer
 
     def by_forces(self, program: Program, forces: Array | None) -> SecondOrder | None:
-        """Steps 1 and 2 for an assembly or a cluster; None if they do not decide."""
+        """Answer by level rests and held parts, without gaps; None if they do not decide."""
         count = int(program.free.sum())
         if count <= MOST_LEVEL and not self.slanted[program.free].any():
             level, sharp = level_rows(program, self.contacts), sharp_points(program, self.contacts)
@@ -233,7 +233,7 @@ class _ClusterSearch:
         return None
 
     def _by_gaps(self, cluster: Cluster) -> SecondOrder:
-        """Step 3 for a cluster; critical forces may still leave no motion neutral."""
+        """Answer for a cluster by the second derivatives of its gaps."""
         program = cluster.program
         certain = program.taking(program.kind == CONTACT)
         first = stationary(certain, np.zeros((len(certain.part_a), 12, 12)))

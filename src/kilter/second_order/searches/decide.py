@@ -155,7 +155,7 @@ class _Question:
         self.flat = 0
 
     def answer(self) -> Decision:
-        """Steps 2 to 7."""
+        """Decide by the critical motions: a minimum, a path that leads down, or open (steps 2 to 7)."""
         if not self.across.shape[1]:
             return self._minimum((), (Leaf(self.critical.forces, self._no_weights()),))
         if self.across.shape[1] > MOST_MOTIONS:
@@ -207,7 +207,7 @@ class _Question:
         return basis, total
 
     def _decide_on_basis(self, basis: Array, stress: Array) -> Decision:
-        """Steps 4 to 7 on a basis, with the self-stress of step 3."""
+        """Find a minimum or a descending path in a span of motions, beside a self-stress."""
         if self._only_forces():
             forces = self.critical.forces[self.critical.carries]
             proved = self._strengthened_minimum(forces, stress)
@@ -373,7 +373,7 @@ class _Question:
         return total
 
     def _by_cones(self, basis: Array) -> Decision:
-        """Step 6: prove each cone by its own forces, find a path in it, or split it."""
+        """Split the motions into cones, and prove each by its own forces or find a path in it."""
         dimension, sides = basis.shape[1], self.sides_of(basis)
         todo = orthants(dimension, half=not len(sides))[::-1]
         splits: list[tuple[int, int] | None] = []

@@ -196,6 +196,7 @@ class Fixture:
     def _proof(
         self, state: SupportedState, change: dict[str, Any], options: dict[str, Any]
     ) -> dict[str, Any]:
+        """The proof of a state of supports, as data of a file."""
         assembly, contacts = apply_change(self.supported.assembly, self.supported.contacts, change)
         program = build_program(assembly, contacts, possible=state.stable is False)
         if state.motion is not None:

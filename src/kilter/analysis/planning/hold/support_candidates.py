@@ -61,6 +61,7 @@ def _grips(assembly: Assembly, contacts: ContactSet) -> Iterator[Support]:
 
 
 def _props(assembly: Assembly, contacts: ContactSet) -> Iterator[Support]:
+    """Candidate props under the centre of mass of each free part."""
     geometry, down = assembly.geometry, assembly.down
     for k, part in enumerate(assembly):
         if part.grounded:
@@ -84,6 +85,7 @@ def _props(assembly: Assembly, contacts: ContactSet) -> Iterator[Support]:
 
 
 def _fingers(assembly: Assembly, contacts: ContactSet) -> Iterator[Support]:
+    """Candidate fingers on the accessible faces of each free part."""
     geometry = assembly.geometry
     for k, part in enumerate(assembly):
         if part.grounded:

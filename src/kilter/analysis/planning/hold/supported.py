@@ -122,6 +122,7 @@ class Supported:
         return self._found[key]
 
     def _judge_chosen(self, chosen: frozenset[int], work: Work) -> SupportedState:
+        """Judge the assembly with a set of supports, first by its certain contacts."""
         program = self._program(chosen, self._programs.whole)
         judgement = judge(program, work=work)
         state = SupportedState(chosen, None, program, judgement.forces, None)

@@ -128,6 +128,7 @@ def _names(names: Sequence[str], cut: Cut[State]) -> list[str]:
 
 
 def _step(step: Step) -> dict[str, Any]:
+    """JSON data of a step: its parts, path and holds."""
     return {
         "about": "step",
         "parts": list(step.parts),

@@ -34,6 +34,7 @@ def later_parts(assembly: Assembly, before: Iterable[tuple[str, str]]) -> list[i
 
 
 def _require_no_circle(assembly: Assembly, later: list[int]) -> None:
+    """Reject a precedence in which parts come before themselves."""
     left = bits_of(np.ones(len(later), dtype=bool))
     while True:
         last = [k for k in range(len(later)) if left >> k & 1 and not later[k] & left]
