@@ -161,7 +161,7 @@ def _case_bound(
     relaxation = attempt.relaxation
 
     def bound(bounds: Enclosure, parent: _OpenCase | None) -> _OpenCase | None:
-        """Bound the power of a case, at finer scales while that helps; None if the case is closed."""
+        """Bound the power of a case, at finer scales if that helps; None if it is closed."""
         basis, case_step = None, root
         if parent is not None:
             basis, case_step = parent.basis, CaseStep()

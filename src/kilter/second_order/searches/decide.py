@@ -155,7 +155,7 @@ class _Question:
         self.flat = 0
 
     def answer(self) -> Decision:
-        """Decide by the critical motions: a minimum, a path that leads down, or open (steps 2 to 7)."""
+        """Decide by the critical motions: a minimum, a path that leads down, or open."""
         if not self.across.shape[1]:
             return self._minimum((), (Leaf(self.critical.forces, self._no_weights()),))
         if self.across.shape[1] > MOST_MOTIONS:
