@@ -193,6 +193,31 @@ def test_words_are_those_of_check() -> None:
     assert [one.verdict for one in found] == [one.verdict for one in found[:]]
 
 
+def test_a_list_of_verdicts_needs_no_further_check(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = kilter.check_many(arrays_of([overhanging(0.9), overhanging(1.1)]))
+    monkeypatch.setattr("kilter.analysis.many.deferred_verdict.check", None)  # a call of it fails
+    listed = list(found)
+    assert [(one.verdict, one.level, one.stable) for one in listed] == [
+        ("stable", "proved", True),
+        ("unstable", None, False),
+    ]
+    assert listed[0].assembly.names == ("0", "1")
+    with pytest.raises(TypeError):
+        _ = listed[0].sentence
+
+
+def test_every_field_of_a_listed_verdict_is_that_of_check() -> None:
+    assemblies = piles(range(3))
+    for listed, assembly in zip(kilter.check_many(assemblies), assemblies, strict=True):
+        single = kilter.check(assembly)
+        assert listed.sentence == single.sentence
+        assert listed.warnings == single.warnings
+        several, data = listed.to_dict(), single.to_dict()
+        assert {**several, "seconds": None} == {**data, "seconds": None}
+        again = dataclasses.replace(listed, effort=2.0)
+        assert (again.effort, again.sentence) == (2.0, single.sentence)
+
+
 def test_proofs_are_of_their_own_assembly() -> None:
     found = kilter.check_many([overhanging(0.5), overhanging(0.5, gravity=1.0)], proofs=True)
     program, proof = found.certificate(0) or (None, None)

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csc_array
 
-from kilter.arrays import TINY, Array, Index, Mask, starts
+from kilter.arrays import TINY, Array, Index, Mask, ragged, starts
 from kilter.assembly.side_by_side import SideBySide
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.certificate import part_sizes
@@ -122,20 +122,30 @@ class ProgramBlocks:
 
     def program(self, k: int) -> Program:
         """The program of assembly k."""
-        whole, parts = self.whole, slice(*self.start[k : k + 2])
-        rows = np.arange(*self.row_start[k : k + 2])
-        chosen = whole.taking(rows)
+        return self.union(np.array([k]))
+
+    def rows(self, which: Index) -> Index:
+        """Rows of the assemblies `which`, in their order."""
+        return ragged(self.row_start, which)[1]
+
+    def union(self, which: Index) -> Program:
+        """The programs of assemblies of equal gravity, `which` in ascending order, as one."""
+        whole, parts = self.whole, ragged(self.start, which)[1]
+        chosen = whole.taking(self.rows(which))
+        number = np.full(len(whole.names) + 1, -1)
+        number[parts] = np.arange(len(parts))
         return chosen.with_rows(
+            names=tuple(whole.names[part] for part in parts.tolist()),
             **{
                 name: getattr(whole, name)[parts]
                 for name in (
-                    "names", "free", "center", "mass", "inertia", "radius", "applied", "clamp",
+                    "free", "center", "mass", "inertia", "radius", "applied", "clamp",
                     "tolerance",
                 )
             },
-            part_a=np.maximum(chosen.part_a - self.start[k], -1),
-            part_b=np.maximum(chosen.part_b - self.start[k], -1),
-            gravity=self.gravity[k],
+            part_a=number[chosen.part_a],
+            part_b=number[chosen.part_b],
+            gravity=self.gravity[which[0]],
         )  # fmt: skip
 
     @cached_property

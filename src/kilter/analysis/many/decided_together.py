@@ -116,8 +116,20 @@ def _rests_level(
 ) -> Mask:
     """Return the mask of stable assemblies that rest on level faces, shape (M,)."""
     rests = np.zeros_like(stable)
-    for k in np.flatnonzero(stable).tolist():
-        program = blocks.program(k)
-        forces = proofs.forces[slice(*blocks.row_start[k : k + 2])]
-        rests[k] = rests_level(program, level_rows(program, contacts), forces)
+
+    def examine(which: Index) -> None:
+        """Examine assemblies of equal gravity as one; halve those that do not all rest."""
+        program = blocks.union(which)
+        if rests_level(program, level_rows(program, contacts), proofs.forces[blocks.rows(which)]):
+            rests[which] = True
+        elif len(which) > 1:
+            for half in np.array_split(which, 2):
+                examine(half)
+
+    chosen = np.flatnonzero(stable)
+    _, kind = np.unique(blocks.gravity[chosen], axis=0, return_inverse=True)
+    order = np.argsort(kind.reshape(-1), kind="stable")
+    for alike in np.split(chosen[order], np.flatnonzero(np.diff(kind.reshape(-1)[order])) + 1):
+        if len(alike):
+            examine(alike)
     return rests

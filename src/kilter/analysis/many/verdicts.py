@@ -1,4 +1,6 @@
-"""Verdicts: the answers of `check_many` in arrays; each full verdict is computed on access."""
+"""Verdicts: the answers of `check_many` in arrays, and each as a `Verdict` that is completed on
+access to its details.
+"""
 
 from __future__ import annotations
 
@@ -11,8 +13,8 @@ from typing import Any, overload
 
 import numpy as np
 
-from kilter.analysis.check import check
 from kilter.analysis.many.decided_together import Together
+from kilter.analysis.many.deferred_verdict import DeferredVerdict
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array, Labels, Mask
 from kilter.assembly import Assembly
@@ -113,7 +115,9 @@ class Verdicts(Sequence[Verdict]):
     @overload
     def __getitem__(self, k: slice) -> list[Verdict]: ...
     def __getitem__(self, k: int | slice) -> Verdict | list[Verdict]:
-        """The k-th verdict in full.
+        """The k-th verdict.
+
+        Its word, level and assembly are known; `check` computes the rest on the first access.
 
         Raises
         ------
@@ -122,7 +126,12 @@ class Verdicts(Sequence[Verdict]):
         """
         if isinstance(k, slice):
             return [self[n] for n in range(len(self))[k]]
-        return check(self.assemblies[range(len(self))[k]], **self._options)
+        index = range(len(self))[k]
+        row = self._rows[index]
+        if row.error is not None:
+            raise row.error
+        known = {"verdict": row.verdict, "require": self._options["require"]}
+        return DeferredVerdict.of(self.assemblies, index, known, self._options)
 
     def __iter__(self) -> Iterator[Verdict]:
         return (self[k] for k in range(len(self)))
