@@ -6,6 +6,7 @@ import numpy as np
 
 from kilter.assembly.polyhedra import polyhedron_moments
 from kilter.errors import InputError
+from kilter.files.doubled_faces import has_doubled_faces
 from kilter.files.file_tolerances import LEEWAY, VOLUME
 from kilter.shape.closed import open_edges
 from kilter.shape.solid import Solid
@@ -22,7 +23,8 @@ def checked_solid(solid: Solid) -> Solid:
     Raises
     ------
     InputError
-        If the triangles are not closed, or enclose another volume than the solid states.
+        If the triangles are not closed, or enclose another volume than the solid states, or if
+        round faces lie on each other.
     """
     vertices, triangles = solid.vertices, solid.triangles
     if len(solid.holes) and len(triangles):
@@ -39,5 +41,9 @@ def checked_solid(solid: Solid) -> Solid:
         raise InputError(
             f"the solid states a volume of {solid.volume:.6g}, its triangles enclose {volume:.6g}",
             hint="repair it in the program that made it",
+        )
+    if has_doubled_faces(solid):
+        raise InputError(
+            "two of its round faces lie on each other", hint="repair it in the program that made it"
         )
     return solid

@@ -15,10 +15,12 @@ __all__ = [
     "COARSE_TURN",
     "CUT_AREA",
     "DEFLECTION",
+    "DOUBLED",
     "HOLLOW",
     "INTEGRAL",
     "LEEWAY",
     "LOWEST_CORNERS",
+    "OTHER_SIDE",
     "PARALLEL",
     "RECOGNISED",
     "RIGID",
@@ -67,6 +69,10 @@ HOLLOW = 1e-3
 """Least volume of an open shell after closing its holes, for a solid [fractions of its hull]."""
 CUT_AREA = 1e-9
 """Area of an outline that its triangles may leave uncovered [fractions of the area]."""
+DOUBLED = 0.5
+"""Share of a round face that lies on another face of its solid, above which the solid is wrong."""
+OTHER_SIDE = 1e-3
+"""Error of the area of the other side of a face on a sphere [fractions of the sphere]."""
 OFF_GRID = 1e-3
 """Bricks within this offset stand on the grid of the other bricks [cells]."""
 LEEWAY = 2.0

@@ -8,7 +8,8 @@ The following attempts are made until the triangles close and enclose the volume
 
 1. the solid as in the file
 2. with coarser triangles, since OCCT fails on short edges with fine triangles
-3. repaired by OCCT, with fine and then with coarse triangles
+3. with the other side of the outline of large spherical faces
+4. repaired by OCCT, with fine and then with coarse triangles
 
 If all fail, the result is a solid with holes. Without usable faces, their convex hull or the
 bounding box of the solid is a stand-in. A note reports the uncertainty, and `kilter.contact` counts
@@ -34,12 +35,12 @@ from kilter.files.file_tolerances import (
     HOLLOW,
     INTEGRAL,
     SAME_FACE,
-    SEWN,
     TURN,
     VOLUME,
 )
 from kilter.files.occt import failures, inside, shape_map
-from kilter.files.step_faces import StepFace, cut_faces, size_of
+from kilter.files.step_faces import StepFace, cut_faces
+from kilter.files.step_repairs import sewn_shape, with_other_sides
 from kilter.files.step_surfaces import face_surface, points_of_face
 from kilter.shape.closed import open_edges
 from kilter.shape.solid import Solid, Surface, facing, height, same_surface
@@ -80,6 +81,11 @@ _INWARDS = (
     "its faces pointed inwards and were reversed; OCCT may have taken the wrong side of a round "
     "face: verify its volume"
 )
+_REPAIRED = "repaired by OCCT, its faces did not close"
+_OTHER_SIDE = (
+    "a spherical face had the wrong side of its outline and lay on another face; the other side is "
+    "used: verify its volume"
+)
 _HOLES = (
     "its faces do not close: its volume is that of the existing faces with the holes filled, and "
     "its contacts at the holes are unknown"
@@ -90,31 +96,14 @@ def _attempts(shape: Any) -> Iterator[tuple[str, Any, tuple[float, float]]]:
     """The attempts to read a solid: note, shape, and (deflection, turn) of its triangles."""
     yield "", shape, (DEFLECTION, TURN)
     yield "", shape, (COARSE, COARSE_TURN)
-    try:
-        repaired = _repaired_shape(shape)
-    except failures():
-        return
-    if repaired is not None:
-        yield "repaired by OCCT, its faces did not close", repaired, (DEFLECTION, TURN)
-        yield "repaired by OCCT, its faces did not close", repaired, (COARSE, COARSE_TURN)
-
-
-def _repaired_shape(shape: Any) -> Any:
-    """The shape after OCCT has sewn and oriented its faces; None if it is no single shell."""
-    from OCP.BRepBuilderAPI import BRepBuilderAPI_Sewing
-    from OCP.ShapeFix import ShapeFix_Shape, ShapeFix_Solid
-    from OCP.TopAbs import TopAbs_ShapeEnum
-    from OCP.TopoDS import TopoDS
-
-    fixed = ShapeFix_Shape(shape)
-    fixed.Perform()
-    sewing = BRepBuilderAPI_Sewing(SEWN * size_of(shape))
-    sewing.Add(fixed.Shape())
-    sewing.Perform()
-    shells = list(inside(sewing.SewedShape(), TopAbs_ShapeEnum.TopAbs_SHELL))
-    if len(shells) != 1:
-        return None
-    return ShapeFix_Solid().SolidFromShell(TopoDS.Shell(shells[0]))
+    for note, repair in ((_OTHER_SIDE, with_other_sides), (_REPAIRED, sewn_shape)):
+        try:
+            repaired = repair(shape)
+        except failures():
+            continue
+        if repaired is not None:
+            yield note, repaired, (DEFLECTION, TURN)
+            yield note, repaired, (COARSE, COARSE_TURN)
 
 
 def _solid(shape: Any, faces: list[StepFace], lost: int) -> tuple[Solid, bool]:

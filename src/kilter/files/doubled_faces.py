@@ -1,0 +1,69 @@
+"""Faces of a solid that lie on each other: the solid has no thickness there, so a face is wrong."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from kilter.arrays import Array
+from kilter.files.file_tolerances import DOUBLED, SAME_FACE
+from kilter.shape.solid import Solid, same_surface
+
+__all__ = ["has_doubled_faces"]
+
+MOST_SAMPLES = 200
+"""Largest number of triangles of a surface whose centroids are compared with another surface."""
+
+
+def has_doubled_faces(solid: Solid) -> bool:
+    """Whether two faces on an equal round surface, with opposite sides of material, overlap.
+
+    The halves of a sphere do not overlap. If the reader took the wrong side of the outline of a
+    face, this face covers the other faces on its sphere, and volume and area show no error.
+    """
+    size = float(np.ptp(solid.vertices, axis=0).max(initial=0.0))
+    curved = [k for k, surface in enumerate(solid.surfaces) if surface.kind != "plane"]
+    for a in curved:
+        facing = replace(solid.surfaces[a], hollow=not solid.surfaces[a].hollow)
+        for b in curved:
+            if not solid.surfaces[a].hollow or not same_surface(
+                facing, solid.surfaces[b], length=SAME_FACE * size, angle=SAME_FACE
+            ):
+                continue
+            corners_a, corners_b = (
+                solid.vertices[solid.triangles[solid.triangle_surface == k]] for k in (a, b)
+            )
+            reach = 2.0 * solid.sagitta + solid.accuracy
+            shares = (_covered(corners_a, corners_b, reach), _covered(corners_b, corners_a, reach))
+            if max(shares) > DOUBLED:
+                return True
+    return False
+
+
+def _covered(corners: Array, others: Array, reach: float) -> float:
+    """Share of the triangles, by area, whose centroids lie on other triangles.
+
+    Parameters
+    ----------
+    corners, others : ndarray, shape (n, 3, 3) and (m, 3, 3)
+        Corners of triangles.
+    reach : float
+        Largest distance of a centroid from the plane of the other triangle [length unit].
+    """
+    step = -(-len(corners) // MOST_SAMPLES) or 1
+    corners = corners[::step]
+    edges = others[:, [1, 2]] - others[:, :1]
+    normal = np.cross(edges[:, 0], edges[:, 1])
+    square = np.einsum("mk,mk->m", normal, normal)
+    others, edges, normal, square = (x[square > 0] for x in (others, edges, normal, square))
+    arm = corners.mean(axis=1)[:, None] - others[:, 0]
+    height = np.abs(np.einsum("nmk,mk->nm", arm, normal)) / np.sqrt(square)
+    across = np.cross(normal, edges[:, 0]), np.cross(edges[:, 1], normal)
+    second = np.einsum("nmk,mk->nm", arm, across[0]) / square
+    first = np.einsum("nmk,mk->nm", arm, across[1]) / square
+    on = (first >= 0) & (second >= 0) & (first + second <= 1) & (height <= reach)
+    area = np.linalg.norm(
+        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+    )
+    return float(area @ on.any(axis=1) / max(area.sum(), np.finfo(float).tiny))
