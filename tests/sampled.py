@@ -12,7 +12,25 @@ from typing import Any
 
 import pytest
 
-__all__ = ["in_block", "mark_rest_slow", "sampled"]
+__all__ = ["SLOW_EXAMPLES", "in_block", "mark_rest_slow", "sampled"]
+
+SLOW_EXAMPLES = frozenset(
+    {
+        "kilter.analysis.margins.pushes.find_weakest_push",
+        "kilter.analysis.margins.tilt.find_tilt_margin",
+        "kilter.analysis.margins.uncertainty.find_uncertainty",
+        "kilter.analysis.planning.hold.hold.hold",
+        "kilter.analysis.regions.friction_cone.friction_cone",
+        "kilter.analysis.regions.region.region",
+        "kilter.analysis.turning.orientation.orient",
+        "kilter.friction.exclusion.prove_no_motion",
+        "kilter.health.doctor",
+        "kilter.notebook.cell",
+        "kilter.publish.animate",
+        "kilter.publish.report",
+    }
+)
+"""Functions whose docstring examples take over half a second: these examples are slow tests."""
 
 
 def sampled(always: int, cases: Iterable[Any] | int) -> list[Any]:
@@ -33,6 +51,8 @@ def mark_rest_slow(items: Iterable[pytest.Item]) -> None:
     """
     tests: dict[tuple[int, str], list[pytest.Item]] = {}
     for item in items:
+        if isinstance(item, pytest.DoctestItem) and item.name in SLOW_EXAMPLES:
+            item.add_marker(pytest.mark.slow)
         if item.get_closest_marker("quick") and not item.get_closest_marker("slow"):
             name = getattr(item, "originalname", item.name)
             tests.setdefault((id(item.parent), name), []).append(item)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
-from sampled import in_block, mark_rest_slow, sampled
+from sampled import SLOW_EXAMPLES, in_block, mark_rest_slow, sampled
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -39,6 +40,12 @@ def test_sampled_marks_all_but_the_first() -> None:
     assert all(case.marks[0].name == "slow" for case in rest)
 
 
+@pytest.mark.parametrize("name", sorted(SLOW_EXAMPLES))
+def test_slow_examples_are_in_docstrings(name: str) -> None:
+    module, _, function = name.rpartition(".")
+    assert ">>>" in getattr(import_module(module), function).__doc__
+
+
 def test_every_test_is_in_one_block() -> None:
     items = [SimpleNamespace(nodeid=f"test_{k}") for k in range(40)]
     blocks = [in_block(items, f"{k}/3")[0] for k in (1, 2, 3)]  # type: ignore[arg-type]
@@ -54,6 +61,6 @@ def test_slow_blocks_name_every_folder_of_tests() -> None:
     if not listing.exists():
         pytest.skip("the gate is not here")
     entries = [line.partition("#")[0].strip() for line in listing.read_text().splitlines()]
-    listed = {entry.partition(":")[0] for entry in entries if entry}
+    listed = {name for entry in entries for name in entry.partition(":")[0].split(",")} - {""}
     folders = {path.parent.relative_to(ROOT).as_posix() for path in ROOT.glob("tests/*/test_*.py")}
-    assert listed == folders - {"tests/browser"} | {"tests/test_*.py"}
+    assert listed == folders - {"tests/browser"} | {"src", "tests/test_*.py"}

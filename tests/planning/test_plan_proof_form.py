@@ -55,9 +55,9 @@ def test_a_damaged_statement_raises_no_other_error(name: str, kind: str) -> None
     statements = {"rules": proof["rules"], "proofs": proof["proofs"]}
     where, rng = list(places(statements)), random.Random(7)
     refused = 0
-    for _ in range(60):
+    for _ in range(24):
         try:
             refused += not kilter.verify(assembly, damaged(proof, rng, where)).holds
         except InputError:
             refused += 1
-    assert refused > 40
+    assert refused > 16
