@@ -10,9 +10,14 @@ from pathlib import Path
 import pytest
 
 import kilter
+from kilter import Assembly, Box, Part, Pose
+from kilter.analysis.margins import margin as margin_analysis
+from kilter.analysis.margins.load_limit import NoLimit
 from kilter.cli import main
 from kilter.errors import TimeLimitReached
+from kilter.mechanics.program import Program
 from kilter.scenes import scene, stacks
+from kilter.tell.text import text_of
 from kilter.work import Work, seconds_left, stop_after
 
 SHARED = Path(__file__).parents[3] / "shared" / "data"
@@ -60,6 +65,34 @@ def test_the_margin_at_limit_zero_names_the_limits_that_are_not_known() -> None:
     answer = kilter.margin(stacks.block_on_slope(10.0, friction=0.5), time_limit=0.0)
     assert answer.missing["tilt"] == answer.missing["friction"] == "time"
     assert any("because the time limit was reached" in text for text in answer.warnings)
+
+
+def test_a_solver_that_the_limit_cut_short_is_not_reported_as_failed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    late = {"now": False}
+
+    def cut_short(program: Program) -> NoLimit:
+        late["now"] = True
+        return NoLimit("failed")
+
+    monkeypatch.setattr(margin_analysis, "find_least_friction", cut_short)
+    slope = stacks.block_on_slope(10.0, friction=0.5)
+    assert kilter.margin(slope, pushed=[]).missing["friction"] == "failed"
+    monkeypatch.setattr(Work, "late", property(lambda work: late["now"]))
+    late["now"] = False
+    assert kilter.margin(slope, pushed=[], time_limit=100.0).missing["friction"] == "time"
+
+
+def test_an_undecided_verdict_without_a_motion_has_no_table_of_moving_parts() -> None:
+    table = Part("table", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
+    sunk = Assembly([table, Part("cube", Box([1, 1, 1]), Pose([0, 0, 0.45]))])
+    answer = kilter.check(sunk).to_dict()
+    assert answer["verdict"] == "undecided"
+    assert "1 of 1 free parts move" in text_of(answer)
+    for part in answer["parts"]:
+        part["moves"] = False
+    assert "free parts move" not in text_of(answer)
 
 
 def test_the_page_at_limit_zero_states_what_is_left_out() -> None:

@@ -198,8 +198,10 @@ def moving_table(answer: Answer) -> Table | None:
         key=lambda part: (not part.get("moved_by_proof"), -max(part["relative"] or (0.0,))),
     )
     moving = [part for part in parts if part["moves"]]
+    if verdict == "undecided" and not moving:  # the numbers, or a time limit, gave no proof
+        return None
     title = _moving_title(answer, moving)
-    if not moving and answer["verdict"] not in ("undecided", "potentially-stable"):
+    if not moving and verdict != "potentially-stable":
         moving = [part for part in parts if part["slow_motion"] is not None]
 
     def row(part: Answer) -> Sequence[str]:

@@ -172,9 +172,13 @@ class MarginSteps:
         """The result of a step, or the reason that the time limit was reached."""
         try:
             with stop_after(self.work.seconds):
-                return step(*arguments)
+                result = step(*arguments)
         except TimeLimitReached:
             return NoLimit("time")
+        # a solver that was cut short has no proof, which is no failure of the solver
+        if isinstance(result, NoLimit) and result.why == "failed" and self.work.late:
+            return NoLimit("time")
+        return result
 
     def _of_parts(
         self,
