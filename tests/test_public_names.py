@@ -14,7 +14,17 @@ from kilter.cli.app import command
 
 ROOT = Path(__file__).resolve().parents[1]
 HOMES = kilter._HOMES
-BESIDE = {"animate", "check_many", "common_region", "fastened", "dump", "load", "states"}
+BESIDE = {
+    "animate",
+    "check_many",
+    "common_region",
+    "fastened",
+    "dump",
+    "load",
+    "load_answer",
+    "states",
+}
+BESIDE |= {"load_answer"}
 """Functions that are no command: what they do is an option of one, or its reading."""
 
 

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+import inspect
+import json
 import pickle
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -30,6 +33,7 @@ from kilter import (
     Prism,
     Sphere,
 )
+from kilter.assembly.verb_keywords import KEYWORDS
 from kilter.scenes import scene
 
 CORNERS = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
@@ -248,3 +252,174 @@ def test_an_assembly_is_shown_in_a_notebook() -> None:
     assert "height:300px" in shown._repr_html_()
     with pytest.raises(InputError, match="nothing is held"):
         Assembly([Part("a", Box(1, 1, 1))]).show()
+
+
+# verbs ----------------------------------------------------------------------------------------
+
+VERBS = ("check", "orient", "region", "margin", "plan", "hold", "states", "contacts")
+EVERY = {"friction", "down", "ground", "floor", "tolerance", "progress"}
+OTHER_DEFAULTS = {
+    ("margin", "require"): "equilibrium",  # higher levels of limits cost a search
+    ("plan", "require"): "equilibrium",  # the search for orders decides at this level
+}
+"""Defaults that differ from the table; the docstring of the verb states the reason."""
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_every_verb_has_the_keywords_of_the_table(verb: str) -> None:
+    function = getattr(kilter, verb)
+    parameters = inspect.signature(function).parameters
+    assert next(iter(parameters)) == "assembly"
+    assert set(parameters) >= EVERY
+    for name in set(parameters) & set(KEYWORDS):
+        default = OTHER_DEFAULTS.get((verb, name), KEYWORDS[name].default)
+        assert parameters[name].default == default, name
+        assert parameters[name].kind is inspect.Parameter.KEYWORD_ONLY, name
+        assert re.search(rf"^    .*\b{name}\b.*$", function.__doc__, re.M), name
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_keywords_and_paths_are_the_same_as_a_changed_assembly(verb: str, tmp_path: Any) -> None:
+    loose = dataclasses.replace(
+        stack(), parts=[dataclasses.replace(part, grounded=False) for part in stack()]
+    )
+    path = tmp_path / "stack.kilter.json"
+    kilter.dump(loose, path)
+    changed = loose.with_friction(0.6).with_down([0.1, 0, -1]).with_grounded("table")
+    function = getattr(kilter, verb)
+    if verb in ("plan", "states", "hold"):
+        by_hand = function(changed)
+        keywords = {"friction": 0.6, "down": [0.1, 0, -1], "ground": "table"}
+    else:
+        by_hand = function(changed.with_floor())
+        keywords = {"friction": 0.6, "down": [0.1, 0, -1], "ground": "table", "floor": True}
+    for given in (loose, path, str(path)):
+        asked = function(given, **keywords)
+        if verb == "states":
+            assert asked.assembly == by_hand.assembly
+            continue
+        a, b = asked.to_dict(), by_hand.to_dict()
+        a.pop("seconds", None), b.pop("seconds", None)
+        assert a == b
+
+
+def test_contacts_and_a_keyword_that_changes_them_are_refused() -> None:
+    found = kilter.contacts(stack())
+    with pytest.raises(InputError, match="check got contacts and friction"):
+        kilter.check(stack(), contacts=found, friction=0.5)
+    assert kilter.check(stack(), contacts=found, down=[0, 0, -1]).verdict == "unstable"
+
+
+# answers --------------------------------------------------------------------------------------
+
+
+def test_parts_of_a_verdict_have_names() -> None:
+    verdict = kilter.check(stack())
+    upper = verdict["upper"]
+    assert (upper.moves, upper.words) == (True, verdict.words("upper"))
+    assert upper.acceleration is not None
+    assert upper.displacement is not None
+    assert np.array_equal(upper.acceleration, verdict.motion.acceleration[2])
+    assert np.array_equal(upper.displacement, verdict.displacement.displacement[2])
+    assert upper.motion.moves is True
+    assert np.array_equal(verdict.motion["upper"].acceleration, upper.acceleration)
+    assert not upper.acceleration.flags.writeable
+    assert [part.name for part in verdict.parts] == ["table", "lower", "upper"]
+    assert [part.name for part in verdict.parts if part.moves] == verdict.moving == ["upper"]
+    for ask in (lambda: verdict["uper"], lambda: verdict.motion["uper"]):
+        with pytest.raises(InputError, match="did you mean 'upper'"):
+            ask()
+
+
+def test_the_word_of_a_verdict_is_an_enumeration_equal_to_its_text() -> None:
+    word = kilter.check(stack()).verdict
+    assert isinstance(word, kilter.VerdictWord)
+    assert word is kilter.VerdictWord.UNSTABLE
+    assert word == "unstable"
+    assert f"{word}" == "unstable"
+    assert json.dumps(word) == '"unstable"'
+
+
+def test_forces_between_parts_and_on_a_part() -> None:
+    verdict = kilter.check(stack(0.2))
+    forces = verdict.forces
+    assert forces is not None
+    weight = 9.81 * 1000
+    down = forces.between("upper", "lower")
+    up = forces.between("lower", "upper")
+    assert np.allclose(up.resultant, [0, 0, weight], rtol=1e-9, atol=1e-6)
+    assert np.allclose(down.resultant, -up.resultant, atol=1e-9)
+    assert up.center is not None
+    assert np.allclose(up.center, [0.2, 0, 1], atol=1e-9)  # below the centre of mass
+    assert np.allclose(up.moment([0.2, 0, 1.5]), 0, atol=1e-6)
+    assert np.allclose(up.moment([0, 0, 0]), np.cross([0.2, 0, 1], up.resultant), atol=1e-6)
+    both = forces.on("lower")
+    assert np.allclose(both.resultant, [0, 0, weight], rtol=1e-9, atol=1e-6)
+    assert len(both) == len(up) + len(forces.between("table", "lower"))
+    apart = forces.between("table", "upper")
+    assert (len(apart), apart.center) == (0, None)
+    assert not apart.resultant.any()
+    with pytest.raises(InputError, match="did you mean 'lower'"):
+        forces.on("lowr")
+
+
+@pytest.mark.parametrize("verb", ["check", "region", "orient", "margin", "plan", "hold"])
+def test_answers_travel_as_text_and_as_files(verb: str, tmp_path: Any) -> None:
+    answer = getattr(kilter, verb)(stack(0.2))
+    text = answer.to_json()
+    file = tmp_path / "answer.json"
+    file.write_text(text, encoding="utf-8")
+    for source in (text, file, str(file), answer.to_json(indent=None)):
+        loaded = kilter.load_answer(source)
+        assert loaded.answer == verb
+        assert loaded.to_dict() == answer.to_dict()
+    if verb == "check":
+        assert loaded.verdict == answer.verdict == loaded["verdict"]
+        assert loaded.part("upper")["moves"] is answer["upper"].moves
+        with pytest.raises(InputError, match="did you mean 'upper'"):
+            loaded.part("uper")
+        with pytest.raises(AttributeError, match="no key 'verdit'"):
+            loaded.verdit  # noqa: B018
+
+
+@pytest.mark.parametrize(
+    ("source", "words"),
+    [
+        ("{", "not JSON"),
+        ('{"verdict": "stable"}', 'no keys "answer" and "schema"'),
+        ('{"answer": "check", "schema": 1000}', "version 1000 of the answer is unknown"),
+        ("missing.json", "cannot be read"),
+    ],
+)
+def test_what_is_no_answer_gets_one_sentence(source: str, words: str) -> None:
+    with pytest.raises(InputError, match=words) as caught:
+        kilter.load_answer(source)
+    assert "\n" not in str(caught.value)
+
+
+def test_contacts_are_patches_and_a_graph() -> None:
+    found = kilter.contacts(stack(0.25))
+    patches = list(found)
+    assert len(patches) == len(found) == 2
+    assert {patch.parts for patch in patches} == {("table", "lower"), ("lower", "upper")}
+    for patch, row in zip(patches, found.to_dict()["patches"], strict=True):
+        assert patch.points.tolist() == row["points"]
+        assert (patch.area, patch.kind, patch.mu) == (row["area"], row["kind"], row["mu"])
+    assert found[-1].parts == patches[-1].parts
+    with pytest.raises(IndexError):
+        found[2]
+    graph = found.graph()
+    assert sorted(graph.edges) == [("lower", "upper"), ("table", "lower")]
+    assert graph.edges["lower", "upper"]["area"] == pytest.approx(0.75, rel=1e-12)
+    assert graph.nodes["table"]["grounded"] is True
+
+
+def test_a_graph_without_networkx_gets_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "networkx", None)
+    with pytest.raises(InputError, match=r"kilter\[graph\]"):
+        kilter.contacts(stack()).graph()
+
+
+def test_no_is_an_answer_of_a_plan() -> None:
+    order = kilter.plan(stack(0.6))
+    assert (order.found, order.verdict) == (False, "impossible")

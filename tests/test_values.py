@@ -189,7 +189,7 @@ VERBS = (
 @pytest.mark.parametrize(
     ("given", "hint"),
     [
-        ("arch.stl", r"kilter\.load\('arch\.stl'\)"),
+        ("arch.stl", r"arch\.stl"),
         (Trimesh(), r"kilter\.load\(mesh\)"),
         (CUBE, r"kilter\.Assembly\(\[part"),
         ([CUBE], r"kilter\.load\(path or object\)"),

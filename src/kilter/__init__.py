@@ -46,6 +46,8 @@ if TYPE_CHECKING:
     from kilter.analysis.transport.transport import transport as transport
     from kilter.analysis.turning.orientation import Orientation as Orientation
     from kilter.analysis.turning.orientation import orient as orient
+    from kilter.analysis.verdict.part_answer import PartAnswer as PartAnswer
+    from kilter.analysis.verdict.part_answer import PointForces as PointForces
     from kilter.analysis.verdict.verdict import Verdict as Verdict
     from kilter.analysis.verification import Verification as Verification
     from kilter.analysis.verification import verify as verify
@@ -63,10 +65,13 @@ if TYPE_CHECKING:
     from kilter.contact.fits.choices_saving import save as save
     from kilter.contact.fits.fastening import fastened as fastened
     from kilter.contact.gaps import Tolerance as Tolerance
+    from kilter.contact.patch import Patch as Patch
     from kilter.contact.supports import Support as Support
     from kilter.errors import InputError as InputError
     from kilter.errors import KilterError as KilterError
     from kilter.errors import SolverError as SolverError
+    from kilter.files.answer_files import LoadedAnswer as LoadedAnswer
+    from kilter.files.answer_files import load_answer as load_answer
     from kilter.files.choices import Choices as Choices
     from kilter.files.reading import load as load
     from kilter.files.writing import dump as dump
@@ -86,6 +91,7 @@ if TYPE_CHECKING:
     from kilter.shape.primitives import Mesh as Mesh
     from kilter.shape.primitives import Prism as Prism
     from kilter.shape.primitives import Sphere as Sphere
+    from kilter.tell.levels import VerdictWord as VerdictWord
 
 __version__ = "0.1.0"
 
@@ -114,6 +120,7 @@ _HOMES = {
     "animate": "kilter.publish",
     "check_many": "kilter.analysis.many.check_many",
     "common_region": "kilter.analysis.regions.region",
+    "load_answer": "kilter.files.answer_files",
     "fastened": "kilter.contact.fits.fastening",
     "states": "kilter.analysis.planning.states.states",
     # types of their arguments
@@ -144,8 +151,12 @@ _HOMES = {
     "Fixture": "kilter.analysis.planning.hold.fixture",
     "Health": "kilter.health",
     "Improvement": "kilter.analysis.margins.improve",
+    "LoadedAnswer": "kilter.files.answer_files",
     "Margin": "kilter.analysis.margins.margin",
     "Order": "kilter.analysis.planning.order.order",
+    "PartAnswer": "kilter.analysis.verdict.part_answer",
+    "Patch": "kilter.contact.patch",
+    "PointForces": "kilter.analysis.verdict.part_answer",
     "PlanRules": "kilter.analysis.planning.order.plan_rules",
     "Orientation": "kilter.analysis.turning.orientation",
     "Region": "kilter.analysis.regions.region",
@@ -156,6 +167,7 @@ _HOMES = {
     "Transport": "kilter.analysis.transport.transport",
     "Step": "kilter.analysis.planning.order.plan_step",
     "Verdict": "kilter.analysis.verdict.verdict",
+    "VerdictWord": "kilter.tell.levels",
     "Verdicts": "kilter.analysis.many.verdicts",
     "Verification": "kilter.analysis.verification",
     # exceptions

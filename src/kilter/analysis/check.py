@@ -13,7 +13,9 @@ could hold it, the verdict is undecided, and the answer gives the reason.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+
+from numpy.typing import ArrayLike
 
 from kilter.analysis.decision.cascade import decide
 from kilter.analysis.decision.decision import Decision
@@ -23,13 +25,14 @@ from kilter.analysis.open_pairs.ordinary_contacts import (
 )
 from kilter.analysis.verdict.remarks import loose_parts, remarks
 from kilter.analysis.verdict.verdict import Verdict
-from kilter.assembly import Assembly, require_assembly
+from kilter.assembly import Assembly
+from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.coincident import require_apart
 from kilter.contact.open_pairs import still_open
 from kilter.errors import InputError
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
-from kilter.tell.levels import REQUIRE, require_level
+from kilter.tell.levels import REQUIRE, VerdictWord, require_level
 from kilter.tell.numbers import number as text_of
 from kilter.tell.open_words import undecided_sentence
 from kilter.tell.second_order_words import balanced_sentence
@@ -55,8 +58,12 @@ FAR_APART = 1e9
 
 @on_one_thread
 def check(
-    assembly: Assembly,
+    assembly: AssemblyOrPath,
     *,
+    friction: float | None = None,
+    down: ArrayLike | None = None,
+    ground: str | Iterable[str] = (),
+    floor: bool | float | None = None,
     contacts: ContactSet | None = None,
     tolerance: Tolerance | None = None,
     require: str = REQUIRE,
@@ -69,9 +76,11 @@ def check(
 
     Parameters
     ----------
-    assembly : Assembly
+    assembly : Assembly, or path
         At least one part must be held. The assembly contains friction and the direction of
         gravity: ``check(assembly.with_friction(0.6).with_down([0.1, 0, -1]))``.
+    friction, down, ground, floor : optional
+        Changes of the assembly before the question, as the options of `kilter.load`.
     contacts : ContactSet, optional
         Contacts of this assembly; by default they are detected from its geometry.
     tolerance : Tolerance, optional
@@ -114,7 +123,9 @@ def check(
         raise InputError(f"contacts are {contacts!r:.60}", hint="give what kilter.contacts returns")
     require = require_level(require, strict=True)
     work = _work(effort, time_limit, progress)
-    require_assembly(assembly, "check")
+    assembly = asked_assembly(
+        assembly, "check", contacts, friction=friction, down=down, ground=ground, floor=floor
+    )
     assembly.require_grounded()
     seconds: dict[str, float] = {}
     started = time.perf_counter()
@@ -132,7 +143,7 @@ def check(
     if work.cut:
         warnings.append(CUT)
     return Verdict(
-        decision.verdict,
+        VerdictWord(decision.verdict),
         sentence,
         assembly,
         contacts,

@@ -12,7 +12,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from kilter.analysis.planning.hold.hold_check import wrong_hold
 from kilter.analysis.planning.order.order_check import wrong_order
@@ -31,12 +31,13 @@ from kilter.mechanics.proof import digest_of
 from kilter.mechanics.proof_form import MalformedProof, require_form
 from kilter.mechanics.recheck import recheck
 from kilter.second_order.proofs.second_order_recheck import recheck_second_order
+from kilter.tell.json_answer import Answer
 
 __all__ = ["Verification", "proof_tolerance", "verify", "verify_proof"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Verification:
+class Verification(Answer):
     """Result of the verification of a proof.
 
     Attributes
@@ -62,6 +63,8 @@ class Verification:
     options, tolerance : dict
         Options with which the file was read for the proof, and tolerances of contact detection.
     """
+
+    answer: ClassVar[str] = "verify"
 
     holds: bool
     verdict: str

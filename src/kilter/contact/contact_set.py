@@ -8,8 +8,9 @@ section 2.1 and Figure 3), so nothing is lost for the equilibrium of rigid parts
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -39,7 +40,10 @@ from kilter.contact.left_out import (
 )
 from kilter.contact.neighbours import Neighbour
 from kilter.contact.open_pairs import OpenPair, still_open
+from kilter.contact.patch import Patch
+from kilter.errors import InputError
 from kilter.tell.contact_words import copy_warnings, overlap_warnings
+from kilter.tell.json_answer import Answer
 
 __all__ = [
     "INTERFERE",
@@ -157,10 +161,10 @@ def _center(normals: Array) -> Array:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ContactSet:
+class ContactSet(Answer):
     """Contact patches between parts; world frame, length unit of the file.
 
-    All arrays are read-only.
+    All arrays are read-only. ``for patch in contacts`` yields each `kilter.Patch`.
 
     Attributes
     ----------
@@ -217,6 +221,8 @@ class ContactSet:
         Shafts in holes: tight, size on size, or with a clearance.
     """
 
+    answer: ClassVar[str] = "contacts"
+
     assembly: Assembly
     patch_parts: Index
     patch_normal: Array
@@ -253,6 +259,53 @@ class ContactSet:
 
     def __len__(self) -> int:
         return len(self.patch_area)
+
+    def __iter__(self) -> Iterator[Patch]:
+        return (self[k] for k in range(len(self)))
+
+    def __getitem__(self, k: int) -> Patch:
+        if not -len(self) <= k < len(self):
+            raise IndexError(f"there are {len(self)} patches")
+        k %= len(self)
+        a, b = self._names(self.patch_parts[k])
+        rows = slice(self.patch_start[k], self.patch_start[k + 1])
+        return Patch(
+            (a, b),
+            str(self.patch_kind[k]),
+            float(self.patch_area[k]),
+            (float(self.patch_gap[k, 0]), float(self.patch_gap[k, 1])),
+            self.patch_normal[k],
+            float(self.patch_mu[k]),
+            self.points[rows],
+            self.normals[rows],
+        )
+
+    def graph(self) -> Any:
+        """The parts and the pairs that touch, as a `networkx.Graph` (extra ``kilter[graph]``).
+
+        A node is the name of a part, with the attributes `grounded` and `mass` [kg]. An edge has
+        the attributes `patches` (a list of `Patch`) and `area` [length unit^2].
+
+        Raises
+        ------
+        InputError
+            If networkx is not installed.
+        """
+        try:
+            import networkx
+        except ImportError:
+            raise InputError(
+                "the graph of contacts needs networkx", hint='run: pip install "kilter[graph]"'
+            ) from None
+        graph = networkx.Graph()
+        masses = self.assembly.geometry.mass.tolist()
+        for part, mass in zip(self.assembly.parts, masses, strict=True):
+            graph.add_node(part.name, grounded=part.grounded, mass=mass)
+        for patch in self:
+            edge = graph.get_edge_data(*patch.parts, {"patches": [], "area": 0.0})
+            patches = [*edge["patches"], patch]
+            graph.add_edge(*patch.parts, patches=patches, area=edge["area"] + patch.area)
+        return graph
 
     def __repr__(self) -> str:
         counts = {

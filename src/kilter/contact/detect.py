@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from kilter.arrays import Mask, starts
-from kilter.assembly import Assembly, Bond, GivenContact, require_assembly
+from kilter.assembly import Assembly, Bond, GivenContact
 from kilter.assembly.side_by_side import SideBySide
+from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact.contact_search import ContactSearch, begin_search
 from kilter.contact.contact_set import ContactSet, PossibleContacts
 from kilter.contact.contact_tolerances import FIT_PLAY, THREAD
@@ -36,8 +38,12 @@ __all__ = ["contacts", "contacts_side_by_side", "detected_with_friction"]
 
 
 def contacts(
-    assembly: Assembly,
+    assembly: AssemblyOrPath,
     *,
+    friction: float | None = None,
+    down: ArrayLike | None = None,
+    ground: str | Iterable[str] = (),
+    floor: bool | float | None = None,
     tolerance: Tolerance | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> ContactSet:
@@ -45,7 +51,9 @@ def contacts(
 
     Parameters
     ----------
-    assembly : Assembly
+    assembly : Assembly, or path
+    friction, down, ground, floor : optional
+        Changes of the assembly before the question, as the options of `kilter.load`.
     tolerance : Tolerance, optional
         Largest gap and angle at which faces count as touching; by default that of the assembly.
     progress : callable, optional
@@ -73,7 +81,9 @@ def contacts(
     >>> result.patch_area, result.patch_normal.tolist()
     (array([1.]), [[0.0, 0.0, 1.0]])
     """
-    require_assembly(assembly, "contacts")
+    assembly = asked_assembly(
+        assembly, "contacts", None, friction=friction, down=down, ground=ground, floor=floor
+    )
     tolerance = tolerance or assembly.tolerance or Tolerance()
     if not isinstance(tolerance, Tolerance):
         raise InputError(

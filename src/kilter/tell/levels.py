@@ -9,9 +9,32 @@ strict         also a small push does not make it fall: no motion is neutral, or
 
 from __future__ import annotations
 
+from enum import StrEnum
+
 from kilter.errors import InputError
 
-__all__ = ["LEVELS", "REQUIRE", "holds", "level_of", "require_level"]
+__all__ = ["LEVELS", "REQUIRE", "VerdictWord", "holds", "level_of", "require_level"]
+
+
+class VerdictWord(StrEnum):
+    """The word of a verdict; it is equal to its text, and shown as the text.
+
+    Examples
+    --------
+    >>> VerdictWord.STABLE, VerdictWord.STABLE == "stable", VerdictWord("potentially-stable").name
+    ('stable', True, 'POTENTIALLY_STABLE')
+    """
+
+    STABLE = "stable"
+    SETTLES = "settles"
+    POTENTIALLY_STABLE = "potentially-stable"
+    BALANCED = "balanced"
+    UNSTABLE = "unstable"
+    UNDECIDED = "undecided"
+
+    def __repr__(self) -> str:
+        return repr(self.value)
+
 
 LEVELS = ("equilibrium", "settles", "proved", "strict")
 """All levels, from the lowest to the highest."""

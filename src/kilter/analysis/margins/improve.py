@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -30,6 +30,7 @@ from kilter.assembly.bricks.brick_model import NO_COLOR, cells_of
 from kilter.contact.detect import contacts
 from kilter.mechanics.program import Program, build_program
 from kilter.tell.improve_words import improve_sentence
+from kilter.tell.json_answer import Answer
 from kilter.threads import on_one_thread
 
 __all__ = ["BrickChange", "Improvement", "improve"]
@@ -84,7 +85,7 @@ class BrickChange:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Improvement:
+class Improvement(Answer):
     """The least share of strength that a model needs, its weakest studs, and the best change.
 
     Attributes
@@ -105,6 +106,8 @@ class Improvement:
     warnings : tuple of str
         Warnings of `kilter.check`.
     """
+
+    answer: ClassVar[str] = "improve"
 
     assembly: Assembly
     verdict: str

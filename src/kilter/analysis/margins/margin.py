@@ -8,11 +8,12 @@ Contacts that are not modelled are left out; more contacts only raise a margin.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
 from kilter.analysis.decision.fitted_normals import fits_left_out
@@ -33,9 +34,11 @@ from kilter.analysis.verdict.answers import joints_answer
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
+from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance
 from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.program import Program, build_program
+from kilter.tell.json_answer import Answer
 from kilter.threads import on_one_thread
 from kilter.work import EFFORT, Work, units_of
 
@@ -43,7 +46,7 @@ __all__ = ["Margin", "margin"]
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Margin:
+class Margin(Answer):
     """The limits up to which an assembly holds: tilt, friction, load factor and pushes.
 
     Attributes
@@ -97,6 +100,8 @@ class Margin:
     warnings : tuple of str
     seconds : dict
     """
+
+    answer: ClassVar[str] = "margin"
 
     assembly: Assembly
     contacts: ContactSet
@@ -217,8 +222,12 @@ def _limit(program: Program, limit: Limit | None) -> dict[str, Any] | None:
 
 @on_one_thread
 def margin(
-    assembly: Assembly,
+    assembly: AssemblyOrPath,
     *,
+    friction: float | None = None,
+    down: ArrayLike | None = None,
+    ground: str | Iterable[str] = (),
+    floor: bool | float | None = None,
     contacts: ContactSet | None = None,
     push: Any = None,
     about: Any = None,
@@ -236,7 +245,9 @@ def margin(
 
     Parameters
     ----------
-    assembly : Assembly
+    assembly : Assembly, or path
+    friction, down, ground, floor : optional
+        Changes of the assembly before the question, as the options of `kilter.load`.
     contacts : ContactSet, optional
     push : array_like, shape (3,), optional
         The load factor of a body force in this direction, in units of each part's weight;
@@ -254,6 +265,7 @@ def margin(
         Also the load factors up to which no motion that obeys the contact law can start.
     require : {"equilibrium", "settles", "proved"}
         Above "equilibrium", `Margin.at_level` has the values up to which this level is reached.
+        The default is lower than that of `check`, because each further value is a search.
     tolerance : Tolerance, optional
         When faces count as touching.
     effort, time_limit : float
@@ -274,6 +286,9 @@ def margin(
     0.0
     """
     started = time.perf_counter()
+    assembly = asked_assembly(
+        assembly, "margin", contacts, friction=friction, down=down, ground=ground, floor=floor
+    )
     question = margin_question(
         assembly,
         push=push,

@@ -13,9 +13,9 @@ reorientation if a direction is stable for every step of it.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -34,6 +34,7 @@ from kilter.analysis.verdict.answers import joints_answer
 from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly, Joint, require_assembly
 from kilter.assembly.bonds import NO_CONE, require_no_bonds
+from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.coincident import require_apart
 from kilter.contact.open_pairs import still_open
@@ -43,6 +44,7 @@ from kilter.mechanics.certificate import ForceProof
 from kilter.mechanics.program import build_program
 from kilter.tell.cells import InCells
 from kilter.tell.html import html_of
+from kilter.tell.json_answer import Answer
 from kilter.tell.region_facts import region_phrase
 from kilter.threads import on_one_thread
 
@@ -54,7 +56,7 @@ SAME_REGION = 1e-6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Region(InCells):
+class Region(InCells, Answer):
     """Every stable direction of gravity, in the frame of the assembly.
 
     Without friction (`friction` is False) a direction in it is stable. With friction a
@@ -89,6 +91,8 @@ class Region(InCells):
     joined : Region or None
         The region with the parts of every open pair joined; None without open pairs.
     """
+
+    answer: ClassVar[str] = "region"
 
     cone: Cone
     facets: Array
@@ -296,8 +300,12 @@ class Region(InCells):
 
 @on_one_thread
 def region(
-    assembly: Assembly,
+    assembly: AssemblyOrPath,
     *,
+    friction: float | None = None,
+    down: ArrayLike | None = None,
+    ground: str | Iterable[str] = (),
+    floor: bool | float | None = None,
     contacts: ContactSet | None = None,
     gap_deg: float = GAP_DEG,
     rests: bool = False,
@@ -309,8 +317,10 @@ def region(
 
     Parameters
     ----------
-    assembly : Assembly
+    assembly : Assembly, or path
         It has at least one held part.
+    friction, down, ground, floor : optional
+        Changes of the assembly before the question, as the options of `kilter.load`.
     contacts : ContactSet, optional
         Detected from the geometry by default.
     gap_deg : float
@@ -344,7 +354,9 @@ def region(
     >>> rough.exact, round(rough.half_angle_deg, 1), rough.gap_deg < 0.1
     (False, 26.6, True)
     """
-    require_assembly(assembly, "region")
+    assembly = asked_assembly(
+        assembly, "region", contacts, friction=friction, down=down, ground=ground, floor=floor
+    )
     require_no_bonds(assembly, "region", NO_CONE)
     assembly.require_grounded()
     started = time.perf_counter()

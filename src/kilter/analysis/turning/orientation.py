@@ -19,11 +19,12 @@ Mattikalli, Baraff, Khosla and Repetto (1993), sections 2.3 and 3.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
 from kilter.analysis.decision.judge import Judgement, judge
@@ -41,14 +42,16 @@ from kilter.analysis.verdict.answers import joints_answer
 from kilter.analysis.verdict.motion import NO_MOTION
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
-from kilter.assembly import Assembly, require_assembly
+from kilter.assembly import Assembly
 from kilter.assembly.bonds import NO_CONE, require_no_bonds
+from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.errors import InputError
 from kilter.mechanics.certificate import check_motion
 from kilter.mechanics.program import Program, bounding_program, build_program
 from kilter.rigid import rotation_between
 from kilter.tell.html import html_of
+from kilter.tell.json_answer import Answer
 from kilter.tell.numbers import vector
 from kilter.tell.words import found_sentence
 from kilter.threads import on_one_thread
@@ -61,7 +64,7 @@ Word = Literal["found", "none", "undecided"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Orientation:
+class Orientation(Answer):
     """A stable orientation, or the nearest to stable.
 
     Attributes
@@ -101,6 +104,8 @@ class Orientation:
     region : Region
     warnings : tuple of str
     """
+
+    answer: ClassVar[str] = "orient"
 
     verdict: Word
     sentence: str
@@ -174,8 +179,12 @@ class Orientation:
 
 @on_one_thread
 def orient(
-    assembly: Assembly,
+    assembly: AssemblyOrPath,
     *,
+    friction: float | None = None,
+    down: ArrayLike | None = None,
+    ground: str | Iterable[str] = (),
+    floor: bool | float | None = None,
     contacts: ContactSet | None = None,
     tolerance: Tolerance | None = None,
     method: Method = "joint",
@@ -188,8 +197,10 @@ def orient(
 
     Parameters
     ----------
-    assembly : Assembly
+    assembly : Assembly, or path
         It has at least one held part, and no loads.
+    friction, down, ground, floor : optional
+        Changes of the assembly before the question, as the options of `kilter.load`.
     contacts : ContactSet, optional
         Detected from the geometry by default.
     tolerance : Tolerance, optional
@@ -217,6 +228,9 @@ def orient(
     26.6
     """
     started = time.perf_counter()
+    assembly = asked_assembly(
+        assembly, "orient", contacts, friction=friction, down=down, ground=ground, floor=floor
+    )
     _require_turnable(assembly, method)
     if contacts is None:
         contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
@@ -259,7 +273,6 @@ def _require_turnable(assembly: Assembly, method: str) -> None:
     """Reject an assembly without held parts, or with loads, which do not turn."""
     if method not in ("joint", "walk"):
         raise InputError(f"the method {method!r} does not exist", hint="give 'joint' or 'walk'")
-    require_assembly(assembly, "orient")
     require_no_bonds(assembly, "orient", NO_CONE)
     assembly.require_grounded()
     if assembly.loads:

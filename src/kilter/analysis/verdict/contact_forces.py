@@ -13,7 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.analysis.analysis_tolerances import PRESSES
-from kilter.arrays import Array, Index, group_sums
+from kilter.analysis.verdict.part_answer import PointForces
+from kilter.arrays import Array, Index, group_sums, sealed
+from kilter.errors import InputError, nearest_name, some_names
 from kilter.mechanics.certificate import ForceProof, check_forces
 from kilter.mechanics.coulomb_cones import cone_problem, least_forces
 from kilter.mechanics.program import Program
@@ -59,6 +61,23 @@ class ContactForces:
         Largest imbalance of a part over its weight [-].
     least : bool
         True if these are the forces with the least sum of squares.
+    names : tuple of str
+        Names of all parts.
+    pairs : ndarray of int, shape (C, 2)
+        Parts a and b of each point, by position; the force acts on b.
+    points : ndarray, shape (C, 3)
+        Contact points [length unit].
+    pressures : ndarray, shape (C,)
+        Component of each force along the normal [N]; negative for a pull.
+
+    Examples
+    --------
+    >>> import kilter
+    >>> forces = kilter.check(kilter.example("tower")).forces
+    >>> forces.between("cube-1", "cube-2").resultant.round(6) + 0.0
+    array([    0.,     0., 39240.])
+    >>> forces.on("cube-2").resultant.round(6) + 0.0  # its own weight
+    array([   0.,    0., 9810.])
     """
 
     rows: Index
@@ -72,6 +91,50 @@ class ContactForces:
     bond_utilisation: Array
     residual: float
     least: bool
+    names: tuple[str, ...]
+    pairs: Index
+    points: Array
+    pressures: Array
+
+    def _position(self, name: str) -> int:
+        """Position of a part by its name."""
+        if name in self.names:
+            return self.names.index(name)
+        near = nearest_name(name, self.names)
+        hint = f"did you mean {near!r}?" if near else f"there are: {some_names(self.names, 8)}"
+        raise InputError(f"no part is named {name!r}", hint=hint)
+
+    def _selected(self, part: int, rows: Index) -> PointForces:
+        """The forces on a part at these rows, with the sign of the part that they act on."""
+        sign = np.where(self.pairs[rows, 1] == part, 1.0, -1.0)[:, None]
+        return sealed(
+            PointForces(
+                self.names[part], self.points[rows], sign * self.force[rows], self.pressures[rows]
+            )
+        )
+
+    def between(self, a: str, b: str) -> PointForces:
+        """The contact forces of part `a` on part `b`; empty if they do not touch.
+
+        Raises
+        ------
+        InputError
+            If the assembly has no such part.
+        """
+        first, second = self._position(a), self._position(b)
+        both = (np.sort(self.pairs, axis=1) == sorted((first, second))).all(axis=1)
+        return self._selected(second, np.flatnonzero(both))
+
+    def on(self, part: str) -> PointForces:
+        """The contact forces of all other parts on a part; joints and loads do not count.
+
+        Raises
+        ------
+        InputError
+            If the assembly has no such part.
+        """
+        k = self._position(part)
+        return self._selected(k, np.flatnonzero((self.pairs == k).any(axis=1)))
 
 
 def find_contact_forces(program: Program, proof: ForceProof) -> ContactForces:
@@ -126,6 +189,10 @@ def find_contact_forces(program: Program, proof: ForceProof) -> ContactForces:
         bond_utilisation=np.where(np.isfinite(drawn), drawn, np.nan),
         residual=used.residual,
         least=least is not None,
+        names=tuple(program.names),
+        pairs=np.column_stack([program.part_a[rows], program.part_b[rows]]),
+        points=program.point[rows],
+        pressures=along,
     )
 
 

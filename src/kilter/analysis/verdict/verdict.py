@@ -7,11 +7,12 @@ first access and kept.
 from __future__ import annotations
 
 import copy
+import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -36,6 +37,7 @@ from kilter.analysis.verdict.motion import (
     unknown,
 )
 from kilter.analysis.verdict.neutral import Neutral, find_neutral
+from kilter.analysis.verdict.part_answer import PartAnswer
 from kilter.analysis.verdict.slipping_motion import find_slipping_motion
 from kilter.analysis.verdict.verdict_answer import (
     certificate_answer,
@@ -54,7 +56,8 @@ from kilter.mechanics.rows import POSSIBLE
 from kilter.second_order.answer.second_order_file import second_order_data
 from kilter.tell.cells import InCells
 from kilter.tell.html import html_of
-from kilter.tell.levels import REQUIRE, holds, level_of
+from kilter.tell.json_answer import Answer
+from kilter.tell.levels import REQUIRE, VerdictWord, holds, level_of
 from kilter.tell.words import NAMED, motion_summary, motion_words
 from kilter.threads import on_one_thread
 from kilter.units import metres_per_unit
@@ -77,12 +80,14 @@ ROUNDING = 1e-15
 
 
 @dataclass(frozen=True, eq=False)
-class Verdict(InCells):
+class Verdict(InCells, Answer):
     """Answer of `check`, with its evidence.
 
     Attributes
     ----------
-    verdict : {"stable", "settles", "potentially-stable", "balanced", "unstable", "undecided"}
+    verdict : VerdictWord
+        It is equal to its text: "stable", "settles", "potentially-stable", "balanced",
+        "unstable" or "undecided".
     sentence : str
         The verdict in words.
     assembly : Assembly
@@ -115,7 +120,9 @@ class Verdict(InCells):
         Remainder of the time limit after the verdict [s]; None without a time limit.
     """
 
-    verdict: Word
+    answer: ClassVar[str] = "check"
+
+    verdict: VerdictWord
     sentence: str
     assembly: Assembly
     contacts: ContactSet
@@ -135,7 +142,28 @@ class Verdict(InCells):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "seconds", MappingProxyType(dict(self.seconds)))
+        object.__setattr__(self, "verdict", VerdictWord(self.verdict))
         sealed((self.program, self.judgement, self.friction, self.second_order))
+
+    def __getitem__(self, part: str | int) -> PartAnswer:
+        k = self.assembly.index_of(part)
+        motion = self.motion[self.assembly.names[k]]
+        shift = self.displacement.displacement if self.measured else None
+        return PartAnswer(
+            name=self.assembly.names[k],
+            grounded=self.assembly.parts[k].grounded,
+            mass=float(self.program.mass[k]),
+            moves=motion.moves,
+            acceleration=motion.acceleration if self.motion.known else None,
+            displacement=None if shift is None else shift[k],
+            motion=motion,
+            words=self.words(k),
+        )
+
+    @property
+    def parts(self) -> tuple[PartAnswer, ...]:
+        """The answers for all parts, in the order of the assembly; ``verdict[name]`` is one."""
+        return tuple(self[k] for k in range(len(self.assembly)))
 
     @property
     def stable(self) -> bool:
@@ -239,7 +267,8 @@ class Verdict(InCells):
         law. For the verdict potentially-stable, they are the motion that refutes the guarantee.
         """
         motion = self._motion()
-        return sealed(motion if motion.known else unknown(self.program, self.certificate))
+        motion = motion if motion.known else unknown(self.program, self.certificate)
+        return sealed(dataclasses.replace(motion, names=tuple(self.program.names)))
 
     @on_one_thread
     def _motion(self) -> ImpendingMotion:

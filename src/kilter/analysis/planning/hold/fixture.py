@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -21,13 +21,14 @@ from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import Evidence, make_proof
 from kilter.tell.hold_words import hold_sentence
 from kilter.tell.html import html_of
+from kilter.tell.json_answer import Answer
 from kilter.tell.levels import holds
 
 __all__ = ["Fixture"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Fixture:
+class Fixture(Answer):
     """Answer of `hold`: the fewest supports, or the proof that all candidates are not enough.
 
     Attributes
@@ -46,6 +47,8 @@ class Fixture:
     seconds : mapping
         Duration of each stage [s].
     """
+
+    answer: ClassVar[str] = "hold"
 
     supported: Supported
     found: LeastSupports

@@ -10,12 +10,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable
 
+from numpy.typing import ArrayLike
+
 from kilter.analysis.planning.hold.fixture import Fixture
 from kilter.analysis.planning.hold.least_supports import LeastSupports, find_least_supports
 from kilter.analysis.planning.hold.support_candidates import candidates_of
 from kilter.analysis.planning.hold.supported import Supported
-from kilter.assembly import Assembly, require_assembly
 from kilter.assembly.bonds import NOT_SET, require_no_bonds
+from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.coincident import require_apart
 from kilter.contact.supports import Support
@@ -33,8 +35,12 @@ SEARCH = 40.0
 
 @on_one_thread
 def hold(
-    assembly: Assembly,
+    assembly: AssemblyOrPath,
     *,
+    friction: float | None = None,
+    down: ArrayLike | None = None,
+    ground: str | Iterable[str] = (),
+    floor: bool | float | None = None,
     candidates: Iterable[str | Support] = ("grips",),
     most: int | None = None,
     require: str = REQUIRE,
@@ -48,8 +54,10 @@ def hold(
 
     Parameters
     ----------
-    assembly : Assembly
+    assembly : Assembly, or path
         Assembly; `Assembly.without` omits parts that are not inserted yet.
+    friction, down, ground, floor : optional
+        Changes of the assembly before the question, as the options of `kilter.load`.
     candidates : iterable of "grips", "props", "fingers" or Support
         Candidates: a grip on every part, a prop under every part, a finger on every flat
         face that is free, or the given supports.
@@ -76,7 +84,9 @@ def hold(
     >>> hold(half, most=1)
     <Fixture: undecided, 2 or more>
     """
-    require_assembly(assembly, "hold")
+    assembly = asked_assembly(
+        assembly, "hold", contacts, friction=friction, down=down, ground=ground, floor=floor
+    )
     require_no_bonds(assembly, "hold", NOT_SET)
     require = require_level(require)
     if most is not None and (isinstance(most, bool) or not isinstance(most, int) or most < 0):

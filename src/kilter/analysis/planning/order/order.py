@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from kilter.analysis.planning.states.states import States
 from kilter.errors import InputError
 from kilter.tell.cells import InCells
 from kilter.tell.html import html_of
+from kilter.tell.json_answer import Answer
 from kilter.tell.levels import holds
 from kilter.tell.numbers import count
 from kilter.tell.plan_words import order_sentence
@@ -33,7 +34,7 @@ __all__ = ["Order"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Order(InCells):
+class Order(InCells, Answer):
     """Answer of `plan`: an order of assembly, or the proof that no order exists.
 
     Attributes
@@ -92,6 +93,8 @@ class Order(InCells):
     seconds : mapping
         Duration of each stage [s].
     """
+
+    answer: ClassVar[str] = "plan"
 
     states: States
     steps: tuple[Step, ...]

@@ -12,10 +12,11 @@ Without such a proof, the answer "none found" covers only the tried paths.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from kilter.analysis.planning.order.cheapest import Searched, find_order
 from kilter.analysis.planning.order.closure import find_unreachable
@@ -37,8 +38,9 @@ from kilter.analysis.planning.states.part_sets import members
 from kilter.analysis.planning.states.state import State
 from kilter.analysis.planning.states.states import States, states
 from kilter.arrays import Mask
-from kilter.assembly import Assembly, require_assembly
+from kilter.assembly import Assembly
 from kilter.assembly.bonds import NOT_SET, require_no_bonds
+from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance
 from kilter.errors import InputError
 from kilter.tell.levels import require_level
@@ -54,9 +56,13 @@ SEARCH = 40.0
 
 @on_one_thread
 def plan(
-    assembly: Assembly,
+    assembly: AssemblyOrPath,
     rules: PlanRules | None = None,
     *,
+    friction: float | None = None,
+    down: ArrayLike | None = None,
+    ground: str | Iterable[str] = (),
+    floor: bool | float | None = None,
     require: str = "equilibrium",
     effort: float = EFFORT,
     time_limit: float | None = None,
@@ -68,13 +74,16 @@ def plan(
 
     Parameters
     ----------
-    assembly : Assembly
+    assembly : Assembly, or path
         Finished assembly with at least one grounded part; the grounded parts are the base.
+    friction, down, ground, floor : optional
+        Changes of the assembly before the question, as the options of `kilter.load`.
     rules : PlanRules, optional
         Allowed orders, held parts and paths, and the quantity to be minimised; by default up to 2
         parts are held, and their number is minimised.
     require : {"equilibrium", "settles", "proved"}
-        Level that `Order.holds` requires of every step; the search uses "equilibrium".
+        Level that `Order.holds` requires of every step. The default is lower than that of `check`,
+        because the search decides half-built states at "equilibrium".
     effort : float
         Limit of the counted work of the search: 1 is usual, each further unit means ten times more.
     time_limit, contacts, tolerance, progress
@@ -94,6 +103,9 @@ def plan(
     >>> found, [step.part for step in found.steps]
     (<Order: found, 5 steps, 0 with parts held>, ['cube-1', 'cube-2', 'cube-3', 'cube-4', 'cube-5'])
     """
+    assembly = asked_assembly(
+        assembly, "plan", contacts, friction=friction, down=down, ground=ground, floor=floor
+    )
     rules = PlanRules() if rules is None else rules
     _require_plannable(assembly, rules)
     level = require_level(require)
@@ -170,7 +182,6 @@ class _Obstacles:
 
 def _require_plannable(assembly: Assembly, rules: PlanRules) -> None:
     """Reject an assembly without a base, with bonds, or with loads that would turn with it."""
-    require_assembly(assembly, "plan")
     require_no_bonds(assembly, "plan", NOT_SET)
     assembly.require_grounded()
     if rules.turn and assembly.loads:

@@ -48,8 +48,9 @@ from kilter.analysis.planning.states.state_programs import (
     rows_of_state,
 )
 from kilter.arrays import Mask
-from kilter.assembly import Assembly, require_assembly
+from kilter.assembly import Assembly
 from kilter.assembly.bonds import NOT_SET, require_no_bonds
+from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.coincident import require_apart
 from kilter.contact.sub_contacts import contacts_among
@@ -480,8 +481,12 @@ class States:
 
 @on_one_thread
 def states(
-    assembly: Assembly,
+    assembly: AssemblyOrPath,
     *,
+    friction: float | None = None,
+    down: ArrayLike | None = None,
+    ground: str | Iterable[str] = (),
+    floor: bool | float | None = None,
     contacts: ContactSet | None = None,
     tolerance: Tolerance | None = None,
     progress: Callable[[str], None] | None = None,
@@ -490,8 +495,10 @@ def states(
 
     Parameters
     ----------
-    assembly : Assembly
+    assembly : Assembly, or path
         Finished assembly; its grounded parts are held in every state in which they are present.
+    friction, down, ground, floor : optional
+        Changes of the assembly before the question, as the options of `kilter.load`.
     contacts : ContactSet, optional
         Contacts; detected from the geometry by default.
     tolerance : Tolerance, optional
@@ -516,7 +523,9 @@ def states(
     >>> arch.of(without, held=["voussoir-9", "voussoir-11"]).stable
     True
     """
-    require_assembly(assembly, "states")
+    assembly = asked_assembly(
+        assembly, "states", contacts, friction=friction, down=down, ground=ground, floor=floor
+    )
     require_no_bonds(assembly, "states", NOT_SET)
     if contacts is None:
         contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)

@@ -1,0 +1,38 @@
+"""Answers as JSON text that travels, and the number of the version of its schemas."""
+
+from __future__ import annotations
+
+import json
+from typing import Any, ClassVar
+
+__all__ = ["SCHEMA_VERSION", "Answer"]
+
+SCHEMA_VERSION = 1
+"""Version of the data of all answers; a key that is removed or changes its meaning raises it."""
+
+
+class Answer:
+    """An answer of a verb: its JSON data are those that the command prints with ``--json``."""
+
+    __slots__ = ()
+
+    answer: ClassVar[str] = ""
+    """Name of the verb that gives the answer."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """The answer as JSON data."""
+        raise NotImplementedError
+
+    def to_json(self, *, indent: int | None = 2) -> str:
+        """The answer as JSON text that `kilter.load_answer` reads.
+
+        The text has all keys of `to_dict`, and before them "answer", the name of the verb, and
+        "schema", the version of the data.
+
+        Parameters
+        ----------
+        indent : int or None
+            Number of spaces for each level; None for a single line.
+        """
+        data = {"answer": self.answer, "schema": SCHEMA_VERSION, **self.to_dict()}
+        return json.dumps(data, indent=indent, ensure_ascii=False, allow_nan=False)
