@@ -84,6 +84,13 @@ def test_a_solver_that_the_limit_cut_short_is_not_reported_as_failed(
     assert kilter.margin(slope, pushed=[], time_limit=100.0).missing["friction"] == "time"
 
 
+def test_tries_that_the_time_limit_prevented_do_not_lack_effort() -> None:
+    slope = stacks.block_on_slope(10.0, friction=0.5)
+    text = text_of(kilter.check(slope, time_limit=0.0).to_dict())
+    assert "not tried for lack of time: a longer --time-limit" in text
+    assert "effort: --effort" not in text
+
+
 def test_an_undecided_verdict_without_a_motion_has_no_table_of_moving_parts() -> None:
     table = Part("table", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
     sunk = Assembly([table, Part("cube", Box([1, 1, 1]), Pose([0, 0, 0.45]))])

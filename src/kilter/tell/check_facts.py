@@ -41,8 +41,9 @@ WHY = {
     "not-asked": "settling and other motions were not examined",
     "not-found": "whether its own weight can hold it was not determined",
 }
-UNDONE = "not every loose try was finished for lack of effort"
-"""Reason of the level if a seat was found but the tries were not finished."""
+UNDONE = "not every loose try was finished for lack of {}"
+"""Reason of the level if a seat was found but the tries were not finished, for lack of effort or
+time."""
 
 
 def check_facts(answer: Answer) -> list[Fact]:
@@ -63,7 +64,7 @@ def check_facts(answer: Answer) -> list[Fact]:
         facts.append(("guarantee", _guarantee(answer["guarantee"], friction)))
     if answer["seated"] is not None:
         facts.append(("seated", SEATED[answer["seated"]]))
-        facts.append(("settles", _settles(answer["tries"], friction)))
+        facts.append(("settles", _settles(answer)))
     if answer["level"] is not None:
         facts.append(("level", _level(answer)))
     forces = forces_phrase(answer["forces"])
@@ -86,20 +87,25 @@ def _level(answer: Answer) -> str:
     """Return the reached level with its reason, and the required level if it is higher."""
     level, why = answer["level"], answer["why"]
     seated = why == "not-found" and answer["seated"] == "yes"
-    words = level if why is None else f"{level}: {UNDONE if seated else WHY[why]}"
+    lack = "effort" if answer["time_limit"] is None else "time"
+    words = level if why is None else f"{level}: {UNDONE.format(lack) if seated else WHY[why]}"
     return words if answer["holds"] else f"{words} (required: {answer['require']})"
 
 
-def _settles(tries: Answer, friction: Answer) -> str:
-    """Return how many loose tries came to rest, and the effort that may finish the others."""
+def _settles(answer: Answer) -> str:
+    """Return how many loose tries came to rest, and the option that may finish the others."""
+    tries, friction = answer["tries"], answer["friction"]
     settling, more = friction["settling"], math.floor(max(friction["effort"], 1.0)) + 1
     undone = settling["of"] - len(settling["ends"]) + settling["ends"].count("not-found")
     finished = settling["of"] - undone
+    lack, remedy = "effort", f"--effort {more}"
+    if answer["time_limit"] is not None:
+        lack, remedy = "time", "a longer --time-limit"
     if not finished:
-        return f"not tried for lack of effort: --effort {more}"
+        return f"not tried for lack of {lack}: {remedy}"
     words = f"{tries['passed']} of {finished} loose tries came to rest"
-    left = f"{undone} more {'was' if undone == 1 else 'were'} not finished for lack of effort"
-    return f"{words}; {left}: --effort {more}" if undone else words
+    left = f"{undone} more {'was' if undone == 1 else 'were'} not finished for lack of {lack}"
+    return f"{words}; {left}: {remedy}" if undone else words
 
 
 def _free_mass(parts: Iterable[Answer]) -> float:
