@@ -42,6 +42,7 @@ def test_what_is_not_quite_in_contact_is_undecided_and_decides(tolerances: float
         "pairs": [pair["parts"]],
         "verdict": "stable",
         "smallest": True,
+        "irreducible": True,
     }
     assert "as drawn it falls; it would hold if 'floor' and 'cube'" in verdict.sentence
     joined = verdict.assembly.with_joints([Joint(("floor", "cube"))])

@@ -186,10 +186,10 @@ def open_facts(answer: Mapping[str, Any]) -> list[tuple[str, str]]:
     counted = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
     facts = [("open pairs", f"{len(kinds)}: {counted}")]
     if joined is not None:
-        least = (
-            "no smaller set of open pairs is enough"
-            if joined["smallest"]
-            else "each of these pairs is needed"
-        )
+        least = "a smallest set was not searched for"
+        if joined["smallest"]:
+            least = "no smaller set of open pairs is enough"
+        elif joined["irreducible"]:
+            least = "each of these pairs is needed"
         facts.append(("if joined", f"{VERDICTS[joined['verdict']].lower()}; {least}"))
     return facts

@@ -31,10 +31,13 @@ from kilter.analysis.open_pairs.ordinary_contacts import (
     EQUILIBRIUM,
     PROVED,
     SETTLES,
+    OpenTrial,
+    can_be_tried,
     try_ordinary,
 )
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
+from kilter.contact.open_pairs import still_open
 from kilter.mechanics.program import Program, build_program
 from kilter.tell.levels import REQUIRE
 from kilter.work import Work
@@ -171,6 +174,10 @@ def _with_friction(
         return Decision("potentially-stable", program, judgement, answer)
     if require == "equilibrium" or program.cohesion.any():
         return Decision("potentially-stable", program, judgement, not_asked(program))
+    if not can_be_tried(still_open(contacts.open_pairs, assembly)):
+        # the open pairs limit the level to equilibrium, whatever the certain contacts guarantee
+        trial = OpenTrial(EQUILIBRIUM, 0)
+        return Decision("potentially-stable", program, judgement, not_asked(program), trial=trial)
     answer, trial = ask_friction(program, work=work), None
 
     def level(other: Program) -> int:

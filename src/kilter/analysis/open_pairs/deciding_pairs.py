@@ -10,8 +10,12 @@ set that every holding set must *hit*: it must contain at least one of them. The
 smallest set that hits all these sets. The first S that holds is therefore the smallest possible.
 To make the sets to hit small, pairs are added to S as long as it does not hold.
 
-For many open pairs the result is a set from which no pair can be left out. Only the pairs of a
-spanning forest are examined, since joining two parts of the same body changes nothing.
+For many open pairs the search begins with the pairs that the motion must be stopped by
+(`joining_wrenches`). This set is reduced by halves until no pair can be left out. Only the pairs of
+a spanning forest are examined, since joining two parts of the same body changes nothing.
+
+The work is counted in rows of programs, and is at most that of `JUDGEMENTS` judgements of the
+assembly. If the search stops there, the set so far is reported; it holds, but may be reducible.
 """
 
 from __future__ import annotations
@@ -23,6 +27,7 @@ from itertools import combinations
 import numpy as np
 
 from kilter.analysis.decision.judge import Judgement, judge
+from kilter.analysis.open_pairs.joining_wrenches import joining_wrenches
 from kilter.arrays import Array, Index, Mask, connected
 from kilter.contact.open_pairs import KINDS, OpenPair
 from kilter.mechanics.certificate import part_sizes
@@ -36,6 +41,17 @@ __all__ = ["MOST", "DecidingPairs", "find_deciding"]
 MOST = 12
 """Largest number of open pairs for which the smallest set is computed. With more open pairs, a set
 from which no pair can be left out is computed."""
+JUDGEMENTS = 3
+"""Largest work of a search, in judgements of the whole assembly."""
+PROGRAMS = 3
+"""Programs of a judgement: without friction, with friction, and with the forces of open pairs."""
+LEAST_ROWS = 100
+"""Rows to which the cost of building a program is equal."""
+FREE_ROWS = 50_000
+"""Rows that each search may solve, however small the assembly; they take about a second."""
+WRENCHES = (1e-2, 1e-6)
+"""Pairs with a wrench above this are joined, in multiples of the typical weight [-]. The second
+value serves if the first set does not hold."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,12 +63,15 @@ class DecidingPairs:
     pairs : tuple of OpenPair
     smallest : bool
         Whether it is proved that no smaller set of pairs suffices.
+    irreducible : bool
+        Whether it is proved that none of the pairs can be left out.
     programs : int
         Number of programs solved.
     """
 
     pairs: tuple[OpenPair, ...]
     smallest: bool
+    irreducible: bool
     programs: int
 
 
@@ -75,20 +94,22 @@ def find_deciding(
     Returns
     -------
     DecidingPairs or None
-        None if there are no open pairs, if all pairs joined are not proved to hold, or if the
-        time limit ended the search.
+        None if there are no open pairs, or if all pairs joined are not proved to hold.
     """
     ranked = sorted(pairs, key=lambda pair: (KINDS.index(pair.kind), abs(pair.gap or 0.0)))
-    search = _Search(program, group, np.array([pair.parts for pair in ranked]).reshape(-1, 2), work)
-    everything = frozenset(range(len(ranked)))
-    if not pairs or search.holds(everything) is not True:
+    ends = np.array([pair.parts for pair in ranked]).reshape(-1, 2)
+    search = _Search(program, group, ends, work)
+    if not pairs or search.holds(range(len(ranked))) is not True:
         return None
-    few = len(ranked) <= MOST
-    chosen = search.smallest() if few else search.irreducible()
+    chosen = search.smallest() if len(ranked) <= MOST else None
+    smallest = chosen is not None and not search.doubtful
+    irreducible = smallest
     if chosen is None:
-        return None
+        search.doubtful = False
+        chosen = search.irreducible()
+        irreducible = not search.ended and not search.doubtful
     deciding = tuple(ranked[k] for k in sorted(chosen))
-    return DecidingPairs(deciding, few and not search.doubtful, search.programs)
+    return DecidingPairs(deciding, smallest, irreducible, search.programs)
 
 
 class _Search:
@@ -96,6 +117,7 @@ class _Search:
 
     Pairs are numbered from the likeliest to the least likely contact; `ends` has shape (n, 2).
     `doubtful` is set if a program could not be decided: the set may then not be the smallest.
+    `rows_left`: rows of programs that may still be solved.
     """
 
     def __init__(self, program: Program, group: Index, ends: Index, work: Work | None) -> None:
@@ -104,10 +126,17 @@ class _Search:
         self.second = self.second[np.unique(group, return_inverse=True)[1]]
         self.known: dict[bytes, Judgement] = {}
         self.doubtful = False
+        judgement = PROGRAMS * len(program.part_a) + 6 * len(ends)
+        self.rows_left = max(JUDGEMENTS * judgement, FREE_ROWS)
 
     @property
     def programs(self) -> int:
         return len(self.known)
+
+    @property
+    def ended(self) -> bool:
+        """Whether the work or the time limit is used up."""
+        return self.rows_left <= 0 or (self.work is not None and self.work.late)
 
     def bodies(self, chosen: Iterable[int]) -> Index:
         """Number of the body of each part, from 0, if the chosen pairs are joined; shape (N,)."""
@@ -123,7 +152,9 @@ class _Search:
         """The judgement of the program with merged parts, computed once for each merging."""
         key = bodies.tobytes()
         if key not in self.known:
-            self.known[key] = judge(merge_parts(self.program, bodies), work=self.work)
+            merged = merge_parts(self.program, bodies)
+            self.rows_left -= len(merged.part_a) + LEAST_ROWS
+            self.known[key] = judge(merged, work=self.work)
         return self.known[key]
 
     def holds(self, chosen: Iterable[int]) -> bool | None:
@@ -131,10 +162,10 @@ class _Search:
         return self.judgement_of(self.bodies(chosen)).stable
 
     def smallest(self) -> frozenset[int] | None:
-        """The smallest set that holds, with the likeliest pairs; None if time ran out."""
+        """The smallest set that holds, with the likeliest pairs; None if the search ended."""
         to_hit: list[frozenset[int]] = []
         every = frozenset(range(len(self.ends)))
-        while self.work is None or not self.work.late:
+        while not self.ended:
             chosen = _least_hitting(sorted(every), to_hit)
             holds = self.holds(chosen)
             if holds:
@@ -154,6 +185,8 @@ class _Search:
         if self.holds(larger) is not False:
             larger = chosen
         for pair in sorted(every - larger):
+            if self.ended:
+                break
             if self.holds(larger | {pair}) is False:
                 larger |= {pair}
         return larger
@@ -167,15 +200,41 @@ class _Search:
         moves = _moves_apart(merge_parts(self.program, bodies), proof.motion, bodies[self.ends])
         return frozenset(np.flatnonzero(moves).tolist())
 
-    def irreducible(self) -> frozenset[int] | None:
-        """A set that holds, but fails if any of its pairs is left out; None if time ran out."""
-        forest: list[int] = []
-        for k in range(len(self.ends)):  # a spanning forest of the likeliest pairs
-            bodies = self.bodies(forest)
-            if bodies[self.ends[k, 0]] != bodies[self.ends[k, 1]]:
+    def irreducible(self) -> frozenset[int]:
+        """A set that holds, but fails if any of its pairs is left out, unless the search ended."""
+        return frozenset(self._irreducible_part([], self._start(), False))
+
+    def _start(self) -> list[int]:
+        """A set that holds, from which pairs are left out: those with wrenches, else all."""
+        norms = None
+        if not self.ended:
+            self.rows_left -= len(self.program.part_a) + 6 * len(self.ends)
+            norms = joining_wrenches(self.program, self.ends, work=self.work)
+        for least in WRENCHES if norms is not None else ():
+            forest = self._forest(np.flatnonzero(norms > least).tolist())
+            if self.holds(forest):
+                return forest
+        return self._forest(range(len(self.ends)))
+
+    def _forest(self, pairs: Iterable[int]) -> list[int]:
+        """The first of these pairs that join the same bodies as all of them."""
+        root = self.bodies([]).tolist()
+
+        def body(part: int) -> int:
+            while root[part] != part:
+                root[part] = root[root[part]]
+                part = root[part]
+            return part
+
+        # each part points to a part of its body, which points to itself
+        root = np.unique(root, return_index=True)[1][root].tolist()
+        forest = []
+        for k in pairs:
+            a, b = (body(part) for part in self.ends[k].tolist())
+            if a != b:
+                root[b] = a
                 forest.append(k)
-        chosen = self._irreducible_part([], forest, False)
-        return None if self.work is not None and self.work.late else frozenset(chosen)
+        return forest
 
     def _irreducible_part(
         self, base: list[int], candidates: list[int], base_changed: bool
@@ -186,9 +245,14 @@ class _Search:
         half is reduced with the rest of the second. This solves few programs if few pairs are
         needed (U. Junker, QuickXplain, 2004). An unchanged base is known not to hold.
         """
-        if base_changed and self.holds(base):
-            return []
-        if len(candidates) == 1 or (self.work is not None and self.work.late):
+        if self.ended:
+            return candidates
+        if base_changed:
+            holds = self.holds(base)
+            self.doubtful |= holds is None
+            if holds:
+                return []
+        if len(candidates) == 1:
             return candidates
         half = (len(candidates) + 1) // 2
         first, second = candidates[:half], candidates[half:]

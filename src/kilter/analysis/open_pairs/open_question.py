@@ -35,6 +35,7 @@ class OpenQuestion:
             "pairs": [[names[k] for k in pair.parts] for pair in self.deciding.pairs],
             "verdict": self.verdict,
             "smallest": self.deciding.smallest,
+            "irreducible": self.deciding.irreducible,
         }
 
 
@@ -62,8 +63,8 @@ def ask_open(
     Returns
     -------
     OpenQuestion or None
-        None if no set of joined open pairs gives forces of equilibrium, if the time limit ended
-        the search, or if the empty set seems to suffice because the program is near its limit.
+        None if no set of joined open pairs gives forces of equilibrium, or if the empty set seems
+        to suffice because the program is near its limit.
     """
     pairs = still_open(contacts.open_pairs, assembly)
     deciding = find_deciding(program, rigid_groups(assembly), pairs, work=work)

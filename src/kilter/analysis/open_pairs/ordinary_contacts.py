@@ -13,7 +13,7 @@ contacts. A degenerate point pushes along the centre of its normals.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
@@ -35,6 +35,7 @@ __all__ = [
     "PROVED",
     "SETTLES",
     "OpenTrial",
+    "can_be_tried",
     "trial_words",
     "try_ordinary",
     "with_ordinary_contacts",
@@ -68,6 +69,14 @@ class OpenTrial:
     lowest: tuple[OpenPair, ...] = ()
 
 
+def can_be_tried(pairs: Sequence[OpenPair]) -> bool:
+    """Whether every subset of these open pairs can be tried as ordinary contacts.
+
+    If not, forces of equilibrium are the highest level that friction can reach.
+    """
+    return len(pairs) <= MOST_TRIED and all(pair.kind != "free-form" for pair in pairs)
+
+
 def try_ordinary(
     assembly: Assembly, contacts: ContactSet, level_of: Callable[[Program], int]
 ) -> OpenTrial:
@@ -81,8 +90,8 @@ def try_ordinary(
         Function that returns the level of a program: EQUILIBRIUM, SETTLES or PROVED.
     """
     pairs = still_open(contacts.open_pairs, assembly)
-    if len(pairs) > MOST_TRIED or any(pair.kind == "free-form" for pair in pairs):
-        return OpenTrial(EQUILIBRIUM if pairs else PROVED, 0)
+    if not can_be_tried(pairs):
+        return OpenTrial(EQUILIBRIUM, 0)
     wide = _wide_contacts(assembly, contacts, pairs) if pairs else contacts
     trial = OpenTrial(PROVED, 0)
     for tried, chosen in enumerate(_subsets(pairs), start=1):
