@@ -176,8 +176,9 @@ def _with_friction(
         return Decision("potentially-stable", program, judgement, not_asked(program))
     if not can_be_tried(still_open(contacts.open_pairs, assembly)):
         # the open pairs limit the level to equilibrium, whatever the certain contacts guarantee
-        trial = OpenTrial(EQUILIBRIUM, 0)
-        return Decision("potentially-stable", program, judgement, not_asked(program), trial=trial)
+        limited = OpenTrial(EQUILIBRIUM, 0)
+        answer = not_asked(program)
+        return Decision("potentially-stable", program, judgement, answer, trial=limited)
     answer, trial = ask_friction(program, work=work), None
 
     def level(other: Program) -> int:

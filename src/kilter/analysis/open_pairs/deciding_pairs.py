@@ -210,10 +210,11 @@ class _Search:
         if not self.ended:
             self.rows_left -= len(self.program.part_a) + 6 * len(self.ends)
             norms = joining_wrenches(self.program, self.ends, work=self.work)
-        for least in WRENCHES if norms is not None else ():
-            forest = self._forest(np.flatnonzero(norms > least).tolist())
-            if self.holds(forest):
-                return forest
+        if norms is not None:
+            for least in WRENCHES:
+                forest = self._forest(np.flatnonzero(norms > least).tolist())
+                if self.holds(forest):
+                    return forest
         return self._forest(range(len(self.ends)))
 
     def _forest(self, pairs: Iterable[int]) -> list[int]:

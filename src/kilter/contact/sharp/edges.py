@@ -256,13 +256,28 @@ def _boundary(facets: Facets, which: Index) -> tuple[Index, Index, Index]:
     begin, end = facets.corners[row], facets.corners[following]
     by_triangles = ~facets.convex[owner]
     if by_triangles.any():  # sides between triangles of the same facet are not edges of the part
-        _, local = np.unique(owner, return_inverse=True)
-        vertices, ends = np.unique(np.concatenate([begin, end]), return_inverse=True)
-        stride = len(vertices)
-        p, q = ends[: len(begin)], ends[len(begin) :]
-        is_shared = np.isin((local * stride + p) * stride + q, (local * stride + q) * stride + p)
+        is_shared = np.zeros(len(begin), dtype=bool)
+        rows = np.flatnonzero(by_triangles)
+        is_shared[rows] = _run_both_ways(begin[rows], end[rows], owner[rows])
         begin, end, owner = begin[~is_shared], end[~is_shared], owner[~is_shared]
     return begin, end, owner
+
+
+def _run_both_ways(begin: Index, end: Index, owner: Index) -> Mask:
+    """Directed edges whose reverse belongs to the same owner."""
+    low, high, forward = np.minimum(begin, end), np.maximum(begin, end), begin < end
+    # a single sort brings both directions of an edge together, and no table of all pairs is needed
+    order = np.lexsort((high, low, owner))
+    is_new = np.ones(len(order), dtype=bool)
+    is_new[1:] = False
+    for key in (owner, low, high):
+        is_new[1:] |= np.diff(key[order]) != 0
+    group = np.empty(len(order), dtype=np.int64)
+    group[order] = np.cumsum(is_new) - 1
+    runs = np.bincount(group[forward], minlength=len(order)) > 0
+    runs_back = np.bincount(group[~forward], minlength=len(order)) > 0
+    both: Mask = (runs[group] & runs_back[group]) | (low == high)
+    return both
 
 
 def segment_distance(p1: Array, q1: Array, p2: Array, q2: Array) -> tuple[Array, Array, Array]:
