@@ -24,7 +24,6 @@ from dataclasses import dataclass
 from math import inf, isfinite
 from time import perf_counter
 
-from kilter.arrays import TINY
 from kilter.errors import TimeLimitReached
 
 __all__ = ["EFFORT", "PER_EFFORT", "Work", "seconds_left", "stop_after", "units_of"]
@@ -187,7 +186,7 @@ class Work:
 
     def steps(self, most: int, entries: int) -> int:
         """Number of simplex steps that the units allow: at least 1 and at most `most`."""
-        return int(min(most, max(self.left / max(LINEAR_ENTRY * entries, TINY), 1.0)))
+        return int(min(most, max(self.left / max(LINEAR_ENTRY * entries, LINEAR_ENTRY), 1.0)))
 
     def dense(self, unknowns: int) -> None:
         """Charge a solved dense system."""

@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kilter.errors import InputError
-from kilter.files.reading import LOWEST, Reading
 
 if TYPE_CHECKING:
     from kilter.contact import Tolerance
     from kilter.files.choices import Choices
+    from kilter.files.reading import Reading
 
 __all__ = [
     "ToleranceOptions",
@@ -56,6 +56,9 @@ def reading_of(
     bond: list[str] | None = None,
 ) -> Reading:
     """Return the reading for the values of the options of a command."""
+    # imported late: the help needs no reader
+    from kilter.files.reading import Reading
+
     return Reading(
         ground=tuple(ground or ()),
         floor=None if floor is None else _height(floor),
@@ -228,7 +231,7 @@ def with_floor_value(words: list[str]) -> list[str]:
             result.append(f"--floor={following}")
             next(rest)
         else:
-            result.append(f"--floor={LOWEST}")
+            result.append(f"--floor={_lowest()}")
     return result
 
 
@@ -248,7 +251,7 @@ def _number_or_word(word: str | None) -> float | str | None:
 def _height(floor: str) -> float | str:
     """Return the height of the floor, or the word for the lowest point."""
     try:
-        return floor if floor == LOWEST else float(floor)
+        return floor if floor == _lowest() else float(floor)
     except ValueError:
         raise InputError(
             f"--floor has {floor!r}, which is not a height", hint="give a number or no value"
@@ -318,3 +321,10 @@ class ToleranceOptions:
                 )
             kept[name] = old if value is None else value
         return ToleranceOptions(**kept, loose=self.loose or choices.loose), replaced
+
+
+def _lowest() -> str:
+    """The word for a floor under the lowest point."""
+    from kilter.files.choices import LOWEST
+
+    return LOWEST

@@ -14,15 +14,13 @@ from kilter.cli.colour import in_colour
 from kilter.cli.exit_codes import VERDICT
 from kilter.cli.output import as_json, emit, keep_apart, tell_warnings, tell_written, write_whole
 from kilter.errors import InputError, TimeLimitReached, shell_words
-from kilter.files.choices import find_choices
-from kilter.files.formats import EXACT
-from kilter.files.reading import LOWEST, Reading
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kilter.assembly import Assembly
     from kilter.contact import ContactSet, Tolerance
+    from kilter.files.reading import Reading
     from kilter.tell.tables import Table
 
 __all__ = ["Asked"]
@@ -157,6 +155,8 @@ class Asked:
 
         If the file has choices, the request is about the file that they name, with their options.
         """
+        from kilter.files.choices import find_choices
+
         asked = replace(self, file=file, begun=perf_counter())
         asked.apart()
         choices = find_choices(file)
@@ -186,6 +186,7 @@ class Asked:
     def read(self, progress: Callable[[str], None]) -> tuple[Assembly, ContactSet | None]:
         """Return the assembly, and its contacts if reading it needed them."""
         from kilter.contact.fits.fastening import fasten_as_read
+        from kilter.files.formats import EXACT
 
         progress("reading")
         source = self.source or self.file
@@ -280,6 +281,8 @@ class Asked:
 
     def command(self, name: str, *rest: str) -> str:
         """Return the command `name` with the options of this request, as it is typed."""
+        from kilter.files.choices import LOWEST
+
         words: list[str] = []
         for key, value in self.typed.options().items():
             option = f"--{key.replace('_', '-')}"

@@ -12,7 +12,6 @@ from kilter.cli.arguments import pair_of
 from kilter.cli.options import FORM
 from kilter.cli.order_files import as_typed
 from kilter.errors import InputError
-from kilter.files.sequence import read_sequence
 
 if TYPE_CHECKING:
     from kilter.analysis.planning.order.plan_rules import PlanRules
@@ -174,6 +173,7 @@ class PlanOptions:
             If a direction, a pair of names or the file of the sequence is invalid.
         """
         from kilter.analysis.planning.order.plan_rules import MOST_HELD, PlanRules
+        from kilter.files.sequence import read_sequence
 
         return PlanRules(
             hold=MOST_HELD if self.hold is None else self.hold,

@@ -1,6 +1,4 @@
-"""Verdicts: the answers of `check_many` in arrays, and each as a `Verdict` that is completed on
-access to its details.
-"""
+"""Verdicts: the answers of `check_many` in arrays, and each as a `Verdict` completed on access."""
 
 from __future__ import annotations
 
