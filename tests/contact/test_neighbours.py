@@ -144,6 +144,36 @@ def test_the_likely_reason_is_told() -> None:
         check(Assembly(low).with_floor(1.0))
 
 
+@pytest.mark.parametrize("count", [2, 3])
+def test_a_whole_beside_its_parts_is_named_and_left_out(count: int) -> None:
+    """The whole is a bar of unit cubes; with one cube in a longer bar it is only misplaced."""
+    cubes = [block(f"cube-{k}", [k, 0, 0], [k + 1, 1, 1]) for k in range(count)]
+    table = block("table", [-1, -1, -1], [9, 2, 0], grounded=True)
+    whole = block("all", [0, 0, 0], [count, 1, 1])
+    assembly = Assembly([table, whole, *cubes])
+    with pytest.raises(InputError, match="'all' is the whole beside its parts") as error:
+        check(assembly)
+    assert error.value.option == "leave the whole out with --without all"
+    assert check(assembly.without("all")).verdict == "stable"
+    longer = block("all", [0, 0, 0], [2 * count + 1, 1, 1])
+    with pytest.raises(InputError) as other:
+        check(Assembly([table, longer, *cubes]))
+    assert "whole beside" not in str(other.value)
+
+
+def test_frames_of_files_are_mentioned_only_for_several_files() -> None:
+    nested = [block(f"part-{k}", [-k - 1, -1, -1], [k + 1, 1, 1]) for k in range(3)]
+    parts = [block("g", [-9, -9, -9], [9, 9, -8], grounded=True), *nested]
+    with pytest.raises(InputError, match="variants drawn over each other") as error:
+        check(Assembly(parts, source="model.step"))
+    assert "--without part-0 --without part-1;" in error.value.option
+    assert (
+        check(Assembly(parts, source="m.step").without(["part-0", "part-1"])).verdict == "unstable"
+    )
+    with pytest.raises(InputError, match="in a frame of its own"):
+        check(Assembly(parts, source="folder"))
+
+
 @pytest.mark.slow
 def test_a_nut_without_its_hole_is_no_part_in_the_wrong_place() -> None:
     """M8: a hexagon of 13 mm as a round of as much area, on a shank of 8 mm."""

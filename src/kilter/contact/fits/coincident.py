@@ -1,14 +1,15 @@
 """Rejection of parts that lie on one another, which cannot be positioned as drawn.
 
 A pair is rejected if it shares more than half of the volume of its smaller part, and the parts are
-neither both held nor fixed to each other. Causes: files in frames of their own, a duplicate body, a
-part modelled without the hole for another. A screw in a nut that is drawn without its hole shares
-less.
+neither both held nor fixed to each other. Causes: files in frames of their own, a duplicate body,
+variants in a single file, the whole beside its parts, a part modelled without the hole for
+another. A screw in a nut that is drawn without its hole shares less.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
@@ -19,7 +20,7 @@ from kilter.errors import InputError, shell_words
 __all__ = ["coincident", "require_apart"]
 
 MANY = 3
-"""From this number of pairs on, the files are taken to have frames of their own."""
+"""From this number of pairs on, the parts of a folder are taken to have frames of their own."""
 
 
 def coincident(contacts: ContactSet) -> list[Overlap]:
@@ -86,6 +87,18 @@ def _sort_by_volume(contacts: ContactSet, overlap: Overlap) -> tuple[int, int]:
     return (a, b) if volume[a] >= volume[b] else (b, a)
 
 
+def _whole_of(contacts: ContactSet, overlaps: Sequence[Overlap]) -> int | None:
+    """The part that is the larger of every pair and that the other parts fill; None without one."""
+    pairs = [_sort_by_volume(contacts, overlap) for overlap in overlaps]
+    larger, smaller = {pair[0] for pair in pairs}, [pair[1] for pair in pairs]
+    if len(larger) != 1 or len(smaller) < 2:
+        return None
+    whole, volume = larger.pop(), contacts.assembly.geometry.volume
+    shares = [overlap.share or 0.0 for overlap in overlaps]
+    filled = sum(share * volume[part] for share, part in zip(shares, smaller, strict=True))
+    return whole if filled > COINCIDENT * volume[whole] else None
+
+
 def _cause_and_remedy(contacts: ContactSet, overlaps: Sequence[Overlap]) -> tuple[str, str, str]:
     """Likely cause of the overlaps, and the remedy in Python and as an option."""
     parts = contacts.assembly.parts
@@ -101,8 +114,25 @@ def _cause_and_remedy(contacts: ContactSet, overlaps: Sequence[Overlap]) -> tupl
             f"leave a part out with assembly.without({names[1]!r})",
             f"leave a part out with --without {shell_words(names[1:2])}",
         )
+    whole = _whole_of(contacts, overlaps)
+    if whole is not None:
+        name = parts[whole].name
+        return (
+            f"{name!r} is the whole beside its parts",
+            f"leave the whole out with assembly.without({name!r})",
+            f"leave the whole out with --without {shell_words((name,))}",
+        )
     join = f"kilter.fastened(assembly, [{names!r}])"
     fasten = f"--fasten {shell_words(names[:2])}"
+    if len(overlaps) >= MANY and Path(contacts.assembly.source).suffix:
+        out = sorted({parts[_sort_by_volume(contacts, pair)[1]].name for pair in overlaps})
+        words = " ".join(f"--without {shell_words((name,))}" for name in out)
+        return (
+            "copies, or variants drawn over each other",
+            f"leave the smaller parts out with assembly.without({out!r}); or join with {join}",
+            f"leave the smaller parts out with {words}; "
+            f"or join parts that are meant to overlap with {fasten} or --fasten-overlaps",
+        )
     if len(overlaps) >= MANY:
         place = "export the parts where they are in the assembly, not each in its own frame"
         return (
