@@ -107,7 +107,13 @@ def test_the_table_names_the_least_load_first():
         mass = None if load is None else load / G
         return {"part": part, "load": load, "mass": mass, "moves": [part] * (load is not None)}
 
-    table = load_table({"loads": [one("a", None), one("b", 9.81), one("c", 0.0981)]})
+    table = load_table(
+        {
+            "level": "proved",
+            "at_level": None,
+            "loads": [one("a", None), one("b", 9.81), one("c", 0.0981)],
+        }
+    )
     assert [row[:3] for row in table.rows(9)] == [
         ("c", "98.1 mN", "10 g"),
         ("b", "9.81 N", "1 kg"),
