@@ -10,6 +10,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -423,3 +424,15 @@ def test_a_graph_without_networkx_gets_one_sentence(monkeypatch: pytest.MonkeyPa
 def test_no_is_an_answer_of_a_plan() -> None:
     order = kilter.plan(stack(0.6))
     assert (order.found, order.verdict) == (False, "impossible")
+
+
+@pytest.mark.slow
+def test_a_type_checker_accepts_the_python_page(tmp_path: Any) -> None:
+    page = (Path(__file__).resolve().parents[1] / "docs" / "python.md").read_text(encoding="utf-8")
+    snippets = tmp_path / "snippets.py"
+    snippets.write_text("\n".join(re.findall(r"```python\n(.*?)```", page, re.S)), encoding="utf-8")
+    command = [sys.executable, "-m", "mypy", "--strict", str(snippets)]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, check=False)
+    if "No module named mypy" in done.stderr:
+        pytest.skip("mypy is not installed")
+    assert done.returncode == 0, done.stdout
