@@ -42,6 +42,7 @@ NEEDED = (
 EXTRAS = {
     "step": ("OCP", "cadquery-ocp-novtk", "STEP files"),
     "figures": ("matplotlib", "matplotlib", "kilter draw"),
+    "graph": ("networkx", "networkx", "ContactSet.graph"),
     "trimesh": ("trimesh", "trimesh", "objects of trimesh"),
     "compas": ("compas", "compas", "objects of COMPAS"),
     "build123d": ("build123d", "build123d", "objects of build123d"),

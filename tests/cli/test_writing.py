@@ -27,6 +27,7 @@ WRITERS = {
     "check.txt": ["check", FILE, "--quiet", "-o"],
     "region.json": ["region", FILE, "--quiet", "--proof"],
     "margin.json": ["margin", FILE, "--quiet", "--proof"],
+    "transport.json": ["transport", FILE, "--quiet", "--proof"],
     "orient.json": ["orient", FILE, "--quiet", "--json", "-o"],
     "contacts.json": ["contacts", FILE, "--quiet", "--json", "-o"],
     "improve.json": ["improve", BRICKS, "--quiet", "--write"],

@@ -28,7 +28,7 @@ def _bodies(count: int, seed: int) -> kilter.Assembly:
     parts = [kilter.Part("base", kilter.Box([1, 1, 1]), grounded=True)]
     for k in range(count):
         turn = Rotation.random(random_state=seed + k).as_quat()[[3, 0, 1, 2]]
-        pose = kilter.Pose([*rng.uniform(-3, 3, 3), 10.0 * k, 0, 0], turn)
+        pose = kilter.Pose(rng.uniform(-3, 3, 3) + np.array([10.0 * k, 0, 0]), turn)
         size = rng.uniform(0.2, 1.5, 3)
         parts.append(kilter.Part(f"b{k}", kilter.Box(size), pose, density=rng.uniform(100, 3000)))
     return kilter.Assembly(parts)

@@ -56,8 +56,8 @@ def test_circle_at_fixed_heading_and_along_it() -> None:
     assert _factor(path) == pytest.approx(expected, rel=1e-6)
     turning = np.column_stack([np.cos(angle / 2), 0 * angle, 0 * angle, np.sin(angle / 2)])
     none = np.zeros((len(TIME), 3))
-    spin = [*none, 0, 0, speed / radius]
-    ahead = [*none, -(speed**2) / radius, 0, 0]
+    spin = np.tile([0, 0, speed / radius], (len(TIME), 1))
+    ahead = np.tile([-(speed**2) / radius, 0, 0], (len(TIME), 1))
     rotation = path_from_poses(TIME, radius * inward, turning).rotation
     along = CarrierPath(TIME, rotation, ahead, spin, none, np.zeros(3), False)
     answer = kilter.transport(_flat(), path=along)

@@ -137,7 +137,7 @@ def level_words(
 
     Examples
     --------
-    >>> level_words("settles", {"inside": 11.2, "outside": 11.3, "why": None}, angle)
+    >>> level_words("settles", {"inside": 11.2, "outside": 11.201, "why": None}, angle)
     '; it settles up to 11.2 deg'
     """
     if limit is None:
