@@ -74,7 +74,7 @@ Why = Literal["refuted", "jams", "squeeze", "not-found", "not-asked"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FrictionAnswer:
-    """Results of the questions of friction for a program with equilibrium forces.
+    """Answer to the friction questions of a program (parts, contact rows, loads) in equilibrium.
 
     Attributes
     ----------
@@ -109,12 +109,12 @@ class FrictionAnswer:
 
     @property
     def settles(self) -> bool:
-        """True if every try came to verified balance, and no motion was found."""
+        """True if every settling try came to rest in checked balance and no motion was found."""
         return self.guarantee != "refuted" and len(self.tries) == self.settling.of
 
     @property
     def why(self) -> Why | None:
-        """First reason why the assembly may not stay; None if it settles or is proved."""
+        """First reason why the assembly may not stay; None if it settles or is proved stable."""
         if not self.examined:
             return "not-asked"
         if self.guarantee == "refuted":
@@ -127,7 +127,7 @@ class FrictionAnswer:
 
     @property
     def evidence(self) -> Evidence:
-        """The evidence for a proof file."""
+        """The data of this answer that a proof file contains."""
         exclusion = self.exclusion
         return Evidence(
             self.guarantee,
@@ -142,7 +142,7 @@ class FrictionAnswer:
 
 
 def not_asked(program: Program) -> FrictionAnswer:
-    """Return the answer that forces of equilibrium exist; the guarantee is not examined.
+    """Friction answer for callers that need only equilibrium: no search for motions is made.
 
     The guarantee covers Coulomb's law only, not bonds that bear shear up to a force.
     """
@@ -157,7 +157,7 @@ def ask_friction(
     *,
     work: Work | float = EFFORT,
 ) -> FrictionAnswer:
-    """Guarantee, seating and settling of a program that has equilibrium forces with friction.
+    """Ask whether a program with friction that has equilibrium forces stays, and try to prove it.
 
     Parameters
     ----------
@@ -195,14 +195,14 @@ def ask_friction(
 
 
 def _out_of_reach(program: Program, whole: Work) -> bool:
-    """True if a single conic program of the questions is expected to exceed the work limit."""
+    """True if even one conic program of these questions is expected to exceed the work limit."""
     entries = program.part_a.size * ENTRIES_OF_POINT * len(program.freedoms)
     expected = CONIC_ENTRY * CONIC_STEPS * entries
     return expected > max(whole.allowed, PER_EFFORT) and bool(program.mu.any())
 
 
 def _seat_and_settle(program: Program, whole: Work) -> tuple[Seating, Settling]:
-    """Put the parts down with care, then loosely."""
+    """Search for a position of rest with care (seating), then drop the parts loosely (settling)."""
     law = coulomb_law(program)
     efforts = PER_EFFORT * max(whole.allowed / PER_EFFORT, 1.0)
     whole.stage("seating")
@@ -215,7 +215,7 @@ def _seat_and_settle(program: Program, whole: Work) -> tuple[Seating, Settling]:
 
 
 def _verify_forces(program: Program, forces: Sequence[Array]) -> tuple[ForceProof, ...]:
-    """The forces that are a proof of equilibrium, as proofs."""
+    """Proofs of equilibrium from the given forces; empty if the forces fail the check."""
     proofs = []
     for vectors in forces:
         along = np.einsum("ij,ij->i", vectors, program.normal)

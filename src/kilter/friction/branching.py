@@ -1,4 +1,4 @@
-"""Branch and bound over contact modes: the core that the search and the proof share.
+"""Branch and bound over the contact modes (open, stick, slide), for the search and the proof.
 
 A contact point is in one of three modes. With u the relative acceleration of part b past part a
 there, f the force on b, n along the normal (from a to b) and t across it:
@@ -32,7 +32,7 @@ Case = TypeVar("Case")
 
 
 class Mode(IntEnum):
-    """Mode of a contact point; UNDECIDED if a case allows all three."""
+    """Mode of a contact point: open, sticking or sliding; UNDECIDED if a case allows all three."""
 
     UNDECIDED = 0
     OPEN = 1
@@ -41,7 +41,7 @@ class Mode(IntEnum):
 
 
 class CaseTree(Generic[Question, Case]):
-    """The open cases of a branch and bound, the most promising first.
+    """Open cases of a branch and bound over contact modes, the most promising first.
 
     Parameters
     ----------
@@ -70,12 +70,12 @@ class CaseTree(Generic[Question, Case]):
         self._heap: list[tuple[float, int, Case]] = []
 
     def __len__(self) -> int:
-        """Number of open cases."""
+        """Number of open cases in the tree."""
         return len(self._heap)
 
     @property
     def best(self) -> Case | None:
-        """The most promising open case; None if all are closed."""
+        """The open case with the greatest priority; None if all cases are closed."""
         return self._heap[0][2] if self._heap else None
 
     def explore(
@@ -85,7 +85,7 @@ class CaseTree(Generic[Question, Case]):
         enough: Callable[[Case], bool] | None = None,
         most: float = math.inf,
     ) -> Iterator[Case]:
-        """Bound the root, then repeatedly divide the most promising case.
+        """Bound the root case, then repeatedly divide the open case with the greatest priority.
 
         Yields every open case when it is bounded.
 

@@ -1,4 +1,4 @@
-"""Contraction: bounds of all solutions of the contact law, shrunk by linear programs.
+"""Shrink bounds of all solutions of Coulomb's contact law by linear programs (contraction).
 
 Each bounded quantity (opening, force, sliding speed, distance to the cone, total force of a group)
 is maximised over the relaxation that the present bounds define. The proved bound of the optimum
@@ -48,7 +48,7 @@ RESCALED = 0.95
 
 @dataclass(slots=True, eq=False)
 class ProofAttempt:
-    """Data shared by the steps of a proof.
+    """Data that all steps share in a proof that no motion can start.
 
     `tolerance` is the power w.a over |w|^2 that counts as zero. `steps` are the steps so far, by
     which the proof can be repeated without the solver.
@@ -62,14 +62,14 @@ class ProofAttempt:
     steps: list[ExclusionStep] = field(default_factory=list)
 
     def closed(self, bounds: Enclosure, power: float) -> bool:
-        """True if the greatest power w.b is below the tolerance: scale * power is w.a."""
+        """True if a greatest power w.b within bounds is below the tolerance of the proof."""
         return bounds.scale * power <= self.tolerance
 
 
 def power_bound(
     attempt: ProofAttempt, bounds: Enclosure, basis: object = None
 ) -> tuple[Enclosure, float, Solution, PowerStep]:
-    """Bound the greatest power w.b of the motions within bounds.
+    """Upper bound of the power w.b (work rate of the loads) of all motions within bounds.
 
     Returns the bounds with a tangent at the solution, the power, the solution, and the step.
     """
@@ -86,7 +86,7 @@ def power_bound(
 def contract(
     attempt: ProofAttempt, bounds: Enclosure, until: Work | None = None
 ) -> tuple[Enclosure, float]:
-    """Shrink bounds until the power is excluded, progress stalls, or `until` is spent.
+    """Shrink bounds of the motions until no power is left, progress stalls, or `until` is spent.
 
     Returns
     -------
@@ -113,7 +113,7 @@ def contract(
 
 
 def _progress(before: Enclosure, after: Enclosure) -> float:
-    """Largest mean relative decrease of a kind of bounds, or of the squared scale.
+    """Progress of a round: the largest mean relative decrease of any array of bounds, or scale^2.
 
     Speeds count in units of the scale.
     """
@@ -138,7 +138,7 @@ def shrunk(
     kinds: Sequence[str] = ALL,
     until: Work | None = None,
 ) -> Enclosure:
-    """Bound every quantity of the given kinds once, over the relaxation of the given bounds.
+    """Shrink the bound of each quantity of the given kinds (speeds, forces) by a linear program.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Equilibrium forces of the least elastic energy: the start of seating, and its scale.
+"""Equilibrium forces of least elastic energy, from which the search for a seat starts.
 
     min 1/2 f.C f,    w + H^T f = 0,    f in Coulomb's cones
 
@@ -29,14 +29,14 @@ __all__ = ["ElasticForces", "elastic_forces"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ElasticForces:
-    """Forces (n, u, v) of the least energy, shape (K, 3), and a displacement, shape (n,)."""
+    """Equilibrium forces (n, u, v) of least elastic energy, shape (K, 3), and a motion, (n,)."""
 
     forces: Array
     displacement: Array
 
 
 def elastic_forces(law: CoulombLaw, *, work: Work) -> ElasticForces | None:
-    """Forces of the least elastic energy; None if the solver finds none."""
+    """Equilibrium forces of the least elastic energy; None if the solver finds none."""
     from kilter.solvers.clarabel import solve_conic
 
     answer = solve_conic(_energy_program(law), tolerance=ELASTIC_GAP, work=work)
@@ -46,7 +46,7 @@ def elastic_forces(law: CoulombLaw, *, work: Work) -> ElasticForces | None:
 
 
 def _energy_program(law: CoulombLaw) -> ConicProgram:
-    """Program in the forces (n, u, v) of every row: balance, rows without friction, cones."""
+    """Cone program of these forces: balance of the parts, rows without friction, friction cones."""
     count = len(law.mu)
     smooth = np.flatnonzero(~law.tied & (law.mu <= 0))
     rough = np.flatnonzero(~law.tied & (law.mu > 0))

@@ -1,4 +1,4 @@
-"""Bounds of all remaining solutions of the contact law, and cones of twists.
+"""Bounds of all motions and forces that a proof has not yet excluded, and cones of patch twists.
 
 An *enclosure* holds bounds of every solution (a, f) that a step of a proof considers, with
 |a| <= scale and w.a <= scale^2. Motions are in units of the scale, b = a / scale, forces in those
@@ -50,7 +50,7 @@ AT_REST: TwistCone = np.zeros((0, 0))
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Enclosure:
-    """Bounds of all solutions; K points, G groups, m directions, n freedoms.
+    """Bounds of all remaining solutions (motions and forces) of the contact law.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ class Enclosure:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LargestSpeeds:
-    """Largest un, shape (K,), d_k.ut (in space |ut|), (G, m), and |ut|, (G,), for |b| <= 1."""
+    """Largest opening and sliding speeds of the contact points in motions of size |b| <= 1."""
 
     un: Array
     ut: Array
@@ -97,7 +97,7 @@ class LargestSpeeds:
 
 
 def largest_speeds(law: ReducedLaw, directions: Array) -> LargestSpeeds:
-    """Largest speeds of the contact points in a motion of size 1.
+    """Largest opening and sliding speeds of all contact points in any motion of size 1.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def largest_speeds(law: ReducedLaw, directions: Array) -> LargestSpeeds:
 def first_enclosure(
     law: ReducedLaw, fastest: LargestSpeeds, force: Array, tangents: int
 ) -> Enclosure:
-    """Bounds that hold a priori; no cut uses the bounds of forces yet.
+    """First bounds of motions and forces, before any step of a proof; cuts do not use forces yet.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def first_enclosure(
 
 
 def rescaled(fastest: LargestSpeeds, bounds: Enclosure, power: float) -> Enclosure:
-    """The bounds in units of the size that a greatest `power` w.b leaves: |a|^2 <= w.a."""
+    """Bounds in units of the smaller scale of motions that a greatest `power` w.b leaves."""
     scale = float(np.sqrt(bounds.scale * max(power, 0.0)))
     if not 0 < scale < bounds.scale:
         return bounds
@@ -161,21 +161,21 @@ def rescaled(fastest: LargestSpeeds, bounds: Enclosure, power: float) -> Enclosu
 
 
 def touching_at(bounds: Enclosure, point: int) -> Enclosure:
-    """The solutions in which a point stays closed: it sticks or slides."""
+    """Bounds of the solutions in which a contact point stays closed: it sticks or slides."""
     un = bounds.un.copy()
     un[point] = 0.0
     return replace(bounds, un=un)
 
 
 def open_at(bounds: Enclosure, point: int) -> Enclosure:
-    """The solutions in which a point is open: it carries no force."""
+    """Bounds of the solutions in which a contact point is open: it carries no force."""
     fn = bounds.fn.copy()
     fn[point] = 0.0
     return replace(bounds, fn=fn)
 
 
 def with_twist_in(law: ReducedLaw, bounds: Enclosure, patch: int, cone: TwistCone) -> Enclosure:
-    """The solutions in which the twist of a patch lies in a cone; `AT_REST`: the patch sticks."""
+    """Bounds of the solutions whose twist of a patch (relative motion) lies in a cone."""
     cones = tuple(cone if k == patch else old for k, old in enumerate(bounds.cones))
     ut, slip, rest = bounds.ut.copy(), bounds.slip.copy(), bounds.rest.copy()
     members = np.flatnonzero(law.patch == patch)
@@ -190,12 +190,12 @@ def with_twist_in(law: ReducedLaw, bounds: Enclosure, patch: int, cone: TwistCon
 
 
 def orthants(size: int) -> list[TwistCone]:
-    """The 2^d cones between the axes of R^d."""
+    """The 2^d orthants of R^d, as cones of twists."""
     return [np.diag(signs).astype(np.float64) for signs in product((1, -1), repeat=size)]
 
 
 def width(cone: TwistCone) -> float:
-    """Largest angle between two generators [rad]; 0 for a single generator."""
+    """Largest angle between two generators of a cone [rad]; 0 for a single generator."""
     if cone.shape[1] < 2:
         return 0.0
     cosine = np.clip(cone.T @ cone, -1.0, 1.0)
@@ -203,7 +203,7 @@ def width(cone: TwistCone) -> float:
 
 
 def halves(cone: TwistCone) -> list[TwistCone]:
-    """The two cones on either side of the middle of the widest pair of generators.
+    """Divide a cone of twists into two, by the middle of its two generators farthest apart.
 
     Examples
     --------
@@ -223,7 +223,7 @@ def halves(cone: TwistCone) -> list[TwistCone]:
 
 
 def cases(law: ReducedLaw, bounds: Enclosure, point: int, patch: int) -> list[Enclosure]:
-    """The cases of a point or of a patch; together they cover all solutions within the bounds."""
+    """Divide bounds into cases of a contact point or patch, which together cover all solutions."""
     if point >= 0:
         return [touching_at(bounds, point), open_at(bounds, point)]
     cone = bounds.cones[patch]
@@ -233,14 +233,14 @@ def cases(law: ReducedLaw, bounds: Enclosure, point: int, patch: int) -> list[En
 
 
 def widened(cone: TwistCone) -> TwistCone:
-    """The cone widened by `CONE_ROUNDING`, so that rounding leaves no gap between two cones."""
+    """A cone of twists, widened by `CONE_ROUNDING` so that rounding leaves no gap between cones."""
     middle = cone.mean(axis=1, keepdims=True)
     wider: TwistCone = cone + CONE_ROUNDING * (cone - middle)
     return wider
 
 
 def sector(cone: TwistCone, lever: Array) -> tuple[Array, float] | None:
-    """Directions in which a point slides if the twist of its patch lies in a cone.
+    """Circular sector of the sliding directions of a point whose patch twist lies in a cone.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The exclusion of motions: no motion that obeys Coulomb's contact law can start.
+"""Proof that no motion that obeys Coulomb's contact law can start.
 
     a = M^-1 (w + J^T f),  un >= 0,  f in Coulomb's cone,  fn un = 0,  ft.ut = -mu fn |ut|
 
@@ -68,7 +68,7 @@ BY_MOMENTS = 0.8
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Exclusion:
-    """Result of the attempt to prove that no motion can start.
+    """Result of the attempt to prove that no motion can start from rest.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ class Exclusion:
 
 @on_one_thread
 def prove_no_motion(program: Program, *, work: Work | float = 1.0) -> Exclusion:
-    """Try to prove that no motion obeying Coulomb's contact law can start.
+    """Try to prove that no motion that obeys Coulomb's contact law can start.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ def prove_no_motion(program: Program, *, work: Work | float = 1.0) -> Exclusion:
 
 
 def _out_of_reach(program: Program, work: Work) -> bool:
-    """True in space if moments are not formed for so many points, and their cases cost too much.
+    """True for an assembly in space with too many points for moments and too expensive cases.
 
     The proof is then not begun: its data alone take longer than the verdict of equilibrium.
     """
@@ -167,7 +167,7 @@ def _out_of_reach(program: Program, work: Work) -> bool:
 def start_proof(
     law: ReducedLaw, tolerance: float, opening: Array | None, work: Work
 ) -> tuple[ProofAttempt, Enclosure]:
-    """Set up the relaxation, the solver and the first bounds of a proof."""
+    """Set up the relaxation, the solver and the first bounds of a proof that nothing can move."""
     attempt = ProofAttempt(law, Relaxation(law), bounding(), work, tolerance)
     return attempt, first_bounds(law, attempt.relaxation, opening)
 
@@ -175,7 +175,7 @@ def start_proof(
 def _prove(
     attempt: ProofAttempt, bounds: Enclosure, opening: Array | None
 ) -> tuple[Kind, CasesLeft]:
-    """Methods of proof: in space moments, then sectors; in the plane modes and contraction."""
+    """Try each proof in turn: in space moments, then sectors; in the plane modes, contraction."""
     if attempt.law.directions == 1:
         return _prove_in_plane(attempt, bounds)
     least = 1.0
@@ -200,7 +200,7 @@ def _prove(
 
 
 def _prove_in_plane(attempt: ProofAttempt, bounds: Enclosure) -> tuple[Kind, CasesLeft]:
-    """Contact modes with limited work, then contraction, then modes within its bounds.
+    """Prove in the plane: contact modes with limited work, then contraction, then modes again.
 
     In space only the bounds of forces are contracted: contracting those of motions takes longer
     than it saves.
@@ -221,7 +221,7 @@ def _prove_in_plane(attempt: ProofAttempt, bounds: Enclosure) -> tuple[Kind, Cas
 
 
 def _record_step(attempt: ProofAttempt, left: CasesLeft) -> CasesLeft:
-    """Append the tree of a complete division to the steps of the proof; returns the result."""
+    """Append a complete tree of cases to the steps of the proof; returns `left` unchanged."""
     if left.step is not None:
         attempt.steps.append(left.step)
     return left

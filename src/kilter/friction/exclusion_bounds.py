@@ -1,4 +1,4 @@
-"""Bounds of all solutions that given multipliers prove, without a solver.
+"""Bounds of motions and forces that given multipliers prove, without a solver.
 
 The relaxation of an enclosure (`kilter.friction.relaxation`) bounds its power, and every quantity
 in it, by any multipliers of its rows (`kilter.solvers.problem`). The prover takes the multipliers
@@ -47,26 +47,26 @@ equals that of its f_n.
 
 
 def first_bounds(law: ReducedLaw, relaxation: Relaxation, opening: Array | None) -> Enclosure:
-    """Enclosure known a priori; without `opening` a bound of the forces is assumed."""
+    """First bounds of motions and forces; without `opening`, a bound of the forces is assumed."""
     largest = min(largest_forces(law, opening), LARGEST_FORCE)
     force = np.full(len(law.group), largest)
     return replace(first_enclosure(law, relaxation.fastest, force, TANGENTS), cuts=True)
 
 
 def largest_forces(law: ReducedLaw, opening: Array | None) -> float:
-    """Upper bound of the sum of all forces that a motion proves; infinity without a motion."""
+    """Upper bound of the sum of normal forces by an opening motion [-]; infinity without it."""
     return np.inf if opening is None else force_bound(law, opening)
 
 
 def no_power(program: Program) -> float:
-    """Power that counts as zero: the accuracy of the data, for the lightest part on its own."""
+    """Power w.a over |w|^2 that counts as zero, from the data accuracy of the lightest part."""
     mass = program.mass[program.free]
     coarse = min(max(NO_POWER, float(program.tolerance[program.free].max())), COARSEST_NO_POWER)
     return coarse * float(mass.min() / mass.sum())
 
 
 def power_by(relaxation: Relaxation, bounds: Enclosure, step: PowerStep) -> tuple[Enclosure, float]:
-    """Bound the power w.b by the multipliers of a step, and add its tangent to the enclosure."""
+    """Bound the power w.b by the multipliers of a step, and add its tangent to the bounds."""
     if step.tangent is not None and step.tangent.shape != relaxation.law.load.shape:
         raise MalformedProof("a tangent at another number of freedoms")
     program = relaxation.program(bounds)
@@ -75,7 +75,7 @@ def power_by(relaxation: Relaxation, bounds: Enclosure, step: PowerStep) -> tupl
 
 
 def with_tangent(bounds: Enclosure, point: Array | None) -> Enclosure:
-    """The enclosure with another tangent of the ball of motions; the oldest is dropped."""
+    """Bounds with one more tangent of the ball of motions, at `point`; the oldest is dropped."""
     if point is None:
         return bounds
     return replace(bounds, tangents=np.vstack([bounds.tangents[:2], point, bounds.tangents[2:-1]]))
@@ -83,7 +83,7 @@ def with_tangent(bounds: Enclosure, point: Array | None) -> Enclosure:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Quantities:
-    """Quantities that are bounded one after the other.
+    """Linear quantities (speeds, forces) that a contraction bounds one after the other.
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ class Quantities:
 
 
 def quantities(relaxation: Relaxation, b: Enclosure) -> Quantities:
-    """All bounded quantities: openings, forces, sums N, speeds, and in the plane the g_k."""
+    """Quantities that are bounded: openings, forces, sums N, speeds; in the plane also the g_k."""
     at, d = relaxation.columns, relaxation.directions
     groups, wide = len(b.least), d.shape[1]
     kinds = ["un", "fn", "most", "least", "ut", *(["rest"] if wide == 1 else [])]
@@ -129,7 +129,7 @@ def quantities(relaxation: Relaxation, b: Enclosure) -> Quantities:
 def shrunk_by(
     law: ReducedLaw, relaxation: Relaxation, bounds: Enclosure, step: ShrinkStep
 ) -> Enclosure:
-    """The bounds that the multipliers of a step prove."""
+    """Bounds that the multipliers of a shrink step prove, without a solver."""
     new = {name: getattr(bounds, name).copy() for name in ALL}
     program = with_one(relaxation, bounds)
     targets = quantities(relaxation, bounds)
@@ -149,14 +149,14 @@ def shrunk_by(
 
 
 def with_one(relaxation: Relaxation, bounds: Enclosure) -> LinearProgram:
-    """The relaxation with l fixed to 1; otherwise the least value of every force is 0."""
+    """The relaxation with its column l fixed to 1, so that the least forces are not 0."""
     program = relaxation.program(bounds)
     program.lower[relaxation.columns["one"]] = 1.0
     return program
 
 
 def _consistent(law: ReducedLaw, relaxation: Relaxation, b: Enclosure) -> Enclosure:
-    """Bounds that follow from others: |ut| from its directions, N from forces, g from N."""
+    """Tighten bounds by those of related quantities: |ut| by directions, N by forces, g by N."""
     directions = law.directions
     members = np.flatnonzero(law.group >= 0)
     total = np.bincount(law.group[members], b.fn[members], minlength=len(law.mu))

@@ -1,4 +1,4 @@
-"""Cases of contact modes whose power is bounded by linear programs, until none is left.
+"""Division into contact modes until a linear program excludes the power of every case.
 
 A relaxed motion violates the law if a point has f_n u_n > 0, or if the groups of a patch have a sum
 of f_t.u_t + mu N |u_t| > 0 (`kilter.friction.reduced_law`). Both are powers and never negative;
@@ -48,7 +48,7 @@ MOST_OPEN = 200_000
 
 @dataclass(frozen=True, slots=True)
 class Breach:
-    """Where a relaxed motion violates the law most; powers in units of the enclosure [-].
+    """The point or patch at which a relaxed motion violates the contact law most.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class Breach:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CasesLeft:
-    """Result of a division into cases.
+    """Result of a division of the motions into cases of contact modes.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ class CasesLeft:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _OpenCase:
-    """An open case, with `bounds` in units of the size that its power leaves."""
+    """A case of contact modes that is not excluded, with bounds in units of its own scale."""
 
     bounds: Enclosure
     power: float
@@ -102,7 +102,7 @@ class _OpenCase:
 
 
 def breach(law: ReducedLaw, relaxation: Relaxation, bounds: Enclosure, x: Array) -> Breach:
-    """Point or patch at which a solution x of the relaxation violates the law most."""
+    """Point or patch at which a solution x of the relaxation violates Coulomb's law most."""
     columns = relaxation.named(x)
     normal = np.maximum(columns["fn"], 0.0) * np.maximum(columns["un"], 0.0)
     ft, ut = (columns[name].reshape(-1, law.directions) for name in ("ft", "ut"))
@@ -123,7 +123,7 @@ def breach(law: ReducedLaw, relaxation: Relaxation, bounds: Enclosure, x: Array)
 
 
 def divide_cases(attempt: ProofAttempt, bounds: Enclosure, until: Work | None = None) -> CasesLeft:
-    """Divide the solutions within the bounds until every case is closed.
+    """Divide the motions within bounds into cases until each is excluded or the work is spent.
 
     Ends early if `until` (else the work of the attempt) is spent, at a relaxed motion that obeys
     the law, or if nothing is left to divide.
@@ -154,14 +154,14 @@ def divide_cases(attempt: ProofAttempt, bounds: Enclosure, until: Work | None = 
 def _case_bound(
     attempt: ProofAttempt, root: CaseStep
 ) -> Callable[[Enclosure, _OpenCase | None], _OpenCase | None]:
-    """Function that bounds a case by its greatest power; it returns None if the power is zero.
+    """Make the function that bounds the power of a case and returns None if the power is zero.
 
     The function appends the steps of each case below `root`.
     """
     relaxation = attempt.relaxation
 
     def bound(bounds: Enclosure, parent: _OpenCase | None) -> _OpenCase | None:
-        """Bound the power of a case, at finer scales if that helps; None if it is closed."""
+        """Bound the power of a case, at smaller scales if that helps; None if it is excluded."""
         basis, case_step = None, root
         if parent is not None:
             basis, case_step = parent.basis, CaseStep()

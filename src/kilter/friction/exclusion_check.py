@@ -1,4 +1,4 @@
-"""Step-by-step repetition, without any solver, of a proof that no motion can start.
+"""Recheck, without a solver, of the steps of a proof that no motion can start.
 
 The law is rebuilt from the program. Each step has multipliers, whose bound is recomputed from the
 law; nothing else of the proof is trusted. A step that does not fit proves nothing.
@@ -52,7 +52,7 @@ def power_not_excluded(
 
 
 class _ProofState:
-    """The bounds that the steps so far leave, and the greatest power."""
+    """State of a recheck: bounds of the motions after the steps so far, and the largest power."""
 
     def __init__(self, law: ReducedLaw, opening: Array | None, tolerance: float) -> None:
         self.law, self.tolerance = law, tolerance
@@ -63,7 +63,7 @@ class _ProofState:
         self.patches = range(len(law.twist))
 
     def step(self, step: ExclusionStep) -> None:
-        """Apply a further step to the bounds and the power."""
+        """Apply one more step of the proof to the bounds and the power."""
         if isinstance(step, MomentStep):
             if step.scale < self.bounds.scale * (1 - 1e-12):
                 raise MalformedProof("a step at a size to which motions are not bounded")
@@ -81,7 +81,7 @@ class _ProofState:
         self.bounds = rescaled(self.relaxation.fastest, self.bounds, power / self.bounds.scale)
 
     def _is_closed(self, bounds: Enclosure, root: CaseStep) -> bool:
-        """True if a case, or all cases into which it is divided, leave no power."""
+        """True if a case, or every case into which it is divided, has no power left."""
         ready = [(bounds, root)]
         while ready:
             closed, case = ready.pop()
@@ -108,7 +108,7 @@ class _ProofState:
         return cone is None or width(cone) >= NARROWEST_CONE
 
     def _left(self, bounds: Enclosure, case: CaseStep) -> Enclosure | None:
-        """Bounds that the programs of a case leave; None if they leave no power."""
+        """Bounds of a case after its linear programs; None if they leave no power."""
         for step in case.powers:
             bounds, power = power_by(self.relaxation, bounds, step)
             if bounds.scale * power <= self.tolerance:

@@ -1,4 +1,4 @@
-"""The proof that no motion can start as JSON data, written and read.
+"""Write and read the proof that no motion can start, as JSON data.
 
     {"kind", "programs", "assumes",
      "opening": [..],                          the motion that bounds all forces, or null
@@ -52,7 +52,7 @@ LARGEST_INDEX = 2**31
 
 
 def exclusion_data(exclusion: Exclusion) -> dict[str, Any]:
-    """The proof as JSON data."""
+    """JSON data of a proof that no motion can start."""
     opening = exclusion.opening
     return {
         "kind": exclusion.kind,
@@ -64,7 +64,7 @@ def exclusion_data(exclusion: Exclusion) -> dict[str, Any]:
 
 
 def recheck_exclusion(program: Program, data: dict[str, Any]) -> tuple[list[str], list[str]]:
-    """Objections to a proof as data, and notes on it, after its repetition on a program.
+    """Repeat a proof that no motion can start, from its data; returns objections and notes.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def recheck_exclusion(program: Program, data: dict[str, Any]) -> tuple[list[str]
 
 
 def _step(step: ExclusionStep) -> dict[str, Any]:
-    """JSON data of a step."""
+    """JSON data of a step of the proof."""
     if isinstance(step, MomentStep):
         given = step.multipliers
         return {"moments": {
@@ -115,7 +115,7 @@ def _power(step: PowerStep) -> dict[str, Any]:
 
 
 def _tree(root: CaseStep) -> Iterator[dict[str, Any]]:
-    """Every case before the cases into which it is divided."""
+    """JSON data of a tree of cases, each before the cases into which it is divided."""
     ready = [root]
     while ready:
         case = ready.pop()
@@ -129,7 +129,7 @@ def _tree(root: CaseStep) -> Iterator[dict[str, Any]]:
 
 
 def _index(value: Any, place: str) -> str:
-    """An index: a whole number that is not negative."""
+    """Form of an index in a proof file: text of the fault, or empty for a nonnegative int."""
     return COUNT(value, place) or ("" if value >= 0 else f"{place} is {value!r:.40}")
 
 
@@ -154,7 +154,7 @@ EXCLUSION = keys(opening=nullable(NUMBERS), steps=list_of(keys()), kind=WORD, as
 
 
 def _read(data: dict[str, Any]) -> ExclusionStep:
-    """A step from its data.
+    """Read a step of the proof from its JSON data.
 
     Raises
     ------
@@ -183,7 +183,7 @@ def _read(data: dict[str, Any]) -> ExclusionStep:
 
 
 def _read_power(data: dict[str, Any]) -> PowerStep:
-    """Multipliers of a linear program, from data of their form."""
+    """Read the multipliers of a linear program from JSON data of a valid form."""
     rows, values = data["rows"], _floats(data["values"])
     if len(rows) != len(values):
         raise MalformedProof("rows and values differ in number")
@@ -194,7 +194,7 @@ def _read_power(data: dict[str, Any]) -> PowerStep:
 
 
 def _read_tree(data: list[dict[str, Any]]) -> CaseStep:
-    """The first case of a list, with the cases below it."""
+    """Read a tree of cases: the first case of a list, with the cases below it."""
     root = CaseStep()
     ready = [root]
     count = 1
@@ -215,12 +215,12 @@ def _read_tree(data: list[dict[str, Any]]) -> CaseStep:
 
 
 def _floats(values: list[float]) -> Array:
-    """An array of numbers, shape (n,)."""
+    """Array of the numbers of a JSON list, shape (n,)."""
     return np.array(values, dtype=np.float64)
 
 
 def _matrix(triangle: Array) -> Array:
-    """Symmetric matrix from its upper triangle."""
+    """Symmetric matrix from its upper triangle, column by column."""
     order = round((float(np.sqrt(8.0 * len(triangle) + 1.0)) - 1.0) / 2.0)
     if order * (order + 1) // 2 != len(triangle):
         raise MalformedProof("a matrix has no triangle of numbers")

@@ -1,4 +1,4 @@
-"""The steps of a proof that no motion can start, with all data needed to repeat them.
+"""Steps of a proof that no motion can start, with all data needed to repeat them.
 
     moments   multipliers of products of the law          a bound of the power
     power     multipliers of the rows of the relaxation   a bound of the power
@@ -25,7 +25,7 @@ __all__ = ["CaseStep", "ExclusionStep", "PowerStep", "Quantity", "ShrinkStep"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PowerStep:
-    """Multipliers of the rows of a linear program, and the tangent that follows.
+    """Multipliers of the rows of a linear program, as a bound of the power, and the next tangent.
 
     Attributes
     ----------
@@ -43,12 +43,12 @@ class PowerStep:
 
     @classmethod
     def of(cls, multipliers: Array, tangent: Array | None) -> PowerStep:
-        """A step from the multipliers of all rows."""
+        """Make a step from the multipliers of all rows; zeros are not stored."""
         rows = np.flatnonzero(multipliers)
         return cls(rows, multipliers[rows], tangent)
 
     def over(self, count: int) -> Array:
-        """The multipliers of all `count` rows.
+        """Multipliers of all `count` rows as a dense array.
 
         Raises
         ------
@@ -64,7 +64,7 @@ class PowerStep:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Quantity:
-    """A bounded quantity: its index in the relaxation, and the multipliers."""
+    """A bounded quantity: its index in `quantities`, and the multipliers that prove the bound."""
 
     number: int
     multipliers: PowerStep
@@ -72,14 +72,14 @@ class Quantity:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ShrinkStep:
-    """Bounds of quantities, one after the other over the same relaxation."""
+    """Bounds of several quantities, computed one after the other over the same relaxation."""
 
     quantities: tuple[Quantity, ...]
 
 
 @dataclass(slots=True, eq=False)
 class CaseStep:
-    """A case: bounds of its power, and its division if they do not close it.
+    """A case of contact modes: its power bounds, and the cases it is divided into if they fail.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Tolerances of the package friction, and their order.
+"""Tolerances of the package `friction`, and the order between them.
 
 All are relative [-] unless a unit is given: accelerations in units of |w|, powers of |w|^2, forces
 of |w| over the mobility of their point (`kilter.friction.law`). Those of a witness are in

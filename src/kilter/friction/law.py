@@ -1,4 +1,4 @@
-"""Coulomb's law of a program in scaled unknowns, with the scaling that the package shares.
+"""Coulomb's contact law of a program in scaled (unitless) unknowns.
 
 With a the accelerations of the free parts, M their masses and inertias, w the loads on them, J the
 relative accelerations of part b past part a at the contact points along (n, u, v) (n the normal
@@ -53,7 +53,7 @@ __all__ = ["CoulombLaw", "coulomb_law"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CoulombLaw:
-    """The scaled contact law of a program with K rows and n freedoms.
+    """Coulomb's contact law of a program, in scaled unknowns.
 
     Attributes
     ----------
@@ -115,7 +115,7 @@ class CoulombLaw:
 
 
 def coulomb_law(program: Program) -> CoulombLaw:
-    """The scaled contact law of a program."""
+    """Coulomb's contact law of a program in scaled unknowns."""
     free = np.flatnonzero(program.free)
     mass = np.zeros((len(free), 6, 6))
     mass[:, range(3), range(3)] = program.mass[free][:, None]
@@ -142,7 +142,7 @@ def coulomb_law(program: Program) -> CoulombLaw:
 
 
 def _directions(program: Program) -> Array:
-    """Unit vectors u and v of each row, shape (K, 2, 3); in the plane y = 0, u lies in it."""
+    """Tangent unit vectors u and v of each row, shape (K, 2, 3); in the plane, u lies in it."""
     directions = np.stack(across(program.normal), axis=1)
     if program.planar:
         n = program.normal
@@ -155,7 +155,7 @@ def _directions(program: Program) -> Array:
 
 
 def _patches(program: Program) -> Index:
-    """Number of the patch or joint of each row; rows of neither have their own number."""
+    """Number of the contact patch or joint of each row; other rows have their own number."""
     count = len(program.source)
     if not count:
         return np.empty(0, dtype=np.int64)
@@ -167,7 +167,7 @@ def _patches(program: Program) -> Index:
 
 
 def _matrix(program: Program, basis: Array, sigma: Array, root: Array) -> csr_array:
-    """H, from the levers of each row on its two parts."""
+    """Matrix H from scaled unknowns to relative accelerations at the rows, shape (3 K, n)."""
     per = len(program.freedoms)
     column = np.full(len(program.names) + 1, -1)
     column[:-1][program.free] = np.arange(len(root))

@@ -1,4 +1,4 @@
-"""Motions by branch and bound over contact modes, for solutions that repel De Saxce's iteration.
+"""Search for motions by branch and bound over contact modes, if De Saxce's iteration fails.
 
 A node maximises the power in a convex relaxation of the law (scaled as in `kilter.friction.law`),
 
@@ -42,7 +42,7 @@ first.
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Decisions:
-    """Decisions of a node: mode of each row, sector of the sliding rows [rad], and depth."""
+    """Decisions of a node: mode of each row, sector of the sliding rows [rad], and node depth."""
 
     mode: Index
     middle: Array
@@ -50,7 +50,7 @@ class _Decisions:
     depth: int
 
     def with_mode(self, p: int, mode: Mode, middle: float = 0.0, half: float = 0.0) -> _Decisions:
-        """The decisions with the mode of point p added, and its sector if it slides."""
+        """Add the mode of point p to the decisions, and its sector of directions if it slides."""
         modes, middles, halves = self.mode.copy(), self.middle.copy(), self.half.copy()
         modes[p], middles[p], halves[p] = mode, middle, half
         return replace(self, mode=modes, middle=middles, half=halves, depth=self.depth + 1)
@@ -58,7 +58,7 @@ class _Decisions:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Node:
-    """A node with the optimum of its relaxation, and the power w.x of that."""
+    """Node of the branch and bound: decisions, the optimum of its relaxation, and its power w.x."""
 
     decided: _Decisions
     optimum: TrialMotion
@@ -66,7 +66,7 @@ class _Node:
 
 
 def by_modes(law: CoulombLaw, *, nodes: int, work: Work) -> Iterator[TrialMotion]:
-    """Optima of at most `nodes` relaxations, the most promising first.
+    """Yield trial motions: optima of at most `nodes` relaxations, the most promising node first.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def by_modes(law: CoulombLaw, *, nodes: int, work: Work) -> Iterator[TrialMotion
 
 
 def _children(law: CoulombLaw, node: _Decisions, optimum: TrialMotion) -> list[_Decisions]:
-    """Nodes that cover a node, by the modes of its worst point; none if it obeys the law."""
+    """Divide a node by the modes of the point that violates the law most; empty if none does."""
     u, f = (law.matrix @ optimum.x).reshape(-1, 3), optimum.forces
     slip = np.linalg.norm(u[:, 1:], axis=1)
     gain = f[:, 0] * u[:, 0] + (f[:, 1:] * u[:, 1:]).sum(axis=1) + law.mu * f[:, 0] * slip
@@ -131,7 +131,7 @@ def _solve_relaxation(
 
 
 def _relaxation_program(law: CoulombLaw, lines: Array, node: _Decisions) -> ConicProgram:
-    """The convex program of a node, in (x, f); `lines` is H as a dense matrix."""
+    """Convex program of a node in motion x and forces f; `lines` is H as a dense matrix."""
     count, total = len(law.load), len(law.load) + 3 * len(law.mu)
     slides, free = node.mode == Mode.SLIDING, ~law.tied
     sticks, is_open = (node.mode == Mode.STICKING) & free, node.mode == Mode.OPEN
@@ -177,7 +177,7 @@ def _relaxation_program(law: CoulombLaw, lines: Array, node: _Decisions) -> Coni
 
 
 def _stack(blocks: list[tuple[Array | None, Array | None]], count: int, total: int) -> Array:
-    """Stack blocks of rows, each with a part over x and a part over f, or None for zero."""
+    """Stack row blocks, each a pair of matrices over x and over f; None stands for zero."""
     rows = []
     for of_x, of_f in blocks:
         height = len(of_x) if of_x is not None else len(of_f) if of_f is not None else 0
@@ -191,13 +191,13 @@ def _stack(blocks: list[tuple[Array | None, Array | None]], count: int, total: i
 
 
 def _point_lines(chosen: Mask) -> Index:
-    """The three lines of H of every chosen row."""
+    """Indices of the three lines (n, u, v) of H for every chosen row."""
     rows: Index = (3 * np.flatnonzero(chosen)[:, None] + np.arange(3)).reshape(-1)
     return rows
 
 
 def _sectors(law: CoulombLaw, node: _Decisions, rows: Index) -> tuple[Array, Array]:
-    """Rows that keep speeds in their sectors, and friction opposite to them beyond the chord."""
+    """Rows that keep sliding speeds in their sectors, and friction opposite, beyond the chord."""
     total, low = 3 * len(law.mu), node.middle[rows] - node.half[rows]
     high, middle = node.middle[rows] + node.half[rows], node.middle[rows]
     # a direction e is in the sector if low x e >= 0 and e x high >= 0
@@ -216,7 +216,7 @@ def _sectors(law: CoulombLaw, node: _Decisions, rows: Index) -> tuple[Array, Arr
 
 
 def _sparse_lines(rows: Index, values: Array, total: int) -> Array:
-    """Lines with three values each, in the columns of the point of a row."""
+    """Sparse lines with three values each, in the three columns of the given contact rows."""
     lines = np.zeros((len(rows), total))
     lines[np.arange(len(rows))[:, None], 3 * rows[:, None] + np.arange(3)] = values
     return lines

@@ -43,7 +43,7 @@ times 1e-16.
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MomentStep:
-    """Multipliers that bound the power of all motions of size at most `scale`."""
+    """Multipliers that prove a bound of the power of all motions of size at most `scale`."""
 
     scale: float
     squares: Squares
@@ -51,7 +51,7 @@ class MomentStep:
 
 
 def squares_of(forms: MomentForms, squares: Squares) -> list[Index]:
-    """Forms of each product matrix that is constrained to be positive semidefinite."""
+    """Indices of the linear forms in each product matrix that must be positive semidefinite."""
     if squares == "cliques":
         return forms.cliques()
     forms_of_squares = [forms.pair_of(patch) for patch in range(len(forms.touching))]
@@ -61,7 +61,7 @@ def squares_of(forms: MomentForms, squares: Squares) -> list[Index]:
 
 
 def power_left(law: ReducedLaw, step: MomentStep, forces: float) -> float:
-    """Greatest power w.a, over |w|^2, that a step leaves to motions of its size.
+    """Greatest power w.a over |w|^2 that the multipliers of a step leave to motions of its scale.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def power_left(law: ReducedLaw, step: MomentStep, forces: float) -> float:
 
 
 def _remainder(forms: MomentForms, step: MomentStep) -> tuple[Array, Array] | None:
-    """R without P at 1, and its rounding; None if the multipliers do not fit.
+    """Remainder R of the multipliers' identity, and its rounding; None if they do not fit.
 
     R is minus w.b minus all products with their multipliers.
     """
@@ -127,7 +127,7 @@ def _remainder(forms: MomentForms, step: MomentStep) -> tuple[Array, Array] | No
 
 
 def _nearest_positive(matrix: Array) -> Array:
-    """A positive semidefinite matrix near a symmetric matrix, as a product M M^T."""
+    """Nearby positive semidefinite matrix of a symmetric matrix, as a product M M^T."""
     values, vectors = np.linalg.eigh((matrix + matrix.T) / 2)
     root = vectors * np.sqrt(np.maximum(values, 0.0))
     nearest: Array = root @ root.T
@@ -135,7 +135,7 @@ def _nearest_positive(matrix: Array) -> Array:
 
 
 def _largest_remainder(forms: MomentForms, rest: Array, rounding: Array, forces: float) -> float:
-    """Upper bound of |z.R z| over motions that obey the law, without R at 1."""
+    """Upper bound of |z.R z| (error of the multipliers) over motions that obey the contact law."""
     law, size = forms.law, np.abs(rest) + rounding
     moves = np.concatenate([forms.motion, forms.slip])
     fastest = float(np.sqrt(1.0 + np.linalg.norm(law.tangent.toarray(), 2) ** 2))  # of |(b, s)|
@@ -157,7 +157,7 @@ def _largest_remainder(forms: MomentForms, rest: Array, rounding: Array, forces:
 
 
 def _force_shares(forms: MomentForms) -> Array:
-    """Weights of the normal forces that bound the absolute value of each force, (K + G T, K).
+    """Weights of the normal forces that bound each force component, shape (K + G T, K).
 
     |fn_k| <= fn_k and |ft_g| <= mu (sum of fn_k of the group).
     """

@@ -1,4 +1,4 @@
-"""Linear forms of the contact law, the factors of the products in a moment relaxation.
+"""Linear forms of the contact law, whose products are the terms of a moment relaxation.
 
 The law of `kilter.friction.reduced_law` at a scale e of motions, b = a / e and s = |ut| / e, in
 
@@ -30,7 +30,7 @@ __all__ = ["MomentForms", "bodies_of", "moment_forms", "width_of"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MomentForms:
-    """Forms over z of a law with n freedoms, K points, G groups, P patches, T directions.
+    """Linear forms (speeds, forces ...) of the contact law over the coordinates z = (1, b, f, s).
 
     Attributes
     ----------
@@ -74,16 +74,16 @@ class MomentForms:
 
     @property
     def width(self) -> int:
-        """Number of coordinates of z, which are the first forms."""
+        """Number of coordinates of z; the first forms are these coordinates."""
         return int(self.rows.shape[1])
 
     def forces_of(self, patch: int) -> Index:
-        """Coordinates of the forces of a patch."""
+        """Indices of the coordinates of z that are forces of a patch."""
         groups = self.law.patch == patch
         return np.concatenate([self.fn[self.patch == patch], self.ft[groups].ravel()])
 
     def cliques(self) -> list[Index]:
-        """Coordinates of z in each clique; products within a clique are used."""
+        """Cliques: sets of coordinates of z within which products are used."""
         cliques = []
         for body, freedoms in enumerate(self.bodies):
             forces = [self.forces_of(int(k)) for k in np.flatnonzero(self.touching[:, body])]
@@ -94,12 +94,12 @@ class MomentForms:
         return [clique.astype(np.int64) for clique in cliques]
 
     def pair_of(self, patch: int) -> Index:
-        """Coordinates of 1 and of the motions of the bodies of a patch."""
+        """Indices of the coordinate 1 and of the motions of the bodies that meet at a patch."""
         moved = [self.motion[self.bodies[k]] for k in np.flatnonzero(self.touching[patch])]
         return np.concatenate([[self.one], *moved]).astype(np.int64)
 
     def pushes_on(self, body: int) -> Index:
-        """Forms 1, the motion of a body, and the pushes of all its patches except the last.
+        """Indices of the forms 1, motion of a body, and push of each patch on it except the last.
 
         The last push follows from the others and the motion.
         """
@@ -110,7 +110,7 @@ class MomentForms:
 
 
 def moment_forms(law: ReducedLaw, scale: float) -> MomentForms:
-    """The forms of a law at a scale."""
+    """Linear forms of the reduced contact law, for motions of size at most `scale`."""
     count, points, groups = len(law.load), len(law.group), len(law.mu)
     wide = groups * law.directions
     ends = starts([1, count, points, wide, groups])
@@ -140,12 +140,12 @@ def moment_forms(law: ReducedLaw, scale: float) -> MomentForms:
 
 
 def width_of(law: ReducedLaw) -> int:
-    """Number of coordinates of z."""
+    """Number of coordinates of z in the moment relaxation of a contact law."""
     return 1 + len(law.load) + len(law.group) + (law.directions + 1) * len(law.mu)
 
 
 def bodies_of(law: ReducedLaw) -> int:
-    """Number of bodies of a law."""
+    """Number of bodies (blocks of freedoms that no joint couples) in a contact law."""
     return len(_bodies(law))
 
 
@@ -164,7 +164,7 @@ def _pushed_bodies(
 
 
 def _pad_columns(rows: csr_array, before: int, width: int) -> csr_array:
-    """Rows with columns of zeros before and after."""
+    """Sparse rows with zero columns added before and after, to a total `width`."""
     entries = csr_array(rows)
     entries.eliminate_zeros()  # stored zeros would multiply in products of forms
     entries = entries.tocoo()
@@ -173,7 +173,7 @@ def _pad_columns(rows: csr_array, before: int, width: int) -> csr_array:
 
 
 def _point_patches(law: ReducedLaw) -> tuple[Index, int]:
-    """Patch of each point, an own patch without friction, and the number of patches."""
+    """Patch of each point (its own patch without friction), and the number of patches."""
     count = int(law.patch.max(initial=-1)) + 1
     smooth = law.group < 0
     patch = np.empty(len(law.group), dtype=np.int64)
@@ -183,7 +183,7 @@ def _point_patches(law: ReducedLaw) -> tuple[Index, int]:
 
 
 def _bodies(law: ReducedLaw) -> tuple[Index, ...]:
-    """Freedoms of each part, or a single body of all freedoms if joints couple them."""
+    """Freedoms of each body: of each part, or all freedoms if joints couple the parts."""
     count, per = len(law.load), len(law.law.program.freedoms)
     if law.law.tied.any() or count % per:
         return (np.arange(count),)

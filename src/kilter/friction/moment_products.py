@@ -1,4 +1,4 @@
-"""Products of linear forms that the contact law makes zero, nonnegative, or elements of a cone.
+"""Products of linear forms that Coulomb's law makes zero, nonnegative, or elements of a cone.
 
 Every motion that obeys the law (`kilter.friction.reduced_law`, forms in
 `kilter.friction.moment_forms`) satisfies, with m = mu N:
@@ -29,7 +29,7 @@ __all__ = ["ProductRows", "Products", "law_products", "monomials", "over_monomia
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ProductRows:
-    """Rows of products: term t adds weight[t] form[left[t]] form[right[t]] to row[t].
+    """Rows of products of forms: term t adds weight[t] form[left[t]] form[right[t]] to row[t].
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class ProductRows:
     weight: Array
 
     def weighted(self, multipliers: Array, size: int) -> csr_array:
-        """The matrix V such that form.V form is the sum of the rows times their multipliers.
+        """Matrix V such that form.V form is the sum of the rows times their multipliers.
 
         `size` is the number of forms.
         """
@@ -58,7 +58,7 @@ class ProductRows:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Products:
-    """The rows of a law: zero, nonnegative, and consecutive cones (t, v)."""
+    """Product rows of the contact law: zero, nonnegative, or vectors (t, v) with t >= |v|."""
 
     equal: ProductRows
     positive: ProductRows
@@ -66,7 +66,7 @@ class Products:
 
 
 class _RowBuilder:
-    """Collects rows of products, in groups of `wide` rows that stay together."""
+    """Builder of product rows, in groups of `wide` rows that are kept or left out together."""
 
     def __init__(self, wide: int = 1) -> None:
         self._wide = wide
@@ -74,14 +74,14 @@ class _RowBuilder:
         self._count = 0
 
     def add(self, left: ArrayLike, right: ArrayLike, weight: ArrayLike = 1.0) -> None:
-        """Add rows; arguments are broadcast to the shape (rows, terms)."""
+        """Add rows of products; the arguments are broadcast to the shape (rows, terms)."""
         left, right, weight = np.broadcast_arrays(left, right, weight)
         row = np.repeat(self._count + np.arange(len(left)), left.shape[1])
         self._parts.append((row, left.ravel(), right.ravel(), weight.ravel().astype(float)))
         self._count += len(left)
 
     def within(self, forms: MomentForms, place: Index) -> ProductRows:
-        """The collected rows whose monomials are all available."""
+        """Rows added so far, without the groups that need a monomial marked -1 in `place`."""
         row, left, right, weight = (
             np.concatenate(parts) for parts in zip(*self._parts, strict=True)
         )
@@ -96,7 +96,7 @@ class _RowBuilder:
 
 
 def monomials(forms: MomentForms) -> Index:
-    """Number of each monomial z_i z_j within a clique, a symmetric matrix; -1 for the others."""
+    """Number of each monomial z_i z_j within a clique, as a symmetric matrix; -1 for the rest."""
     place = np.full((forms.width, forms.width), -1, dtype=np.int64)
     for clique in forms.cliques():
         place[np.ix_(clique, clique)] = 0
@@ -106,7 +106,7 @@ def monomials(forms: MomentForms) -> Index:
 
 
 def over_monomials(forms: MomentForms, rows: ProductRows, place: Index) -> csr_array:
-    """The rows as linear functions of the monomials."""
+    """Product rows as linear functions of the monomials z_i z_j."""
     term, columns, values = _entries(forms, rows.left, rows.right, place)
     values = values * rows.weight[term]
     shape = (rows.count, int(place.max(initial=-1)) + 1)
@@ -116,7 +116,7 @@ def over_monomials(forms: MomentForms, rows: ProductRows, place: Index) -> csr_a
 def _entries(
     forms: MomentForms, left: Index, right: Index, place: Index
 ) -> tuple[Index, Index, Array]:
-    """Term, monomial and value of each entry of the products of forms."""
+    """Term, monomial and value of each entry when products of forms are expanded in monomials."""
     rows = forms.rows
     length = np.diff(rows.indptr)
     second_length = length[right]
@@ -130,7 +130,7 @@ def _entries(
 
 
 def law_products(forms: MomentForms, place: Index) -> Products:
-    """All rows of a law whose monomials are available."""
+    """All product rows of the contact law that need only the monomials numbered in `place`."""
     return Products(
         _zero_rows(forms).within(forms, place),
         _nonnegative_rows(forms).within(forms, place),
@@ -139,7 +139,7 @@ def law_products(forms: MomentForms, place: Index) -> Products:
 
 
 def _zero_rows(forms: MomentForms) -> _RowBuilder:
-    """Products, or sums of products, that are zero."""
+    """Products of forms, or sums of products, that the contact law makes zero."""
     law, rows = forms.law, _RowBuilder()
     ft, ut, total, slip = forms.ft, forms.ut, forms.total[:, None], forms.slip[:, None]
     rows.add(forms.fn[:, None], forms.un[:, None])
@@ -158,7 +158,7 @@ def _zero_rows(forms: MomentForms) -> _RowBuilder:
 
 
 def _nonnegative_rows(forms: MomentForms) -> _RowBuilder:
-    """Products that are not negative."""
+    """Products of forms that the contact law makes nonnegative."""
     rows, constant, count = _RowBuilder(), forms.one, len(forms.motion)
     total, ft = forms.total[:, None], forms.ft
     signs = np.concatenate([[1.0], -np.ones(forms.law.directions)])
@@ -174,7 +174,7 @@ def _nonnegative_rows(forms: MomentForms) -> _RowBuilder:
 
 
 def _cone_rows(forms: MomentForms) -> _RowBuilder:
-    """Vectors of cones, multiplied by nonnegative forms."""
+    """Cone vectors of the contact law (friction, sliding), multiplied by nonnegative forms."""
     law, rows = forms.law, _RowBuilder(1 + forms.law.directions)
     force_cone = np.column_stack([forms.total, forms.ft])
     speed_cone = np.column_stack([forms.slip, forms.ut])
@@ -202,7 +202,7 @@ def _cone_rows(forms: MomentForms) -> _RowBuilder:
 
 
 def _single_points(forms: MomentForms) -> Index:
-    """Points that are the only member of their group."""
+    """Indices of the contact points that are the only member of their group."""
     group = forms.law.group
     members = np.append(np.bincount(group[group >= 0], minlength=len(forms.law.mu)), 0)
     single: Index = np.flatnonzero(members[group] == 1)

@@ -1,4 +1,4 @@
-"""The moment relaxation of the contact law: bounds of the power without cases.
+"""Moment relaxation of the contact law: a bound of the power without division into cases.
 
     max E[w.b]:   E[each product of the law] = 0, >= 0, or in its cone,   E[v v^T] >= 0
 
@@ -59,7 +59,7 @@ MOST_ENTRIES = 20_000_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MomentProof:
-    """A chain of steps, each at the scale that the previous step leaves.
+    """Proof by moment relaxations: steps, each for the smaller motions that the last step leaves.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ def moment_proof(law: ReducedLaw, opening: Array, tolerance: float, *, work: Wor
 
 
 def _solve_step(law: ReducedLaw, scale: float, squares: Squares, work: Work) -> MomentStep | None:
-    """A step by a semidefinite program; None if it is too expensive or the solver fails."""
+    """Solve a semidefinite program for a step; None if it is too expensive or the solver fails."""
     forms = moment_forms(law, scale)
     if _entries_of(forms, squares) > MOST_ENTRIES:
         return None
@@ -119,13 +119,13 @@ def _solve_step(law: ReducedLaw, scale: float, squares: Squares, work: Work) -> 
 
 
 def _entries_of(forms: MomentForms, squares: Squares) -> int:
-    """Upper bound of the number of entries of the product matrices, before they are formed."""
+    """Upper bound of the number of entries of the product matrices, before they are built."""
     length = np.diff(forms.rows.indptr)
     return sum(int(length[square].sum()) ** 2 for square in squares_of(forms, squares)) // 2
 
 
 def moment_program(forms: MomentForms, squares: Squares) -> SemidefiniteProgram:
-    """The relaxation over the monomials of the forms."""
+    """Semidefinite relaxation of the contact law over the monomials of the forms."""
     place = monomials(forms)
     rows = law_products(forms, place)
     gain = np.zeros(int(place.max(initial=0)) + 1)
@@ -141,7 +141,7 @@ def moment_program(forms: MomentForms, squares: Squares) -> SemidefiniteProgram:
 
 
 def _triangle_rows(forms: Index) -> ProductRows:
-    """Upper triangle of the products of the given forms, column by column."""
+    """Products of all pairs of the given forms: the upper triangle, column by column."""
     column, row = np.tril_indices(len(forms))
     weight = np.where(row == column, 1.0, np.sqrt(2.0))
     return ProductRows(len(row), np.arange(len(row)), forms[row], forms[column], weight)

@@ -1,4 +1,4 @@
-"""Search for a motion that obeys Coulomb's law exactly, even if forces of equilibrium exist.
+"""Search for a motion that obeys Coulomb's law, although equilibrium forces exist.
 
 With friction the contact law may have several solutions: rest, and a motion. A single such motion
 shows that forces of equilibrium alone do not hold the parts. If no forces of equilibrium exist, the
@@ -82,7 +82,7 @@ TRIES = (0, 1, 3, 10)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CoulombMotion:
-    """Accelerations and forces that obey the contact law.
+    """A motion from rest that obeys Coulomb's law: accelerations and forces.
 
     Attributes
     ----------
@@ -106,12 +106,12 @@ class CoulombMotion:
 
     @property
     def exact(self) -> bool:
-        """True if the law holds to 1e-9."""
+        """True if the motion obeys the contact law to 1e-9."""
         return self.law.holds and self.law.residual <= EXACTLY
 
 
 class _MotionSearch:
-    """State of a search: the law, its work, and the best motion so far."""
+    """State of a search for motions: the law, its work, and the best motion so far."""
 
     def __init__(self, program: Program, work: Work, nearest: bool) -> None:
         self.program = program
@@ -129,7 +129,7 @@ class _MotionSearch:
         return (self.best is not None and self.best.exact) or self.work.over
 
     def solve(self, shift: Array, lubricated: Mask) -> TrialMotion | None:
-        """A step of De Saxce's iteration; None if the solver fails."""
+        """Make a step of De Saxce's iteration; None if the solver fails."""
         from kilter.solvers.clarabel import solve_conic
 
         answer = solve_conic(
@@ -141,20 +141,20 @@ class _MotionSearch:
         return TrialMotion(answer.x, self.family.forces(answer.multipliers, lubricated))
 
     def shift(self, x: Array) -> Array:
-        """The shift s = mu |u_t|, shape (K,)."""
+        """De Saxce's shift s = mu |u_t| of each contact row in a motion x, shape (K,)."""
         u = (self.law.matrix @ x).reshape(-1, 3)
         shift: Array = self.law.mu * np.linalg.norm(u[:, 1:], axis=1)
         return shift
 
     def near(self, candidate: TrialMotion) -> bool:
-        """True if the optimum of a relaxation is close enough to the law to be made exact."""
+        """True if an optimum of a relaxation nearly obeys the law, and so merits polishing."""
         self.work.weighed(len(candidate.forces))
         return breach(self.law, candidate.x, candidate.forces) <= NEAR * float(
             self.law.load @ candidate.x
         )
 
     def worthwhile(self, candidate: TrialMotion, method: str, step: int) -> bool:
-        """True if the candidate of a step is made exact before the iteration ends."""
+        """True if a candidate of De Saxce's iteration is polished before the iteration ends."""
         if method == BY_MODES:
             return step == 0 and self.near(candidate)
         if len(self.law.mu) <= MOST_POINTS:
@@ -163,7 +163,7 @@ class _MotionSearch:
         return step > 0 and step in TRIES and self.near(candidate)
 
     def offer(self, candidate: TrialMotion, method: str) -> None:
-        """Make a candidate exact, check it, and keep the best."""
+        """Polish a candidate until it obeys the law exactly, check it, and keep the best motion."""
         seen = self.seen if method == BY_MODES else set()
         for motion in [candidate, *polished(self.law, candidate, seen, self.work)]:
             self.work.weighed(len(motion.forces))
@@ -181,7 +181,7 @@ class _MotionSearch:
 
 
 def _merit(law: LawProof) -> tuple[bool, float]:
-    """Sort key of motions; less is better."""
+    """Sort key of checked motions; the least key is the best motion."""
     return not law.holds, law.residual / max(law.size, TINY)
 
 
@@ -232,7 +232,7 @@ def find_coulomb_motion(
 def _starts(
     search: _MotionSearch, rng: np.random.Generator, runaway: Array | None
 ) -> Iterator[tuple[str, TrialMotion | None]]:
-    """First candidates, with the names of their methods."""
+    """Yield the first candidate motions, with the names of their methods."""
     law, report_stage = search.law, search.work.stage
     zero, patches = np.zeros(len(law.mu)), int(law.patch.max(initial=-1)) + 1
     report_stage("looking for a motion: some contacts lubricated")
@@ -255,7 +255,7 @@ def _starts(
 
 
 def _mode_candidates(search: _MotionSearch) -> Iterator[tuple[str, TrialMotion]]:
-    """Candidates by contact modes."""
+    """Yield candidate motions of the branch and bound over contact modes."""
     if search.over or len(search.law.mu) > MOST_POINTS:
         return
     search.work.stage("looking for a motion: contact modes")
@@ -265,7 +265,7 @@ def _mode_candidates(search: _MotionSearch) -> Iterator[tuple[str, TrialMotion]]
 
 
 def _iterate(search: _MotionSearch, candidate: TrialMotion, method: str) -> None:
-    """De Saxce's iteration from a first candidate."""
+    """Run De Saxce's iteration from a first candidate, and offer its motions to the search."""
     no_lubrication = np.zeros(len(search.law.mu), dtype=bool)
     shift = search.shift(candidate.x)
     for step in range(FEW if method == BY_MODES else ITERATIONS):
@@ -288,7 +288,7 @@ def _iterate(search: _MotionSearch, candidate: TrialMotion, method: str) -> None
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DeSaxcePrograms:
-    """The family of programs of a contact law.
+    """Convex programs of De Saxce's iteration, one for each shift of the opening speeds.
 
     Attributes
     ----------
@@ -308,7 +308,7 @@ class DeSaxcePrograms:
     identity: csc_array
 
     def program(self, shift: Array, lubricated: Mask) -> ConicProgram:
-        """The program for s = `shift`, shape (K,), and a mask of the lubricated rows."""
+        """The program for a shift of the opening speeds, (K,), and a mask of lubricated rows."""
         law, before = self.law, len(self.tied) + len(self.smooth)
         scale, bound = np.ones(self.lines.shape[0]), np.zeros(self.lines.shape[0])
         friction = np.where(lubricated, 0.0, law.mu)[self.rough]
@@ -328,7 +328,7 @@ class DeSaxcePrograms:
         )
 
     def forces(self, multipliers: Array, lubricated: Mask) -> Array:
-        """Scaled forces (n, u, v), shape (K, 3), from the multipliers of the program."""
+        """Scaled forces (n, u, v), shape (K, 3), from the multipliers of such a program."""
         forces = np.zeros((len(self.law.mu), 3))
         before = len(self.tied) + len(self.smooth)
         forces[self.tied, 0] = multipliers[: len(self.tied)]
@@ -340,7 +340,7 @@ class DeSaxcePrograms:
 
 
 def de_saxce_programs(law: CoulombLaw) -> DeSaxcePrograms:
-    """The programs of a contact law."""
+    """Build the programs of De Saxce's iteration for a contact law."""
     tied = np.flatnonzero(law.tied)
     smooth = np.flatnonzero(~law.tied & (law.mu <= 0))
     rough = np.flatnonzero(~law.tied & (law.mu > 0))

@@ -1,4 +1,4 @@
-"""The equations of a contact mode, solved by Newton's method to make a candidate exact.
+"""Newton's method for the equations of a contact mode, which makes a candidate motion exact.
 
 Each point of a candidate is assumed to be open, to stick, or to slide, whichever is nearest to its
 speeds and forces. In that mode the law (scaled as in `kilter.friction.law`) is a system of
@@ -52,7 +52,7 @@ DENSE = 250
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TrialMotion:
-    """Accelerations x, shape (n,), and forces (n, u, v), shape (K, 3), scaled as the law is.
+    """Trial motion: accelerations x, shape (n,), and forces (n, u, v), shape (K, 3), all scaled.
 
     They obey the law approximately or exactly; `check_law` decides.
     """
@@ -64,7 +64,7 @@ class TrialMotion:
 def polished(
     law: CoulombLaw, start: TrialMotion, seen: set[bytes], work: Work
 ) -> list[TrialMotion]:
-    """Trial motions that solve the equations of modes near `start`.
+    """Trial motions near `start` that exactly solve the equations of some contact modes.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def polished(
 def _follow_modes(
     law: CoulombLaw, mode: Index, start: TrialMotion, seen: set[bytes], work: Work
 ) -> list[TrialMotion]:
-    """Solutions of a mode and of the modes to which its corrections lead."""
+    """Solve a contact mode, correct its contradictions, and repeat; returns all solutions."""
     motions: list[TrialMotion] = []
     candidate = start
     for _ in range(MODES):
@@ -107,7 +107,7 @@ def _follow_modes(
 
 
 def _nearest_modes(law: CoulombLaw, start: TrialMotion, least: float) -> Index:
-    """Mode of each row nearest to its speeds and forces; forces below `least` count as zero."""
+    """Contact mode of each row nearest to a motion; forces below `least` count as zero."""
     u, f = (law.matrix @ start.x).reshape(-1, 3), start.forces
     touches = law.tied | (f[:, 0] > np.maximum(u[:, 0], least))
     room = law.mu * f[:, 0] - np.linalg.norm(f[:, 1:], axis=1)
@@ -116,7 +116,7 @@ def _nearest_modes(law: CoulombLaw, start: TrialMotion, least: float) -> Index:
 
 
 def _corrected_modes(law: CoulombLaw, mode: Index, motion: TrialMotion) -> Index:
-    """The mode with its contradictions corrected."""
+    """Correct the modes of rows that a motion contradicts, such as an open row that closes."""
     u, f = (law.matrix @ motion.x).reshape(-1, 3), motion.forces
     drag = np.linalg.norm(f[:, 1:], axis=1)
     new = mode.copy()
@@ -128,7 +128,7 @@ def _corrected_modes(law: CoulombLaw, mode: Index, motion: TrialMotion) -> Index
 
 
 def _solve_mode(law: CoulombLaw, mode: Index, start: TrialMotion, work: Work) -> TrialMotion | None:
-    """Solution of the equations of a mode nearest to `start`; None if they are singular."""
+    """Solution of the equations of a contact mode nearest to `start`; None if they are singular."""
     slide, stick = np.flatnonzero(mode == Mode.SLIDING), np.flatnonzero(mode == Mode.STICKING)
     held = stick[~law.tied[stick]]
     rows = np.concatenate([3 * slide, 3 * stick, 3 * held + 1, 3 * held + 2])
@@ -153,7 +153,7 @@ def _solve_mode(law: CoulombLaw, mode: Index, start: TrialMotion, work: Work) ->
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _ModeEquations:
-    """Equations of a mode: lines of H with speed 0, and the tangent lines of sliding points."""
+    """Equations of a contact mode: lines of H with speed 0, and tangent lines of sliding points."""
 
     load: Array
     mu: Array
@@ -162,7 +162,7 @@ class _ModeEquations:
     full: bool
 
     def solve(self, x: Array, g: Array, e: Array, work: Work) -> tuple[Array, Array, Array] | None:
-        """Unknowns x, forces g along the active lines and directions e, by Newton's method."""
+        """Solve for motion x, forces g on active lines and slide directions e; None if it fails."""
         best, least_size, stalled_steps = None, np.inf, 0
         for _ in range(STEPS):
             e = _sliding_directions(self.across @ x, e)
@@ -185,7 +185,7 @@ class _ModeEquations:
         return best
 
     def _push(self, e: Array) -> Any:
-        """Lines along which the forces g act: the active lines, minus friction."""
+        """Matrix of the lines along which the forces g act: the active lines, minus friction."""
         drag = self._combine(self.mu[:, None] * e)
         count = len(self.mu)
         if self.full:
@@ -195,7 +195,7 @@ class _ModeEquations:
         return vstack([self.active[:count] - drag, self.active[count:]], format="csr")
 
     def _combine(self, weights: Array) -> Any:
-        """A line for each sliding point: its two tangent lines with weights, shape (S, 2)."""
+        """Line of each sliding point: its two tangent lines summed with weights, shape (S, 2)."""
         count = len(weights)
         if self.full:
             lines = self.across.reshape(count, 2, self.across.shape[1])
@@ -205,7 +205,7 @@ class _ModeEquations:
         return csr_array((weights.reshape(-1), places), shape=(count, 2 * count)) @ self.across
 
     def _friction_rotation(self, x: Array, g: Array, e: Array) -> Any:
-        """Sum of mu f_n H_t^T (1 - e e^T) H_t / |u_t|: derivative of the friction by x."""
+        """Derivative by x of the friction of the sliding points, as their directions turn."""
         limit = self.mu * np.maximum(g[: len(self.mu)], 0.0)
         size = np.linalg.norm((self.across @ x).reshape(-1, 2), axis=1)
         turn = self._combine(np.column_stack([-e[:, 1], e[:, 0]]))
@@ -215,7 +215,7 @@ class _ModeEquations:
         return turn.T @ (diags_array(weight) @ turn)
 
     def _step(self, bend: Any, push: Any, right: Array, work: Work) -> Array | None:
-        """The Newton step of (x, g)."""
+        """Newton step of motion x and forces g; None if the equations are singular."""
         from scipy.sparse.linalg import splu
 
         count, held = len(self.load), self.active.shape[0]
@@ -243,7 +243,7 @@ class _ModeEquations:
 def _at_the_limit(
     law: CoulombLaw, mode: Index, motion: TrialMotion, work: Work
 ) -> list[TrialMotion]:
-    """The same motion, with friction of sticking points at their limit along its slides.
+    """The same motion, with friction of sticking points moved to its limit against sliding.
 
     If a stack slides as a unit, its inner joints stick with forces that just reach their cones. The
     forces of several points have that sum only if they are all parallel.
@@ -274,7 +274,7 @@ def _at_the_limit(
 def _forces_on_rays(
     law: CoulombLaw, rays: Index, e: Array, others: Index, x: Array, work: Work
 ) -> Array | None:
-    """Forces (n, u, v) of the motion x: along -e on the cones of `rays`, inside those of `others`.
+    """Forces (n, u, v) of motion x: along -e on the cones of `rays`, within the cones of `others`.
 
     The cones of the others are replaced by eight rays each, so the problem is a nonnegative
     least-squares problem.
@@ -304,7 +304,7 @@ def _forces_on_rays(
 
 
 def _sliding_directions(speeds: Array, otherwise: Array) -> Array:
-    """Unit sliding directions, shape (S, 2); `otherwise` for points at rest."""
+    """Unit sliding directions of points, shape (S, 2); `otherwise` for points at rest."""
     u = speeds.reshape(-1, 2)
     size = np.linalg.norm(u, axis=1)
     size_otherwise = np.linalg.norm(otherwise, axis=1)

@@ -1,4 +1,4 @@
-"""Coulomb's law with joints eliminated and points that slide alike grouped, for the proof.
+"""Coulomb's contact law in fewer unknowns, for proofs: no joints, points that slide alike grouped.
 
 The law of `kilter.friction.law`, x = w + H^T g, in fewer unknowns; it is exact, without relaxation.
 Joints are eliminated: x = |Z^T w| Z a, with the columns of Z an orthonormal basis of the motions
@@ -41,7 +41,7 @@ __all__ = ["ReducedLaw", "reduced_law", "refusal"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ReducedLaw:
-    """The law in reduced unknowns; n freedoms, K points, G groups, P patches, T = 1 or 2.
+    """Coulomb's contact law in fewer unknowns: no joints, points that slide alike grouped.
 
     Attributes
     ----------
@@ -83,12 +83,12 @@ class ReducedLaw:
 
     @property
     def directions(self) -> int:
-        """T: number of tangent directions at a contact."""
+        """Number of tangent directions T at a contact point: 1 in the plane, 2 in space."""
         return int(self.lever.shape[1])
 
 
 def refusal(program: Program) -> str:
-    """Reason why the law does not apply to a program; empty if it does."""
+    """Reason why the reduced contact law does not apply to a program; empty if it applies."""
     if np.isin(program.kind, (POSSIBLE, STICKING)).any():
         return "contacts that are not modelled"
     contact = program.kind == CONTACT
@@ -105,7 +105,7 @@ def refusal(program: Program) -> str:
 
 
 def reduced_law(program: Program) -> ReducedLaw:
-    """The reduced contact law of a program for which `refusal` is empty."""
+    """Build the reduced contact law of a program for which `refusal` is empty."""
     law = coulomb_law(program)
     allowed = _joint_motions(law)
     w = allowed.T @ law.load
@@ -140,7 +140,7 @@ def reduced_law(program: Program) -> ReducedLaw:
 
 
 def _joint_motions(law: CoulombLaw) -> csr_array:
-    """Z, an orthonormal basis of the motions that the joints allow."""
+    """Orthonormal basis Z of the motions that all joints allow, as columns."""
     joint_rows = law.matrix[3 * np.flatnonzero(law.tied)].toarray()
     length = np.linalg.norm(joint_rows, axis=1)
     joint_rows = joint_rows[length > 0] / length[length > 0][:, None]
@@ -152,7 +152,7 @@ def _joint_motions(law: CoulombLaw) -> csr_array:
 
 
 def _flat_patches(program: Program, rows: Index) -> Index:
-    """Number of the flat patch of each contact row: same source, parts, mu, normal, plane.
+    """Number of the flat patch of each contact row; its points lie in a plane and slide alike.
 
     Each point of a patch that is not flat has its own number.
     """
@@ -176,7 +176,7 @@ def _flat_patches(program: Program, rows: Index) -> Index:
 def _groups_in_space(
     program: Program, contact: Index, label: Index
 ) -> tuple[Index, Index, Index, Index]:
-    """Kept points, group of each (-1 without friction), patch of each group, its first point."""
+    """In space: kept points, group of each (-1: frictionless), patch and first point of a group."""
     rough = np.flatnonzero(program.mu[contact] > 0)
     group = np.full(len(contact), -1)
     group[rough] = np.arange(len(rough))
@@ -210,14 +210,14 @@ def _groups_in_the_plane(
 
 
 def _indices_by_label(label: Index) -> list[Index]:
-    """Indices of the points with each label, in the order of the labels."""
+    """Indices of the points that share a label, for each label in ascending order."""
     order = np.argsort(label, kind="stable")
     starts = np.unique(label[order], return_index=True)[1]
     return np.split(order, starts[1:]) if len(order) else []
 
 
 def _group_levers(point: Array, across: Array, patch: Index) -> Array:
-    """L of each group; for a patch of several points in space, about their mean."""
+    """Lever of each group: matrix L from the twist of its patch to the sliding speed."""
     count = across.shape[1]
     lever = np.zeros((len(point), count, 3))
     lever[:, range(count), range(count)] = 1.0
@@ -237,7 +237,7 @@ def _group_levers(point: Array, across: Array, patch: Index) -> Array:
 
 
 def _patch_twists(tangent: csr_array, lever: Array, patch: Index) -> tuple[csr_array, ...]:
-    """Rows of t of each patch, from the ut of its groups: ut = L t."""
+    """Matrices from a motion to the twist of each patch, found from the sliding speeds ut = L t."""
     count = lever.shape[1]
     twists = []
     for members in _indices_by_label(patch):

@@ -1,4 +1,4 @@
-"""A linear program that contains every motion that obeys Coulomb's contact law.
+"""Linear program whose feasible points contain every motion that obeys Coulomb's law.
 
 The law (`kilter.friction.reduced_law`) is not convex: un fn = 0 at each point, and in each group
 friction dissipates mu N |ut|. Given bounds of all its solutions (`kilter.friction.enclosure`), both
@@ -62,7 +62,7 @@ circle.
 
 
 class Relaxation:
-    """Columns and rows of the program for a law; bounds and modes determine the numbers.
+    """Linear relaxation of a contact law; bounds and contact modes set its numbers.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ class Relaxation:
     # rows ------------------------------------------------------------------------------------
 
     def _columns_of_twists(self, is_planar: list[bool]) -> list[Index]:
-        """Columns of the twist of each patch."""
+        """Add the columns of the twist of each patch."""
         columns, place = [], self.columns["twist"].start
         for patch, alone in enumerate(is_planar):
             if alone:
@@ -129,7 +129,7 @@ class Relaxation:
         return columns
 
     def _add_dynamics(self) -> None:
-        """Add the rows e b = l w + Jn^T fn + Jt^T ft."""
+        """Add the rows of the equations of motion, e b = l w + Jn^T fn + Jt^T ft."""
         law, add = self.law, self._template
         rows = add.rows(len(law.load), "=")
         add.put(rows, self._of("motion"), 1.0, "scale")
@@ -138,7 +138,7 @@ class Relaxation:
         add.put_matrix(rows, "ft", law.tangent.T, -1.0)
 
     def _add_power(self) -> None:
-        """Add the rows w.b >= e q + sum of mu D,  w.b <= e l,  q >= 2 c.b - |c|^2 l."""
+        """Add the rows of the power w.b: friction dissipates, and |b|^2 is bounded by tangents."""
         law, add = self.law, self._template
         row = add.rows(1, ">")
         add.put(row, self._of("motion"), law.load)
@@ -153,7 +153,7 @@ class Relaxation:
         add.put(rows, self._of("one"), 0.0, "heights")
 
     def _add_kinematics(self) -> None:
-        """Add un = Jn b and ut = Jt b; for a flat patch in space t first, then ut = L t."""
+        """Add the rows of the speeds: un = Jn b, ut = Jt b; of a flat patch through its twist."""
         law, add = self.law, self._template
         rows = add.rows(len(law.group), "=")
         add.put(rows, self._of("un"), 1.0)
@@ -173,7 +173,7 @@ class Relaxation:
             add.put(rows[:, None], columns[None], -law.lever[group])
 
     def _add_friction(self) -> None:
-        """Add the rows N = sum of fn,  g_k = mu N + d_k.ft."""
+        """Add the rows of friction limits: N = sum of fn and the reserves g_k = mu N + d_k.ft."""
         law, add = self.law, self._template
         groups, sides = len(law.mu), len(self.directions)
         rows = add.rows(groups, "=")
@@ -186,7 +186,7 @@ class Relaxation:
         add.put(rows[:, :, None], self._ft[:, None, :], -self.directions[None])
 
     def _add_cuts(self) -> None:
-        """Add the cuts, s >= d_k.ut, the planes below D, and N >= Nmin l."""
+        """Add the rows that bound slide speeds, dissipated power and normal forces."""
         add, groups, sides = self._template, len(self.law.mu), len(self.directions)
         unit_column, ut, slip = self._of("one")[0], self._ut[:, None, :], self._of("slip")
         rows = add.rows(len(self.law.group), "<")
@@ -217,7 +217,7 @@ class Relaxation:
         add.put(rows, unit_column, 0.0, "least")
 
     def _add_sectors(self) -> None:
-        """Add, in space, the rows of cones of twists, and of segments and sectors of groups."""
+        """Add, in space, the rows of twist cones, and of circular segments and sectors."""
         add, groups = self._template, len(self.law.mu)
         if self.law.directions == 1:
             return
@@ -234,7 +234,7 @@ class Relaxation:
     # numbers ---------------------------------------------------------------------------------
 
     def program(self, bounds: Enclosure) -> LinearProgram:
-        """The linear program for given bounds and modes: minimise -w.b."""
+        """The linear program for given bounds and contact modes: minimise -w.b."""
         lower, upper = self._column_bounds(bounds)
         cost = np.zeros(self.width)
         cost[self.columns["motion"]] = -self.law.load
@@ -243,11 +243,11 @@ class Relaxation:
         return LinearProgram(cost, matrix, add.lower, add.upper, lower, upper)
 
     def named(self, x: Array) -> dict[str, Array]:
-        """A solution by the names of its columns."""
+        """Values of a solution x by the names of its columns."""
         return {name: x[part] for name, part in self.columns.items()}
 
     def _entry_values(self, b: Enclosure) -> dict[str, Array | float]:
-        """Values of the named entries."""
+        """Values of the matrix entries that depend on the bounds, by name."""
         values: dict[str, Array | float] = {
             "scale": b.scale,
             "kinetic": -b.scale,
@@ -277,7 +277,7 @@ class Relaxation:
         return values
 
     def _sector_values(self, b: Enclosure) -> dict[str, Array | float]:
-        """Rows of the inverses of cones, and rows of the segments of groups."""
+        """Values of the entries for twist cones and for circular segments of groups, by name."""
         groups = len(self.law.mu)
         values: dict[str, Array | float] = {}
         segment, total = np.zeros((groups, SEGMENT_SIDES, 2)), np.zeros((groups, SEGMENT_SIDES))
@@ -300,7 +300,7 @@ class Relaxation:
         return values
 
     def _column_bounds(self, b: Enclosure) -> tuple[Array, Array]:
-        """Bounds of the columns."""
+        """Lower and upper bounds of the columns of the program."""
         lower, upper = np.zeros(self.width), np.zeros(self.width)
         at, wide = self.columns, self.law.directions
         lower[at["motion"]], upper[at["motion"]] = -1.0, 1.0
@@ -325,7 +325,7 @@ class Relaxation:
 
 
 def _directions(law: ReducedLaw) -> Array:
-    """The directions d_k across a contact, shape (m, T)."""
+    """Tangent directions d_k across a contact in which friction is bounded, shape (m, T)."""
     if law.directions == 1:
         return np.array([[1.0], [-1.0]])
     angle = 2 * np.pi * np.arange(SIDES) / SIDES
@@ -333,7 +333,7 @@ def _directions(law: ReducedLaw) -> Array:
 
 
 def _patch_ends(law: ReducedLaw) -> Index:
-    """In the plane, the two points of each group that has two, shape (E, 2)."""
+    """Indices of the two points of each group that has two, in the plane, shape (E, 2)."""
     order = np.argsort(law.group, kind="stable")
     members = np.bincount(law.group + 1, minlength=len(law.mu) + 1)[law.group[order] + 1]
     paired = order[(members == 2) & (law.group[order] >= 0) & (law.directions == 1)]
@@ -342,7 +342,7 @@ def _patch_ends(law: ReducedLaw) -> Index:
 
 
 def _segment(middle: Array, half: float) -> tuple[Array, Array]:
-    """Rows n.ft + c mu N <= 0 of a circular segment about a sliding direction."""
+    """Rows n.ft + c mu N <= 0: friction lies in a circular segment opposite to the sliding."""
     turn = np.array([[np.cos(half), -np.sin(half)], [np.sin(half), np.cos(half)]])
     left, right = turn @ middle, turn.T @ middle
     # -ft = mu N d: d.middle >= cos(half); d right of `left`, left of `right`; d.x <= 1

@@ -1,4 +1,4 @@
-"""Seating: does the weight of the assembly hold it somewhere, if it is put together with care?
+"""Seating: search for a position in which the weight of the carefully placed parts holds them.
 
 Between contacts that give a little, and that start without a gap or a squeeze
 (`kilter.friction.springs`), parts under load may have a displacement x at which every part is in
@@ -52,7 +52,7 @@ NUDGE = 1.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Seating:
-    """Result of the search for a seat.
+    """Result of the search for a seat: a position in which the weight of the parts holds them.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ class Seating:
 
     @property
     def holds(self) -> bool:
-        """True if there is a seat."""
+        """True if the search found a seat."""
         return self.seated == "yes"
 
 
@@ -150,7 +150,7 @@ def find_seating(
 def _starts(
     law: CoulombLaw, elastic: ElasticForces | None, seed: int
 ) -> Iterator[tuple[Array, Array, float]]:
-    """Stiffness of each row, first displacement and first step of each start, without end."""
+    """Yield starts without end: stiffness of each row, first displacement and first step."""
     rng = np.random.default_rng(seed)
     if elastic is not None:
         yield np.ones(len(law.mu)), elastic.displacement, NEAR

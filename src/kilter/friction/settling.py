@@ -47,7 +47,7 @@ End = Literal["balance", "runs-away", "not-found"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Settling:
-    """Results of the tries.
+    """Results of the settling tries, in which loosely placed parts come down by their weight.
 
     Attributes
     ----------
@@ -71,17 +71,17 @@ class Settling:
 
     @property
     def passed(self) -> int:
-        """Number of tries that ended in balance."""
+        """Number of settling tries that ended in balance."""
         return len(self.forces)
 
     @property
     def settles(self) -> bool:
-        """True if every try ended in balance."""
+        """True if every settling try ended in balance."""
         return self.passed == self.of
 
     @property
     def runs_away(self) -> bool:
-        """True if at least one try ran away."""
+        """True if the parts of at least one settling try ran away."""
         return "runs-away" in self.ends
 
 
@@ -152,12 +152,12 @@ def find_settling(
 
 
 def _unbalanced_end(end: End) -> End:
-    """The end of a try whose forces do not balance."""
+    """Reason why a settling try does not count as balanced."""
     return "runs-away" if end == "runs-away" else "not-found"
 
 
 def _deflections(law: CoulombLaw, elastic: ElasticForces | None) -> Array:
-    """Deflection of each point by the weight; 1 if no forces are known."""
+    """Deflection of each contact point under the weight [-]; 1 if no forces are known."""
     program = law.program
     if elastic is None:
         return np.ones(len(law.mu))

@@ -1,4 +1,4 @@
-"""Linear systems of springs between pairs of parts, for matrices of a common pattern.
+"""Linear systems of contact springs between pairs of parts, with a fixed sparsity pattern.
 
 A matrix is the sum of a block for each pair of touching parts, and of a multiple d of the identity.
 It is solved as a band matrix, with parts in reverse Cuthill-McKee order, or as a sparse matrix if
@@ -31,7 +31,7 @@ SYMMETRIC = 100
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SpringMatrix:
-    """Positions of the entries of P pairs of parts in a system of n unknowns.
+    """Sparse matrix pattern of springs between P pairs of parts, in n unknowns.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class SpringMatrix:
 
     @property
     def symmetric_pays(self) -> bool:
-        """True if Newton's method takes less time with symmetric matrices."""
+        """True if symmetric matrices make Newton's method faster, as for a wide band."""
         return self.band > SYMMETRIC
 
     def solve(self, blocks: Array, drag: float, right: Array, work: Work) -> Array:
@@ -91,7 +91,7 @@ class SpringMatrix:
         return step[self.order]
 
     def _solve_band(self, blocks: Array, drag: float, right: Array, work: Work) -> Array:
-        """Solve a system in the order of elimination as a band matrix."""
+        """Solve a spring system as a band matrix, in the order of elimination."""
         from scipy.linalg.lapack import dgbsv
 
         band, count = self.band, len(right)
@@ -104,7 +104,7 @@ class SpringMatrix:
         return np.asarray(step, np.float64)
 
     def _solve_sparse(self, blocks: Array, drag: float, right: Array, work: Work) -> Array:
-        """Solve a system in the order of elimination as a sparse matrix."""
+        """Solve a spring system as a sparse matrix, in the order of elimination."""
         from scipy.sparse.linalg import splu
 
         count = len(right)
@@ -119,7 +119,7 @@ class SpringMatrix:
         return np.asarray(factor.solve(right), np.float64)
 
     def solve_symmetric(self, blocks: Array, drag: float, right: Array, work: Work) -> Array:
-        """Solve a system whose blocks are symmetric and positive semidefinite, as `solve`."""
+        """Solve a spring system with symmetric positive semidefinite blocks, as `solve` does."""
         from scipy.linalg.lapack import dpbsv
 
         if self.dissection is not None:
@@ -138,7 +138,7 @@ class SpringMatrix:
     def _solve_dissected(
         self, factor: BlockCholesky, blocks: Array, drag: float, right: Array, work: Work
     ) -> Array:
-        """Solve a symmetric system by nested dissection."""
+        """Solve a symmetric spring system by nested dissection with `factor`."""
         width = blocks.shape[1] // 2
         parts = len(right) // width
         diagonal = np.zeros((parts + 1, width, width))
@@ -155,7 +155,7 @@ class SpringMatrix:
 
 
 def spring_matrix(pairs: Index, center: Array, per: int) -> SpringMatrix:
-    """The positions of the entries of a system.
+    """Build the sparse matrix pattern of springs between pairs of parts.
 
     Parameters
     ----------
@@ -190,7 +190,7 @@ def spring_matrix(pairs: Index, center: Array, per: int) -> SpringMatrix:
 
 
 def _elimination_ranks(pairs: Index, count: int) -> Index:
-    """Position of each part in an order that keeps touching parts close."""
+    """Rank of each part in an elimination order that keeps touching parts close (small band)."""
     from scipy.sparse.csgraph import reverse_cuthill_mckee  # slow to import
 
     both = pairs[(pairs >= 0).all(axis=1)]
@@ -204,7 +204,7 @@ def _elimination_ranks(pairs: Index, count: int) -> Index:
 def _sparse_positions(
     i: Index, j: Index, used: np.ndarray, count: int
 ) -> tuple[Index, Index, Index]:
-    """Positions of entries in a csc_array with a full diagonal; its rows and column starts."""
+    """Positions of entries in a csc_array with full diagonal; its row indices and column starts."""
     diagonal = np.arange(count) * (count + 1)
     keys, inverse = np.unique(np.concatenate([j[used] * count + i[used], diagonal]),
                               return_inverse=True)  # fmt: skip
@@ -215,6 +215,6 @@ def _sparse_positions(
 
 
 def _sum_entries(place: Index, blocks: Array, count: int) -> Array:
-    """Entries summed by their positions; entries without a position are dropped."""
+    """Sum entries that have the same position; entries without a position (-1) are dropped."""
     sums = np.bincount(place, blocks.reshape(-1), minlength=count + 1)[:count]
     return np.asarray(sums, dtype=np.float64)

@@ -1,4 +1,4 @@
-"""Contacts that give a little: forces from a displacement, and the balance of the parts.
+"""Elastic contacts: forces from a displacement of the parts, and the balance of the parts.
 
 With a stiffness k along the normal, 0.7 k across it, and a gap g >= 0 at each point, a small
 displacement x of the parts produces the forces
@@ -34,7 +34,7 @@ RUN = 4
 
 @dataclass(slots=True)
 class SpringState:
-    """A displacement x and its consequences: u with gaps, forces (n, u, v), and the imbalance r."""
+    """State of the contact springs: displacement x, point displacements, forces and imbalance r."""
 
     x: Array
     opening: Array
@@ -44,7 +44,7 @@ class SpringState:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SpringSystem:
-    """Positions of the entries of -dr/dx, equal for all stiffnesses, gaps and displacements.
+    """Data of the spring equations that all stiffnesses, gaps and displacements share.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class SpringSystem:
 
 
 def spring_system(law: CoulombLaw) -> SpringSystem:
-    """The positions of the entries of a law's systems."""
+    """Build the shared data of the spring equations of a contact law."""
     program, per = law.program, law.root.shape[1]
     index = np.full(len(program.names), -1)
     index[program.free] = np.arange(len(law.root))
@@ -88,7 +88,7 @@ def spring_system(law: CoulombLaw) -> SpringSystem:
 
 
 def _runs_of_points(pair: Index, pairs: int) -> tuple[Index, Index]:
-    """Points of each pair in runs of `RUN`, filled with K; and the first run of each pair."""
+    """Points of each pair in runs of `RUN` (filled with K), and the first run of each pair."""
     count = np.bincount(pair, minlength=pairs)
     runs = -(-count // RUN)
     begins = np.cumsum(runs) - runs
@@ -100,7 +100,7 @@ def _runs_of_points(pair: Index, pairs: int) -> tuple[Index, Index]:
 
 
 def _scaled_weights(law: CoulombLaw) -> Array:
-    """Weights of the free parts, in the scale of r."""
+    """Weights of the free parts in the scale of the imbalance r."""
     part = np.flatnonzero(law.program.free)
     weight = law.program.weight[part] / np.sqrt(law.program.mass[part]) / max(law.strength, TINY)
     least: Array = np.maximum(weight, TINY)
@@ -108,7 +108,7 @@ def _scaled_weights(law: CoulombLaw) -> Array:
 
 
 def _pair_levers(law: CoulombLaw, ends: Index, per: int) -> Array:
-    """H of each point by its first and second part, shape (K, 3, 2 d)."""
+    """Levers (H) of each contact point on its first and second part, shape (K, 3, 2 d)."""
     entries = law.matrix.tocoo()
     point, line = entries.row // 3, entries.row % 3
     part, freedom = entries.col // per, entries.col % per
@@ -119,7 +119,7 @@ def _pair_levers(law: CoulombLaw, ends: Index, per: int) -> Array:
 
 
 class Springs:
-    """The equations r(x) = 0 for given stiffnesses and gaps of the points.
+    """Balance equations r(x) = 0 of parts on contact springs of given stiffnesses and gaps.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ class Springs:
         self.gap = np.zeros(len(stiffness)) if gap is None else gap
 
     def at(self, x: Array) -> SpringState:
-        """Forces and imbalance at a displacement x of the parts."""
+        """Contact forces and imbalance at a displacement x of the parts."""
         law = self.system.law
         u = (law.matrix @ x).reshape(-1, 3)
         u[:, 0] += self.gap
@@ -142,7 +142,7 @@ class Springs:
         return SpringState(x, u, forces, law.load + self.system.transposed @ forces.reshape(-1))
 
     def imbalance(self, state: SpringState) -> float:
-        """Worst imbalance of a part over its weight."""
+        """Largest imbalance of a part, divided by the part's weight [-]."""
         weight = self.system.weight
         rest = np.linalg.norm(state.rest.reshape(len(weight), -1), axis=1)
         return float((rest / weight).max())
@@ -150,7 +150,7 @@ class Springs:
     def newton(
         self, state: SpringState, right: Array, drag: float, work: Work, *, exact: bool = True
     ) -> Array:
-        """The step dx of (drag - dr/dx) dx = right.
+        """Newton step dx of the balance equations: (drag - dr/dx) dx = right.
 
         Parameters
         ----------
@@ -174,7 +174,7 @@ class Springs:
         return solve(blocks, drag, right, work)
 
     def _pair_blocks(self, state: SpringState, exact: bool) -> Array:
-        """The contribution of each pair to -dr/dx, shape (P, 2 d, 2 d)."""
+        """Contribution of each pair of parts to -dr/dx, shape (P, 2 d, 2 d)."""
         system = self.system
         slope = _contact_slopes(system.law, self.stiffness, state.opening, exact)[system.points]
         runs, size = len(system.points), system.lever.shape[-1]
@@ -186,7 +186,7 @@ class Springs:
 
 
 def _contact_forces(law: CoulombLaw, stiffness: Array, u: Array) -> Array:
-    """Forces (n, u, v) from displacements of the points, shape (K, 3)."""
+    """Contact forces (n, u, v) from displacements u of the points, shape (K, 3)."""
     touching = (u[:, 0] < 0) | law.tied
     forces = u * (-stiffness * touching)[:, None]
     forces[:, 1:] *= ACROSS
@@ -198,7 +198,7 @@ def _contact_forces(law: CoulombLaw, stiffness: Array, u: Array) -> Array:
 
 
 def _contact_slopes(law: CoulombLaw, stiffness: Array, u: Array, exact: bool) -> Array:
-    """Derivative -df/du of each point, shape (K + 1, 3, 3); 0 if it is open, and for the last."""
+    """Derivative -df/du of the forces, shape (K + 1, 3, 3); 0 for open points and the last."""
     slope = np.zeros((len(u) + 1, 3, 3))
     points = np.flatnonzero((u[:, 0] < 0) | law.tied)
     k, tied, mu = stiffness[points], law.tied[points], law.mu[points]

@@ -1,4 +1,4 @@
-"""A sparse matrix of fixed structure, with named entries whose values change.
+"""Sparse matrix with a fixed structure and named entries whose values change.
 
 Branch and bound solves thousands of linear programs that differ only in some numbers. The positions
 of all entries are found once. A program then costs a copy of its numbers, and the basis of a
@@ -20,7 +20,7 @@ __all__ = ["MatrixTemplate"]
 
 
 class MatrixTemplate:
-    """Rows over named columns; every row is = 0, >= 0 or <= 0.
+    """Structure of a sparse matrix over named columns; each row is = 0, >= 0 or <= 0.
 
     Parameters
     ----------
@@ -59,12 +59,12 @@ class MatrixTemplate:
         self._filled = 0
 
     def of(self, name: str) -> Index:
-        """Indices of the columns of a name."""
+        """Indices of the columns that have a name."""
         columns = self.columns[name]
         return np.arange(columns.start, columns.stop)
 
     def rows(self, count: int, kind: Literal["=", ">", "<"]) -> Index:
-        """Indices of `count` new rows, which are = 0, >= 0 or <= 0."""
+        """Create `count` rows that are = 0, >= 0 or <= 0, and return their indices."""
         at = self.height + np.arange(count)
         self._lower.append(np.full(count, -np.inf if kind == "<" else 0.0))
         self._upper.append(np.full(count, np.inf if kind == ">" else 0.0))
@@ -72,7 +72,7 @@ class MatrixTemplate:
         return at
 
     def put(self, rows: ArrayLike, columns: ArrayLike, values: ArrayLike, name: str = "") -> None:
-        """Add entries, broadcast together; named entries get new values in each matrix."""
+        """Add matrix entries, broadcast together; named entries get new values in each matrix."""
         at, across = np.broadcast_arrays(np.asarray(rows), np.asarray(columns))
         data = np.broadcast_to(np.asarray(values, dtype=np.float64), at.shape)
         self._blocks.append((at.ravel(), across.ravel(), data.ravel()))
@@ -81,7 +81,7 @@ class MatrixTemplate:
         self._filled += at.size
 
     def put_matrix(self, rows: Index, columns: str, matrix: sparray, sign: float) -> None:
-        """Add a matrix, times a sign, over rows and the columns of a name."""
+        """Add a matrix, times a sign, in the given rows and the columns of a name."""
         coo = matrix.tocoo()
         self.put(rows[coo.row], self.columns[columns].start + coo.col, sign * coo.data)
 
