@@ -41,7 +41,7 @@ SAMPLE = 100
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Boxes:
-    """Boxes of parts, shape (N, 3), and of facets, shape (F, 3), in a common frame.
+    """Bounding boxes of parts, shape (N, 3), and of facets, shape (F, 3), all in the same frame.
 
     `turned` holds the vertices of the geometry in that frame, shape (V, 3). In a search over
     independent assemblies each assembly has its own frame, and `frame`, shape (3, 3), is unused.
@@ -56,7 +56,9 @@ class Boxes:
 
 
 def make_boxes(geometry: Geometry, facets: Facets, start: Index | None = None) -> Boxes:
-    """Boxes of all parts and facets, each grown by the part's slack if it has curved surfaces.
+    """Bounding boxes of all parts and facets; those of parts with curved surfaces have a margin.
+
+    The margin is the part's slack, the largest distance of triangles from the true surface.
 
     `start` holds the first part of each of several independent assemblies; None: a single assembly.
     """
@@ -83,7 +85,7 @@ def make_boxes(geometry: Geometry, facets: Facets, start: Index | None = None) -
 
 
 def _extremes(points: Array, start: Index) -> tuple[Array, Array]:
-    """Lower and upper corners of the boxes of runs of points, shape (n, 3) each."""
+    """Lower and upper corners of the bounding box of each run of points, shape (n, 3) each."""
     count = np.diff(start)
     if len(count) and (count == count[0]).all():  # equal runs: several times faster than reduceat
         groups = points.reshape(len(count), count[0], 3)
@@ -92,7 +94,7 @@ def _extremes(points: Array, start: Index) -> tuple[Array, Array]:
 
 
 def part_pairs(boxes: Boxes, grounded: Mask, margin: Array) -> Index:
-    """Pairs (a, b), a < b, not both held, whose boxes, grown by `margin`, meet; shape (n, 2).
+    """Pairs of parts a < b, shape (n, 2), whose boxes come within `margin`; never two held parts.
 
     Raises
     ------
@@ -112,7 +114,7 @@ def part_pairs(boxes: Boxes, grounded: Mask, margin: Array) -> Index:
 
 
 def _require_few(pairs: int, parts: int) -> None:
-    """Raise an InputError if the number of near pairs of parts exceeds both limits."""
+    """Raise an InputError if too many pairs of parts come near each other."""
     if pairs > max(MOST_PAIRS, MOST_NEAR * parts):
         raise InputError(
             f"the boxes of {pairs:,} pairs of {parts:,} parts or more overlap: too many",
@@ -121,7 +123,7 @@ def _require_few(pairs: int, parts: int) -> None:
 
 
 def pairs_apart(boxes: Boxes, grounded: Mask, margin: Array, start: Index) -> Index:
-    """Pairs of parts as `part_pairs` finds them, within each of several independent assemblies.
+    """Pairs of parts as from `part_pairs`, but only within each of several independent assemblies.
 
     `start` holds the first part of each assembly. There is no limit on the number of pairs.
     """
@@ -146,7 +148,7 @@ def pairs_apart(boxes: Boxes, grounded: Mask, margin: Array, start: Index) -> In
 
 
 def _all_pairs(start: Index) -> Index:
-    """All pairs a < b of rows of the same run, shape (n, 2), in order."""
+    """All pairs of rows a < b of the same run, shape (n, 2), in order."""
     count = np.diff(start)
     run, row = counted(count)
     later_rows = count[run] - 1 - row
@@ -156,7 +158,7 @@ def _all_pairs(start: Index) -> Index:
 
 
 def _tree_pairs(low: Array, high: Array) -> tuple[Index, Index]:
-    """Pairs a < b of boxes that meet, by a tree.
+    """Pairs a < b of boxes that overlap or touch each other, found with a search tree.
 
     The number of pairs is first estimated from `SAMPLE` boxes, and rejected if it is far above
     the limit, before the memory for all pairs is needed.
@@ -176,7 +178,7 @@ def _tree_pairs(low: Array, high: Array) -> tuple[Index, Index]:
 def facet_pairs(
     facets: Facets, boxes: Boxes, pairs: Index, margin: Array, cosine: float
 ) -> tuple[Index, Index, Index]:
-    """Facets i of a and j of b that oppose each other and whose boxes meet.
+    """Pairs of facets, i of part a and j of part b, that face each other and whose boxes meet.
 
     Parameters
     ----------
@@ -206,7 +208,7 @@ def facet_pairs(
 def _facet_pairs_of(
     facets: Facets, boxes: Boxes, pairs: Index, rows: Index, margin: Array, cosine: float
 ) -> list[tuple[Index, Index, Index]]:
-    """`facet_pairs` for some rows of the pairs: blocks of (pair, facet i, facet j)."""
+    """Results of `facet_pairs` for the given rows of `pairs`: blocks of (pair, facet, facet)."""
     a, b = pairs[rows].T
     grow = margin[rows][:, None]
     low = np.maximum(boxes.part_low[a], boxes.part_low[b]) - grow
@@ -226,7 +228,7 @@ def _facet_pairs_of(
 def facets_in(
     facets: Facets, boxes: Boxes, part: Index, low: Array, high: Array
 ) -> tuple[Index, Index]:
-    """Facets of ``part[k]`` whose box meets box k: pairs (k, facet), ordered by k."""
+    """Facets of part ``part[k]`` whose box meets the box k: pairs (k, facet), ordered by k."""
     owner, facet = ragged(facets.start, part)
     keep = np.ones(len(owner), dtype=bool)
     for axis in range(3):
@@ -242,7 +244,7 @@ def joins(
     box_b: tuple[Array, Array],
     margin: Array,
 ) -> Iterator[tuple[Index, Index, Index]]:
-    """Rows of a and b that have the same owner and whose boxes come within a margin.
+    """Pairs of a row of a and a row of b with the same owner and with boxes within a margin.
 
     Parameters
     ----------
@@ -281,7 +283,7 @@ def joins(
 
 
 def _bundles(many: Mask, count: Index) -> Iterator[Mask]:
-    """Masks of the owners with many combinations, so that each mask fills about one tree."""
+    """Masks that divide the owners with many combinations into groups of about a tree's size."""
     rows = np.flatnonzero(many)
     for bundle_number in np.unique(bundle := np.cumsum(count[rows]) // TREE):
         owners = np.zeros(len(many), dtype=bool)
@@ -290,7 +292,7 @@ def _bundles(many: Mask, count: Index) -> Iterator[Mask]:
 
 
 def _products(owner_a: Index, owner_b: Index, count: int) -> Iterator[tuple[Index, Index, Index]]:
-    """All combinations of rows of a and b that have the same owner, in batches."""
+    """Yield batches of all pairs of a row of a and a row of b that have the same owner."""
     first_b = np.searchsorted(owner_b, np.arange(count + 1))
     width_of_row = np.diff(first_b)[owner_a]  # number of rows of b with the owner of each row of a
     combinations_up_to = np.cumsum(width_of_row)
@@ -312,7 +314,7 @@ _OwnedBoxes = tuple[Array, Array, Index]
 
 
 def _tree_join(first: _OwnedBoxes, second: _OwnedBoxes) -> tuple[Index, Index]:
-    """Rows of two sets of boxes that meet and have the same owner, found with a planar tree.
+    """Pairs of rows of two sets of boxes with the same owner whose boxes meet, by a planar tree.
 
     The tree uses the two axes along which the boxes are smallest relative to their total extent.
     Owners are placed next to each other along the first of these axes. The comparison of the boxes

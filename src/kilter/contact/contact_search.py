@@ -21,7 +21,7 @@ __all__ = ["ContactSearch", "begin_search"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactSearch:
-    """Parts with their facets and boxes, and the near pairs to search for contacts.
+    """Input of a contact search: the parts with their facets and boxes, and the near pairs.
 
     Attributes
     ----------
@@ -50,12 +50,12 @@ class ContactSearch:
     meshes: Mask
 
     def face(self, row: int) -> Array:
-        """Triangles of a curved surface, shape (m, 3, 3)."""
+        """Triangles of the curved surface with index `row`, shape (m, 3, 3)."""
         geometry = self.geometry
         return geometry.vertices[geometry.triangles[geometry.surfaces.triangles_of(row)]]
 
     def flat(self, facet: int) -> Array:
-        """Triangles of a flat face, shape (m, 3, 3)."""
+        """Triangles of the flat facet with index `facet`, shape (m, 3, 3)."""
         facets = self.facets
         corners = facets.corners[facets.corner_start[facet] : facets.corner_start[facet + 1]]
         points = self.geometry.vertices[corners]
@@ -72,7 +72,7 @@ def begin_search(
     *,
     start: Index | None = None,
 ) -> ContactSearch:
-    """Facets, boxes and near pairs of an assembly, with the limits of each pair.
+    """Prepare the contact search of an assembly: facets, boxes, near pairs and their gap limits.
 
     `start`, shape (M + 1,), holds the first part of each of several independent assemblies; parts
     of different assemblies form no pair.

@@ -102,19 +102,21 @@ class DegeneratePoints:
 
     @classmethod
     def none(cls) -> DegeneratePoints:
-        """An empty set."""
+        """A set without degenerate points."""
         empty, index = np.empty((0, 3)), np.empty(0, dtype=np.int64)
         no, pairs = np.empty(0, dtype=bool), np.empty((0, 2), dtype=np.int64)
         return cls(index, index, empty, np.zeros(1, np.int64), empty, no, pairs, empty, empty)
 
     @property
     def owner(self) -> Index:
-        """Row of the point that each normal belongs to, shape (m,)."""
+        """Index of the degenerate point to which each row of `normals` belongs, shape (m,)."""
         return np.repeat(np.arange(len(self)), np.diff(self.start))
 
     @property
     def centers(self) -> Array:
-        """Centre of each point's cone of normals, the paper's planar approximation, (n, 3).
+        """Central direction of the cone of normals of each degenerate point, unit, shape (n, 3).
+
+        The paper uses this direction as the only normal of the point, in two dimensions.
 
         The centre of two normals is their bisector; of more normals it is the centroid of their
         polygon on the sphere, sum of angle(m, n) (m x n) / |m x n| / 2 over its sides.
@@ -129,7 +131,7 @@ class DegeneratePoints:
         return centers
 
     def pushes(self) -> PossibleContacts:
-        """Possible contacts with a force along every normal of every point."""
+        """Possible contact forces along every normal of every degenerate point."""
         owner = self.owner
         none = np.zeros(len(owner))
         return PossibleContacts(
@@ -144,7 +146,7 @@ class DegeneratePoints:
 
 
 def _center(normals: Array) -> Array:
-    """Unit centre of the convex cone that unit normals, shape (k, 3), span."""
+    """Central unit direction of the convex cone that unit normals, shape (k, 3), span."""
     mean = unit_rows(normals.sum(axis=0))
     if len(normals) > 2:
         u, v = across(mean)
@@ -281,7 +283,9 @@ class ContactSet(Answer):
         )
 
     def graph(self) -> Any:
-        """The parts and the pairs that touch, as a `networkx.Graph` (extra ``kilter[graph]``).
+        """Contact graph as a `networkx.Graph`: parts are nodes, touching pairs are edges.
+
+        It needs the extra ``kilter[graph]``.
 
         A node is the name of a part, with the attributes `grounded` and `mass` [kg]. An edge has
         the attributes `patches` (a list of `Patch`) and `area` [length unit^2].
@@ -321,7 +325,7 @@ class ContactSet(Answer):
 
     @property
     def approximate(self) -> PossibleContacts:
-        """The paper's planar approximation: a single force at each degenerate point.
+        """Forces of degenerate contact points in the paper's approximation: a single force at each.
 
         The force acts along the centre of the cone of normals (section 2.1, Figure 3 (d)).
         """
@@ -334,12 +338,12 @@ class ContactSet(Answer):
 
     @property
     def point_patch(self) -> Index:
-        """Row of the patch that each point belongs to, shape (K,)."""
+        """Index of the patch to which each contact point belongs, shape (K,)."""
         return np.repeat(np.arange(len(self)), np.diff(self.patch_start))
 
     @property
     def patch_bond(self) -> Index:
-        """Position of the bond that holds each patch; -1: no bond, shape (P,)."""
+        """Index of the bond that glues each patch, shape (P,); -1 for patches without a bond."""
         bonds = self.assembly.bonds
         if not bonds:
             return np.full(len(self), -1)
@@ -359,7 +363,7 @@ class ContactSet(Answer):
 
     @property
     def patch_pull(self) -> Array:
-        """Largest tension of each patch through its bond [N], shape (P,); NaN without a bond."""
+        """Largest tension that the bond of each patch bears [N], shape (P,); NaN without a bond."""
         bonds, bond = self.assembly.bonds, self.patch_bond
         pull = np.array([b.pull or 0.0 for b in bonds] + [np.nan])[bond]
         stress = np.array([b.pull_per_area or 0.0 for b in bonds] + [np.nan])[bond]
@@ -367,7 +371,7 @@ class ContactSet(Answer):
 
     @property
     def counted_gap(self) -> float | None:
-        """Widest gap of a patch that counts as contact only by a widened tolerance [length unit].
+        """Widest gap that counts as contact only because the tolerance was widened [length unit].
 
         None if every patch also counts by the default tolerance.
         """
@@ -409,16 +413,16 @@ class ContactSet(Answer):
         )
 
     def of(self, assembly: Assembly) -> ContactSet:
-        """The same contacts for an assembly of the same parts with other joints or held parts."""
+        """These contacts for an assembly of the same parts with other joints or held parts."""
         return self if assembly is self.assembly else replace(self, assembly=assembly)
 
     def with_friction(self, mu: float) -> ContactSet:
-        """The same contacts with a single friction coefficient, reduced by `patch_doubt`."""
+        """These contacts with a single friction coefficient for all, reduced by `patch_doubt`."""
         return replace(self, patch_mu=certain_friction(mu, self.patch_doubt))
 
     @property
     def alone(self) -> Index:
-        """Parts that touch no part, overlap no part and have no joint."""
+        """Indices of the parts that touch no part, overlap no part and have no joint."""
         index = self.assembly.index
         touched = np.zeros(len(self.assembly.parts), dtype=bool)
         touched[self.patch_parts.ravel()] = True
@@ -430,7 +434,7 @@ class ContactSet(Answer):
         return np.flatnonzero(~touched)
 
     def nearest(self) -> list[dict[str, Any]]:
-        """Nearest part of each part that touches nothing, as JSON data of an answer."""
+        """JSON data: for each part that touches nothing, the nearest part and its distance."""
         by_part = {neighbour.part: neighbour for neighbour in self.neighbours}
         names, held = self.assembly.names, self.assembly.geometry.grounded
         none = {"nearest": None, "gap": None, "accuracy": None}
@@ -441,7 +445,7 @@ class ContactSet(Answer):
         ]
 
     def to_dict(self) -> dict[str, Any]:
-        """JSON data: the answer of ``kilter contacts --json``."""
+        """JSON data of the contacts, as ``kilter contacts --json`` prints them."""
         assembly = self.assembly
         sizes = assembly.geometry.size
         return {
@@ -479,7 +483,7 @@ class ContactSet(Answer):
         }
 
     def remarks(self) -> list[str]:
-        """Remarks of the reader, of the geometry and of the contact search, as sentences."""
+        """Sentences for the user about the file, the geometry and the contact search."""
         left_open = {frozenset(pair.parts) for pair in self.open_pairs}
         over = [overlap for overlap in self.overlaps if frozenset(overlap.parts) in left_open]
         assembly = self.assembly
@@ -503,7 +507,7 @@ class ContactSet(Answer):
         return [self.assembly.names[k] for k in parts]
 
     def _patch(self, k: int, pull: float) -> dict[str, Any]:
-        """JSON data of patch k; `pull` is its largest tension [N]."""
+        """JSON data of the patch with index k; `pull` is the largest tension of its bond [N]."""
         gap = self.patch_gap[k]
         return {
             "parts": self._names(self.patch_parts[k]),

@@ -101,7 +101,9 @@ def contacts(
 
 
 def contacts_side_by_side(apart: SideBySide, tolerance: Tolerance) -> ContactSet:
-    """Contacts of several independent assemblies, by parts of all; no neighbours or warnings.
+    """Contacts of several independent assemblies at once; parts are counted through all of them.
+
+    Nearest neighbours and warnings are left out.
 
     Raises
     ------
@@ -123,7 +125,7 @@ def _contact_set(
     tolerance: Tolerance,
     report_stage: Callable[[str], None],
 ) -> ContactSet:
-    """The contact set of a search, without the nearest parts of parts that touch nothing."""
+    """Find the contacts of a search; nearest neighbours of parts without contact are left out."""
     gap = search.limits.gap
     report_stage("faces")
     curved = find_curved(search)
@@ -190,7 +192,7 @@ def _fits(
     tolerance: Tolerance,
     overlapping: set[frozenset[int]],
 ) -> tuple[Fit, ...]:
-    """Shafts in holes between near pairs.
+    """Shafts in holes among the near pairs of parts.
 
     A tight fit counts only if its parts overlap (`overlapping`): otherwise their walls do not meet.
     """
@@ -201,7 +203,7 @@ def _fits(
 def _unrecorded_pairs(
     search: ContactSearch, patches: Patches, other_pairs: list[tuple[int, int]]
 ) -> Mask:
-    """Pairs without a patch that are also not among the pairs of parts `other_pairs`."""
+    """Mask of the pairs of parts that have no patch and are not listed in `other_pairs`."""
     silent = np.ones(len(search.pairs), dtype=bool)
     silent[patches.pair[patches.pair >= 0]] = False
     recorded = {frozenset(pair) for pair in other_pairs}
@@ -213,7 +215,7 @@ def _unrecorded_pairs(
 
 
 def _listed_patches(assembly: Assembly) -> Patches:
-    """The contacts and bond points that the file lists, as patches."""
+    """Patches for the contacts and the points of bonds that the file lists."""
     bonded = [bond for bond in assembly.bonds if bond.points is not None]
     listed = [contact for contact in assembly.contacts if len(contact.points)]
     given: list[GivenContact | Bond] = [*listed, *bonded]
@@ -238,13 +240,16 @@ def _listed_patches(assembly: Assembly) -> Patches:
 
 
 def _own_friction(contact: GivenContact | Bond) -> float:
-    """Friction coefficient that the file gives for a contact [-]; NaN: none, as for every bond."""
+    """Friction coefficient that the file states for a contact [-]; NaN if it states none.
+
+    Bonds state none.
+    """
     mu = contact.mu if isinstance(contact, GivenContact) else None
     return np.nan if mu is None else mu
 
 
 def detected_with_friction(detected: ContactSet, mu: float) -> ContactSet:
-    """Detected contacts with a single friction coefficient, equal to those of a new detection.
+    """Detected contacts with the same friction coefficient everywhere, as if detected with it.
 
     Parameters
     ----------
@@ -271,6 +276,6 @@ def detected_with_friction(detected: ContactSet, mu: float) -> ContactSet:
 
 
 def _with_friction(assembly: Assembly, possible: PossibleContacts) -> PossibleContacts:
-    """The possible contacts with the friction coefficients of their pairs."""
+    """Possible contact forces, with the friction coefficient of each pair of parts filled in."""
     parts = np.column_stack([possible.part_a, possible.part_b])
     return dataclasses.replace(possible, mu=friction_coefficients(assembly, parts))

@@ -21,7 +21,7 @@ __all__ = ["FacePatches", "explained", "in_patch", "on_patches"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FacePatches:
-    """A search with its smooth joints and its patches of flat and curved faces, ordered by pair."""
+    """A contact search with the patches of its flat, curved and smooth faces, ordered by pair."""
 
     search: ContactSearch
     flat: Patches
@@ -30,7 +30,7 @@ class FacePatches:
 
     @property
     def has_patch(self) -> Mask:
-        """Whether each pair has a patch, flat, curved or smooth, shape (n,)."""
+        """Whether each pair of parts has a contact patch of any kind, shape (n,)."""
         is_covered = np.zeros(len(self.search.pairs), dtype=bool)
         is_covered[self.flat.pair] = True
         is_covered[self.curved.patches.pair] = True
@@ -50,7 +50,7 @@ def explained(face_patches: FacePatches, pair: int, points: Array, slack: float)
 
 
 def in_patch(face_patches: FacePatches, pair: int, points: Array, slack: float) -> Mask:
-    """Which points, shape (n, 3), lie on a curved face of a pair that touches over an area."""
+    """Which points, shape (n, 3), lie on a curved face that touches over an area, in this pair."""
     is_in_patch = face_patches.smooth.explains(np.full(len(points), pair), points)
     patches = face_patches.curved.patches
     for patch in patches.of_pair(pair):
@@ -60,7 +60,7 @@ def in_patch(face_patches: FacePatches, pair: int, points: Array, slack: float) 
 
 
 def _on_curved_patch(face_patches: FacePatches, patch: int, points: Array, slack: float) -> Mask:
-    """Which points, shape (n, 3), lie within `slack` of a curved patch."""
+    """Which points, shape (n, 3), lie within `slack` of the curved patch with index `patch`."""
     curved = face_patches.curved
     corners = curved.patches.corners(patch)
     zone = max(float(curved.zone[patch]), slack)
@@ -85,7 +85,7 @@ def _on_curved_patch(face_patches: FacePatches, patch: int, points: Array, slack
 
 
 def on_patches(face_patches: FacePatches, pair: Index, points: Array, normal: Array) -> Mask:
-    """Which points lie on a flat patch of their pair with the same normal, shape (n,).
+    """Whether each point lies on a flat patch of its pair with the same normal, shape (n,).
 
     Parameters
     ----------

@@ -84,11 +84,14 @@ class Tolerance:
 
     @classmethod
     def loose(cls) -> Tolerance:
-        """Tolerance for scanned, rounded or hand-made data: gaps to 1e-3, tilts to 2e-2 rad."""
+        """The contact tolerance for scanned, rounded or hand-made data.
+
+        It allows gaps up to 1e-3 of the part's size and tilts up to 2e-2 rad.
+        """
         return cls(relative_gap=LOOSE_GAP, angle=LOOSE_ANGLE)
 
     def require_sound(self) -> None:
-        """Raise an error for an invalid gap, angle or clearance.
+        """Raise an InputError if the gap, angle or clearance is invalid.
 
         Raises
         ------
@@ -102,7 +105,7 @@ class Tolerance:
                 raise InputError(f"the {quantity} is {value}", hint="give a number above zero")
 
     def gap_of(self, size: Array) -> Array:
-        """Gap tolerance of parts, or pairs, of the given sizes [length unit]."""
+        """Largest gap that counts as contact, for parts of the given sizes [length unit]."""
         if self.gap is not None:
             return np.full(len(size), self.gap)
         return self.relative_gap * size
@@ -110,7 +113,7 @@ class Tolerance:
 
 @dataclass(frozen=True, slots=True)
 class RejectedPair:
-    """A pair of faces that came near but does not count as touching, with the reason `why`.
+    """Two near faces that do not count as touching, with the reason `why`.
 
     `gap` is the nearest gap [length unit], `angle` the tilt [rad]; `fit` is True for a solid round
     face inside a hollow face.
@@ -132,7 +135,7 @@ UNKNOWN = "the surface of a part is unknown there"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GapLimits(Rows):
-    """Limits of pairs of parts, a row for each pair [length unit].
+    """For each pair of parts, the gaps at which faces touch or count as near [length unit].
 
     Attributes
     ----------
@@ -156,7 +159,7 @@ class GapLimits(Rows):
 
 
 def reach_of(geometry: Geometry, tolerance: Tolerance) -> Array:
-    """Distance from each part within which others are searched for, shape (N,) [length unit]."""
+    """Distance from each part within which contacts are searched for [length unit], shape (N,)."""
     rough = tolerance.gap_of(geometry.size)
     if tolerance.gap is None:
         rough = np.maximum(rough, ROUNDINGS * geometry.accuracy)
@@ -164,7 +167,7 @@ def reach_of(geometry: Geometry, tolerance: Tolerance) -> Array:
 
 
 def gap_limits(geometry: Geometry, facets: Facets, pairs: Index, tolerance: Tolerance) -> GapLimits:
-    """The limits of pairs of parts, shape (n, 2)."""
+    """Gap limits for pairs of parts, shape (n, 2), from their sizes and the tolerance."""
     a, b = pairs.T
     surface = np.bincount(facets.part, weights=facets.area, minlength=len(geometry.mass))
     thickness = 2 * geometry.volume / surface
@@ -186,7 +189,7 @@ def gap_limits(geometry: Geometry, facets: Facets, pairs: Index, tolerance: Tole
 
 
 def touches(gap: Array, deepest: Array, widest: Array) -> Mask:
-    """Whether ranges of gaps, shape (n, 2), meet [-deepest, widest], shape (n,).
+    """Whether each range of gaps, shape (n, 2), overlaps [-deepest, widest], shape (n,).
 
     Examples
     --------
@@ -199,7 +202,7 @@ def touches(gap: Array, deepest: Array, widest: Array) -> Mask:
 
 
 def nearest_gap(gap: Array) -> Array:
-    """The gap nearest to zero in each range of gaps, shape (n, 2); 0 if the range contains 0."""
+    """The gap nearest to zero in each range of gaps, shape (n, 2); 0 if the range includes 0."""
     low, high = gap.T
     closest: Array = np.where(low > 0, low, np.minimum(high, 0.0))
     return closest
@@ -209,14 +212,14 @@ def nearest_gap(gap: Array) -> Array:
 
 
 def gap_warnings(patches: Patches, rejected: list[RejectedPair], limits: GapLimits) -> list[str]:
-    """Warnings if the tolerance cuts through a cluster of gaps, or if it is all rounding."""
+    """Warnings about a doubtful gap tolerance: too close to actual gaps, or below the rounding."""
     return [*_cluster_warnings(patches, rejected, limits), *_coarse_warnings(limits)]
 
 
 def _cluster_warnings(
     patches: Patches, rejected: list[RejectedPair], limits: GapLimits
 ) -> list[str]:
-    """A warning if patches lie just below the gap limit and rejected faces just above it."""
+    """A warning if some gaps are just below the gap tolerance and others just above it."""
     gap, closed = limits.gap, limits.closed
     # gaps of patches near the limit are possibly cut off from a cluster beyond it
     near = nearest_gap(patches.gap)
@@ -238,7 +241,7 @@ def _cluster_warnings(
 
 
 def _coarse_warnings(limits: GapLimits) -> list[str]:
-    """A warning if the rounding of coordinates is not small compared with a part's thickness."""
+    """A warning if coordinates are rounded too coarsely for the thickness of a part."""
     if not limits.coarse.any():
         return []
     return [
@@ -248,7 +251,7 @@ def _coarse_warnings(limits: GapLimits) -> list[str]:
 
 
 def closed_by_clearance(assembly: Assembly, patches: Patches, limits: GapLimits) -> list[str]:
-    """A warning that names the pairs that touch only because a clearance was closed."""
+    """A warning that names the pairs that touch only because the option closed a clearance."""
     apart = nearest_gap(patches.gap)
     gap, closed = limits.gap[patches.pair], limits.closed[patches.pair]
     rows = np.flatnonzero((apart > gap) & (closed > gap))

@@ -23,7 +23,7 @@ SAME_BODY = "are the same body twice"
 
 @dataclass(frozen=True, slots=True)
 class Overlap:
-    """Two parts that share volume.
+    """Two parts that occupy the same space: their indices, the shared volume and its depth.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class Overlap:
 
 @dataclass(frozen=True, slots=True)
 class UnsupportedContact:
-    """A pair that touches in a way that is not modelled.
+    """A contact of two parts that the contact model cannot describe, such as a corner on an edge.
 
     `kind` is "edge", "vertex" or "curved"; `point` is a point of the contact, world frame.
     """
@@ -60,7 +60,7 @@ class UnsupportedContact:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PossibleContacts(Rows):
-    """Forces that contacts outside the patches could exert; a row for each force.
+    """Forces that may act at contacts outside the patches; a row for each force.
 
     They bound a verdict from the other side: an assembly that is unstable although all of these
     forces may act is unstable. Rows with `two_sided` may also pull. `mu` is the friction
@@ -80,7 +80,7 @@ class PossibleContacts(Rows):
         read_only(self)
 
     def without_wrenches(self, pairs: set[frozenset[int]]) -> PossibleContacts:
-        """The rows without two-sided forces between the given pairs of parts."""
+        """These forces without the two-sided forces between the given pairs of parts."""
         ends = zip(self.part_a.tolist(), self.part_b.tolist(), strict=True)
         of_pair = np.array([frozenset(pair) in pairs for pair in ends], dtype=bool)
         return self.take(np.flatnonzero(~(of_pair & self.two_sided)))

@@ -31,7 +31,7 @@ MOST_PARTS = 200
 
 @dataclass(frozen=True, slots=True)
 class Neighbour:
-    """A part that touches nothing, and the part nearest to it.
+    """A part that touches nothing, with the part nearest to it and the gap.
 
     Attributes
     ----------
@@ -49,13 +49,13 @@ class Neighbour:
     accuracy: float
 
     def to_dict(self, names: Sequence[str]) -> dict[str, Any]:
-        """JSON data of an answer."""
+        """JSON data: the part, the part nearest to it, and the gap."""
         parts = {"part": names[self.part], "nearest": names[self.other]}
         return {**parts, "gap": self.gap, "accuracy": self.accuracy}
 
 
 def nearest_parts(geometry: Geometry, parts: Iterable[int]) -> tuple[Neighbour, ...]:
-    """The nearest other part of each of the given parts, for the first `MOST_PARTS` of them.
+    """For each of the first `MOST_PARTS` given parts, the nearest other part and the gap.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def nearest_parts(geometry: Geometry, parts: Iterable[int]) -> tuple[Neighbour, 
 
 
 def _nearest(solids: PartSolids, part: int, boxes: tuple[Array, Array]) -> Neighbour:
-    """The nearest neighbour of a part, by a search in order of the distances of the boxes."""
+    """The part nearest to the given part, tried in the order of the distances of the boxes."""
     low, high = boxes
     between = np.maximum(np.maximum(low - high[part], low[part] - high), 0.0)
     boxes_apart = np.linalg.norm(between, axis=1)
@@ -92,13 +92,13 @@ def _nearest(solids: PartSolids, part: int, boxes: tuple[Array, Array]) -> Neigh
 
 
 def _order(apart: Array) -> Index:
-    """Parts in order of their distance, without the last, which is the part itself."""
+    """Indices of the other parts in order of their distance from a part."""
     order: Index = np.argsort(apart, kind="stable")[:-1]
     return order
 
 
 def _gap(solids: PartSolids, a: int, b: int, most: float) -> float:
-    """The gap between two parts, or `most` if the gap is not smaller [length unit]."""
+    """Gap between parts a and b [length unit], or `most` if the gap is larger."""
     geometry = solids.geometry
     corners = [_corners(geometry, part) for part in (a, b)]
     bound = min(most, float(nearest(corners[0], corners[1])[0].min()))

@@ -52,7 +52,7 @@ ANY_WRENCH = ("overlap", "clearance", "near")
 
 @dataclass(frozen=True, slots=True)
 class OpenPair:
-    """A pair of parts, by position, whose contact the geometry does not determine.
+    """Two parts of which the geometry does not show whether, or how, they touch.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class OpenPair:
     why: str = ""
 
     def to_dict(self, names: Sequence[str]) -> dict[str, Any]:
-        """JSON data of an answer."""
+        """JSON data of the open pair, with the names of its parts."""
         return {
             "parts": [names[k] for k in self.parts],
             "kind": self.kind,
@@ -91,7 +91,7 @@ def find_open_pairs(
     rejected: Iterable[RejectedPair],
     unsupported: Iterable[UnsupportedContact],
 ) -> tuple[OpenPair, ...]:
-    """Open pairs of a contact search, at most one entry for each pair, in order of the pairs.
+    """Pairs of parts whose contact the geometry leaves open; a single entry for each pair.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def find_open_pairs(
 
 
 def still_open(pairs: Iterable[OpenPair], assembly: Assembly) -> tuple[OpenPair, ...]:
-    """The pairs with a free part that no fixed joints connect."""
+    """The open pairs that matter: at least one part is free, and no fixed joints connect them."""
     pairs = tuple(pairs)
     if not pairs:
         return ()
@@ -126,7 +126,7 @@ def _from_overlap(overlap: Overlap) -> OpenPair:
 
 
 def _from_rejected(rejected: RejectedPair, size: Array) -> OpenPair | None:
-    """The open pair of rejected faces; None if they are outside the loose tolerance."""
+    """The open pair for faces that nearly touch; None if even the loose tolerance rejects them."""
     kind: OpenKind = "clearance" if rejected.fit else "near"
     limit = LOOSE_GAP * float(size[list(rejected.parts)].min())
     close = rejected.fit or (abs(rejected.gap) <= limit and rejected.angle <= LOOSE_ANGLE)
@@ -142,7 +142,10 @@ def _from_unsupported(contact: UnsupportedContact) -> OpenPair:
 
 
 def rigid_groups(assembly: Assembly) -> Index:
-    """Group of each part, shape (N,): all held parts, or parts that fixed joints connect."""
+    """Group number of each part, shape (N,): held parts, or parts connected by fixed joints.
+
+    All parts of a group move as a single body.
+    """
     count = len(assembly.parts)
     held = np.flatnonzero(assembly.geometry.grounded)
     first, second = [count] * len(held), held.tolist()
@@ -156,7 +159,7 @@ def rigid_groups(assembly: Assembly) -> Index:
 
 
 def open_forces(pairs: Sequence[OpenPair], geometry: Geometry) -> PossibleContacts:
-    """Forces that span every force and torque between the parts of each pair of `ANY_WRENCH`.
+    """Six forces for each open pair, which together produce any force and torque between its parts.
 
     Six two-sided rows for each pair: forces along x, y, z at the centre of the smaller part, and
     forces at a distance of its radius beside the centre, whose moments span the torques.

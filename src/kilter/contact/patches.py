@@ -22,7 +22,7 @@ BY_POINT = ("points", "normals")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Patches:
-    """Contact patches and their points; world frame, length unit of the file.
+    """Contact patches of a search with their points; world frame, length unit of the file.
 
     Attributes
     ----------
@@ -67,15 +67,15 @@ class Patches:
         return len(self.pair)
 
     def of_pair(self, pair: int) -> range:
-        """Rows of the patches of a pair; the patches must be ordered by pair."""
+        """Range of the patches that belong to a pair; the patches must be ordered by pair."""
         return range(*(int(k) for k in np.searchsorted(self.pair, [pair, pair + 1])))
 
     def corners(self, patch: int) -> Array:
-        """Points of a patch, shape (n, 3)."""
+        """Contact points of the patch with the index `patch`, shape (n, 3)."""
         return self.points[self.start[patch] : self.start[patch + 1]]
 
     def take(self, rows: Index) -> Patches:
-        """The patches in the given rows, with their points."""
+        """The patches with the given indices, and their points."""
         _, points = ragged(self.start, rows)
         return Patches(
             **{name: getattr(self, name)[rows] for name in BY_PATCH},
@@ -85,7 +85,7 @@ class Patches:
 
     @staticmethod
     def join(blocks: Iterable[Patches]) -> Patches:
-        """The patches of all blocks, in order."""
+        """Concatenate blocks of patches, in order."""
         blocks = [block for block in blocks if len(block)]
         if len(blocks) <= 1:
             return blocks[0] if blocks else Patches.none()
@@ -97,7 +97,7 @@ class Patches:
 
     @staticmethod
     def none() -> Patches:
-        """An empty set of patches."""
+        """A value without patches."""
         return Patches(
             pair=np.empty(0, dtype=np.int64),
             parts=np.empty((0, 2), dtype=np.int64),
@@ -114,5 +114,5 @@ class Patches:
         )
 
     def ordered(self) -> Patches:
-        """The patches ordered by pair; the order within a pair is kept."""
+        """These patches sorted by pair; the order within a pair is kept."""
         return self.take(np.argsort(self.pair, kind="stable"))

@@ -84,7 +84,7 @@ PATCH_FIELDS = (
 
 
 def _renumber(pairs: Sequence[OfPair], new_position: Index) -> tuple[OfPair, ...]:
-    """The records of pairs whose parts are both in the subset, with their new positions."""
+    """Records of pairs whose parts both remain in the subset, with new indices of the parts."""
     kept = []
     for record in pairs:
         a, b = (int(new_position[k]) for k in record.parts)
@@ -94,14 +94,14 @@ def _renumber(pairs: Sequence[OfPair], new_position: Index) -> tuple[OfPair, ...
 
 
 def _still_free(pairs: tuple[OfPair, ...], assembly: Assembly) -> tuple[OfPair, ...]:
-    """Open pairs with at least one free part."""
+    """The open pairs that still have at least one free part."""
     return tuple(p for p in pairs if not all(assembly.parts[k].grounded for k in p.parts))
 
 
 def _degenerate_among(
     given: DegeneratePoints, new_position: Index
 ) -> tuple[DegeneratePoints, Index]:
-    """Degenerate points of the subset, and the new row of every point, shape (n + 1,).
+    """Degenerate points between remaining parts, and the new index of each old point (n + 1,).
 
     The row is -1 for points that are dropped; the last entry is -1 too, for rows -1.
     """
@@ -127,7 +127,7 @@ def _degenerate_among(
 def _possible_among(
     given: PossibleContacts, new_position: Index, new_row: Index
 ) -> PossibleContacts:
-    """Possible forces between parts of the subset; part -1 is the ground, which stays."""
+    """Possible forces between remaining parts; the ground, part -1, remains."""
     ends = np.append(new_position, -1)
     a, b = ends[given.part_a], ends[given.part_b]
     rows = np.flatnonzero(((a >= 0) | (given.part_a < 0)) & ((b >= 0) | (given.part_b < 0)))

@@ -45,7 +45,7 @@ OUTSIDE = "outside"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Support(Value):
-    """A device that may hold a part; world frame, length unit of the assembly.
+    """A device that may hold a part, such as a finger, a prop, a vacuum cup or a magnet.
 
     Attributes
     ----------
@@ -101,7 +101,7 @@ class Support(Value):
             set_field(self, "direction", unit(finite(self.direction, (3,), f"{label}: direction")))
 
     def _require_fitting(self, label: str) -> None:
-        """Raise an InputError if the values do not fit the kind; `label` begins the message."""
+        """Raise an InputError if the values do not suit the kind of support; `label` begins it."""
         if self.kind == "grip":
             if self.point is not None or self.direction is not None or self.mu:
                 raise InputError(f"{label}: it has a point", hint="a grip holds the whole part")
@@ -122,7 +122,7 @@ class Support(Value):
 
     @classmethod
     def from_dict(cls, data: Any) -> Support:
-        """A support from JSON data; the keys are the attributes.
+        """Build a support from JSON data; the keys are the attributes.
 
         Raises
         ------
@@ -158,7 +158,7 @@ class Support(Value):
         return along
 
     def require_of(self, assembly: Assembly) -> None:
-        """Raise an error if the support does not fit an assembly.
+        """Raise an InputError if the support names an unknown or held part, or is not on the part.
 
         Raises
         ------
@@ -192,7 +192,7 @@ class Support(Value):
 def with_supports(
     assembly: Assembly, contacts: ContactSet, supports: Sequence[Support]
 ) -> tuple[Assembly, ContactSet]:
-    """An assembly and its contacts with additional supports; a grip is not allowed here.
+    """The assembly and its contacts with supports added as contact points; grips are rejected.
 
     The supports are the last patches, with a single point each, in their order.
     """
@@ -217,7 +217,7 @@ def with_supports(
 def _with_support_points(
     contacts: ContactSet, supports: Sequence[Support], outside: str
 ) -> ContactSet:
-    """Contacts with a patch of a single point for each support."""
+    """The contacts with a patch of a single point added for each support."""
     assembly, count = contacts.assembly, len(supports)
     parts = [(assembly.index_of(s.on or outside), assembly.index_of(s.part)) for s in supports]
     points = np.array([s.point for s in supports], dtype=float).reshape(-1, 3)

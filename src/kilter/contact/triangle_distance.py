@@ -26,7 +26,7 @@ NEAR = 2
 
 
 def surface_distance(points: Array, triangles: Array, most: Array | None = None) -> Array:
-    """Distance of points, shape (n, 3), from the nearest of triangles, shape (m, 3, 3).
+    """Distance of each point, shape (n, 3), from the nearest of m triangles [length unit], (n,).
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def surface_distance(points: Array, triangles: Array, most: Array | None = None)
 
 
 def at_most(points: Array, triangles: Array) -> Array:
-    """Upper bounds on the distance of each point from the nearest triangle, shape (n,)."""
+    """Upper bound on the distance of each point from the nearest triangle [length unit], (n,)."""
     count = min(NEAR, len(triangles))
     near = nearest(triangles.mean(axis=1), points, count)[1].reshape(-1)
     repeated = np.repeat(points, count, axis=0)
@@ -63,7 +63,7 @@ def at_most(points: Array, triangles: Array) -> Array:
 
 
 def _nearest_point(points: Array, triangles: Array) -> Array:
-    """The nearest point of triangle k to point k, shape (n, 3)."""
+    """The point of triangle k that is nearest to point k, shape (n, 3)."""
     normal = unit_rows(cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]))
     height = np.einsum("ij,ij->i", points - triangles[:, 0], normal)
     projection = points - height[:, None] * normal
@@ -82,7 +82,7 @@ def _nearest_point(points: Array, triangles: Array) -> Array:
 
 
 def _projects_inside(points: Array, triangles: Array, normal: Array) -> Mask:
-    """Which points, in the planes of the triangles, lie inside their triangle."""
+    """Mask of points in the plane of their triangle that lie inside it."""
     inside: Mask = (normal != 0).any(axis=1)
     for k in range(3):
         start, along = triangles[:, k], triangles[:, (k + 1) % 3] - triangles[:, k]
@@ -91,7 +91,7 @@ def _projects_inside(points: Array, triangles: Array, normal: Array) -> Mask:
 
 
 def near_triangles(first: Array, second: Array, reach: float) -> Array:
-    """Midpoints between the triangles of each row that come within `reach`, shape (m, 3).
+    """Midpoints between two triangles, for each row whose triangles come within `reach`, (m, 3).
 
     Examples
     --------
@@ -118,7 +118,7 @@ def near_triangles(first: Array, second: Array, reach: float) -> Array:
 
 
 def _beyond_plane(first: Array, second: Array, reach: float) -> Mask:
-    """Whether the first triangle lies on one side of the second's plane, farther than `reach`."""
+    """Mask of rows whose first triangle lies on one side of the second's plane, beyond `reach`."""
     normal = unit_rows(cross(second[:, 1] - second[:, 0], second[:, 2] - second[:, 0]))
     height = np.einsum("nki,ni->nk", first - second[:, :1], normal)
     aside: Mask = (height.min(axis=1) > reach) | (height.max(axis=1) < -reach)
@@ -126,13 +126,13 @@ def _beyond_plane(first: Array, second: Array, reach: float) -> Mask:
 
 
 def _nearer(first: tuple[Array, Array], second: tuple[Array, Array]) -> tuple[Array, Array]:
-    """The nearer of two candidates (distance, point) in each row."""
+    """In each row, the candidate (distance, point) with the smaller distance."""
     closer = second[0] < first[0]
     return np.where(closer, second[0], first[0]), np.where(closer[:, None], second[1], first[1])
 
 
 def _corner_distances(first: Array, second: Array) -> list[tuple[Array, Array]]:
-    """Distances of the first triangles' corners from the second triangles, with midpoints."""
+    """Distances of the first triangles' corners from the second triangles, and midpoints."""
     candidates = []
     for k in range(3):
         foot = _nearest_point(first[:, k], second)
@@ -141,7 +141,10 @@ def _corner_distances(first: Array, second: Array) -> list[tuple[Array, Array]]:
 
 
 def _piercing_distance(first: Array, second: Array) -> tuple[Array, Array]:
-    """Distance 0 and the crossing point if a side of the first pierces the second, else inf."""
+    """Distance 0 and the crossing point where a side of the first triangle pierces the second.
+
+    Other rows have the distance infinity.
+    """
     normal = unit_rows(cross(second[:, 1] - second[:, 0], second[:, 2] - second[:, 0]))
     off, point = np.full(len(first), np.inf), first[:, 0]
     for k in range(3):
@@ -156,7 +159,7 @@ def _piercing_distance(first: Array, second: Array) -> tuple[Array, Array]:
 
 
 def _side_distance(p: Array, q: Array, r: Array, s: Array) -> tuple[Array, Array]:
-    """Distance and midpoint of the segments p q and r s; inf if they are parallel."""
+    """Distance and midpoint of the segments p q and r s; infinity if they are parallel."""
     d, e = q - p, s - r
     size = np.linalg.norm(d, axis=1) * np.linalg.norm(e, axis=1)
     skew = np.flatnonzero(np.linalg.norm(cross(d, e), axis=1) > FREE_PARALLEL * size)

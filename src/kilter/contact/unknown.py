@@ -17,7 +17,7 @@ __all__ = ["unknown_contacts", "unknown_pairs"]
 
 
 def unknown_pairs(geometry: Geometry, pairs: Index, reach: Array) -> tuple[Index, Index]:
-    """Split near pairs into pairs to search and pairs that may touch at an unknown surface.
+    """Divide near pairs into pairs to search, and pairs that may touch at an unknown surface.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def unknown_pairs(geometry: Geometry, pairs: Index, reach: Array) -> tuple[Index
 
 
 def _meets_box(geometry: Geometry, part: int, low: Array, high: Array) -> bool:
-    """Whether the box of any triangle of a part meets the given box."""
+    """Whether the bounding box of any triangle of a part meets the box from `low` to `high`."""
     rows = slice(geometry.triangle_start[part], geometry.triangle_start[part + 1])
     corners = geometry.vertices[geometry.triangles[rows]]
     apart = (corners.max(axis=1) < low) | (corners.min(axis=1) > high)
@@ -58,5 +58,5 @@ def _meets_box(geometry: Geometry, part: int, low: Array, high: Array) -> bool:
 
 
 def unknown_contacts(pairs: Index) -> list[RejectedPair]:
-    """Rejected-pair records for pairs whose surface is unknown."""
+    """Records of pairs that may touch at an unknown surface, as `RejectedPair` values."""
     return [RejectedPair((a, b), 0.0, 0.0, UNKNOWN) for a, b in pairs.tolist()]

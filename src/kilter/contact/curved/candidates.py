@@ -21,7 +21,7 @@ POINT, LINE, CIRCLE, SAME = range(4)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FormLimits(Rows):
-    """Limits at which surfaces of each pair coincide, are closed by a clearance, or are parallel.
+    """Limits at which two surfaces coincide, are parallel, or touch by closing a clearance.
 
     Attributes
     ----------
@@ -42,14 +42,14 @@ class FormLimits(Rows):
     share: Array
 
     def fits(self, play: Array, radius: Array) -> Mask:
-        """Whether a play above the gap tolerance belongs to a fit, or is closed, shape (n,)."""
+        """Whether a radial play above the gap tolerance is that of a loose fit, shape (n,)."""
         result: Mask = (play > self.gap) & (play <= np.maximum(self.closed, FIT_PLAY * radius))
         return result
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Candidates(Rows):
-    """Candidate contacts, a row for each.
+    """Possible contacts of pairs of surfaces (points, lines, circles, whole faces), a row for each.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ class Candidates(Rows):
 def make_candidates(
     row: Index, form: int, at: Array, normal: Array, gap: Array, **more: Array
 ) -> Candidates:
-    """Candidates of a single form; fields that are not given are zero."""
+    """Build candidate contacts of the same form; fields that are not given are zero."""
     count = len(row)
     zero, zeros = np.zeros(count), np.zeros((count, 3))
     return Candidates(
@@ -116,6 +116,6 @@ def dot(a: Array, b: Array) -> Array:
 
 
 def without_along(v: Array, axis: Array) -> Array:
-    """Vectors without their components along unit axes, shape (n, 3)."""
+    """Vectors minus their components along unit axes, shape (n, 3)."""
     result: Array = v - dot(v, axis)[:, None] * axis
     return result

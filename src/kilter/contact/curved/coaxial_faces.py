@@ -27,7 +27,7 @@ triangles."""
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SharedRegion:
-    """The region that two coaxial faces share, about the axis of the first.
+    """The region over which two coaxial faces touch, by angle and height about the first axis.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class SharedRegion:
 def shared_region(
     geometry: Geometry, bands: Bands, surfaces: tuple[int, int], band_rows: tuple[int, int]
 ) -> SharedRegion | None:
-    """The region that two coaxial surfaces share; None if they share none.
+    """The region over which two coaxial surfaces lie on each other; None if they do not.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def shared_region(
 def _common_arcs(
     first: tuple[float, float], second: tuple[float, float]
 ) -> list[tuple[float, float]]:
-    """Arcs (begin, width) in both of two arcs [rad]."""
+    """Arcs (begin, width) that belong to both of two given arcs [rad]."""
     if first[1] >= TURN - FULL_TURN:
         return [second]
     if second[1] >= TURN - FULL_TURN:
@@ -133,7 +133,9 @@ def _partial_overlap(
     height_offset: float,
     scale: float,
 ) -> tuple[Array, Array, float] | None:
-    """Overlap of faces that are not whole bands: angles [rad] and heights of corners, and area.
+    """Overlap of two coaxial faces of irregular outline: angles and heights of corners, and area.
+
+    Angles are in rad. The faces are not whole bands about the axis.
 
     Angles and heights of the second surface are transformed to the frame of the first by `sense`,
     `angle_offset` and `height_offset`. None if there is no overlap.
@@ -159,7 +161,9 @@ def _partial_overlap(
 def _without_tips(
     angle: Array, height: Array, owner: Index, tip: Mask
 ) -> tuple[Array, Array, Index]:
-    """Triangles at the apex of a cone replaced by two, which fill a rectangle of angle and height.
+    """Triangles in angle and height, with those at the apex of a cone made into rectangles.
+
+    A triangle at the apex covers a rectangle of angle and height, which takes two triangles.
 
     The angle of the apex is undefined: unrolled, the apex is a whole side of the rectangle.
     """

@@ -84,7 +84,7 @@ _NO_ROWS = np.empty((0, 3))
 
 
 def angles_between(begin: float, width: float, step: float) -> Array:
-    """Angles [rad] along an arc, at most `step` apart, with both ends.
+    """Evenly spaced angles along an arc, both ends included, at most `step` apart [rad].
 
     A full circle has no repeated end.
 
@@ -103,7 +103,7 @@ def angles_between(begin: float, width: float, step: float) -> Array:
 
 
 def arcs_of(inside: Callable[[Array], Mask]) -> list[tuple[float, float]]:
-    """Arcs (begin, width) of a circle on which `inside` is true [rad].
+    """Arcs (begin, width) of the unit circle on which the function `inside` is true [rad].
 
     The circle is sampled at `PROBES` angles; the ends of each arc are then found by bisection.
     """
@@ -133,7 +133,7 @@ def ring(
     center: Array, axis: Array, radius: float, lean: tuple[float, float],
     arcs: list[tuple[float, float]],
 ) -> PatchPoints:  # fmt: skip
-    """Contact points around a circle.
+    """Contact points with normals around a circle, or around arcs of it.
 
     Parameters
     ----------
@@ -162,7 +162,10 @@ def ring(
 
 
 def _outer_angles(angle: Array, width: float) -> tuple[Array, float]:
-    """Angles half-way between neighbours, and the factor at which tangents there meet [-]."""
+    """Angles midway between neighbouring points of a circle [rad], and the radius factor there [-].
+
+    Tangents at neighbouring points of the unit circle meet at this distance from its centre.
+    """
     following = np.append(angle[1:], angle[0] + TURN) if width >= TURN - FULL_TURN else angle[1:]
     current = angle[: len(following)]
     half = float((following - current).max(initial=0.0)) / 2
@@ -170,7 +173,7 @@ def _outer_angles(angle: Array, width: float) -> tuple[Array, float]:
 
 
 def _directions_around(u: Array, v: Array, angle: Array) -> Array:
-    """Unit directions at angles in the plane of u and v, shape (n, 3)."""
+    """Unit directions at the given angles in the plane of unit vectors u and v, shape (n, 3)."""
     result: Array = np.cos(angle)[:, None] * u + np.sin(angle)[:, None] * v
     return result
 
@@ -184,7 +187,7 @@ def shell(
     apex: Array, axis: Array, half_angle: float, radius: float,
     region: tuple[Array, Array], outer: tuple[Array, Array] | None,
 ) -> PatchPoints:  # fmt: skip
-    """Contact points of a cylinder (`half_angle` 0) or cone at angles and heights, shape (n,) each.
+    """Contact points with normals on a cylinder (`half_angle` 0) or cone, at angles and heights.
 
     `outer` holds angles and heights of a region around the true region, if the points are not
     exact; else None.
@@ -212,7 +215,9 @@ def shell(
 def socket(
     center: Array, radius: float, first: Array, second: Array, sagitta: float
 ) -> PatchPoints | None:
-    """Contact points of two faces of the same sphere, given as triangles, shape (m, 3, 3).
+    """Contact points of a ball in a socket: two faces, as triangles, of the same sphere.
+
+    The triangles have the shape (m, 3, 3). None if the faces do not overlap.
 
     The normals point outwards from the centre. `sagitta` is the largest height of the sphere over
     its triangles [length unit]. None if the faces do not overlap.
@@ -233,7 +238,7 @@ def socket(
 
 
 def _common_part(first: Array, second: Array) -> tuple[Array, Array]:
-    """Common part of two faces on the unit sphere: corners (n, 3) and area vectors (k, 3).
+    """Overlap of two faces on the unit sphere: corners, shape (n, 3), and area vectors, (k, 3).
 
     Triangles are clipped in the gnomonic projection, in which great circles are straight lines.
     """
@@ -265,7 +270,7 @@ def _common_part(first: Array, second: Array) -> tuple[Array, Array]:
 
 
 def _solid_angles(corners: Array, count: Index) -> Array:
-    """Solid angles of polygons on the unit sphere, from their successive corners, shape (n,) [sr].
+    """Solid angle of each polygon on the unit sphere, given by its corners in order [sr], (n,).
 
     References
     ----------
@@ -282,7 +287,7 @@ def _solid_angles(corners: Array, count: Index) -> Array:
 
 
 def _box_pairs(first: Array, second: Array) -> tuple[Index, Index]:
-    """Pairs of triangles on the unit sphere whose boxes meet."""
+    """Pairs of triangles on the unit sphere, one of each face, whose bounding boxes meet."""
     zeros = np.zeros(1)
     blocks = [(np.empty(0, np.int64), np.empty(0, np.int64))]
     boxes = [(p.min(axis=1), p.max(axis=1)) for p in (first, second)]
@@ -295,7 +300,7 @@ def _box_pairs(first: Array, second: Array) -> tuple[Index, Index]:
 
 
 def _gnomonic(points: Array, middle: Array, u: Array, v: Array) -> Array:
-    """Projection of points, shape (n, k, 3), through the centre to the planes at `middle`."""
+    """Projection of points, shape (n, k, 3), from the origin to the tangent planes at `middle`."""
     depth = np.maximum(np.einsum("nki,ni->nk", points, middle), EDGE_ON)
     flat = [np.einsum("nki,ni->nk", points, w) / depth for w in (u, v)]
     return np.stack(flat, axis=2)
@@ -310,7 +315,7 @@ def _anticlockwise(triangles: Array) -> Array:
 
 
 def _spanning_directions(corners: Array, mean: Array, blur: float) -> tuple[Array, Array]:
-    """Unit directions that span the cone of `corners`, and directions that span a cone around it.
+    """Unit directions that span the cone of `corners`, and directions of a cone that contains it.
 
     The second array is empty if the first is exact. `blur` is the largest error of the rim [rad].
     """
@@ -340,7 +345,7 @@ def _spanning_directions(corners: Array, mean: Array, blur: float) -> tuple[Arra
 
 
 def _extreme_rays(rays: Array, middle: Array) -> Array:
-    """The extreme rays among `rays`, by their convex hull in the plane across `middle`."""
+    """The directions among `rays` that are extreme rays of the cone that all of them span."""
     u, v = across(middle)
     depth = rays @ middle
     hull = convex_hull(np.column_stack([rays @ u / depth, rays @ v / depth]))
@@ -353,7 +358,7 @@ def _extreme_rays(rays: Array, middle: Array) -> Array:
 
 
 def _spread_subset(corners: Array) -> Array:
-    """A subset of the directions: the farthest along each of 26 directions."""
+    """The directions among `corners` that are farthest along each of 26 fixed directions."""
     grid = np.array([[x, y, z] for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1)])
     targets = grid[np.abs(grid).sum(axis=1) > 0].astype(float)
     chosen: Array = corners[np.unique(np.argmax(corners @ targets.T, axis=0))]
@@ -361,7 +366,7 @@ def _spread_subset(corners: Array) -> Array:
 
 
 def _as_circle(rays: Array) -> tuple[Array, tuple[float, float]] | None:
-    """Axis and (sine, cosine) of the circular cone through all rays; None if there is none."""
+    """Axis and (sine, cosine) of the circular cone on which all rays lie; None if they do not."""
     if len(rays) < 8:
         return None
     center = rays.mean(axis=0)
@@ -385,7 +390,9 @@ def _as_circle(rays: Array) -> tuple[Array, tuple[float, float]] | None:
 def unrolled_overlap(
     first: tuple[Array, Array], second: tuple[Array, Array], scale: float
 ) -> tuple[Array, Array, float]:
-    """Corners of the common part of two unrolled faces, and its area [rad x length unit].
+    """Corners and area of the overlap of two faces unrolled to angle and height.
+
+    The area has the unit rad x length unit.
 
     Each face is given by angles [rad] and heights of its triangles, shape (m, 3). `scale` is a
     length that makes heights comparable with angles.

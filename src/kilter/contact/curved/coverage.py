@@ -24,7 +24,7 @@ TURN = 2 * np.pi
 
 
 def slices(triangles: Array, line: tuple[Array, Array, Array], reach: float, grow: float) -> Array:
-    """Intervals of a line that lie on a face, shape (k, 2), sorted and merged [length unit].
+    """Intervals of a straight line that lie on a face, shape (k, 2), sorted [length unit].
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def slices(triangles: Array, line: tuple[Array, Array, Array], reach: float, gro
 
 
 def _merge_intervals(spans: Array, join: float) -> Array:
-    """Intervals, shape (k, 2), sorted, with those joined whose distance is at most `join`."""
+    """Intervals, shape (k, 2), sorted; neighbours at most `join` apart become a single interval."""
     if not len(spans):
         return spans
     spans = spans[np.argsort(spans[:, 0])]
@@ -89,7 +89,7 @@ def common_spans(first: Array, second: Array) -> Array:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bands:
-    """Extents of cylinders and cones in angle and height, a row for each surface.
+    """Extent of each cylinder or cone face in angle about its axis and height along it.
 
     Attributes
     ----------
@@ -109,7 +109,7 @@ class Bands:
 
 
 def unrolled(geometry: Geometry, rows: Index) -> tuple[Index, Array, Array, Mask]:
-    """Triangles of cylinders or cones by angle and height.
+    """Corners of the triangles of cylinders or cones as angle about the axis and height.
 
     Returns
     -------
@@ -142,7 +142,7 @@ def unrolled(geometry: Geometry, rows: Index) -> tuple[Index, Array, Array, Mask
 
 
 def bands_of(geometry: Geometry, rows: Index) -> Bands:
-    """The `Bands` of cylinders and cones, given by rows of the surfaces."""
+    """Extents in angle and height of the cylinder and cone faces in the given `rows`."""
     count = len(rows)
     owner, angle, height, tip = unrolled(geometry, rows)
     low, high = np.full(count, np.inf), np.full(count, -np.inf)
@@ -160,7 +160,7 @@ def bands_of(geometry: Geometry, rows: Index) -> Bands:
 def _arc_unions(
     owner: Index, start: Array, length: Array, count: int
 ) -> tuple[Array, Array, Index]:
-    """Begin and length of the union of the arcs of each owner [rad], and its number of arcs."""
+    """For each owner, begin and length of the union of its arcs [rad], and the number of pieces."""
     start = np.remainder(start, TURN)
     order = np.lexsort((start, owner))
     owner, start = owner[order], start[order]

@@ -45,7 +45,7 @@ __all__ = ["find_curved"]
 
 
 def find_curved(search: ContactSearch) -> CurvedContacts:
-    """Contacts of curved faces of the pairs of a search."""
+    """Find the contacts of curved faces between the near pairs of parts of a search."""
     geometry, pairs = search.geometry, search.pairs
     builder, unknown, raised = PatchBuilder(), np.empty((0, 3), dtype=np.int64), 0
     owners = np.diff(geometry.surfaces.start) > 0
@@ -69,7 +69,7 @@ def find_curved(search: ContactSearch) -> CurvedContacts:
 
 
 def _near_surfaces(search: ContactSearch, rows: Index) -> tuple[SurfacePairs, SurfacePairs]:
-    """Pairs of curved surfaces, and of curved surfaces and flat facets, whose boxes meet."""
+    """Near pairs of two curved surfaces, and near pairs of a curved surface and a flat facet."""
     geometry, boxes = search.geometry, search.boxes
     low, high, has_triangles = _surface_boxes(search)
     a, b = search.pairs[rows].T
@@ -78,14 +78,14 @@ def _near_surfaces(search: ContactSearch, rows: Index) -> tuple[SurfacePairs, Su
     box_high = np.minimum(boxes.part_high[a], boxes.part_high[b]) + grow[:, None]
 
     def surfaces(part: Index) -> tuple[Index, Index]:
-        """Curved surfaces of the parts in the boxes: (k, surface)."""
+        """Curved surfaces of part k that meet box k: pairs (k, surface)."""
         owner, row = ragged(geometry.surfaces.start, part)
         keep = has_triangles[row] & (low[row] <= box_high[owner]).all(axis=1)
         keep &= (high[row] >= box_low[owner]).all(axis=1)
         return owner[keep], row[keep]
 
     def flats(part: Index) -> tuple[Index, Index]:
-        """Flat facets of the parts in the boxes: (k, facet)."""
+        """Flat facets of part k that meet box k: pairs (k, facet)."""
         owner, facet = facets_in(search.facets, boxes, part, box_low, box_high)
         keep = ~search.facets.curved[facet]
         return owner[keep], facet[keep]
@@ -93,7 +93,7 @@ def _near_surfaces(search: ContactSearch, rows: Index) -> tuple[SurfacePairs, Su
     def joined(
         first: tuple[Index, Index], second: tuple[Index, Index], plane: bool
     ) -> Iterator[SurfacePairs]:
-        """Pairs of the surfaces `first` with the surfaces, or facets if `plane`, in `second`."""
+        """Yield pairs of a surface in `first` and a surface (a facet if `plane`) in `second`."""
         box_i = low[first[1]], high[first[1]]
         box_j = (
             (boxes.facet_low[second[1]], boxes.facet_high[second[1]])
@@ -112,7 +112,7 @@ def _near_surfaces(search: ContactSearch, rows: Index) -> tuple[SurfacePairs, Su
 
 
 def _surface_boxes(search: ContactSearch) -> tuple[Array, Array, Mask]:
-    """Boxes of curved surfaces in the frame of the part boxes, and which have triangles."""
+    """Boxes of curved surfaces, lower and upper corners, and a mask of surfaces with triangles."""
     geometry, surfaces = search.geometry, search.geometry.surfaces
     low = np.full((len(surfaces), 3), np.inf)
     high = -low
@@ -132,7 +132,7 @@ def _surface_boxes(search: ContactSearch) -> tuple[Array, Array, Mask]:
 def _build_patches(
     search: ContactSearch, both: SurfacePairs, flat: SurfacePairs
 ) -> tuple[PatchBuilder, Index]:
-    """Patches of the candidates of all forms, and the pairs of surfaces without a formula."""
+    """Patches of all candidate contacts, and the pairs of surfaces without a contact formula."""
     surfaces, facets = search.geometry.surfaces, search.facets
     builder = PatchBuilder()
     doubt = surfaces.doubt[both.i] + surfaces.doubt[both.j]
@@ -161,7 +161,7 @@ def _build_patches(
 
 
 def _candidate_limits(search: ContactSearch, pairs: SurfacePairs, doubt: Array) -> CandidateLimits:
-    """Limits of candidates, raised by `doubt`, the largest error of their surfaces."""
+    """Gap limits of candidate contacts, raised by `doubt`, the largest error of both surfaces."""
     limits = search.limits
     return CandidateLimits(limits.gap[pairs.pair] + doubt, limits.closed[pairs.pair] + doubt)
 
@@ -169,7 +169,7 @@ def _candidate_limits(search: ContactSearch, pairs: SurfacePairs, doubt: Array) 
 def _may_touch(
     search: ContactSearch, pairs: SurfacePairs, candidates: Candidates, limit: Array
 ) -> Mask:
-    """Candidates whose gap may come within the margin inside the overlap of the parts' boxes."""
+    """Mask of candidates whose gap may come within the tolerance where the parts' boxes overlap."""
     pair = pairs.pair[candidates.row]
     a, b = search.pairs[pair].T
     boxes = search.boxes
@@ -205,7 +205,7 @@ def _may_touch(
 def _without_formula(
     search: ContactSearch, both: SurfacePairs, flat: SurfacePairs, unknown: Mask
 ) -> Index:
-    """Row of the pair and the two surfaces (-1: flat faces) of pairs without a formula."""
+    """Pairs of surfaces without a contact formula: row of the pair, both surfaces (-1: flat)."""
     surfaces = search.geometry.surfaces
     k = np.flatnonzero(unknown)
     # a free form beside flat faces: a single entry for each pair and surface
@@ -225,7 +225,10 @@ def _add_each(
     limits: CandidateLimits,
     plane: bool,
 ) -> None:
-    """Add points, lines, circles and spheres in sockets to `builder`, candidate by candidate."""
+    """Add patches to `builder` for all candidates except coaxial faces, one by one.
+
+    The candidates are points, lines, circles and spheres in sockets.
+    """
     for k in range(len(candidates.row)):
         row = int(candidates.row[k])
         candidate = candidates.take(np.array([k]))
@@ -241,7 +244,7 @@ def _add_candidate(
     limits: tuple[float, float],
     plane: bool,
 ) -> None:
-    """Add the patch of a candidate to `builder`, if the faces of both surfaces extend to it.
+    """Add the patch of a candidate contact to `builder`, if both faces extend to the contact.
 
     `plane` is True if the partner is a flat facet.
     """

@@ -27,7 +27,7 @@ NAMED = ("sphere", "torus", "cone", "cylinder")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CurvedContacts:
-    """Patches of curved contact, ordered by pair, and the other results of their search.
+    """Result of the search for curved contacts: patches ordered by pair, near pairs and overlaps.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class CurvedContacts:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SurfacePairs(Rows):
-    """Pairs of surfaces whose boxes meet.
+    """Pairs of surfaces of two parts whose bounding boxes meet.
 
     `pair` is the row of the pair of parts, `i` a curved surface, `j` its partner (a curved surface
     or a flat facet), and `turned` is True if i belongs to part b.
@@ -70,19 +70,19 @@ class SurfacePairs(Rows):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CandidateLimits:
-    """Gap tolerance, and widest gap that counts as closed, of each candidate, shape (n,)."""
+    """For each candidate contact, its gap tolerance and the widest clearance that is closed."""
 
     gap: Array
     closed: Array
 
     def of(self, row: int) -> tuple[float, float]:
-        """Gap tolerance and widest closed gap of a candidate [length unit]."""
+        """Gap tolerance and widest clearance that is closed, of a candidate [length unit]."""
         return float(self.gap[row]), float(self.closed[row])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CurvedPatch:
-    """A possible patch of curved contact.
+    """A possible contact patch between two curved faces, or a curved and a flat face.
 
     Attributes
     ----------
@@ -121,23 +121,23 @@ class CurvedPatch:
 
     @property
     def key(self) -> tuple[int, int, int]:
-        """Row of the pair of parts and its two surfaces, the smaller row first."""
+        """Row of the pair of parts, then the rows of both surfaces in ascending order."""
         return self.pair, min(self.names), max(self.names)
 
     @property
     def surface(self) -> tuple[int, int]:
-        """Surfaces of part a and of part b."""
+        """Row of the surface of part a and of part b; -1 for a flat face."""
         return self.names[::-1] if self.turned else self.names
 
     @property
     def sense(self) -> float:
-        """1 if the normals of the points lead from a to b, else -1."""
+        """1 if the normals of the patch's points lead from part a to part b, else -1."""
         return -1.0 if self.turned else 1.0
 
 
 @dataclass(slots=True, eq=False)
 class PatchBuilder:
-    """Patches of a search in progress: touching, apart (near), and pressed into each other.
+    """Curved patches collected during a search, sorted into touching, near and overlapping.
 
     `pressed` has the depth of each overlap [length unit]; `rejected` has faces that are too thin.
     """
@@ -149,7 +149,7 @@ class PatchBuilder:
 
 
 def classify(search: ContactSearch, builder: PatchBuilder, patch: CurvedPatch) -> None:
-    """Add a patch to the touching, pressed or apart patches of `builder`, by its gap.
+    """Sort a patch by its gap into the touching, overlapping or near patches of `builder`.
 
     A fit with play touches only if a clearance closes it. Faces that overlap without material
     behind them are dropped.
@@ -173,7 +173,7 @@ def classify(search: ContactSearch, builder: PatchBuilder, patch: CurvedPatch) -
 
 
 def _overlap_depth(search: ContactSearch, patch: CurvedPatch) -> float:
-    """Depth to which the material behind two faces overlaps; 0: no overlap [length unit]."""
+    """Depth to which the material behind two faces overlaps [length unit]; 0 without overlap."""
     s, (i, j) = search.geometry.surfaces, patch.names
     points, normals = patch.inside or (patch.spots.points, patch.spots.normals)
     depth = np.full(len(points), -patch.gap[1])
@@ -188,7 +188,7 @@ def _overlap_depth(search: ContactSearch, patch: CurvedPatch) -> float:
 def _resolve(
     search: ContactSearch, builder: PatchBuilder
 ) -> tuple[list[RejectedPair], list[Overlap]]:
-    """Near pairs and overlaps; keeps a single statement for each two surfaces in `builder`.
+    """Near pairs and overlaps of a search; each two surfaces keep only a single statement.
 
     Surfaces with a closed fit have no line or point in addition, and no near pair or overlap.
     Surfaces that touch or press along a line are not listed as a fit with play.
@@ -213,7 +213,7 @@ def _resolve(
 
 
 def _rejected_pair(search: ContactSearch, patch: CurvedPatch) -> RejectedPair:
-    """The rejected pair of a patch whose faces stand apart."""
+    """The record of a near pair for a patch whose faces have a gap too wide for contact."""
     hollow = search.geometry.surfaces.hollow
     i, j = patch.names
     fit = patch.play > 0 or (j >= 0 and bool(hollow[i] != hollow[j]))
@@ -226,7 +226,9 @@ def _parts(search: ContactSearch, patch: CurvedPatch) -> tuple[int, int]:
 
 
 def without_repeats(curved: CurvedContacts, flat: Patches, tolerance: Array) -> CurvedContacts:
-    """Curved contacts without lines and points at the rim of a flat patch of the same pair.
+    """Curved contacts without the lines and points that a flat patch of the same pair contains.
+
+    These lie on the rim of the flat patch.
 
     Such a repeat is the seam of a fillet. `tolerance` is the gap tolerance of each pair [length
     unit].
@@ -250,7 +252,7 @@ def without_repeats(curved: CurvedContacts, flat: Patches, tolerance: Array) -> 
 
 
 def on_flat(points: Array, corners: Array, normal: Array, slack: float) -> Mask:
-    """Which points, shape (n, 3), lie within `slack` of a flat convex patch."""
+    """Which points, shape (n, 3), lie within `slack` of a flat convex polygon."""
     level = np.abs((points - corners[0]) @ normal) <= slack
     along = np.roll(corners, -1, axis=0) - corners
     side = cross(along[None], points[:, None] - corners[None]) @ normal
@@ -264,7 +266,7 @@ def on_flat(points: Array, corners: Array, normal: Array, slack: float) -> Mask:
 def pack(
     search: ContactSearch, builder: PatchBuilder, unknown: Index, raised: int
 ) -> CurvedContacts:
-    """The patches of a builder as arrays, ordered by pair, with normals from a to b.
+    """Convert the patches of a builder to arrays, ordered by pair, with normals from a to b.
 
     Parameters
     ----------
@@ -320,19 +322,19 @@ def pack(
 
 
 def _stack_rows(rows: list[Array]) -> Array:
-    """Arrays of rows of three as an array, shape (n, 3), also if there are none."""
+    """Concatenate arrays of 3-vectors to an array of shape (n, 3), also if the list is empty."""
     return np.concatenate([np.empty((0, 3)), *rows])
 
 
 def _size(search: ContactSearch, patch: CurvedPatch) -> float:
-    """Size of a patch, to which its accuracy is relative [length unit]."""
+    """Length by which the accuracy of a patch is divided: the size of the patch [length unit]."""
     radius = float(search.geometry.surfaces.radius[patch.names[0]])
     size = max(radius, float(np.ptp(patch.spots.points, axis=0).max()))
     return size or float(search.geometry.radius[search.pairs[patch.pair]].min())
 
 
 def _mean_normals_of(normals: Array, start: Index) -> Array:
-    """Unit mean normal of each patch; its first normal if the normals cancel."""
+    """Unit mean normal of each patch; the first normal of a patch whose normals cancel."""
     if len(start) == 1:
         return np.empty((0, 3))
     total = np.add.reduceat(normals, start[:-1], axis=0)
@@ -343,13 +345,13 @@ def _mean_normals_of(normals: Array, start: Index) -> Array:
 
 
 def _kind(search: ContactSearch, surface: list[int]) -> str:
-    """Kind of a patch between two surfaces (-1: a flat face)."""
+    """Kind of contact of two surfaces, such as "cylinder"; -1 stands for a flat face."""
     kinds = {KINDS[search.geometry.surfaces.kind[k]] for k in surface if k >= 0}
     return next(name for name in NAMED if name in kinds)
 
 
 def _warnings(raised: int) -> tuple[str, ...]:
-    """A warning if the gap tolerance of pairs was raised."""
+    """Warnings about the pairs of parts whose gap tolerance was raised; empty if `raised` is 0."""
     if not raised:
         return ()
     pairs = "1 pair" if raised == 1 else f"{raised} pairs"

@@ -21,7 +21,9 @@ __all__ = ["edges_on_faces"]
 def edges_on_faces(
     face_patches: FacePatches, edges: Edges, rows: Index, reach: Array, *, turn: bool
 ) -> tuple[Index, Array, Index]:
-    """Points in which sharp edges of b (of a, if `turn`) touch curved faces of the other part.
+    """Points at which sharp edges of part b (part a, if `turn`) touch curved faces of the other.
+
+    An edge is sharp if its two faces meet at an angle.
 
     Parameters
     ----------
@@ -87,7 +89,10 @@ def edges_on_faces(
 
 
 def _face_boxes(geometry: Geometry, boxes: Boxes, face: Index) -> tuple[Array, Array]:
-    """Boxes of curved faces, in the frame of the part boxes, grown by their sagittas."""
+    """Bounding boxes of curved faces in the frame of the part boxes, with their sagitta as margin.
+
+    The sagitta is the largest distance of the triangles from the true surface.
+    """
     s = geometry.surfaces
     used, place = np.unique(face, return_inverse=True)
     low, high = np.empty((len(used), 3)), np.empty((len(used), 3))
@@ -99,7 +104,7 @@ def _face_boxes(geometry: Geometry, boxes: Boxes, face: Index) -> tuple[Array, A
 
 
 def _is_sharp(geometry: Geometry, facets: Facets, edges: Edges, edge: Index) -> Mask:
-    """Edges at which two faces meet at an angle, by the normals of the exact surfaces."""
+    """Whether the exact surfaces of an edge's two faces meet at an angle, for each edge."""
     s = geometry.surfaces
     left, right = edges.facet[edge].T
     middle = geometry.vertices[edges.ends_of[edge, 0]]
@@ -123,7 +128,7 @@ def _lies_on_patch(
     curved: CurvedContacts, pair: Index, surface: Index, s: Surfaces, p: Array, q: Array,
     limit: Array,
 ) -> Mask:  # fmt: skip
-    """Edges with both ends on a surface that has a patch of contact in the pair."""
+    """Whether both ends of each edge lie on a surface that already has a contact patch."""
     patches = curved.patches
     sides = [np.column_stack([patches.pair, side])[patches.area > 0] for side in curved.surface.T]
     patched = np.unique(np.concatenate(sides), axis=0)
@@ -138,7 +143,7 @@ def _lies_on_patch(
 def _true_middle(
     geometry: Geometry, facets: Facets, edges: Edges, line: Index, p: Array, q: Array
 ) -> tuple[Mask, Array]:
-    """Middle of the exact edge on the adjacent curved surface, and a mask of edges that have one.
+    """Mask of edges on exact curved surfaces, and the middle point of each such curved edge.
 
     The middle of the chord is moved onto the surface by three Newton steps in the plane of the rim.
     """
@@ -162,7 +167,7 @@ def _true_middle(
 
 
 def _across_axis(s: Surfaces, row: Index, points: Array) -> Array:
-    """Unit directions away from the axis of surfaces, or from the centre of a sphere."""
+    """Unit directions from the axis of each surface to points; for a sphere, from its centre."""
     away: Array = s.polar(row, points)[2]
     return away
 
@@ -170,7 +175,7 @@ def _across_axis(s: Surfaces, row: Index, points: Array) -> Array:
 def _nearest_on_edge(
     s: Surfaces, face: Index, edge: tuple[Array, Array, Array], limit: Array
 ) -> tuple[Array, Array]:
-    """Point of each edge (start, middle, end) nearest to a face, and its signed distance.
+    """Point of each edge (start, middle, end) nearest to a face, and its signed distance from it.
 
     The distance along the edge is approximated by the parabola through its three values. If it
     changes its sign by more than `limit`, the edge passes through the face, and the distance is 0.
@@ -197,7 +202,7 @@ def _nearest_on_edge(
 
 
 def _within_face(geometry: Geometry, face: Index, point: Array, limit: Array) -> Mask:
-    """Whether faces extend to points on their surfaces."""
+    """Whether each face, by its triangles, extends to a given point of its surface."""
     s = geometry.surfaces
     covers = np.zeros(len(face), dtype=bool)
     normal = s.outward(face, point) if len(face) else point

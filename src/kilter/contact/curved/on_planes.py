@@ -28,14 +28,14 @@ __all__ = ["Planes", "on_planes"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Planes:
-    """Flat faces: unit outward normals and a point of each, shape (n, 3)."""
+    """Planes of n flat faces: unit outward normals and a point of each plane, shape (n, 3)."""
 
     normal: Array
     origin: Array
 
 
 def on_planes(s: Surfaces, i: Index, planes: Planes, angle: Array) -> Candidates:
-    """Candidate contacts of solid surfaces `i`, shape (n,), with planes, shape (n,).
+    """Candidate contacts of curved surfaces `i` (material inside) with planes, pair by pair.
 
     `angle` is the tolerance of each pair, shape (n,) [rad].
     """
@@ -57,7 +57,7 @@ def on_planes(s: Surfaces, i: Index, planes: Planes, angle: Array) -> Candidates
 def _sphere_plane(
     s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: Array
 ) -> Candidates:
-    """Lowest point of each sphere over its plane."""
+    """Candidate point contacts: the point of each sphere nearest to its plane."""
     r = s.radius[i]
     gap = dot(s.point[i] - o, n) - r
     at = s.point[i] - (r + gap / 2)[:, None] * n
@@ -67,7 +67,10 @@ def _sphere_plane(
 def _cylinder_plane(
     s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: Array
 ) -> Candidates:
-    """Lowest line of each cylinder that lies on its plane, up to a tilt of `angle`."""
+    """Candidate line contacts: the lowest line of each cylinder, if parallel to its plane.
+
+    Lines up to the tilt `angle` count as parallel [rad].
+    """
     slope = dot(s.axis[i], n)
     k = np.flatnonzero(np.abs(slope) <= np.sin(angle))
     row, i, n, o, slope = row[k], i[k], n[k], o[k], slope[k]
@@ -80,7 +83,10 @@ def _cylinder_plane(
 
 
 def _cone_plane(s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: Array) -> Candidates:
-    """Generator of each cone that lies on its plane, up to a tilt of `angle`."""
+    """Candidate line contacts: the straight line of each cone that lies on its plane.
+
+    Lines up to the tilt `angle` count as lying on the plane [rad].
+    """
     lift, alpha = dot(s.axis[i], n), s.half_angle[i]
     k = np.flatnonzero(np.abs(np.arcsin(np.clip(lift, -1, 1)) - alpha) <= angle)
     row, i, n, o, alpha = row[k], i[k], n[k], o[k], alpha[k]
@@ -96,7 +102,7 @@ def _cone_plane(s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: Ar
 
 
 def _torus_plane(s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: Array) -> Candidates:
-    """Lowest circle of each upright torus over its plane, and lowest point of the others."""
+    """Candidate contacts of tori with planes: a circle if the axis is upright, else a point."""
     center, axis, radius, tube = s.point[i], s.axis[i], s.radius[i], s.tube[i]
     aside = without_along(n, axis)
     sine = np.linalg.norm(aside, axis=1)

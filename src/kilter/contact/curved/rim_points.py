@@ -26,7 +26,7 @@ __all__ = ["rims_on_planes"]
 
 
 def rims_on_planes(geometry: Geometry, i: Index, planes: Planes, angle: Array) -> Candidates:
-    """Points in which ends of solid cylinders and cones `i`, shape (n,), touch planes.
+    """Candidate point contacts of the circular ends of cylinders and cones `i` with planes.
 
     Parameters
     ----------
@@ -65,7 +65,10 @@ def _rims(
     geometry: Geometry, row: Index, i: Index, n: Array, o: Array, angle: Array, height: Array,
     end: float,
 ) -> Candidates:  # fmt: skip
-    """Lowest points of the rims at `height`; `end` is 1 at the upper and -1 at the lower end."""
+    """Candidate contacts: the lowest points of the end circles at `height` over their planes.
+
+    `end` is 1 at the upper and -1 at the lower end.
+    """
     s = geometry.surfaces
     axis, alpha = s.axis[i], np.where(s.kind[i] == CONE, s.half_angle[i], 0.0)
     radius = np.where(s.kind[i] == CONE, height * np.tan(alpha), s.radius[i])
@@ -84,7 +87,7 @@ def _tips(
     geometry: Geometry, row: Index, i: Index, n: Array, o: Array, angle: Array, low: Array,
     high: Array,
 ) -> Candidates:  # fmt: skip
-    """Candidate contacts of the tips of cones with planes."""
+    """Candidate point contacts of the tips of cones with their planes."""
     s = geometry.surfaces
     # angle by which the side rises from the plane
     lean = np.arcsin(np.clip(dot(n, s.axis[i]), -1, 1)) - s.half_angle[i]
@@ -98,7 +101,7 @@ def _points(
     row: Index, at: Array, plane: tuple[Array, Array], out: Array, sizes: tuple[Array, Array],
     k: Index,
 ) -> Candidates:  # fmt: skip
-    """POINT candidates of the rows `k`, at points `at` with outward directions `out`."""
+    """Candidate point contacts of the rows `k`, at points `at` with outward directions `out`."""
     (n, o), (radius, bend) = plane, sizes
     gap = dot(at - o, n)[k]
     middle = at[k] - (gap / 2)[:, None] * n[k]

@@ -21,7 +21,7 @@ Force = tuple[int, int, Array, Array]
 
 
 def possible_forces(forces: list[Force], *, two_sided: bool) -> PossibleContacts:
-    """A list of forces as possible contacts, without friction."""
+    """Convert a list of forces to `PossibleContacts` without friction."""
     count = len(forces)
     return PossibleContacts(
         part_a=np.array([a for a, _, _, _ in forces], dtype=np.int64),
@@ -37,7 +37,7 @@ def possible_forces(forces: list[Force], *, two_sided: bool) -> PossibleContacts
 def rims_clear(
     geometry: Geometry, vertex: Index, normal: Array, off: Array, tolerance: Array
 ) -> Mask:
-    """Whether the whole rim of each corner stays in front of a plane, shape (n,).
+    """Whether the whole circle through each corner stays in front of a plane, shape (n,).
 
     A corner v of the rim of a cylinder or cone lies `off` in front of a plane with unit `normal` n.
     The lowest point of the rim, a circle about c with radius rho across the axis, is lower by (v -
@@ -57,7 +57,7 @@ def rims_clear(
 
 
 def _rims_at(geometry: Geometry, vertex: Index) -> tuple[Index, Mask]:
-    """Curved surface of each corner (-1: none), and whether it is an exact cylinder or cone."""
+    """Curved surface at each corner (-1: none), and whether that is an exact cylinder or cone."""
     s = geometry.surfaces
     surface_of_vertex = np.full(len(geometry.vertices), -1)
     curved_triangles = np.flatnonzero(geometry.triangle_surface >= 0)
@@ -70,7 +70,7 @@ def _rims_at(geometry: Geometry, vertex: Index) -> tuple[Index, Mask]:
 
 
 def coaxial_clear(geometry: Geometry, vertex: Index, tolerance: Array) -> Mask:
-    """Whether the true circles of chords of coaxial rims stay clear of each other, shape (n,).
+    """Whether the true circles behind chords of two coaxial rims keep a distance, shape (n,).
 
     Circles about the same axis, with radii r and s, a height h apart, have the distance hypot(r -
     s, h).
@@ -108,7 +108,9 @@ def coaxial_clear(geometry: Geometry, vertex: Index, tolerance: Array) -> Mask:
 
 
 def rim_contacts(geometry: Geometry, flat: Patches) -> PossibleContacts:
-    """Possible forces at the circumscribed polygon of flat patches that end at a round rim.
+    """Possible forces at the polygon that contains the round rim of a flat patch.
+
+    The contact area of a flat patch with a round rim is larger than the polygon of its corners.
 
     The corners of a patch on the rim are moved outwards, so that the polygon contains the circle.
     """
@@ -133,7 +135,9 @@ def rim_contacts(geometry: Geometry, flat: Patches) -> PossibleContacts:
 
 
 def _rim(s: Surfaces, surface: int, normal: Array, corners: Array) -> tuple[Array, float] | None:
-    """Radial vectors to the corners on a rim, and the factor to the circumscribed polygon.
+    """Radial vectors to the corners of a patch on a round rim, and the factor that encloses it.
+
+    Radii times this factor give a polygon that contains the circle.
 
     The vector is 0 for corners that are not on the rim; None if the surface has no rim in this
     plane.
@@ -158,7 +162,10 @@ def _rim(s: Surfaces, surface: int, normal: Array, corners: Array) -> tuple[Arra
 
 
 def _radius_at(s: Surfaces, surface: int, height: float) -> float | None:
-    """Radius of the circle that a plane across the axis cuts out of a surface; None: no circle."""
+    """Radius of the circle in which a plane at `height` cuts a surface; None without a circle.
+
+    The plane is perpendicular to the axis.
+    """
     kind, radius = int(s.kind[surface]), float(s.radius[surface])
     if kind == CYLINDER:
         return radius

@@ -26,7 +26,7 @@ __all__ = ["shared_depth"]
 def shared_depth(
     geometry: Geometry, parts: tuple[int, int], points: Array, normals: Array, depth: Array
 ) -> float:
-    """The longest interval that two parts share on lines through points [length unit]; 0: none.
+    """Longest interval on the given lines that lies inside both parts [length unit]; 0: none.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def shared_depth(
 def _crossings(
     geometry: Geometry, part: int, points: Array, normals: Array, boxes: tuple[Array, Array]
 ) -> Iterator[tuple[Index, Array]]:
-    """Blocks of lines and parameters t at which they pass through triangles of a part.
+    """Yield blocks of (line, t): the parameters t at which lines pass through a part's triangles.
 
     Line k is ``points[k] + t normals[k]``. All crossings inside its box are among the yielded ones.
     """
@@ -76,7 +76,7 @@ def _crossings(
 
 
 def _line_through(corners: Array, x: Array, n: Array) -> tuple[Mask, Array]:
-    """Whether the lines x + t n pass through triangles, shape (m, 3, 3), and their t, (m,)."""
+    """Whether line x + t n passes through each of m triangles, and the parameter t, shape (m,)."""
     p, q, r = corners.transpose(1, 0, 2)
     # Moeller and Trumbore 1997: t and the barycentric weights of q and r by Cramer's rule
     edge_q, edge_r = q - p, r - p

@@ -38,7 +38,7 @@ def touching_shells(
     candidates: Candidates,
     limits: CandidateLimits,
 ) -> None:
-    """Add the contacts of surfaces in their own counterparts to `builder`.
+    """Add contacts of coaxial faces that fit into each other, such as shaft and bore.
 
     Each candidate is unrolled about the axis of its solid surface; regions shorter than twice the
     gap tolerance are rejected as too thin.
@@ -79,7 +79,10 @@ def touching_shells(
 
 
 def _axis_distance(search: ContactSearch, i: int, j: int, bottom: float, top: float) -> float:
-    """Least distance of the axis of j from that of i between two heights of i [length unit]."""
+    """Least distance between the axes of surfaces i and j, between two heights on axis i.
+
+    In the length unit.
+    """
     s = search.geometry.surfaces
     offsets = []
     for height in (bottom, top):
@@ -101,7 +104,10 @@ def _radius_and_angle(s: Surfaces, i: int, j: int) -> tuple[float, float]:
 def _points_in_region(
     s: Surfaces, names: tuple[int, int], region: tuple[Array, Array]
 ) -> tuple[Array, Array]:
-    """Points and outward normals at angles and heights about the first of two surfaces."""
+    """Points and outward normals on surface i at given angles and heights about its axis.
+
+    `names` holds the surfaces i and j.
+    """
     (i, j), (angle, height) = names, region
     radius, alpha = _radius_and_angle(s, i, j)
     spots = shell(s.point[i], s.axis[i], alpha, radius, (angle, height), None)
@@ -111,7 +117,7 @@ def _points_in_region(
 def _region_points(
     s: Surfaces, names: tuple[int, int], region: SharedRegion, *, moves: bool
 ) -> PatchPoints:
-    """Contact points of a region about the axis of the first surface.
+    """Contact points with normals over the region that two coaxial surfaces share.
 
     If `moves`, the points are moved to the axis of the second surface.
     """
@@ -134,7 +140,7 @@ def _region_points(
 def _about_second(
     s: Surfaces, names: tuple[int, int], region: SharedRegion, spots: PatchPoints
 ) -> PatchPoints:
-    """Contact points about the first axis, moved with it to the second axis."""
+    """Contact points of a fit, moved from the axis of the first surface to that of the second."""
     i, j = names
     axis, second_axis = s.axis[i], s.axis[j]
     second_axis = second_axis if float(axis @ second_axis) > 0 else -second_axis
@@ -157,7 +163,10 @@ def _about_second(
 def _arc_corners(
     arcs: list[tuple[float, float]], step: float, bottom: float, top: float
 ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Angles and heights at both ends of arcs, and those of outer rows between them."""
+    """Angles and heights at the ends of arcs, and of auxiliary points between them.
+
+    The auxiliary points span a cone of forces that contains the true one.
+    """
     angles = [angles_between(begin, width, step) for begin, width in arcs]
     between = []
     for angle, (_, width) in zip(angles, arcs, strict=True):
@@ -173,7 +182,7 @@ def _arc_corners(
 def gaps_between(
     search: ContactSearch, i: int, j: int, points: Array, off: float, limit: float
 ) -> tuple[float, float]:
-    """Range of the gap between surfaces i and j at points half-way between them [length unit].
+    """Least and greatest gap of surfaces i and j over points half-way between them [length unit].
 
     Surfaces in their own counterparts touch all over only if their cores coincide. If the cores are
     farther apart (`off`) than the tolerance, the face penetrates on one side, and that depth is

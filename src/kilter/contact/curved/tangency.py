@@ -39,7 +39,7 @@ __all__ = ["find_candidates"]
 
 
 def _opening_radius(first: Array, second: Array, sign: float) -> Array:
-    """Radius 1 / (1/first + sign/second) at which the gap between two curves opens."""
+    """Radius at which the gap between two curves opens: 1 / (1/first + sign/second)."""
     curvature = 1 / np.maximum(first, TINY) + sign / np.maximum(second, TINY)
     result: Array = 1 / np.maximum(curvature, NO_DIRECTION / np.maximum(first, TINY))
     return result
@@ -51,7 +51,7 @@ Kernel = Callable[[Surfaces, Index, Index, Index, FormLimits], Candidates]
 def find_candidates(
     s: Surfaces, i: Index, j: Index, limits: FormLimits, held: Mask
 ) -> tuple[Candidates, Mask]:
-    """Candidate contacts of surfaces `i` and `j`, and the pairs for which no kernel exists.
+    """Candidate contacts of surfaces `i` and `j`, and a mask of pairs without a contact formula.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def find_candidates(
 def _pairs_without_kernel(
     s: Surfaces, i: Index, j: Index, inside: Mask, outside: Mask, socket: Mask
 ) -> Mask:
-    """Pairs that may also touch in ways without a kernel."""
+    """Mask of pairs of surfaces that may also touch in ways without a contact formula."""
     first_kind, second_kind = s.kind[i], s.kind[j]
     torus = (second_kind == TORUS) & (first_kind != SPHERE) & ~(s.hollow[i] & s.hollow[j])
     cone = (second_kind == CONE) & inside & (first_kind != SPHERE)  # a cone leans in a wider one
@@ -112,7 +112,10 @@ def _pairs_without_kernel(
 
 
 def _round_in_round(s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimits) -> Candidates:
-    """Spheres in hollow spheres: the whole surface if the radii agree, else a point."""
+    """Candidate contacts of spheres in hollow spheres: the whole face or a single point.
+
+    The whole face if the radii agree.
+    """
     apart = s.point[i] - s.point[j]
     play = s.radius[j] - s.radius[i]
     distance = np.linalg.norm(apart, axis=1)
@@ -157,7 +160,7 @@ def _round_in_round(s: Surfaces, row: Index, i: Index, j: Index, limits: FormLim
 
 
 def _sphere_sphere(s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimits) -> Candidates:
-    """Spheres outside spheres: the point between the centres."""
+    """Candidate contacts of spheres outside spheres: the point between the centres."""
     apart = s.point[j] - s.point[i]
     return _sphere_beside(s, row, i, apart, s.radius[j])
 
@@ -165,7 +168,10 @@ def _sphere_sphere(s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimi
 def _sphere_beside(
     s: Surfaces, row: Index, i: Index, apart: Array, other_radius: Array
 ) -> Candidates:
-    """Spheres i outside round bodies whose core lies at `apart` from their centres."""
+    """Candidate contacts of spheres i outside round bodies, at the point nearest to their core.
+
+    The core is the axis or centre of the body; it lies at `apart` from the sphere's centre.
+    """
     normal = unit_rows(apart)
     gap = np.linalg.norm(apart, axis=1) - s.radius[i] - other_radius
     at = s.point[i] + (s.radius[i] + gap / 2)[:, None] * normal
@@ -173,7 +179,7 @@ def _sphere_beside(
 
 
 def _sphere_cylinder(s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimits) -> Candidates:
-    """Spheres outside cylinders: the point across the axis."""
+    """Candidate contacts of spheres outside cylinders: the point nearest to the axis."""
     apart = -without_along(s.point[i] - s.point[j], s.axis[j])
     return _sphere_beside(s, row, i, apart, s.radius[j])
 
@@ -181,7 +187,7 @@ def _sphere_cylinder(s: Surfaces, row: Index, i: Index, j: Index, limits: FormLi
 def _sphere_in_cylinder(
     s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimits
 ) -> Candidates:
-    """Spheres in hollow cylinders: a circle if the radii agree, else a point."""
+    """Candidate contacts of spheres in hollow cylinders: a circle for equal radii, else a point."""
     apart = without_along(s.point[i] - s.point[j], s.axis[j])
     play, distance = s.radius[j] - s.radius[i], np.linalg.norm(apart, axis=1)
     circle = _sphere_in_tube(s, row, i, limits, (apart, s.axis[j]), play)
@@ -207,7 +213,7 @@ def _sphere_in_cylinder(
 def _sphere_in_tube(
     s: Surfaces, row: Index, i: Index, limits: FormLimits, tube: tuple[Array, Array], play: Array
 ) -> Candidates:
-    """Circles in which spheres fill a tube.
+    """Candidate contacts of spheres that fill a tube: a circle around each sphere.
 
     `tube` holds the offset of the sphere's centre from the line of the tube, and the tube's
     direction.
@@ -233,7 +239,7 @@ def _sphere_in_tube(
 
 
 def _sphere_cone(s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimits) -> Candidates:
-    """Spheres outside cones: the nearest point of the cone's side."""
+    """Candidate contacts of spheres outside cones: the nearest point of the cone's side."""
     _, _, direction = s.polar(j, s.point[i])
     alpha = s.half_angle[j]
     normal = -(np.cos(alpha)[:, None] * direction - np.sin(alpha)[:, None] * s.axis[j])
@@ -243,7 +249,7 @@ def _sphere_cone(s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimits
 
 
 def _sphere_in_cone(s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimits) -> Candidates:
-    """Spheres in hollow cones: a circle if the centre lies on the axis, else a point."""
+    """Candidate contacts of spheres in hollow cones: a circle if on the axis, else a point."""
     height, rho, direction = s.polar(j, s.point[i])
     alpha = s.half_angle[j]
     cosine, sine = np.cos(alpha), np.sin(alpha)
@@ -288,7 +294,7 @@ def _sphere_in_cone(s: Surfaces, row: Index, i: Index, j: Index, limits: FormLim
 
 
 def _sphere_torus(s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimits) -> Candidates:
-    """Spheres outside tori: a circle if the centre lies on the axis, else a point."""
+    """Candidate contacts of spheres outside tori: a circle if centred on the axis, else a point."""
     height, rho, direction = s.polar(j, s.point[i])
     axis, radius = s.axis[j], s.radius[j]
     centred = rho <= limits.gap
@@ -312,7 +318,10 @@ def _sphere_torus(s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimit
 
 
 def _sphere_in_torus(s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimits) -> Candidates:
-    """Spheres in hollow tori: a circle around the tube if the radii agree, else a point."""
+    """Candidate contacts of spheres in hollow tori: a circle if the radii agree, else a point.
+
+    The circle lies around the tube.
+    """
     height, rho, direction = s.polar(j, s.point[i])
     apart = (rho - s.radius[j])[:, None] * direction + height[:, None] * s.axis[j]
     play, distance = s.tube[j] - s.radius[i], np.linalg.norm(apart, axis=1)
@@ -330,7 +339,7 @@ def _sphere_in_torus(s: Surfaces, row: Index, i: Index, j: Index, limits: FormLi
 def _cylinder_cylinder(
     s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimits
 ) -> Candidates:
-    """Cylinders side by side: a line if the axes are parallel, else crossing generators."""
+    """Candidate contacts of cylinders side by side: a line if axes are parallel, else a point."""
     sine = np.linalg.norm(cross(s.axis[i], s.axis[j]), axis=1)
     parallel = sine <= np.sin(limits.angle)
     along_line, crossing = np.flatnonzero(parallel), np.flatnonzero(~parallel)
@@ -351,7 +360,7 @@ def _cylinder_cylinder(
 
 
 def _nearly_parallel(s: Surfaces, i: Index, j: Index) -> tuple[Array, Array, Array, Array]:
-    """Common direction of nearly parallel axes, and their offset.
+    """Common direction of each two nearly parallel axes, and the offset between them.
 
     Returns
     -------
@@ -377,7 +386,7 @@ def _nearly_parallel(s: Surfaces, i: Index, j: Index) -> tuple[Array, Array, Arr
 def _cylinder_in_cylinder(
     s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimits
 ) -> Candidates:
-    """Cylinders in hollow cylinders: the whole surface if the radii agree, else a line.
+    """Candidate contacts of cylinders in bores: the whole face if the radii agree, else a line.
 
     A shaft with play in its hole is a fit (SAME with `play`) and a line.
     """
@@ -425,7 +434,7 @@ def _cylinder_in_cylinder(
 
 
 def _cone_in_cone(s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimits) -> Candidates:
-    """Tapers: solid cones in hollow cones of the same half angle and axis."""
+    """Candidate contacts of solid cones in hollow cones of the same half angle and axis."""
     sine = np.linalg.norm(cross(s.axis[i], s.axis[j]), axis=1)
     alike = (sine <= np.sin(limits.angle)) & (dot(s.axis[i], s.axis[j]) > 0)
     alike &= np.abs(s.half_angle[i] - s.half_angle[j]) <= limits.angle
@@ -455,7 +464,9 @@ def _cone_in_cone(s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimit
 def _crossing_generators(
     s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimits
 ) -> Candidates:
-    """Points in which cylinders or cones touch: generators in a common tangent plane cross.
+    """Candidate point contacts of cylinders or cones whose straight lines (generators) cross.
+
+    Both generators lie in the common tangent plane.
 
     With axes a, b and the wanted m.a, m.b, the unit normal is m = x a + y b + z (a x b). The two
     signs of z give the tangent planes on either side.
@@ -490,7 +501,7 @@ def _crossing_generators(
 
 
 def _generator(s: Surfaces, i: Index, m: Array) -> tuple[Array, Array]:
-    """Point and direction of the generator of a cylinder or cone with the outward normal m."""
+    """Point and direction of the straight line of a cylinder or cone at its outward normal m."""
     axis, alpha = s.axis[i], s.half_angle[i]
     cone = (s.kind[i] == CONE)[:, None]
     out = unit_rows(without_along(m, axis))
@@ -500,13 +511,13 @@ def _generator(s: Surfaces, i: Index, m: Array) -> tuple[Array, Array]:
 
 
 def _torus_on_axis(inner: bool) -> Kernel:
-    """Kernel for a torus and a cylinder of the same axis.
+    """The contact function for pairs of a torus and a cylinder with the same axis.
 
     `inner`: the torus surrounds a shaft and touches it with its inner side; else it lies in a bore.
     """
 
     def kernel(s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimits) -> Candidates:
-        """Circles in which a torus and a cylinder of the same axis touch, or fit with play."""
+        """Candidate circle contacts of tori with cylinders about the same axis."""
         turned = np.linalg.norm(cross(s.axis[i], s.axis[j]), axis=1)
         off = np.linalg.norm(without_along(s.point[j] - s.point[i], s.axis[i]), axis=1)
         side = -1.0 if inner else 1.0

@@ -30,19 +30,19 @@ __all__ = ["RoundContacts", "beside_curved", "no_round_contacts", "round_contact
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RoundContacts:
-    """Pairs that touch at a curved surface without a formula, and their possible forces."""
+    """Contacts at curved surfaces without a contact formula, with the forces they may exert."""
 
     unsupported: tuple[UnsupportedContact, ...]
     possible: PossibleContacts
 
 
 def no_round_contacts() -> RoundContacts:
-    """An empty set."""
+    """A value of `RoundContacts` without contacts."""
     return RoundContacts((), possible_forces([], two_sided=True))
 
 
 def beside_curved(geometry: Geometry, parts: Index, points: Array, slack: Array) -> Mask:
-    """Which points, shape (n, 3), lie within `slack` of a curved surface of their parts (n, 2)."""
+    """Which points, shape (n, 3), lie within `slack` of a curved surface of either given part."""
     s = geometry.surfaces
     is_near = np.zeros(len(points), dtype=bool)
     for side in parts.T:
@@ -56,7 +56,7 @@ def beside_curved(geometry: Geometry, parts: Index, points: Array, slack: Array)
 def round_contacts(
     face_patches: FacePatches, edges: Edges, rows: Index, rims: tuple[Index, Array], reach: Array
 ) -> RoundContacts:
-    """Contacts of the pairs `rows` at curved surfaces that no patch explains.
+    """Contacts at curved surfaces of the pairs `rows`, apart from the contact patches found before.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def round_contacts(
     points_of_pair: dict[int, list[tuple[Array, int]]] = {}
 
     def add_points(pair: Index, point: Array, surface: Index) -> None:
-        """Add the points that no patch explains to `points_of_pair`."""
+        """Add points that lie on no contact patch of their pair to `points_of_pair`."""
         for name in np.unique(pair).tolist():
             of_pair = np.flatnonzero(pair == name)
             slack = float(reach[name] + 2 * geometry.slack[pairs[name]].max())
@@ -101,7 +101,7 @@ def round_contacts(
 def _round_contacts_of(
     geometry: Geometry, pairs: Index, points_of_pair: dict[int, list[tuple[Array, int]]]
 ) -> RoundContacts:
-    """Records and possible forces of pairs, from their points and surfaces (-1: unknown)."""
+    """Contacts without a formula, from the points and surfaces of each pair (-1: unknown)."""
     unsupported = []
     forces: list[Force] = []
     for pair in sorted(points_of_pair):
@@ -123,14 +123,14 @@ def _round_contacts_of(
 
 
 def _any_wrench(point: Array, arm: float) -> list[tuple[Array, Array]]:
-    """Points and directions of six forces that span every force and torque."""
+    """Six forces, as (point, direction), that together produce any force and any torque."""
     x, y, z = np.eye(3)
     at_point = [(point, x), (point, y), (point, z)]
     return [*at_point, (point + arm * x, y), (point + arm * x, z), (point + arm * y, z)]
 
 
 def _forces(geometry: Geometry, surface: int) -> list[tuple[Array, Array]]:
-    """Points and directions that span the forces of a frictionless sphere or cylinder."""
+    """Forces, as (point, direction), that a frictionless sphere or cylinder can exert."""
     s = geometry.surfaces
     center, axis = s.point[surface], s.axis[surface]
     if s.kind[surface] == SPHERE:
@@ -147,7 +147,10 @@ def _forces(geometry: Geometry, surface: int) -> list[tuple[Array, Array]]:
 def _close_triangles(
     geometry: Geometry, parts: Index, surfaces: tuple[int, int], tolerance: float
 ) -> Array:
-    """Points at which triangles of two faces come within the tolerance and sagittas, (n, 3)."""
+    """Points, shape (n, 3), at which two triangulated faces come within the tolerance.
+
+    The tolerance includes the sagittas, the distances of triangles from true surfaces.
+    """
     s = geometry.surfaces
     sides = []
     for part, surface in zip(parts.tolist(), surfaces, strict=True):

@@ -31,7 +31,7 @@ def save(
     loose: bool = False,
     **reading: Any,
 ) -> Choices:
-    """Save the options about a file as choices, as the command ``kilter save`` does.
+    """Write the options for a file to a JSON file of choices, as ``kilter save`` does.
 
     The file is read with the options, so that a wrong name is an error here. If `source` has
     choices itself, the new choices are its choices with the given changes.
@@ -89,7 +89,7 @@ def save_reading(
     *,
     progress: Callable[[str], None] | None = None,
 ) -> Choices:
-    """Save a reading as choices, after the file has been read with it.
+    """Write a file of choices with the options of a reading, after a trial reading of the file.
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ __all__ = ["Chosen", "chosen", "read_chosen", "tolerance_of"]
 
 @dataclass(frozen=True, slots=True)
 class Chosen:
-    """A file with its choices and the options that win over them.
+    """A file to read and the options for it: those saved with it, overridden by the caller's.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class Chosen:
 
 
 def chosen(choices: Choices, reading: Reading | None = None) -> Chosen:
-    """Choices with the options of a reading, which win over them.
+    """Merge the options saved in a file of choices with the caller's options, which override them.
 
     Raises
     ------
@@ -57,7 +57,7 @@ def chosen(choices: Choices, reading: Reading | None = None) -> Chosen:
 
 
 def tolerance_of(choices: Choices) -> Tolerance:
-    """The contact tolerance of choices."""
+    """The contact tolerance that a file of choices states; the default if it states none."""
     values = choices.tolerance or {}
     base = Tolerance.loose() if choices.loose else Tolerance()
     angle = values.get("angle_deg")
@@ -72,7 +72,7 @@ def tolerance_of(choices: Choices) -> Tolerance:
 def read_chosen(
     choices: Choices, reading: Reading | None = None, *, tolerance: Tolerance | None = None
 ) -> Assembly:
-    """The assembly of choices: the file, with its options applied, and with its tolerance.
+    """Read the assembly that a file of choices describes, with its saved options and tolerance.
 
     A `tolerance` other than the default one wins over that of the choices.
 

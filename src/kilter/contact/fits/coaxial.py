@@ -27,7 +27,7 @@ __all__ = ["Fit", "coaxial_fits", "is_tube"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fit:
-    """A shaft in a hole; world frame.
+    """A shaft of one part in a hole of another part, about the same axis; world frame.
 
     Attributes
     ----------
@@ -55,11 +55,11 @@ class Fit:
 
     @property
     def tight(self) -> bool:
-        """True if the shaft is thicker than the gap tolerance explains."""
+        """Whether the shaft is thicker than its hole by more than the gap tolerance."""
         return self.interference > self.doubt
 
     def to_dict(self, names: Sequence[str]) -> dict[str, Any]:
-        """JSON data; `parts` are the part with the shaft and the part with the hole."""
+        """JSON data of the fit; `parts` are the part with the shaft and the part with the hole."""
         return {
             "parts": [names[k] for k in self.parts],
             "point": self.point.tolist(),
@@ -80,7 +80,7 @@ class Fit:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Cylinder:
-    """A cylinder, solid or hollow, from `low` to `high` along its axis; `row` of the surfaces."""
+    """A cylindrical face, solid or hollow, from `low` to `high` along its axis."""
 
     row: int
     point: Array
@@ -100,7 +100,7 @@ def coaxial_fits(
     thickest: float = INTERFERENCE,
     thinnest: float = 0.0,
 ) -> list[Fit]:
-    """Fits between pairs of parts: with interference, or size on size within the tolerance.
+    """Shafts in holes among pairs of parts, thicker than the hole or of the same size.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def coaxial_fits(
 
 
 def is_tube(assembly: Assembly, fit: Fit) -> bool:
-    """Whether the shaft of a fit has a thinner bore about the same axis."""
+    """Whether the shaft of a fit is hollow: it has a thinner bore about the same axis."""
     for bore in _cylinders_of(assembly, fit.parts[0]):
         apart = bore.point - fit.point
         offset = float(np.linalg.norm(apart - fit.axis * (fit.axis @ apart)))
@@ -160,7 +160,7 @@ def _fits_of(
     tolerance: Tolerance,
     widest: tuple[float, float],
 ) -> list[Fit]:
-    """The fit of a shaft and a hole, or none.
+    """A list with the fit of a shaft and a hole; an empty list if they form no fit.
 
     `gap` is the gap tolerance [length unit]; `widest` holds the largest interference and clearance
     as fractions of the radius [-].
@@ -188,13 +188,13 @@ def _fits_of(
 
 
 def _over_each_other(geometry: Geometry, shaft: _Cylinder, hole: _Cylinder) -> bool:
-    """Whether the faces overlap around the axis, not only along it."""
+    """Whether the shaft's face and the hole's face overlap in their angles about the axis."""
     bands = bands_of(geometry, np.array([shaft.row, hole.row]))
     return shared_region(geometry, bands, (shaft.row, hole.row), (0, 1)) is not None
 
 
 def _cylinders_of(assembly: Assembly, part: int) -> list[_Cylinder]:
-    """The cylinders of a part, exact or recognised in its mesh."""
+    """Cylindrical faces of a part, exact or recognised in its mesh."""
     geometry = assembly.geometry
     surfaces = geometry.surfaces
     rows = range(int(surfaces.start[part]), int(surfaces.start[part + 1]))
@@ -202,7 +202,7 @@ def _cylinders_of(assembly: Assembly, part: int) -> list[_Cylinder]:
 
 
 def _cylinder(geometry: Geometry, row: int) -> _Cylinder:
-    """The cylinder of a row of the surfaces, with the extent of its triangles."""
+    """The cylindrical face with the index `row`, as long as its triangles."""
     surfaces = geometry.surfaces
     corners = geometry.vertices[geometry.triangles[surfaces.triangles_of(row)]].reshape(-1, 3)
     height = (corners - surfaces.point[row]) @ surfaces.axis[row]

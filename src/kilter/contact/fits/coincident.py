@@ -24,7 +24,7 @@ MANY = 3
 
 
 def coincident(contacts: ContactSet) -> list[Overlap]:
-    """Overlaps of more than half of the smaller part in open pairs, largest share first."""
+    """Overlaps of open pairs that fill over half of the smaller part, the largest share first."""
     left_open = {frozenset(pair.parts) for pair in contacts.open_pairs}
     coinciding = [
         overlap
@@ -35,7 +35,7 @@ def coincident(contacts: ContactSet) -> list[Overlap]:
 
 
 def require_apart(assembly: Assembly, contacts: ContactSet) -> None:
-    """Raise an error if parts lie on one another.
+    """Raise an InputError if one part lies on another: more than half of it in the same place.
 
     Raises
     ------
@@ -71,7 +71,7 @@ def require_apart(assembly: Assembly, contacts: ContactSet) -> None:
 
 
 def _describe(contacts: ContactSet, overlap: Overlap) -> str:
-    """A description of how two parts lie on one another; the smaller part is the second."""
+    """Describe in words how two parts occupy the same place; the smaller part comes second."""
     larger, smaller = (repr(contacts.assembly.names[k]) for k in _sort_by_volume(contacts, overlap))
     if overlap.why == SAME_BODY:
         return f"{larger} and {smaller} are the same body twice"
@@ -81,14 +81,14 @@ def _describe(contacts: ContactSet, overlap: Overlap) -> str:
 
 
 def _sort_by_volume(contacts: ContactSet, overlap: Overlap) -> tuple[int, int]:
-    """The parts of an overlap, the larger part first."""
+    """Indices of the two parts of an overlap, the larger part first."""
     a, b = overlap.parts
     volume = contacts.assembly.geometry.volume
     return (a, b) if volume[a] >= volume[b] else (b, a)
 
 
 def _whole_of(contacts: ContactSet, overlaps: Sequence[Overlap]) -> int | None:
-    """The part that is the larger of every pair and that the other parts fill; None without one."""
+    """Index of the part that the other overlapping parts together fill; None if there is none."""
     pairs = [_sort_by_volume(contacts, overlap) for overlap in overlaps]
     larger, smaller = {pair[0] for pair in pairs}, [pair[1] for pair in pairs]
     if len(larger) != 1 or len(smaller) < 2:
@@ -100,7 +100,7 @@ def _whole_of(contacts: ContactSet, overlaps: Sequence[Overlap]) -> int | None:
 
 
 def _cause_and_remedy(contacts: ContactSet, overlaps: Sequence[Overlap]) -> tuple[str, str, str]:
-    """Likely cause of the overlaps, and the remedy in Python and as an option."""
+    """Likely cause of parts in the same place, and the remedy: in Python, then as an option."""
     parts = contacts.assembly.parts
     first = overlaps[0]
     larger, smaller = _sort_by_volume(contacts, first)

@@ -21,7 +21,7 @@ __all__ = ["odd_copies"]
 def odd_copies(
     geometry: Geometry, overlaps: Sequence[Overlap], tested: Iterable[Overlap]
 ) -> list[tuple[int, list[int], int]]:
-    """Overlapping parts that have a copy without overlap.
+    """Parts that overlap others although an identical part elsewhere overlaps nothing.
 
     Parameters
     ----------

@@ -35,7 +35,7 @@ def fastened(
     contacts: ContactSet | None = None,
     tolerance: Tolerance | None = None,
 ) -> Assembly:
-    """The assembly with additional fixed joints between parts that touch.
+    """The assembly with additional fixed joints between touching parts, by name or suggestion.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def fastened(
 def _fasten_found(
     assembly: Assembly, contacts: ContactSet, *, suggested: bool, overlaps: bool
 ) -> Assembly:
-    """The assembly with joints of the suggested or the overlapping pairs, and notes of them."""
+    """The assembly with fixed joints at all suggested or overlapping pairs, and a note on it."""
     suggestions = [s for s in suggest_joints(assembly, contacts) if s.fixed]
     if suggested:
         how = "as suggested", "no pair looks as if it were"
@@ -117,7 +117,10 @@ def fasten_as_read(
     tolerance: Tolerance | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> tuple[Assembly, ContactSet | None]:
-    """The assembly with the joints and bonds of its reading, and its contacts if needed."""
+    """The assembly with the joints and bonds that the reading options ask for.
+
+    The contacts are returned too if they had to be detected, else None.
+    """
     if not reading.fastens:
         return assembly, None
     reading, _ = reading.for_parts(assembly.names)
@@ -139,7 +142,7 @@ def fasten_as_read(
 def _bonds(
     assembly: Assembly, contacts: ContactSet, patterns: Sequence[tuple[str, str, float]]
 ) -> list[Bond]:
-    """Bonds between every two touching parts of each pair of patterns.
+    """Bonds between touching parts whose names match a pair of patterns.
 
     If patterns match the same parts twice, the last bond counts.
     """
@@ -158,7 +161,7 @@ def _touching_matches(
     first: set[str],
     second: set[str],
 ) -> list[Pair]:
-    """Every two touching parts of both sets; `pair` holds the patterns for the message."""
+    """Touching pairs of a part in `first` and a part in `second`; raises an error if none touch."""
     matching: list[Pair] = [
         (a, b)
         for x, y in _touching_names(assembly, contacts)
@@ -171,7 +174,7 @@ def _touching_matches(
 
 
 def _parts_matching(assembly: Assembly, pattern: str) -> set[str]:
-    """Names that a pattern matches; a held part only if the pattern is its name."""
+    """Names of parts that a pattern matches; held parts only if the pattern is their full name."""
     names = assembly.matching([pattern])
     free = {name for name in names if name == pattern or not assembly[name].grounded}
     if not free:
@@ -184,7 +187,7 @@ def _parts_matching(assembly: Assembly, pattern: str) -> set[str]:
 
 
 def _touching_names(assembly: Assembly, contacts: ContactSet) -> list[Pair]:
-    """Pairs of names of touching parts."""
+    """Pairs of touching parts, by name."""
     return [tuple(assembly.names[k] for k in pair) for pair in touching_pairs(contacts)]
 
 
@@ -194,7 +197,7 @@ def _joints_by_name(
     patterns: Sequence[Pair],
     matched: Sequence[Sequence[set[str]]],
 ) -> list[Joint]:
-    """Fixed joints between every two touching parts of each pair, without existing joints."""
+    """Fixed joints between touching parts that match a pair of patterns and have no joint yet."""
     joined = {frozenset(joint.parts) for joint in assembly.joints if joint.kind == "fixed"}
     joints = []
     for pair, (first, second) in zip(patterns, matched, strict=True):
@@ -211,7 +214,7 @@ def _skipped_held_notes(
     patterns: Sequence[Pair],
     matched: Sequence[Sequence[set[str]]],
 ) -> list[str]:
-    """A note that names the held parts that globs skipped although a matching part touches them."""
+    """A note on held parts that wildcards did not join although a matching part touches them."""
     skipped_parts: set[str] = set()
     touching = _touching_names(assembly, contacts)
     for (pattern_a, pattern_b), (parts_a, parts_b) in zip(patterns, matched, strict=True):
@@ -232,12 +235,12 @@ def _skipped_held_notes(
 
 
 def _suggested_joints(suggestions: Sequence[Suggestion]) -> list[Joint]:
-    """Fixed joints for suggestions, with their kinds as the reason."""
+    """A fixed joint for each suggestion, with the kind of fastening as its reason."""
     return [Joint(s.parts, why=s.kind) for s in suggestions]
 
 
 def _fastening_note(suggestions: Sequence[Suggestion], how: str, nothing: str) -> str:
-    """A note that names the joined pairs; `how` states the reason, `nothing` an empty result."""
+    """A note that names the joined pairs and the reason `how`; `nothing` if no pair was joined."""
     if not suggestions:
         return f"nothing is fastened {how}: {nothing}"
     pairs = [f"{s.parts[0]!r} and {s.parts[1]!r} ({s.kind})" for s in suggestions]
@@ -252,7 +255,7 @@ def _no_contact_error(
     first: set[str],
     second: set[str],
 ) -> InputError:
-    """Error for a pair of patterns without contact; it states the nearest distance."""
+    """Build the error for patterns whose parts do not touch; it states their least distance."""
     names = assembly.names
     near = ""
     for rejected in contacts.rejected:

@@ -29,7 +29,7 @@ def with_decided_pairs(
     *,
     tolerance: Tolerance | None = None,
 ) -> Assembly:
-    """The assembly in which decisions settle the contacts of pairs.
+    """The assembly with the user's decisions on pairs of parts: joined, touching or apart.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def with_decided_pairs(
 def _touching(
     assembly: Assembly, pair: tuple[str, str], tolerance: Tolerance
 ) -> list[GivenContact]:
-    """Contacts of the nearest faces of two parts; empty if detection finds contacts itself."""
+    """Contacts between the nearest faces of two parts; empty if normal detection finds contacts."""
     free = [replace(assembly[name], grounded=False) for name in pair]
     two = Assembly(free, units=assembly.units, gravity=assembly.gravity)
     if len(detect.contacts(two, tolerance=tolerance)):
@@ -92,7 +92,7 @@ def _touching(
 
 
 def _nearest(contacts: ContactSet) -> list[tuple[float, float]]:
-    """Gaps [length unit] and angles [rad] at which two parts come near, the closest first."""
+    """Gaps [length unit] and angles [rad] between near faces of two parts, the closest first."""
     touching = [(float(np.abs(gap).max()), LOOSE_ANGLE) for gap in contacts.patch_gap]
     near = [
         (abs(pair.gap), min(pair.angle * DECIDED, LOOKED_AT_ANGLE)) for pair in contacts.rejected
@@ -102,7 +102,7 @@ def _nearest(contacts: ContactSet) -> list[tuple[float, float]]:
 
 
 def _given(contacts: ContactSet) -> list[GivenContact]:
-    """The patches of a contact set as given contacts; a round patch has one for each point."""
+    """Convert detected patches to `GivenContact` values; a curved patch gives one per point."""
     names, given = contacts.assembly.names, []
     for k, (low, high) in enumerate(
         zip(contacts.patch_start[:-1].tolist(), contacts.patch_start[1:].tolist(), strict=True)

@@ -34,7 +34,7 @@ __all__ = ["find_overlaps"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _OverlapSearch:
-    """Data of all steps: the touching patches, and the parts as solids."""
+    """Data shared by the steps of the overlap search: contact patches, and parts as solids."""
 
     face_patches: FacePatches
     solids: PartSolids
@@ -51,7 +51,7 @@ class _OverlapSearch:
 def find_overlaps(
     assembly: Assembly, face_patches: FacePatches, tolerances: Tolerance
 ) -> tuple[Overlap, ...]:
-    """Pairs of parts that share volume."""
+    """Find the pairs of parts that occupy the same space, with the shared volume."""
     search = face_patches.search
     geometry, facets, boxes = search.geometry, search.facets, search.boxes
     a, b = search.pairs.T
@@ -90,7 +90,7 @@ FINER = 2
 def _with_interference(
     assembly: Assembly, overlaps: list[Overlap], tolerance: Tolerance
 ) -> list[Overlap]:
-    """Overlaps, with the reason INTERFERE for shafts in tighter holes."""
+    """The overlaps, with the reason INTERFERE for shafts that are thicker than their holes."""
     fits = coaxial_fits(assembly, [overlap.parts for overlap in overlaps], tolerance)
     tight = {frozenset(fit.parts) for fit in fits if fit.tight}
     return [
@@ -100,7 +100,7 @@ def _with_interference(
 
 
 def _with_volume(overlap_search: _OverlapSearch, overlap: Overlap, tolerance: Tolerance) -> Overlap:
-    """An overlap with its volume, and its share of the volume of the smaller part.
+    """The overlap with its shared volume, also as a fraction of the smaller part's volume.
 
     The share is None if the smaller part is thinner than the gap tolerance.
     """
@@ -117,7 +117,7 @@ def _with_volume(overlap_search: _OverlapSearch, overlap: Overlap, tolerance: To
 
 
 def _thickness(geometry: Geometry, part: int) -> float:
-    """Twice the volume divided by the surface: the thickness of a thin plate [length unit]."""
+    """Mean thickness of a part, twice its volume over its surface [length unit]."""
     rows = slice(*geometry.triangle_start[part : part + 2].tolist())
     a, b, c = geometry.vertices[geometry.triangles[rows]].transpose(1, 0, 2)
     surface = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
@@ -125,7 +125,7 @@ def _thickness(geometry: Geometry, part: int) -> float:
 
 
 def _exact_volume(geometry: Geometry, parts: tuple[int, int], body: SharedBody) -> float:
-    """The volume of a shared body, with refined triangles on exact curved surfaces."""
+    """Volume that two parts share [length unit^3], with finer triangles on curved surfaces."""
     slack = float(geometry.slack[list(parts)].sum())
     if not slack or not len(body.corners):
         return body.volume
@@ -138,7 +138,7 @@ def _exact_volume(geometry: Geometry, parts: tuple[int, int], body: SharedBody) 
 def _general_overlap(
     overlap_search: _OverlapSearch, row: int, parts: tuple[int, int], tolerance: float
 ) -> Overlap | None:
-    """Overlap of two parts that are not both convex; None if not deeper than the tolerance.
+    """Overlap of two parts of any shape; None if it is not deeper than the tolerance.
 
     Points on curved faces that touch over an area are ignored: only triangulations overlap there.
     """
@@ -159,7 +159,7 @@ def _general_overlap(
 
 
 def _same_body(geometry: Geometry, parts: tuple[int, int]) -> Overlap:
-    """The overlap of two bodies in the same place."""
+    """The overlap of two identical bodies in the same place."""
     size = float(geometry.size[list(parts)].min())
     return Overlap(parts, float(geometry.volume[parts[0]]), size, SAME_BODY)
 
@@ -180,7 +180,7 @@ def _coincide(geometry: Geometry, a: int, b: int) -> bool:
 
 
 def _facet_planes(geometry: Geometry, facets: Facets, part: int) -> tuple[Array, Array]:
-    """Outward normals and origins of the facets of a part."""
+    """Outward unit normals of a part's facets, and a point on each facet."""
     span = slice(facets.start[part], facets.start[part + 1])
     return facets.normal[span], facets.origin[span]
 
@@ -188,7 +188,7 @@ def _facet_planes(geometry: Geometry, facets: Facets, part: int) -> tuple[Array,
 def _convex_overlap(
     overlap_search: _OverlapSearch, parts: tuple[int, int], tolerance: float
 ) -> Overlap | None:
-    """Overlap of two convex parts; None if a facet's plane separates them, or no ball fits."""
+    """Overlap of two convex parts; None if they are apart or only touch."""
     geometry, (a, b) = overlap_search.geometry, parts
     if _coincide(geometry, a, b):
         return _same_body(geometry, parts)
@@ -212,7 +212,7 @@ def _convex_overlap(
 def _ball_overlap(
     normals: Array, offsets: Array, parts: tuple[int, int], depth: float, tolerance: float
 ) -> Overlap | None:
-    """The overlap of the half-spaces n.x <= offset, if a ball beyond the tolerance fits inside.
+    """Overlap of two convex parts, by the largest ball inside both; None if it is too small.
 
     `depth` is the least depth to any facet's plane [length unit]. The ball is the solution of a
     linear program.

@@ -36,7 +36,7 @@ FIRST = 200
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartSolids:
-    """Parts as solids of manifold3d, created on first use.
+    """Solids of the library manifold3d for the parts of an assembly, created on first use.
 
     The centre of mass of a part is at the origin: coordinates keep their digits far from the origin
     of the file. With `finer` (rounds, box), triangles inside a box are refined onto their exact
@@ -48,13 +48,13 @@ class PartSolids:
     cache: dict[int, Any] = field(default_factory=dict)
 
     def of(self, part: int) -> Any:
-        """The solid of a part about its centre of mass; None if its triangles bound no body."""
+        """The solid of a part about its centre of mass; None if its triangles enclose no volume."""
         if part not in self.cache:
             self.cache[part] = self._make(part)
         return self.cache[part]
 
     def _make(self, part: int) -> Any:
-        """Weld the triangles of a part and convert them to a solid; None if they bound no body."""
+        """Merge the corners of a part's triangles into a solid; None if they enclose no volume."""
         g = self.geometry
         rounds, box = self.finer or (0, (g.center[part], g.center[part]))
         corners, rows = refine(g, part, rounds, box)
@@ -74,7 +74,7 @@ class PartSolids:
 
 
 def _bounds_a_body(triangles: Index) -> bool:
-    """Whether every edge is used exactly once in each direction.
+    """Whether triangles form a closed surface: each edge occurs once in each direction.
 
     manifold3d may end the process on triangles without this property.
     """
@@ -91,7 +91,7 @@ def _bounds_a_body(triangles: Index) -> bool:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SharedBody:
-    """The intersection of two parts; world frame.
+    """The intersection of two overlapping parts, as a mesh in the world frame.
 
     Attributes
     ----------
@@ -109,7 +109,7 @@ class SharedBody:
 
 
 def shared_body(solids: PartSolids, a: int, b: int) -> SharedBody | None:
-    """The intersection of parts a and b, without triangles if it is empty.
+    """The intersection of parts a and b, empty if they are apart; None if a part is not closed.
 
     Returns
     -------
@@ -136,7 +136,7 @@ def depth_of(
     least: float,
     without: Callable[[Array], Mask],
 ) -> float:
-    """Depth of the overlap of two parts [length unit], at points that are not in `without`.
+    """Depth to which two parts overlap, at least `least` [length unit].
 
     Returns
     -------
@@ -153,14 +153,14 @@ def depth_of(
 
 
 def _probes(corners: Array) -> Array:
-    """Corners, and middles of sides and triangles, without repeats."""
+    """Corners, edge middles and centres of triangles, each point once."""
     middles = (corners + np.roll(corners, -1, axis=1)) / 2
     points = np.concatenate([corners.reshape(-1, 3), middles.reshape(-1, 3), corners.mean(axis=1)])
     return distinct_rows(points)[0]
 
 
 def _farthest(points: Array, patch: Array, surface: Array, least: float) -> float:
-    """The largest distance of points from a surface, or `least` if that is larger.
+    """Largest distance of points from a surface, but at least `least` [length unit].
 
     `patch` is a part of the surface, which bounds the distances from above.
     """

@@ -38,7 +38,7 @@ RANK = {kind: rank for rank, kind in enumerate(get_args(Kind))}
 
 
 def _word(*words: str) -> re.Pattern[str]:
-    """Pattern for any of the words, or its plural, between characters that are not letters."""
+    """Regular expression for any of the words, also in plural, not as a part of a longer word."""
     return re.compile(rf"(?<![a-z])({'|'.join(words)})s?(?![a-z])", re.IGNORECASE)
 
 
@@ -52,7 +52,7 @@ THREADED = _word("nut", "screw", "bolt", "stud", "thread", "shcs", "bhcs", "fhcs
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Suggestion:
-    """A pair that looks fastened.
+    """A pair of parts that looks fastened, with the kind of fastening and the reason.
 
     Attributes
     ----------
@@ -76,17 +76,17 @@ class Suggestion:
 
     @property
     def fixed(self) -> bool:
-        """True if the joint is fixed; else the parts may slide, or one is to be left out."""
+        """Whether the joint is fixed; if not, the parts may slide, or one should be left out."""
         return self.joint is not None and self.joint["kind"] == "fixed"
 
     def to_dict(self) -> dict[str, Any]:
-        """JSON data."""
+        """JSON data of the suggestion."""
         entry = {"parts": list(self.parts), "kind": self.kind, "why": self.why}
         return {**entry, "option": self.option, "joint": self.joint}
 
 
 def touching_pairs(contacts: ContactSet) -> list[tuple[int, int]]:
-    """Pairs of parts that touch in any way, including overlaps, in order."""
+    """Pairs of parts, by index and in order, that touch or overlap."""
     pairs = [(int(a), int(b)) for a, b in contacts.patch_parts]
     pairs += [entry.parts for entry in contacts.unsupported]
     pairs += [entry.parts for entry in contacts.overlaps]
@@ -94,7 +94,7 @@ def touching_pairs(contacts: ContactSet) -> list[tuple[int, int]]:
 
 
 def suggest_joints(assembly: Assembly, contacts: ContactSet) -> list[Suggestion]:
-    """Pairs that look fastened and have no joint yet, the most certain first.
+    """Suggest joints for pairs that look fastened and have none, the most certain pairs first.
 
     They are all pairs that overlap, and solid cylinders in coaxial hollow cylinders of the same
     radius within the tolerance; but no pair of held parts, and not the table of `with_floor`.
@@ -123,7 +123,7 @@ def _key(parts: tuple[int, int]) -> frozenset[int]:
 
 
 def _may_join(assembly: Assembly, pair: tuple[int, int]) -> bool:
-    """Whether a pair has no joint, has a free part, and does not include the table."""
+    """Whether a joint is possible: none exists yet, a part is free, and neither is the table."""
     first, second = (assembly.parts[k] for k in pair)
     if (first.grounded and second.grounded) or first.table or second.table:
         return False
@@ -132,7 +132,7 @@ def _may_join(assembly: Assembly, pair: tuple[int, int]) -> bool:
 
 
 def _from_fit(assembly: Assembly, fit: Fit) -> Suggestion:
-    """The suggestion for a shaft in its hole."""
+    """The suggested joint for a shaft in its hole."""
     parts = (assembly.names[fit.parts[0]], assembly.names[fit.parts[1]])
     unit = assembly.units
     size = f"radius {fit.radius:.6g} {unit} over {fit.length:.4g} {unit}"
@@ -153,7 +153,7 @@ def _from_fit(assembly: Assembly, fit: Fit) -> Suggestion:
 
 
 def _kind_of_fit(assembly: Assembly, fit: Fit, why: str) -> tuple[Kind, str]:
-    """Kind and reason for a shaft that is thicker than its hole: thread, press fit or insert."""
+    """Kind of fastening (thread, press fit or insert) of a shaft thicker than its hole, and why."""
     shaft, hole = (_short_name(assembly.names[k]) for k in fit.parts)
     insert = INSERT.search(shaft)
     if insert:
@@ -169,7 +169,7 @@ def _kind_of_fit(assembly: Assembly, fit: Fit, why: str) -> tuple[Kind, str]:
 
 
 def _from_overlap(assembly: Assembly, overlap: Overlap) -> Suggestion:
-    """The suggestion for parts that share volume and are not a shaft in its hole."""
+    """The suggested joint for two parts that overlap otherwise than as a shaft in its hole."""
     parts = (assembly.names[overlap.parts[0]], assembly.names[overlap.parts[1]])
     unit = assembly.units
     if overlap.why == SAME_BODY:
@@ -196,22 +196,22 @@ def _from_overlap(assembly: Assembly, overlap: Overlap) -> Suggestion:
 
 
 def _short_name(name: str) -> str:
-    """The last component of a part's path."""
+    """The last component of a part's name, after the last slash."""
     return name.rpartition("/")[2]
 
 
 def _with_article(word: str) -> str:
-    """A word with its article, in lower case."""
+    """The word in lower case with "a" or "an" before it."""
     return f"{'an' if word[0].lower() in 'aeiou' else 'a'} {word.lower()}"
 
 
 def _fixed_joint(parts: tuple[str, str], kind: Kind, why: str) -> Suggestion:
-    """The suggestion of a fixed joint."""
+    """The suggestion of a fixed joint between two parts, with its kind and the reason `why`."""
     return Suggestion(
         parts, kind, why, _fasten_option(parts), {"parts": list(parts), "kind": "fixed"}
     )
 
 
 def _fasten_option(parts: tuple[str, str]) -> str:
-    """The command-line option that fastens two parts."""
+    """The command-line option ``--fasten`` for two parts."""
     return f"--fasten {shell_words(parts)}"

@@ -32,7 +32,7 @@ def depth_by_winding(
     tolerance: float,
     without: Callable[[Array], Mask],
 ) -> float:
-    """Depth of corners and edge middles of either part inside the other [length unit]; 0: none."""
+    """Depth to which two parts overlap, at corners and edge middles [length unit]; 0: none."""
     a, b = parts
     return max(_depth_inside(geometry, *pair, tolerance, without) for pair in ((a, b), (b, a)))
 
@@ -44,7 +44,7 @@ def _depth_inside(
     tolerance: float,
     without: Callable[[Array], Mask],
 ) -> float:
-    """Depth of points of part a inside part b [length unit]; points in `without` are ignored."""
+    """Largest depth of points of part a inside part b [length unit]; 0: none."""
     corners, triangles = geometry.corners_of(a), geometry.corners_of(b)
     sides = (corners + np.roll(corners, -1, axis=1)).reshape(-1, 3) / 2
     probes = np.unique(
@@ -67,7 +67,7 @@ def _depth_inside(
 
 
 def _winding_number(points: Array, triangles: Array) -> Array:
-    """Winding number of a closed surface around points, shape (n,)."""
+    """Winding number of a closed surface about each point: 1 inside, 0 outside, shape (n,)."""
     middle = triangles.mean(axis=(0, 1))
     x, corners = points - middle, triangles - middle
     # products of two or three of a - x, b - x, c - x are linear in x, except for |x|^2: expanded,

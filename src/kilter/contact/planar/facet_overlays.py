@@ -33,7 +33,7 @@ BATCH = 2_000_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FacetFrame(Rows):
-    """Frames of candidate pairs of facets, a row for each pair.
+    """Common plane of each two facing facets, with its axes, and their heights over it.
 
     `pair` is the row of the pair of parts, `i` and `j` are the facets, `u`, `v` and `normal` the
     unit axes at `origin`, `angle` the angle between the facets [rad]. The height of facet k (0: i,
@@ -52,7 +52,7 @@ class FacetFrame(Rows):
     slope: Array
 
     def flat(self, points: Array, rows: Index) -> Array:
-        """Points, shape (n, m, 3), projected to the planes of the frames `rows`, (n, m, 2)."""
+        """Coordinates (u, v) of points, shape (n, m, 3), in the planes `rows`, shape (n, m, 2)."""
         local = points - self.origin[rows][:, None, :]
         return np.stack(
             [
@@ -63,14 +63,14 @@ class FacetFrame(Rows):
         )
 
     def gaps(self, flat: Array, rows: Index) -> Array:
-        """Gap at points of the planes [length unit], shape (n, m)."""
+        """Gap between both facets over points (u, v) of the planes [length unit], shape (n, m)."""
         offset = (self.height[:, 1] - self.height[:, 0])[rows]
         slope = (self.slope[:, 1] - self.slope[:, 0])[rows]
         result: Array = offset[:, None] + np.einsum("nki,ni->nk", flat, slope)
         return result
 
     def middle(self, flat: Array, rows: Index) -> Array:
-        """Points half-way between the two facets, shape (n, m, 3)."""
+        """Points half-way between both facets over points (u, v) of the planes, shape (n, m, 3)."""
         height = self.height.mean(axis=1)[rows][:, None]
         height = height + np.einsum("nki,ni->nk", flat, self.slope.mean(axis=1)[rows])
         middle: Array = (
@@ -84,7 +84,7 @@ class FacetFrame(Rows):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pieces(Rows):
-    """Convex pieces of the overlaps of facets, a row for each piece.
+    """Convex polygons into which the overlaps of facets are divided, a row for each polygon.
 
     `frame` is the row of the `FacetFrame`; `points`, shape (n, m, 2), are corners in its plane,
     padded to `count`; `area` is the area, and `gap`, shape (n, 2), the least and greatest gap.
@@ -99,7 +99,7 @@ class Pieces(Rows):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _ConvexPieces:
-    """Convex pieces of all facets, in order.
+    """Convex polygons into which all facets are divided, in the order of the facets.
 
     `vertices`, shape (V, 3), are the points, `corners` rows of them; piece k has the `count[k]`
     corners from ``corners[first[k]]`` on.
@@ -111,14 +111,14 @@ class _ConvexPieces:
     count: Index
 
     def points(self, which: Index) -> Array:
-        """Corners of the pieces `which`, shape (n, m, 3), padded."""
+        """Corners of the polygons `which`, shape (n, m, 3), padded to equal length."""
         rows = padded(self.corners, self.first[which], self.count[which])
         points: Array = self.vertices[rows]
         return points
 
 
 def facet_frames(facets: Facets, pair: Index, i: Index, j: Index, margin: Array) -> FacetFrame:
-    """Frames of the facet pairs whose planes come within `margin` over the smaller facet."""
+    """Common planes of facing facets that come within `margin` of each other."""
     n_i, n_j = facets.normal[i], facets.normal[j]
     total = n_i - n_j
     normal = total / np.linalg.norm(total, axis=1)[:, None]
@@ -160,7 +160,7 @@ def facet_frames(facets: Facets, pair: Index, i: Index, j: Index, margin: Array)
 
 
 def overlaps_of(geometry: Geometry, facets: Facets, frames: FacetFrame) -> list[Pieces]:
-    """The overlaps of the facets of each frame, as blocks of convex pieces."""
+    """Overlap of the two facets of each common plane, in blocks of convex polygons."""
     triangles = np.where(facets.convex, 0, np.diff(facets.corner_start) // 3)
     intricate = np.maximum(triangles[frames.i], triangles[frames.j]) > MANY_TRIANGLES
     simple = np.flatnonzero(~intricate)
@@ -183,7 +183,7 @@ def overlaps_of(geometry: Geometry, facets: Facets, frames: FacetFrame) -> list[
 
 
 def _pieces_of(geometry: Geometry, facets: Facets) -> _ConvexPieces:
-    """Convex facets as single pieces, other facets as their triangles."""
+    """Divide all facets into convex polygons: convex facets stay whole, others give triangles."""
     length = np.diff(facets.corner_start)
     number = np.where(facets.convex, 1, length // 3)
     owner, k = counted(number)
@@ -193,7 +193,7 @@ def _pieces_of(geometry: Geometry, facets: Facets) -> _ConvexPieces:
 
 
 def _piece_products(facets: Facets, frames: FacetFrame, rows: Index) -> tuple[Index, Index, Index]:
-    """All combinations of the pieces of both facets of each frame: (frame, piece, piece)."""
+    """All pairs of a polygon of facet i and one of facet j: (row of frame, polygon, polygon)."""
     number = np.where(facets.convex, 1, np.diff(facets.corner_start) // 3)
     first = np.cumsum(number) - number
     i, j = frames.i[rows], frames.j[rows]
@@ -206,7 +206,7 @@ def _piece_products(facets: Facets, frames: FacetFrame, rows: Index) -> tuple[In
 def _intersect_pieces(
     frames: FacetFrame, pieces: _ConvexPieces, row: Index, a: Index, b: Index
 ) -> Pieces:
-    """Intersections of convex pieces: of piece a with piece b, in the frame of facet pair `row`."""
+    """Intersections of convex polygons a with b, in the common plane of facet pair `row`."""
     flat_a = frames.flat(pieces.points(a), row)
     # facet j faces the other way: its corners run clockwise in the frame
     flat_b = _reverse_corners(frames.flat(pieces.points(b), row), pieces.count[b])
@@ -230,7 +230,7 @@ def _reverse_corners(points: Array, count: Index) -> Array:
 
 
 def _with_gaps(frames: FacetFrame, row: Index, points: Array, count: Index, area: Array) -> Pieces:
-    """Pieces with the range of the gap at their corners."""
+    """Polygons with the least and greatest gap between the facets at their corners."""
     gaps = frames.gaps(points, row)
     is_corner = np.arange(points.shape[1]) < count[:, None]
     low = np.where(is_corner, gaps, np.inf).min(axis=1, initial=np.inf)
@@ -241,7 +241,7 @@ def _with_gaps(frames: FacetFrame, row: Index, points: Array, count: Index, area
 def _intersect_outlines(
     geometry: Geometry, facets: Facets, frames: FacetFrame, rows: Index
 ) -> list[Pieces]:
-    """Overlaps of facets with many triangles, by their outlines; a single hull each."""
+    """Convex hulls of the overlaps of facets with many triangles, from the facets' outlines."""
     blocks = []
     for row in rows:
         single_row = np.array([row])

@@ -51,7 +51,7 @@ LONG_LOOP = 256
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Facets:
-    """Facets of all parts, as arrays, ordered by part.
+    """Flat facets of all parts (connected coplanar triangles), as arrays ordered by part.
 
     Attributes
     ----------
@@ -96,7 +96,7 @@ class Facets:
 
 
 def find_facets(geometry: Geometry) -> Facets:
-    """The facets of every part; boxes directly, other parts from their triangles."""
+    """Find the flat facets of every part."""
     blocks: list[Block] = []
     boxes = np.flatnonzero(geometry.is_box)
     if len(boxes):
@@ -114,7 +114,7 @@ def find_facets(geometry: Geometry) -> Facets:
 
 
 def _convex_block(part: Index, loops: Index, surface: Index | None = None) -> Block:
-    """A block of convex facets with equal numbers of corners."""
+    """A block of convex facets that have the same number of corners."""
     count, corners = loops.shape
     return {
         "part": part,
@@ -126,7 +126,7 @@ def _convex_block(part: Index, loops: Index, surface: Index | None = None) -> Bl
 
 
 def _assemble_facets(geometry: Geometry, blocks: list[Block], convex_part: Mask) -> Facets:
-    """All blocks as facets in order of part, with their planes and extents."""
+    """Sort blocks of facets by part, and compute the plane and size of each facet."""
     part, convex, length, corners, surface = (
         np.concatenate([block[key] for block in blocks])
         for key in ("part", "convex", "length", "corners", "surface")
@@ -155,7 +155,7 @@ def _assemble_facets(geometry: Geometry, blocks: list[Block], convex_part: Mask)
 
 
 def facet_triangles(corner_start: Index, convex: Mask, which: Index) -> tuple[Index, Index]:
-    """Triangles that cover the facets `which`.
+    """Triangles that cover each of the facets `which`, with the position of its facet.
 
     Returns
     -------
@@ -179,7 +179,7 @@ def facet_triangles(corner_start: Index, convex: Mask, which: Index) -> tuple[In
 
 
 def _planes(points: Array, owner: Index, count: int) -> tuple[Array, Array, Array]:
-    """Unit normal, centroid and area of each group of triangles, shape (T, 3, 3)."""
+    """Unit normal, centroid and area of each group of triangles."""
     first = np.searchsorted(owner, np.arange(count))
     base = points[first, 0]  # relative coordinates: no cancellation far from the origin
     p, q, r = (points[:, k] - base[owner] for k in range(3))
@@ -196,7 +196,7 @@ def _planes(points: Array, owner: Index, count: int) -> tuple[Array, Array, Arra
 
 
 def _facets_from_triangles(geometry: Geometry, parts: Index, convex_part: Mask) -> list[Block]:
-    """Facet blocks of parts given by triangles; sets `convex_part` of convex parts."""
+    """Find the facets of parts given by triangles, and mark convex parts in `convex_part`."""
     owner, rows = ragged(geometry.triangle_start, parts)
     triangles, curved = geometry.triangles[rows], geometry.triangle_surface[rows]
     part = parts[owner]
@@ -230,7 +230,7 @@ def _convex_parts(
     first: Index,
     second: Index,
 ) -> Mask:
-    """Connected, closed parts whose neighbouring triangles nowhere bend inwards, shape (N,)."""
+    """Mask of the parts that are connected, closed and convex, shape (N,)."""
     points = vertices[triangles]
     area = cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
     normal = unit_rows(area)
@@ -257,7 +257,7 @@ def _convex_parts(
 def _coplanar_groups(
     vertices: Array, triangles: Index, tolerance: Array, first: Index, second: Index
 ) -> Index:
-    """A facet number for each triangle.
+    """Facet number of each triangle; connected coplanar triangles have the same number.
 
     Groups that drift from their mean plane are divided again with a tolerance 30 times smaller, in
     at most 6 rounds; after that their triangles are facets of their own.
@@ -291,7 +291,7 @@ def _coplanar_groups(
 
 
 def _renumber_active(group: Index, active: Mask, fresh: Index) -> Index:
-    """Group numbers with new values for the active triangles, distinct from all others."""
+    """Group numbers in which the active triangles have new values, distinct from all others."""
     group = np.where(active, fresh + len(group), group)
     _, compact = np.unique(group, return_inverse=True)
     result: Index = compact.reshape(-1)
@@ -301,7 +301,10 @@ def _renumber_active(group: Index, active: Mask, fresh: Index) -> Index:
 def _bend_and_drop(
     points: Array, normal: Array, twice: Array, first: Index, second: Index
 ) -> tuple[Array, Array]:
-    """Angle between neighbours [rad], and distance of the smaller from the larger's plane."""
+    """Angle between neighbouring triangles [rad], and distance of the smaller from their plane.
+
+    The plane is that of the larger triangle.
+    """
     larger = np.where(twice[first] >= twice[second], first, second)
     smaller = np.where(twice[first] >= twice[second], second, first)
     away = points[smaller] - points[larger, 0][:, None, :]
@@ -310,7 +313,7 @@ def _bend_and_drop(
 
 
 def _least_height(points: Array, twice: Array, first: Index, second: Index) -> Array:
-    """Least height of the narrower of two triangles [length unit]."""
+    """Least height of the narrower of each two neighbouring triangles [length unit]."""
     edges = np.linalg.norm(points - np.roll(points, -1, axis=1), axis=2).max(axis=1)
     height = twice / np.maximum(edges, TINY)
     lowest: Array = np.maximum(np.minimum(height[first], height[second]), TINY)
@@ -318,7 +321,7 @@ def _least_height(points: Array, twice: Array, first: Index, second: Index) -> A
 
 
 def _leaves_plane(points: Array, group: Index, tolerance: Array) -> Mask:
-    """Triangles of groups that leave their own mean plane by more than twice the tolerance."""
+    """Mask of triangles whose group deviates from its mean plane by twice the tolerance."""
     order = np.argsort(group, kind="stable")
     owner = group[order]
     normal, origin, _ = _planes(points[order], owner, int(owner[-1]) + 1)
@@ -339,7 +342,7 @@ def _boundaries(
     tolerance: Array,
     inner: Mask,
 ) -> list[Block]:
-    """Facet blocks of groups of triangles: convex facets as loops, others as triangles.
+    """Facets of groups of triangles: convex groups as boundary loops, others as triangles.
 
     `owners` holds part and curved surface of each triangle; `inner` marks half-edges inside a
     facet.
@@ -381,7 +384,7 @@ def _boundaries(
 
 
 def _loops(triangles: Index, group: Index, count: int, inner: Mask) -> tuple[Index, Index, Mask]:
-    """Boundary of each group as a padded loop, its length, and whether it is a single loop."""
+    """Boundary corners of each group, their number, and whether they form a single closed loop."""
     start = triangles.ravel()[~inner]
     end = triangles[:, [1, 2, 0]].ravel()[~inner]
     owner = np.repeat(group, 3)[~inner]
@@ -415,7 +418,7 @@ def _loops(triangles: Index, group: Index, count: int, inner: Mask) -> tuple[Ind
 def _is_convex_loop(
     vertices: Array, loops: Index, length: Index, normal: Array, tolerance: Array
 ) -> Mask:
-    """Loops without a reflex corner deeper than the tolerance."""
+    """Mask of boundary loops that are convex within the tolerance."""
     k = np.arange(loops.shape[1])
     length = np.minimum(length, len(k))  # longer boundaries are not loops: their result is unused
     inside = k < length[:, None]

@@ -34,7 +34,7 @@ GAP_EDGES: Array = np.concatenate([[-np.inf], -DECADES[::-1], [0.0], DECADES, [n
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlatContacts:
-    """Patches of flat faces, rejected near faces, and the histogram of gaps over `GAP_EDGES`."""
+    """Result of the search for flat contacts: patches, near faces, and the histogram of gaps."""
 
     patches: Patches
     rejected: list[RejectedPair]
@@ -42,7 +42,7 @@ class FlatContacts:
 
 
 def find_flat(search: ContactSearch, smooth: SmoothJoints) -> FlatContacts:
-    """Contacts of flat faces of the pairs of a search, except facets of its smooth joints."""
+    """Find the contacts of flat faces in the near pairs; facets of smooth joints are left out."""
     geometry, facets, limits = search.geometry, search.facets, search.limits
     widest = max(LOOKED_AT_ANGLE, 2 * search.angle)
     cosine = float(np.cos(widest))
@@ -74,7 +74,7 @@ def find_flat(search: ContactSearch, smooth: SmoothJoints) -> FlatContacts:
 
 
 def _angle_rounding(search: ContactSearch, frames: FacetFrame) -> Array:
-    """Largest error of the angle between two facets by rounding of the coordinates [rad]."""
+    """Largest error of the angle between two facets that rounding of coordinates explains [rad]."""
     geometry, facets = search.geometry, search.facets
     error = np.zeros(len(frames))
     for facet in (frames.i, frames.j):
@@ -87,7 +87,7 @@ def _angle_rounding(search: ContactSearch, frames: FacetFrame) -> Array:
 def _rejected_pairs(
     search: ContactSearch, frames: FacetFrame, blocks: list[Pieces], angle: Array, why: str = ""
 ) -> list[RejectedPair]:
-    """The nearest rejected piece for each pair of parts and reason.
+    """For each pair of parts and reason, the nearest facets that do not count as touching.
 
     `angle` is the angle tolerance of each frame [rad]; `why` is a reason for all blocks, else the
     reason follows from the tilt and the sign of the gap.

@@ -29,7 +29,7 @@ CROWD = 1500
 
 
 class _PlanePatch(NamedTuple):
-    """A patch that is merged from several pieces, in the facet frame with the index `frame`."""
+    """A contact patch in the common plane `frame`, merged from several polygons."""
 
     frame: int
     normal: Array
@@ -41,7 +41,7 @@ class _PlanePatch(NamedTuple):
 def merge(
     search: ContactSearch, frames: FacetFrame, blocks: list[Pieces]
 ) -> tuple[Patches, list[Pieces]]:
-    """Patches of touching pieces, and the pieces that are dropped because they are too thin."""
+    """Merge touching polygons to contact patches; also returns the polygons that are too thin."""
     tolerance, blur = search.limits.gap, search.limits.rounding
     is_sliver = [_is_thin(block, SLIVER * blur[frames.pair[block.frame]]) for block in blocks]
     thin = [block.take(np.flatnonzero(slim)) for block, slim in zip(blocks, is_sliver, strict=True)]
@@ -78,12 +78,12 @@ def merge(
 
 
 def _select(pieces: Pieces, chosen: Mask) -> Pieces:
-    """The chosen pieces; without a copy if all are chosen."""
+    """The pieces that the mask `chosen` selects; the same object if it selects all."""
     return pieces if chosen.all() else pieces.take(np.flatnonzero(chosen))
 
 
 def _pack_patches(search: ContactSearch, frames: FacetFrame, merged: list[_PlanePatch]) -> Patches:
-    """Merged patches as arrays."""
+    """Convert merged patches to arrays."""
     return _make_patches(
         search,
         frames,
@@ -106,7 +106,7 @@ def _make_patches(
     count: Index,
     points: Array,
 ) -> Patches:
-    """Patches; patch k is represented by row `frame[k]` of the frames and has `count[k]` points."""
+    """Build patches; patch k lies in the plane `frame[k]` and has `count[k]` points."""
     facets, pair = search.facets, frames.pair[frame]
     facet = np.column_stack([frames.i, frames.j])[frame]
     parts = search.pairs[pair]
@@ -128,7 +128,7 @@ def _make_patches(
 
 
 def _is_thin(pieces: Pieces, width: Array) -> Mask:
-    """Pieces whose least width is below `width` [length unit]."""
+    """Mask of the polygons whose least width is below `width` [length unit]."""
     if not len(pieces.frame):
         return np.zeros(0, dtype=bool)
     real = (np.arange(pieces.points.shape[1]) < pieces.count[:, None])[..., None]
@@ -144,7 +144,7 @@ def _is_thin(pieces: Pieces, width: Array) -> Mask:
 
 
 def _single_patches(search: ContactSearch, frames: FacetFrame, pieces: Pieces) -> Patches:
-    """Patches of pairs that have a single piece."""
+    """Contact patches of pairs of parts whose contact is a single polygon."""
     rounding = search.limits.rounding[frames.pair[pieces.frame]]
     reach = np.sqrt(np.maximum(pieces.area, 0))
     points, count = tidy(pieces.points, pieces.count, np.maximum(PATCH_CORNER * reach, rounding))
@@ -159,7 +159,7 @@ def _single_patches(search: ContactSearch, frames: FacetFrame, pieces: Pieces) -
 def _merge_planes(
     frames: FacetFrame, members: list[tuple[Pieces, int]], tolerance: float, rounding: float
 ) -> tuple[list[_PlanePatch], list[Pieces]]:
-    """Patches of a pair that has several pieces, plane by plane, and the thin pieces.
+    """Contact patches of a pair with several polygons, plane by plane, and the thin polygons.
 
     The largest remaining piece defines the next plane. `tolerance` and `rounding` are those of the
     pair [length unit].
@@ -212,7 +212,7 @@ def _merge_planes(
 
 
 def _wide_regions(plane: Array, owner: Index, which: Index, area: Array, width: float) -> Mask:
-    """Which of the pieces `which` belong to a connected region at least `width` wide."""
+    """Mask of the polygons in `which` that belong to a connected region at least `width` wide."""
     wide = np.ones(len(which), dtype=bool)
     if len(which) > CROWD:  # every two boxes are compared: too much memory
         return wide

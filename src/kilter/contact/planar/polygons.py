@@ -31,7 +31,9 @@ Scalar = TypeVar("Scalar", bound=np.generic)
 
 
 def padded(points: NDArray[Scalar], first: Index, count: Index) -> NDArray[Scalar]:
-    """Rows ``first[k]`` to ``first[k] + count[k]`` of `points` as an array, shape (n, m, d).
+    """Runs of rows of `points` as an array padded to equal length, shape (n, m, d).
+
+    Run k has the rows ``first[k]`` to ``first[k] + count[k]``.
 
     Shorter runs are padded with their last row.
     """
@@ -85,7 +87,7 @@ def clip_convex(
 
 
 def _half_plane(points: Array, count: Index, start: Array, along: Array) -> tuple[Array, Index]:
-    """The parts of convex polygons to the left of the lines ``start + t along``."""
+    """Convex polygons cut off at the lines ``start + t along``; the part to the left is kept."""
     rows, width = len(points), points.shape[1]
     k = np.arange(width)
     is_corner = k < count[:, None]
@@ -126,7 +128,7 @@ def polygon_area(points: Array, count: Index) -> Array:
 
 
 def tidy(points: Array, count: Index, tolerance: Array) -> tuple[Array, Index]:
-    """Remove near-duplicate corners of polygons, then corners on a straight line.
+    """Remove corners of polygons that nearly repeat, or that lie on a straight side.
 
     The order of the two passes matters: in a single pass two near-duplicates at a corner would each
     look like a point on a line, and the corner would be lost.
@@ -142,7 +144,7 @@ def tidy(points: Array, count: Index, tolerance: Array) -> tuple[Array, Index]:
 
 
 def _select_corners(points: Array, count: Index, keep: Mask) -> tuple[Array, Index]:
-    """Padded polygons with only the corners marked in `keep`."""
+    """Padded polygons, reduced to the corners that the mask `keep` selects."""
     keep = keep & (np.arange(points.shape[1]) < count[:, None])
     position = np.cumsum(keep, axis=1) - 1
     new_count: Index = position[:, -1] + 1
@@ -153,7 +155,7 @@ def _select_corners(points: Array, count: Index, keep: Mask) -> tuple[Array, Ind
 
 
 def _near_next(points: Array, count: Index, tolerance: Array) -> Mask:
-    """Corners within `tolerance` of the next corner."""
+    """Mask of corners that lie within `tolerance` of the next corner."""
     k = np.arange(points.shape[1])
     after = np.where(k + 1 < count[:, None], k + 1, 0)
     step = points[np.arange(len(points))[:, None], after] - points
@@ -163,7 +165,7 @@ def _near_next(points: Array, count: Index, tolerance: Array) -> Mask:
 
 
 def _on_chord(points: Array, count: Index, tolerance: Array) -> Mask:
-    """Corners within `tolerance` of the line between both neighbours."""
+    """Mask of corners that lie within `tolerance` of the line between both neighbours."""
     k = np.arange(points.shape[1])
     rows = np.arange(len(points))[:, None]
     after = points[rows, np.where(k + 1 < count[:, None], k + 1, 0)]
@@ -180,7 +182,7 @@ def _on_chord(points: Array, count: Index, tolerance: Array) -> Mask:
 
 
 def convex_hull(points: Array) -> Array:
-    """Corners of the convex hull, anticlockwise from the least x, shape (m, 2).
+    """Corners of the convex hull of points in the plane, anticlockwise, shape (m, 2).
 
     Points on a line have a hull of two corners.
 
@@ -199,7 +201,7 @@ def convex_hull(points: Array) -> Array:
 
 
 def width_of(hull: Array) -> float:
-    """Least width of a convex polygon, between parallel lines [length unit].
+    """Least width of a convex polygon in any direction [length unit].
 
     Examples
     --------
@@ -220,7 +222,7 @@ def width_of(hull: Array) -> float:
 def overlay(
     first_outline: tuple[Array, bool], second_outline: tuple[Array, bool]
 ) -> tuple[Array, float]:
-    """Convex hull, shape (m, 2), and area of the overlap of two outlines.
+    """Convex hull, shape (m, 2), and area of the overlap of two polygons.
 
     Each outline is (corners, convex): a boundary loop if convex, else triangles, three corners
     each. GEOS may return an overlap for triangles with disjoint interiors. So the overlap is
@@ -243,7 +245,7 @@ def overlay(
 
 
 def _region(corners: Array, convex: bool) -> shapely.Geometry:
-    """The polygon, with holes, that a boundary loop or a list of triangles covers."""
+    """The shapely polygon inside a boundary loop (`convex`), or covered by triangles."""
     import shapely
 
     if convex:

@@ -22,7 +22,7 @@ __all__ = ["edge_contacts"]
 def edge_contacts(
     search: ContactSearch, edges: Edges, meetings: Meetings, pushes: Pushes
 ) -> Patches:
-    """Accepted points of edges and corners as patches, ordered by pair.
+    """Contact patches for the accepted contact points of edges and corners, ordered by pair.
 
     `accuracy` is that of the coordinates, relative to the size of the features that touch.
     """
@@ -59,7 +59,7 @@ def edge_contacts(
 
 
 def _kinds(meetings: Meetings, pushes: Pushes, start: Index) -> Labels:
-    """Kind of each patch: "edge-edge", "vertex-face" or "edge-face"."""
+    """Kind of each contact patch: "edge-edge", "vertex-face" or "edge-face"."""
     first = start[:-1]
     kind = meetings.kind[pushes.meeting[first]]
     crossing = (kind == EDGE).all(axis=1) | ~pushes.of_facet[first].any(axis=1)
@@ -70,7 +70,7 @@ def _kinds(meetings: Meetings, pushes: Pushes, start: Index) -> Labels:
 
 
 def _edge_labels(search: ContactSearch, edges: Edges, meetings: Meetings, pushes: Pushes) -> Index:
-    """A label for each point, equal for points of the same edge on the same facet."""
+    """A number for each contact point, equal for points of the same edge on the same facet."""
     first, second = [], []
     for side in (0, 1):
         point, edge = _edges_at(edges, meetings, pushes, side)
@@ -90,7 +90,7 @@ def _edge_labels(search: ContactSearch, edges: Edges, meetings: Meetings, pushes
 
 
 def _edges_at(edges: Edges, meetings: Meetings, pushes: Pushes, side: int) -> tuple[Index, Index]:
-    """Edges of part `side` through each point: (point, edge)."""
+    """Edges of part a (`side` 0) or b (1) through each contact point: pairs (point, edge)."""
     kind, feature = meetings.kind[pushes.meeting, side], meetings.feature[pushes.meeting, side]
     on_edge, corner = np.flatnonzero(kind == EDGE), np.flatnonzero(kind == CORNER)
     owner, row = ragged(edges.ray_start, feature[corner])
@@ -99,7 +99,7 @@ def _edges_at(edges: Edges, meetings: Meetings, pushes: Pushes, side: int) -> tu
 
 
 def _without_middle_points(point: Array, label: Index) -> Index:
-    """Rows without the points between the two ends of an edge."""
+    """Rows of contact points, without the points between the two ends of the same edge."""
     keep = np.ones(len(label), dtype=bool)
     count = np.bincount(label)
     for group in np.flatnonzero(count > 2):
@@ -118,7 +118,7 @@ def _without_middle_points(point: Array, label: Index) -> Index:
 def _relative_accuracy(
     search: ContactSearch, edges: Edges, meetings: Meetings, rows: Index
 ) -> Array:
-    """Accuracy of the coordinates divided by the least size of the touching features [-]."""
+    """Error of the coordinates divided by the size of the smallest touching edge or facet [-]."""
     geometry, facets = search.geometry, search.facets
     width = np.full(len(rows), np.inf)
     accuracy = np.zeros(len(rows))

@@ -28,7 +28,7 @@ __all__ = ["Edges", "Rays", "find_edges", "segment_distance"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Edges:
-    """Edges of a set of parts, ordered by part.
+    """Edges of a set of parts between their facets, ordered by part.
 
     Attributes
     ----------
@@ -52,17 +52,17 @@ class Edges:
     doubled: bool
 
     def ends(self, geometry: Geometry, which: Index) -> tuple[Array, Array]:
-        """Both ends of edges, shape (n, 3) each."""
+        """Start points and end points of the edges `which`, shape (n, 3) each."""
         p, q = geometry.vertices[self.ends_of[which]].transpose(1, 0, 2)
         return p, q
 
     def direction(self, geometry: Geometry, which: Index) -> Array:
-        """Unit directions of edges, shape (n, 3)."""
+        """Unit directions of the edges `which`, shape (n, 3)."""
         p, q = self.ends(geometry, which)
         return unit_rows(q - p)
 
     def inside(self, boxes: Boxes, part: Index, box: tuple[Array, Array]) -> tuple[Index, Index]:
-        """Edges of ``part[k]`` whose box meets box k: pairs (k, edge), ordered by k."""
+        """Edges of part ``part[k]`` whose box meets the box k: pairs (k, edge), ordered by k."""
         owner, edge = ragged(self.start, part)
         for axis in range(3):
             p, q = boxes.turned[:, axis][self.ends_of[edge]].T
@@ -72,14 +72,14 @@ class Edges:
         return owner, edge
 
     def boxes(self, boxes: Boxes, which: Index) -> tuple[Array, Array]:
-        """Boxes of edges, lower and upper corners, shape (n, 3) each."""
+        """Bounding boxes of the edges `which`: lower and upper corners, shape (n, 3) each."""
         p, q = boxes.turned[self.ends_of[which]].transpose(1, 0, 2)
         return np.minimum(p, q), np.maximum(p, q)
 
     def behind(
         self, facets: Facets, geometry: Geometry, which: Index, normal: Array, slack: float
     ) -> Mask:
-        """Edges whose facets, and the part between them, lie behind the plane with this normal."""
+        """Mask of edges near which their part lies behind a plane with the given normal."""
         fits: Mask = np.ones(len(which), dtype=bool)
         fits[(self.facet[which] < 0).any(axis=1)] = False
         along = self.direction(geometry, which)
@@ -93,7 +93,7 @@ class Edges:
         return fits
 
     def reflex(self, facets: Facets, geometry: Geometry, which: Index, slack: float) -> Mask:
-        """Edges at which the part bends inwards by more than `slack` (sine)."""
+        """Mask of edges at which the part's surface bends inwards by more than `slack` (a sine)."""
         left, right = self.facet[which].T
         into_left = cross(facets.normal[left], self.direction(geometry, which))
         rise = np.einsum("ij,ij->i", into_left, facets.normal[right])
@@ -101,7 +101,7 @@ class Edges:
         return bent
 
     def rays(self, geometry: Geometry, vertex: Index) -> Rays:
-        """Edges that leave the given vertices, a row for each."""
+        """All edges that start at the given vertices, as rays with directions."""
         owner, row = ragged(self.ray_start, vertex)
         edge = self.ray_edge[row]
         away = self.ends_of[edge, 0] == vertex[owner]
@@ -114,7 +114,7 @@ class Edges:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rays(Rows):
-    """Edges that leave vertices: row of the vertex, edge, unit direction away from the vertex.
+    """Edges as rays from their vertices: vertex number, edge, and unit direction away from it.
 
     `left` and `right` are the facets on either side, seen from outside (-1: none).
     """
@@ -126,7 +126,7 @@ class Rays(Rows):
     right: Index
 
     def once(self) -> Rays:
-        """Rays without repeats between the same two facets, and without rays inside a facet."""
+        """These rays without repeats, and without rays inside a facet."""
         rounded = np.round(self.direction / RAY_ANGLE).astype(np.int64)
         key = np.column_stack([self.owner, self.left, self.right, rounded])
         keep = np.unique(key, axis=0, return_index=True)[1]
@@ -176,7 +176,7 @@ which needs quadratic time."""
 
 
 def _match_open_sides(geometry: Geometry, ends: Index, sides: Index) -> tuple[Index, bool]:
-    """Complete one-sided edges by the facet of the piece on their other side.
+    """Complete edges that have a facet on one side only, by facets of shorter edges on them.
 
     A vertex of the neighbour splits the common edge, so that its pieces have different ends. Also
     returns whether any edge was one-sided.
@@ -220,7 +220,7 @@ def _match_open_sides(geometry: Geometry, ends: Index, sides: Index) -> tuple[In
 
 
 def _bridge_slivers(facets: Facets, ends: Index, sides: Index) -> tuple[Index, Index, bool]:
-    """Edges whose sides are the facets beyond slivers, in place of slivers without a normal.
+    """Edges across slivers (facets without width): the two facets beyond become neighbours.
 
     Edges inside a sliver are dropped; also returns whether there is any sliver.
     """
@@ -246,7 +246,7 @@ def _bridge_slivers(facets: Facets, ends: Index, sides: Index) -> tuple[Index, I
 
 
 def _boundary(facets: Facets, which: Index) -> tuple[Index, Index, Index]:
-    """Directed edges around facets: start, end, facet; the facet lies to the left."""
+    """Directed boundary edges of facets: start, end and facet, which lies to the left."""
     length = np.diff(facets.corner_start)[which]
     place, k = counted(length)
     owner = which[place]
@@ -264,7 +264,7 @@ def _boundary(facets: Facets, which: Index) -> tuple[Index, Index, Index]:
 
 
 def _run_both_ways(begin: Index, end: Index, owner: Index) -> Mask:
-    """Directed edges whose reverse belongs to the same owner."""
+    """Mask of directed edges whose reverse belongs to the same facet or owner."""
     low, high, forward = np.minimum(begin, end), np.maximum(begin, end), begin < end
     # a single sort brings both directions of an edge together, and no table of all pairs is needed
     order = np.lexsort((high, low, owner))
@@ -281,7 +281,7 @@ def _run_both_ways(begin: Index, end: Index, owner: Index) -> Mask:
 
 
 def segment_distance(p1: Array, q1: Array, p2: Array, q2: Array) -> tuple[Array, Array, Array]:
-    """Distance of segments that are not parallel, shape (n,), and the nearest points of both.
+    """Distance between two segments that are not parallel, shape (n,), and their nearest points.
 
     Examples
     --------

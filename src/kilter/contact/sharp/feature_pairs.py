@@ -42,7 +42,7 @@ FACE, EDGE, CORNER = 0, 1, 2
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Meetings(Rows):
-    """Points at which features of two parts come within tolerance.
+    """Points at which a face, edge or corner of a part comes near to one of another part.
 
     Attributes
     ----------
@@ -61,14 +61,14 @@ class Meetings(Rows):
 
     @property
     def middle(self) -> Array:
-        """Points half-way between both parts, shape (n, 3)."""
+        """Points half-way between the nearest points of both parts, shape (n, 3)."""
         half: Array = self.at.mean(axis=1)
         return half
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PairBlock:
-    """A subset of the pairs (a, b) of a search, and the box in which each pair may meet.
+    """Input of the search for edge contacts: pairs of parts, and a box of interest for each.
 
     `edges` are the edges of all their parts, `rows` the rows of the pairs, shape (n,), `tolerance`
     the largest gaps, shape (n,), and `low`, `high`, shape (n, 3), the boxes in the frame of the
@@ -98,20 +98,20 @@ class PairBlock:
         return self.search.boxes
 
     def facets_near(self, part: Index) -> _Side:
-        """Flat facets of ``part[k]`` in box k: pairs (k, facet)."""
+        """Flat facets of part ``part[k]`` in the box of pair k: pairs (k, facet)."""
         owner, facet = facets_in(self.facets, self.boxes, part, self.low, self.high)
         flat = ~self.facets.curved[facet]
         flat &= (self.facets.normal[facet] != 0).any(axis=1)  # a sliver has no normal
         return owner[flat], facet[flat]
 
     def edges_near(self, part: Index) -> _Side:
-        """Edges of ``part[k]`` in box k that bound a flat facet: pairs (k, edge)."""
+        """Edges of part ``part[k]`` beside a flat facet, in the box of pair k: pairs (k, edge)."""
         owner, edge = self.edges.inside(self.boxes, part, (self.low, self.high))
         flat = ~self.facets.curved[self.edges.facet[edge]].all(axis=1)
         return owner[flat], edge[flat]
 
     def corners_near(self, near: _Side) -> _Side:
-        """Ends of the near edges inside the box of each pair: pairs (k, vertex)."""
+        """Ends of near edges that lie in the box of their pair: pairs (k, vertex)."""
         owner, edge = near
         owner, corner = np.repeat(owner, 2), self.edges.ends_of[edge].reshape(-1)
         turned = self.turned(corner)
@@ -121,13 +121,13 @@ class PairBlock:
         return key // len(self.geometry.vertices), key % len(self.geometry.vertices)
 
     def turned(self, vertex: Index) -> Array:
-        """Vertices in the frame of the boxes."""
+        """Coordinates of vertices in the frame of the bounding boxes."""
         at: Array = self.boxes.turned[vertex]
         return at
 
 
 def meetings(block: PairBlock) -> list[Meetings]:
-    """Points at which corners and edges of the pairs of a block meet."""
+    """Points at which a corner or edge of a part meets another part, for the pairs of a block."""
     edges = block.edges
     a, b = block.search.pairs[block.rows].T
     near = block.edges_near(a), block.edges_near(b)
@@ -149,7 +149,7 @@ def meetings(block: PairBlock) -> list[Meetings]:
 def _make_meetings(
     block: PairBlock, pair: Index, kinds: tuple[int, ...], features: list[Index], at: list[Array]
 ) -> Meetings:
-    """Meetings of features of given kinds; `pair` is the row in the block."""
+    """Build `Meetings` of the given kinds; `pair` holds rows of the block."""
     kind = np.tile(np.array(kinds), (len(pair), 1))
     return Meetings(block.rows[pair], kind, np.column_stack(features), np.stack(at, axis=1))
 
@@ -157,7 +157,7 @@ def _make_meetings(
 def _corners_on_corners(
     block: PairBlock, corners_a: _Side, corners_b: _Side
 ) -> tuple[list[Meetings], list[Mask]]:
-    """Meetings of corners, and masks of the corners of a and of b that meet none."""
+    """Points at which corners meet, and masks of the corners of a and of b that meet no corner."""
     at_a, at_b = block.turned(corners_a[1]), block.turned(corners_b[1])
     free = [np.ones(len(at_a), dtype=bool), np.ones(len(at_b), dtype=bool)]
     blocks = []
@@ -182,7 +182,10 @@ def _corners_on_edges(
     edge_boxes: tuple[Array, Array],
     side: int,
 ) -> tuple[list[Meetings], Mask]:
-    """Corners of one part (`side` 0: a) on edges of the other, and a mask of the free corners."""
+    """Points at which corners of one part meet edges of the other, and a mask of the other corners.
+
+    `side` 0: corners of part a.
+    """
     owner, corner = corners
     order = 1 if side == 0 else -1
     at = block.turned(corner)
@@ -206,7 +209,7 @@ def _corners_on_edges(
 def _corners_on_facets(
     block: PairBlock, corners: tuple[Index, ...], near_facets: _Side, side: int
 ) -> list[Meetings]:
-    """Meetings of corners of one part (`side` 0: a) with facets of the other."""
+    """Points at which corners of one part meet facets of the other (`side` 0: corners of a)."""
     geometry, facets = block.geometry, block.facets
     owner, corner = corners
     if not len(corner):
@@ -244,7 +247,7 @@ def _corners_on_facets(
 def _edges_along_facets(
     block: PairBlock, near: _Side, edge_boxes: tuple[Array, Array], near_facets: _Side, side: int
 ) -> list[Meetings]:
-    """Both ends of slightly tilted edges of one part over facets of the other."""
+    """Points at both ends of edges that lie along facets of the other part, slightly tilted."""
     geometry, facets, boxes = block.geometry, block.facets, block.boxes
     facet_boxes = boxes.facet_low[near_facets[1]], boxes.facet_high[near_facets[1]]
     order = 1 if side == 0 else -1
@@ -277,7 +280,7 @@ def _edges_along_facets(
 
 
 def _beside_rim(block: PairBlock, edge: Index, facet: Index, tolerance: Array) -> Mask:
-    """Whether edges run along an edge of their facet; they may then lie beside the facet."""
+    """Mask of edges that run along the boundary of a facet, and may lie just beside it."""
     geometry, edges = block.geometry, block.edges
     owner, rim = ragged(edges.start, block.facets.part[facet])
     of_facet = (edges.facet[rim] == facet[owner][:, None]).any(axis=1)
@@ -300,7 +303,7 @@ def _beside_rim(block: PairBlock, edge: Index, facet: Index, tolerance: Array) -
 
 
 def _comes_within(gaps: list[Array], tolerance: Array) -> Mask:
-    """Whether gaps that change linearly between two ends come within tolerance."""
+    """Mask of gaps, linear between two ends, that come within the tolerance."""
     near: Mask = np.minimum(*gaps) <= tolerance
     near &= np.maximum(*gaps) >= -tolerance
     return near
@@ -309,7 +312,7 @@ def _comes_within(gaps: list[Array], tolerance: Array) -> Mask:
 def _interval_over_facets(
     facets: Facets, geometry: Geometry, start: Array, end: Array, facet: Index
 ) -> tuple[Array, Array]:
-    """Begin and end, 0 to 1, of the interval of segments over their facets."""
+    """Interval (begin, end) of each segment over its facet, as fractions of its length."""
     row, piece, _ = _facet_triangles(facets, (np.arange(len(facet)), facet))
     triangle = geometry.vertices[facets.corners[piece]]
     low, high = _interval_over_triangle(start[row], end[row], triangle, facets.normal[facet[row]])
@@ -323,7 +326,7 @@ def _interval_over_facets(
 def _interval_over_triangle(
     start: Array, end: Array, triangle: Array, normal: Array
 ) -> tuple[Array, Array]:
-    """Begin and end, 0 to 1, of the interval of segments over a triangle; empty: begin > end."""
+    """Interval (begin, end) of each segment over a triangle, as fractions; empty if begin > end."""
     low, high = np.zeros(len(start)), np.ones(len(start))
     for k in range(3):
         corner = triangle[:, k]
@@ -338,14 +341,14 @@ def _interval_over_triangle(
 
 
 def _facet_triangles(facets: Facets, near: _Side) -> tuple[Index, Index, Index]:
-    """Triangles of the near facets: (row k, positions of the corners (n, 3), facet)."""
+    """Triangles of the near facets: row k of the pair, corner positions (n, 3), facet."""
     owner, facet = near
     place, corners = facet_triangles(facets.corner_start, facets.convex, facet)
     return owner[place], corners, facet[place]
 
 
 def _in_triangle(p: Array, triangle: Array, normal: Array, tolerance: Array) -> Mask:
-    """Points, in the planes of the triangles, that lie within `tolerance` of them."""
+    """Mask of points that lie in their triangle or within `tolerance` beside it."""
     inside = np.ones(len(p), dtype=bool)
     for k in range(3):
         start = triangle[:, k]
@@ -359,7 +362,7 @@ def _in_triangle(p: Array, triangle: Array, normal: Array, tolerance: Array) -> 
 def _crossings(
     block: PairBlock, near: tuple[_Side, _Side], edge_boxes: list[tuple[Array, Array]]
 ) -> list[Meetings]:
-    """Meetings of edges of a and b that cross inside both, or nearly run along each other."""
+    """Points at which edges of part a and part b cross, or run along each other."""
     geometry, edges = block.geometry, block.edges
     blocks = []
     for pair, x, y in joins(near[0][0], edge_boxes[0], near[1][0], edge_boxes[1], block.tolerance):

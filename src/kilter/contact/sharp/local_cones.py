@@ -47,7 +47,7 @@ ASKEW = 0.381966
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cones:
-    """Local cones of n features, as convex pieces.
+    """Directions into the material at n features (faces, edges, corners), as convex cones.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class Cones:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sectors:
-    """Facets around a corner: outward normals, and the edges that bound each, anticlockwise."""
+    """Facets around a corner in anticlockwise order: outward normals and both edges of each."""
 
     normal: Array
     first: Array
@@ -76,13 +76,13 @@ class Sectors:
 
     @property
     def middle(self) -> Array:
-        """Direction half-way through each sector, also of sectors wider than a half turn."""
+        """Unit direction in the middle of each facet's sector, also if wider than a half turn."""
         return unit_rows(cross(self.normal, self.first - self.last) + EXACT_ANGLE * self.first)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _PieceRays(Rows):
-    """Directions that span pieces: row of the feature, number of its piece, direction."""
+    """Unit directions that span convex cones: number of the feature, of its cone, direction."""
 
     owner: Index
     piece: Index
@@ -92,7 +92,7 @@ class _PieceRays(Rows):
 def find_cones(
     geometry: Geometry, facets: Facets, edges: Edges, kind: Index, feature: Index
 ) -> Cones:
-    """The local cones of features, given by kind and row, shape (n,) each: see `Meetings`."""
+    """Cones of directions into the material at faces, edges and corners."""
     corner = np.flatnonzero(kind == CORNER)
     rays = edges.rays(geometry, feature[corner])
     # a corner with two edges lies inside a straight edge
@@ -113,7 +113,7 @@ def find_cones(
 
 
 def _pack_cones(count: int, blocks: list[_PieceRays], beside: list[Index]) -> Cones:
-    """Blocks of directions, and of facets beside features, as the cones of `count` features."""
+    """Combine blocks of directions, and of adjacent facets, into the `Cones` of all features."""
     rows = _PieceRays.join(blocks)
     rows = rows.take(np.lexsort((rows.piece, rows.owner)))
     owner, piece, ray = rows.owner, rows.piece, rows.ray
@@ -131,7 +131,7 @@ def _pack_cones(count: int, blocks: list[_PieceRays], beside: list[Index]) -> Co
 
 
 def _piece_rays(owner: Index, piece: int, directions: list[Array]) -> _PieceRays:
-    """Rows for piece number `piece` of each owner, from arrays of a direction per owner."""
+    """Number each direction by feature and cone; each array has a direction for each feature."""
     count = len(directions)
     return _PieceRays(
         np.tile(owner, count), np.full(count * len(owner), piece), np.concatenate(directions)
@@ -139,13 +139,13 @@ def _piece_rays(owner: Index, piece: int, directions: list[Array]) -> _PieceRays
 
 
 def _half_spaces(owner: Index, piece: int, normal: Array, along: Array) -> _PieceRays:
-    """Directions that span half-spaces behind planes; `along` lies in the plane."""
+    """Directions that span the half-space behind each plane; `along` lies in the plane."""
     side = cross(normal, along)
     return _piece_rays(owner, piece, [along, -along, side, -side, -normal])
 
 
 def _face_cones(facets: Facets, which: Index, feature: Index) -> tuple[_PieceRays, Index]:
-    """Half-spaces at faces, and the facets beside each feature."""
+    """Cones of directions into the material at faces, and the facets there."""
     normal = facets.normal[feature[which]]
     rows = _half_spaces(which, 0, normal, across(normal)[0])
     return rows, np.column_stack([which, feature[which]])
@@ -154,7 +154,7 @@ def _face_cones(facets: Facets, which: Index, feature: Index) -> tuple[_PieceRay
 def _edge_cones(
     geometry: Geometry, facets: Facets, edges: Edges, which: Index, feature: Index
 ) -> tuple[_PieceRays, Index]:
-    """Wedges at convex edges and two half-spaces at reflex edges, and the facets beside them."""
+    """Cones of directions into the material at edges, and the two facets of each."""
     sides = edges.facet[feature[which]]
     beside = np.column_stack([np.repeat(which, 2), sides.reshape(-1)])
     sides = np.where(sides < 0, sides[:, ::-1], sides)  # an open edge counts as flat
@@ -174,7 +174,7 @@ def _edge_cones(
 def _corner_cones(
     geometry: Geometry, facets: Facets, edges: Edges, which: Index, feature: Index
 ) -> tuple[_PieceRays, Index]:
-    """Cones at corners, and the facets beside them.
+    """Cones of directions into the material at corners, and the facets around them.
 
     Convex corners are computed together, other corners in a loop. An open corner, with a facet
     missing, gets the cone of its edges.
@@ -199,7 +199,7 @@ def _corner_cones(
 
 
 def _bends_outwards(facets: Facets, rays: Rays, count: int) -> Mask:
-    """Corners with all edges behind all of their facets, which are convex."""
+    """Mask of convex corners: all edges lie behind the planes of all their facets."""
     start = np.searchsorted(rays.owner, np.arange(count + 1))
     ray, other_ray = ragged(start, rays.owner)
     has_facet = rays.left[ray] >= 0
@@ -211,7 +211,7 @@ def _bends_outwards(facets: Facets, rays: Rays, count: int) -> Mask:
 
 
 def _convex_corner_cones(facets: Facets, rays: Rays, which: Index, convex: Mask) -> _PieceRays:
-    """Cones at convex corners: their edges, and directions that edges alone do not span."""
+    """Cones of directions into the material at convex corners, spanned by their edges."""
     rows = np.flatnonzero(convex[rays.owner])
     owner, direction = rays.owner[rows], rays.direction[rows]
     blocks = [_PieceRays(which[owner], np.zeros(len(rows), np.int64), direction)]
@@ -236,7 +236,7 @@ def _convex_corner_cones(facets: Facets, rays: Rays, which: Index, convex: Mask)
 
 
 def _sectors_around(facets: Facets, rays: Rays, corner_rays: Index) -> Sectors:
-    """The sectors of a corner's facets; facets without a unique next edge are left out."""
+    """Sectors of the facets around a corner; facets without a unique next edge are left out."""
     normal, first, last = [], [], []
     for k in corner_rays.tolist():
         following = [j for j in corner_rays.tolist() if rays.right[j] == rays.left[k] >= 0]
@@ -251,7 +251,7 @@ def _sectors_around(facets: Facets, rays: Rays, corner_rays: Index) -> Sectors:
 
 
 def convex_pieces(sectors: Sectors) -> list[Array]:
-    """Convex cones whose union is the inside of the surface around a corner.
+    """Convex cones whose union is the material around a corner.
 
     Examples
     --------
@@ -280,7 +280,7 @@ def convex_pieces(sectors: Sectors) -> list[Array]:
 
 
 def _distinct_planes(normals: Array) -> Array:
-    """Normals of different planes; opposite normals count as the same plane."""
+    """Unit normals of the distinct planes; opposite normals count as the same plane."""
     kept: list[Array] = []
     for normal in normals:
         if all(1 - abs(float(normal @ kept_normal)) > 0.5 * CONE_ANGLE**2 for kept_normal in kept):
@@ -289,7 +289,7 @@ def _distinct_planes(normals: Array) -> Array:
 
 
 def _cell_samples(planes: Array) -> Array:
-    """A direction in every cell into which the planes divide space."""
+    """A unit direction in every region into which planes through the origin divide space."""
     count = len(planes)
     if count == 1:
         return np.concatenate([planes, -planes])
@@ -312,7 +312,7 @@ def _cell_samples(planes: Array) -> Array:
 
 
 def inside(sectors: Sectors, directions: Array) -> Mask:
-    """Which directions, shape (n, 3), point into the part.
+    """Which directions from a corner, shape (n, 3), point into the material.
 
     A direction points inwards if the first facet on a straight way from it to the surface is
     crossed from behind. The majority of several ways decides, because a way through an edge is
@@ -325,7 +325,7 @@ def inside(sectors: Sectors, directions: Array) -> Mask:
 
 
 def _inside_by_way(sectors: Sectors, directions: Array, target: Array) -> Mask:
-    """Which directions meet the back of the first facet on the straight way to `target`."""
+    """Which directions lie in the material, by the first facet on the way to `target`."""
     is_inside = np.zeros(len(directions), dtype=bool)
     first_share = np.full(len(directions), np.inf)
     for normal, first, last, middle in zip(
@@ -351,7 +351,7 @@ def _inside_by_way(sectors: Sectors, directions: Array, target: Array) -> Mask:
 
 
 def spanned(outward: Array) -> Array:
-    """Directions that span the cone behind planes with the given outward normals, shape (k, 3).
+    """Directions that span the cone behind all planes with the given normals, shape (k, 3).
 
     Examples
     --------

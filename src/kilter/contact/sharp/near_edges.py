@@ -20,7 +20,7 @@ __all__ = ["near_edges"]
 
 
 def near_edges(search: ContactSearch, unrecorded: Mask) -> list[RejectedPair]:
-    """The nearest corner or edge of each unrecorded pair, as a rejected pair.
+    """Near pairs of parts without recorded contact, each with its nearest corner or edge.
 
     Parameters
     ----------

@@ -25,7 +25,7 @@ __all__ = ["Clauses", "Pushes", "normals_of"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pushes(Rows):
-    """Points with a unique normal: row of the meeting, and normal from a to b.
+    """Contact points of edges and corners that have a unique normal, from part a to part b.
 
     `of_facet`, shape (n, 2), is True if a facet of part a, or of part b, has the normal.
     """
@@ -37,7 +37,9 @@ class Pushes(Rows):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Clauses:
-    """Degenerate points: a motion must not close the gap along at least one normal of each.
+    """Degenerate contact points, at which several normals are possible.
+
+    A motion is allowed if it does not close the gap along at least one normal of each point.
 
     Attributes
     ----------
@@ -55,21 +57,21 @@ class Clauses:
     exact: Mask
 
     def take(self, rows: Index) -> Clauses:
-        """The clauses in the given rows."""
+        """The degenerate points in the given rows."""
         _, at = ragged(self.start, rows)
         start = starts(np.diff(self.start)[rows])
         return Clauses(self.meeting[rows], start, self.normal[at], self.exact[rows])
 
     @property
     def owner(self) -> Index:
-        """Row of the clause that each normal belongs to, shape (m,)."""
+        """Row of the degenerate point to which each normal belongs, shape (m,)."""
         return np.repeat(np.arange(len(self.meeting)), np.diff(self.start))
 
 
 def normals_of(
     geometry: Geometry, facets: Facets, edges: Edges, meetings: Meetings, coincident: Mask
 ) -> tuple[Pushes, Clauses]:
-    """Normals of meetings with a unique normal, and clauses of degenerate meetings.
+    """Normals of contact points of edges and corners: unique, or several at degenerate points.
 
     Parameters
     ----------
@@ -109,7 +111,7 @@ def normals_of(
 def _facet_normals(
     geometry: Geometry, facets: Facets, edges: Edges, meetings: Meetings, rows: Index
 ) -> tuple[Index, Array]:
-    """Corners and edges on facets with their normals, if they bend away from the facet."""
+    """Rows of corners and edges on facets that bend away from the facet, with their normals."""
     side = (meetings.kind[rows, 1] == FACE).astype(np.int64)
     normal = facets.normal[meetings.feature[rows, side]]
     feature = meetings.feature[rows, 1 - side]
@@ -127,7 +129,7 @@ def _facet_normals(
 def _crossing_normals(
     geometry: Geometry, facets: Facets, edges: Edges, meetings: Meetings, rows: Index
 ) -> tuple[Index, Array]:
-    """Crossings of edges with their normals, if convex and on opposite sides of the plane."""
+    """Rows of crossing convex edges that touch from opposite sides, with their normals."""
     e, f = meetings.feature[rows].T
     normal = unit_rows(cross(edges.direction(geometry, e), edges.direction(geometry, f)))
     convex = ~edges.reflex(facets, geometry, e, CONE_ANGLE) & ~edges.reflex(
@@ -145,7 +147,7 @@ def _crossing_normals(
 def _snap_normals(
     facets: Facets, edges: Edges, meetings: Meetings, rows: Index, normals: Array
 ) -> tuple[Array, Mask]:
-    """Normals, replaced by the normal of a facet at the point if that is close.
+    """Normals, each replaced by that of an adjacent facet if it is nearly the same.
 
     Also returns whether a facet of part a, and of part b, has the normal, shape (n, 2).
     """
@@ -167,7 +169,7 @@ def _snap_normals(
 
 
 def _facets_at(edges: Edges, kind: Index, feature: Index) -> tuple[Index, Index]:
-    """Facets that meet at features: (place, facet)."""
+    """Facets beside faces, edges or corners: pairs (row of the feature, facet)."""
     face, edge = np.flatnonzero(kind == FACE), np.flatnonzero(kind == EDGE)
     corner = np.flatnonzero(kind == CORNER)
     owner, row = ragged(edges.ray_start, feature[corner])
@@ -182,7 +184,7 @@ def _facets_at(edges: Edges, kind: Index, feature: Index) -> tuple[Index, Index]
 def _cone_normals(
     geometry: Geometry, facets: Facets, edges: Edges, meetings: Meetings, rows: Index
 ) -> tuple[Index, Array, Clauses]:
-    """Accepted rows with their normals, and clauses, by the local cones of both parts."""
+    """Unique normals with their rows, and degenerate points, from the material of both parts."""
     both = np.concatenate([meetings.kind[rows], meetings.feature[rows]], axis=1).reshape(-1, 2, 2)
     features = both.transpose(2, 0, 1).reshape(-1, 2)  # those of a, then those of b
     stride = int(features[:, 1].max(initial=0)) + 1
@@ -226,7 +228,7 @@ def _cone_normals(
 
 
 def _rays(cones: Cones, piece: int) -> Array:
-    """Directions that span a piece."""
+    """Unit directions that span the convex cone with the index `piece`."""
     return cones.rays[cones.ray_start[piece] : cones.ray_start[piece + 1]]
 
 
@@ -238,7 +240,7 @@ def _stack_normals(normals: Array, count: Index, rows: Index) -> Array:
 
 
 def _pieces_apart(cones: Cones, piece_a: Index, piece_b: Index) -> tuple[Array, Index, Mask]:
-    """`separating` for pairs of pieces, in batches with equal numbers of directions."""
+    """Normals that separate pairs of convex cones: `separating`, in batches of equal shape."""
     length = np.diff(cones.ray_start)
     key = length[piece_a] * (int(length.max(initial=0)) + 1) + length[piece_b]
     count = np.zeros(len(piece_a), dtype=np.int64)

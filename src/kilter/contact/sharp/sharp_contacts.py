@@ -52,7 +52,7 @@ PAIRS = 20_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NearContacts:
-    """Contacts at edges and corners; unmodelled contacts, and their possible forces.
+    """Contacts at edges and corners, unmodelled contacts, and the forces these may exert.
 
     The first rows of `possible` are the normals of `degenerate`, in order.
     """
@@ -65,7 +65,7 @@ class NearContacts:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _SharpSearch:
-    """Data of all steps: the patches of the search, and the edges of all parts searched here."""
+    """Input of the search for edge contacts: the patches so far, and the edges of the parts."""
 
     face_patches: FacePatches
     edges: Edges
@@ -84,7 +84,7 @@ class _SharpSearch:
 
 
 def near_contacts(face_patches: FacePatches, rejected: Iterable[RejectedPair]) -> NearContacts:
-    """Corner, edge and round contacts of the pairs that their patches do not determine.
+    """Find contacts at corners, edges and round faces in pairs that patches leave open.
 
     `rejected` are near faces: their pairs are already known to be open.
     """
@@ -122,7 +122,7 @@ def near_contacts(face_patches: FacePatches, rejected: Iterable[RejectedPair]) -
 
 
 def _meetings(near: _SharpSearch, rows: Index, tolerance: Array) -> Meetings:
-    """Meetings of corners and edges of the pairs `rows`; `tolerance` has a value for each pair."""
+    """Points at which corners and edges meet the other part, within `tolerance` of each pair."""
     search, boxes = near.face_patches.search, near.face_patches.search.boxes
     blocks: list[Meetings] = []
     for block_rows in np.array_split(rows, max(1, len(rows) // PAIRS)):
@@ -135,7 +135,7 @@ def _meetings(near: _SharpSearch, rows: Index, tolerance: Array) -> Meetings:
 
 
 def _normals(near: _SharpSearch, met: Meetings) -> tuple[Pushes, Clauses]:
-    """Normals and clauses of meetings."""
+    """Normals at meeting points of corners and edges: unique, or several at degenerate points."""
     geometry = near.geometry
     parts = near.pairs[met.pair]
     size, accuracy = geometry.size[parts].min(axis=1), geometry.accuracy[parts].sum(axis=1)
@@ -145,13 +145,13 @@ def _normals(near: _SharpSearch, met: Meetings) -> tuple[Pushes, Clauses]:
 
 
 def _round_parts(geometry: Geometry) -> Mask:
-    """Parts with a curved surface, shape (N,)."""
+    """Mask of the parts that have a curved surface, shape (N,)."""
     has_surface: Mask = np.diff(geometry.surfaces.start) > 0
     return has_surface
 
 
 def _beside_curved(near: _SharpSearch, met: Meetings) -> Mask:
-    """Meetings beside a curved surface, whose triangles do not show which edges are sharp."""
+    """Mask of meeting points beside curved surfaces, whose triangle edges may not be real edges."""
     geometry = near.geometry
     parts = near.pairs[met.pair]
     slack = near.gap[met.pair] + 2 * geometry.slack[parts].max(axis=1, initial=0.0)
@@ -162,7 +162,7 @@ def _beside_curved(near: _SharpSearch, met: Meetings) -> Mask:
 
 
 def _boxes_meet(boxes: Boxes, a: Index, b: Index, grow: Array) -> Mask:
-    """Pairs of parts whose boxes come within the distance `grow`."""
+    """Mask of pairs of parts a and b whose boxes come within the distance `grow`."""
     apart = np.maximum(
         boxes.part_low[a] - boxes.part_high[b], boxes.part_low[b] - boxes.part_high[a]
     )
@@ -170,7 +170,9 @@ def _boxes_meet(boxes: Boxes, a: Index, b: Index, grow: Array) -> Mask:
 
 
 def _reach(face_patches: FacePatches, rejected: Iterable[RejectedPair]) -> Array:
-    """Largest gap at which edges and free forms of each pair may touch a round face.
+    """Largest gap at which edges and free-form faces of each pair may touch a round face.
+
+    In the length unit, shape (number of pairs,).
 
     For a pair without touching or near faces it is the loose tolerance.
     """
@@ -183,7 +185,7 @@ def _reach(face_patches: FacePatches, rejected: Iterable[RejectedPair]) -> Array
 
 
 def _round_contacts(near: _SharpSearch, rows: Index, reach: Array) -> RoundContacts:
-    """Contacts beside or on curved faces of the pairs `rows`.
+    """Contacts on or beside curved faces of the pairs `rows`.
 
     Triangles lie off their surfaces by up to the slack: rims are searched for within it.
     """
@@ -202,7 +204,7 @@ def _round_contacts(near: _SharpSearch, rows: Index, reach: Array) -> RoundConta
 
 
 def _clear_rims(near: _SharpSearch, met: Meetings, reach: Array) -> Mask:
-    """Meetings at round rims that stay clear of a plane, or of a coaxial rim, as a whole."""
+    """Mask of meeting points whose whole round rim keeps clear of the other part."""
     geometry, facets = near.geometry, near.face_patches.search.facets
     limit = reach[met.pair]
     clear = np.zeros(len(met), dtype=bool)
@@ -223,7 +225,7 @@ def _clear_rims(near: _SharpSearch, met: Meetings, reach: Array) -> Mask:
 
 
 def _explained_meetings(near: _SharpSearch, met: Meetings) -> Mask:
-    """Meetings that patches of the pair explain, within the slack of the triangles."""
+    """Mask of meeting points that already lie on a contact patch of their pair."""
     geometry = near.geometry
     is_explained = np.zeros(len(met), dtype=bool)
     for pair in np.unique(met.pair).tolist():
@@ -236,7 +238,7 @@ def _explained_meetings(near: _SharpSearch, met: Meetings) -> Mask:
 def _without_explained(
     met: Meetings, pushes: Pushes, clauses: Clauses, face_patches: FacePatches
 ) -> tuple[Pushes, Clauses]:
-    """Pushes and clauses that no planar patch of the pair already contains."""
+    """Contact points and degenerate points that lie on no flat patch of their pair."""
     row = pushes.meeting
     on_patch = on_patches(face_patches, met.pair[row], met.middle[row], pushes.normal)
     pushes = pushes.take(np.flatnonzero(~on_patch))
@@ -250,7 +252,7 @@ def _without_explained(
 def _degenerate_points(
     near: _SharpSearch, met: Meetings, clauses: Clauses, pushes: Pushes
 ) -> DegeneratePoints:
-    """Clauses as degenerate points, with all normals `pushes` of the same pairs."""
+    """Convert `Clauses` to `DegeneratePoints`, with the unique normals of the same pairs."""
     has_clause = np.zeros(len(near.pairs), dtype=bool)
     has_clause[met.pair[clauses.meeting]] = True
     held = pushes.take(np.flatnonzero(has_clause[met.pair[pushes.meeting]]))
@@ -271,7 +273,7 @@ def _degenerate_points(
 
 
 def _unsupported_of(points: DegeneratePoints, geometry: Geometry) -> list[UnsupportedContact]:
-    """A record for each pair: a vertex if all its points coincide, else an edge."""
+    """An `UnsupportedContact` for each pair: "vertex" if all its points coincide, else "edge"."""
     if not len(points):
         return []
     key = points.part_a * len(geometry.mass) + points.part_b

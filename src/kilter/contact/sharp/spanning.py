@@ -35,7 +35,7 @@ BATCH = 2_000_000
 
 
 def separating(rays_a: Array, rays_b: Array) -> tuple[Array, Index, Mask]:
-    """Extreme normals that separate convex cones, from a to b.
+    """Extreme rays of the set of normals whose plane separates two convex cones, from a to b.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def separating(rays_a: Array, rays_b: Array) -> tuple[Array, Index, Mask]:
 
 
 def _separating_batch(rays_a: Array, rays_b: Array) -> tuple[Array, Index, Mask]:
-    """`separating` for a batch: an extreme normal is across two directions of the cones."""
+    """Extreme separating normals of a batch: each is across two directions of the cones."""
     ahead = np.concatenate(
         [-rays_a, rays_b], axis=1
     )  # a separating normal has a non-negative product with all of these
@@ -102,7 +102,7 @@ def _separating_batch(rays_a: Array, rays_b: Array) -> tuple[Array, Index, Mask]
 
 
 def _distinct_candidates(candidates: Array, valid: Mask, weight: Array) -> tuple[Array, Index]:
-    """Distinct valid candidates; of each cluster the candidate with the greatest weight."""
+    """Distinct valid normals; of nearly equal normals that with the greatest weight."""
     width = int(valid.sum(axis=1).max(initial=0))
     order = np.argsort(np.where(valid, -weight, np.inf), axis=1, kind="stable")[:, :width]
     candidates = np.take_along_axis(candidates, order[..., None], axis=1)
@@ -126,14 +126,14 @@ def _distinct_candidates(candidates: Array, valid: Mask, weight: Array) -> tuple
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PointConstraints:
-    """Accepted normals, shape (k, 3), and clauses that they do not imply, shape (m, 3) each."""
+    """Normals at a contact point, shape (k, 3), and sets of alternative normals, (m, 3) each."""
 
     accepted: Array
     clauses: list[Array]
 
 
 def resolve(pairs: list[tuple[Array, Array, Array]]) -> PointConstraints:
-    """Accepted normals and remaining clauses of a point, from its pairs of convex pieces.
+    """Normals that hold at a contact point, and sets of alternatives that they do not imply.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ def resolve(pairs: list[tuple[Array, Array, Array]]) -> PointConstraints:
 
 
 def distinct(normals: list[Array]) -> Array:
-    """The distinct normals, shape (k, 3)."""
+    """The unit normals without repeats, shape (k, 3)."""
     kept: list[Array] = []
     for normal in normals:
         if not any(
@@ -173,7 +173,10 @@ def _contains(normal: Array, normals: Array) -> bool:
 
 
 def _is_implied(clause: Array, accepted: Array) -> bool:
-    """Whether the accepted constraints exclude every v with v.m < 0 for all m of the clause."""
+    """Whether accepted normals exclude each velocity that closes all normals of a set.
+
+    That is each v with v.m < 0 for all m of the clause.
+    """
     if not len(accepted):
         return False
     # all v that the accepted normals allow and that violate the clause, at least weakly
@@ -185,7 +188,11 @@ def _is_implied(clause: Array, accepted: Array) -> bool:
 
 
 def spans(normal: Array, pairs: list[tuple[Array, Array, Array]]) -> bool:
-    """Whether S_A - S_B, over all pairs of pieces, is the whole plane across `normal`.
+    """Whether differences of directions of two bodies at a point fill the plane across `normal`.
+
+    These are S_A - S_B over all pairs of pieces, cut by the plane.
+
+    The cones of all pairs of pieces count: S_A - S_B, cut by the plane.
 
     Examples
     --------
@@ -207,7 +214,7 @@ def spans(normal: Array, pairs: list[tuple[Array, Array, Array]]) -> bool:
 
 
 def _in_plane_rays(rays: Array, side: Array) -> Array | None:
-    """In-plane directions that span the cut of a cone by the plane, if it has material on a side.
+    """Directions in a plane that span the cut of a cone by it; None without material on that side.
 
     The plane has the normal `side`; None if the cone has no material on that side.
     """
@@ -225,7 +232,7 @@ def _in_plane_rays(rays: Array, side: Array) -> Array | None:
 
 
 def _spanned_arc(directions: Array) -> tuple[float, float] | None:
-    """Begin and width [rad] of the planar cone that directions span; None without directions."""
+    """Begin and width of the planar cone that directions span [rad]; None without directions."""
     size = np.linalg.norm(directions, axis=1)
     directions = directions[size > CUT_COSINE]
     if not len(directions):
@@ -240,7 +247,7 @@ def _spanned_arc(directions: Array) -> tuple[float, float] | None:
 
 
 def _covers_circle(arcs: list[tuple[float, float]]) -> bool:
-    """Whether closed arcs (begin, width) together cover the circle."""
+    """Whether the union of closed arcs (begin, width) is the whole circle."""
     ends = np.sort(np.array([x % (2 * np.pi) for a, w in arcs for x in (a, a + w)]))
     if not len(ends):
         return False

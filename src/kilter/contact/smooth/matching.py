@@ -23,7 +23,7 @@ __all__ = ["Matches", "matches"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Matches(Rows):
-    """Points at which two smooth faces lie on each other.
+    """Contact points of two smooth faces, with their normals, gaps and errors.
 
     Attributes
     ----------
@@ -45,7 +45,10 @@ class Matches(Rows):
 
 
 def matches(first: SmoothFace, second: SmoothFace, reach: float, slack: float) -> Matches:
-    """Points at which two faces come within `reach` along their normals, and `slack` across."""
+    """Contact points of two smooth faces, at most `reach` apart along the normals.
+
+    `slack` is the distance that is allowed across the normals.
+    """
     lateral = slack + SMOOTH_ASIDE * reach
     forward = _project_corners(first, second, reach, lateral)
     backward = _reversed_matches(_project_corners(second, first, reach, lateral))
@@ -53,14 +56,14 @@ def matches(first: SmoothFace, second: SmoothFace, reach: float, slack: float) -
 
 
 def _reversed_matches(matched: Matches) -> Matches:
-    """Matches with the two faces exchanged."""
+    """The same contact points with the two faces exchanged."""
     return Matches(matched.point, -matched.normal, matched.gap, matched.apart, matched.doubt)
 
 
 def _project_corners(
     first: SmoothFace, second: SmoothFace, reach: float, lateral: float
 ) -> Matches:
-    """Matches of the corners of the first face with the surface of the second."""
+    """Contact points of the corners of the first face with the surface of the second face."""
     corners = second.points[second.triangles]
     corner_owner, triangle_owner = (
         np.zeros(len(rows), dtype=np.int64) for rows in (first.points, corners)
@@ -84,7 +87,7 @@ def _project_corners(
 
 
 def _line_hits(points: Array, normal: Array, corners: Array) -> tuple[Array, Array, Array]:
-    """Meeting points of lines with the planes of triangles.
+    """Points in which lines cross the planes of triangles.
 
     Returns
     -------
@@ -113,7 +116,7 @@ def _line_hits(points: Array, normal: Array, corners: Array) -> tuple[Array, Arr
 
 
 def _surface_points(face: SmoothFace, rows: Index, share: Array) -> _SurfacePoints:
-    """Points, normals and errors of the surface over points of triangles."""
+    """Points, unit normals and errors on the true surface, from positions on its triangles."""
     used = face.triangles[rows]
     corners, normals = face.points[used], face.normals[used]
     flat = np.einsum("nk,nki->ni", share, corners)
@@ -125,7 +128,7 @@ def _surface_points(face: SmoothFace, rows: Index, share: Array) -> _SurfacePoin
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _SurfacePoints(Rows):
-    """Points of a surface, its unit normals there, and their error [rad]."""
+    """Points of a smooth surface, with unit normals and the error of the normals [rad]."""
 
     place: Array = columns(3)
     normal: Array = columns(3)
@@ -133,7 +136,7 @@ class _SurfacePoints(Rows):
 
 
 def _match_sides(first: _SurfacePoints, second: _SurfacePoints) -> Matches:
-    """Midpoints of pairs of surface points whose normals oppose each other."""
+    """Contact points half-way between pairs of surface points with opposing normals."""
     normal = unit_rows(first.normal - second.normal)
     apart = np.linalg.norm(first.normal + second.normal, axis=1) / 2
     gap = np.einsum("ij,ij->i", second.place - first.place, normal)
@@ -143,7 +146,7 @@ def _match_sides(first: _SurfacePoints, second: _SurfacePoints) -> Matches:
 
 
 def _rim_crossings(first: SmoothFace, second: SmoothFace, reach: float) -> Matches:
-    """Matches at crossings of the rims inside both edges."""
+    """Contact points at which the boundaries of two smooth faces cross."""
     ends = [face.points[face.rim] for face in (first, second)]
     boxes = [(end.min(axis=1), end.max(axis=1)) for end in ends]
     owners = [np.zeros(len(end), dtype=np.int64) for end in ends]

@@ -63,7 +63,7 @@ CUBIC = 13
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SmoothFace:
-    """A smooth face of a part; world frame.
+    """A smooth face of a meshed part with fitted normals; world frame.
 
     Attributes
     ----------
@@ -93,7 +93,7 @@ class SmoothFace:
 
 
 def smooth_faces(geometry: Geometry, part: int, *, mesh: bool) -> list[SmoothFace]:
-    """The smooth faces of a part without those on known surfaces.
+    """The smooth faces of a part, except those on exact or recognised surfaces.
 
     In a mesh (`mesh`) these are all bent faces, in an exact solid only its free forms.
     """
@@ -131,7 +131,7 @@ def smooth_faces(geometry: Geometry, part: int, *, mesh: bool) -> list[SmoothFac
 def _build_face(
     geometry: Geometry, part: int, rows: Index, normal: Array, inner: Mask
 ) -> SmoothFace:
-    """A smooth face of the given triangles; `inner` marks half-edges inside the face."""
+    """Build a smooth face of the given triangles; `inner` marks half-edges inside the face."""
     vertices, local = np.unique(geometry.triangles[rows], return_inverse=True)
     triangles = local.reshape(-1, 3)
     points = geometry.vertices[vertices]
@@ -153,7 +153,7 @@ def _build_face(
 
 
 def _mean_normals(points: Array, triangles: Index, normal: Array) -> tuple[Array, Array]:
-    """Angle-weighted mean normals at corners, and the bend around each corner [rad].
+    """Angle-weighted mean normal at each corner, and the bend of the surface around it [rad].
 
     The bend is the largest over the corner and its neighbours: a corner inside a flat facet may
     still lie on a bent face.
@@ -171,7 +171,7 @@ def _mean_normals(points: Array, triangles: Index, normal: Array) -> tuple[Array
 
 
 def _neighbourhoods(points: Array, triangles: Index) -> tuple[Index, Mask]:
-    """Corners around each corner, itself first, (n, AROUND), and a mask of the real entries.
+    """Corners near each corner, itself first, shape (n, AROUND), and a mask of valid entries.
 
     Corners up to `SIDES_AWAY` sides away, in order of the number of sides, then of the distance.
     For a tall prism these include its other rim: the nearest corners alone would all lie on the
@@ -208,7 +208,7 @@ def _neighbourhoods(points: Array, triangles: Index) -> tuple[Index, Mask]:
 def _fit_normals(
     points: Array, near: Index, is_entry: Mask, mean: Array, bend: Array
 ) -> tuple[Array, Array]:
-    """Normals of cubics through the corners around each corner, and their error [rad]."""
+    """Normals at corners, fitted by cubic surfaces through nearby corners, and the error [rad]."""
     apart = points[near] - points[:, None]
     u, v = across(mean)
     x, y, z = (np.einsum("nki,ni->nk", apart, w) for w in (u, v, mean))
@@ -232,7 +232,7 @@ def _fit_normals(
 
 
 def _slopes(terms: Array, z: Array, weight: Array) -> Array:
-    """Slopes a and b of the weighted least-squares fits, shape (n, 2)."""
+    """Slopes a and b of weighted least-squares fits of the heights z, shape (n, 2)."""
     inverse = np.linalg.pinv(terms * weight[..., None], rcond=FIT_CUT)
     slopes: Array = np.einsum("nik,nk->ni", inverse[:, :2], z * weight)
     return slopes

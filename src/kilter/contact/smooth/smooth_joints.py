@@ -58,7 +58,7 @@ FACETS = 0.999
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SmoothJoint:
-    """Two smooth faces that touch.
+    """A contact of two smooth faces: their triangles, contact points, area and error.
 
     Attributes
     ----------
@@ -89,14 +89,14 @@ class SmoothJoint:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SmoothJoints:
-    """The smooth joints of a search, in order of the pairs."""
+    """All contacts of smooth faces that a search finds, in the order of the pairs."""
 
     search: ContactSearch
     joints: tuple[SmoothJoint, ...] = ()
 
     @property
     def patches(self) -> Patches:
-        """The joints as patches, in order."""
+        """These contacts of smooth faces as contact patches, in order."""
         joints, search = self.joints, self.search
         if not joints:
             return Patches.none()
@@ -122,7 +122,7 @@ class SmoothJoints:
         )
 
     def possible(self, mu: Array) -> PossibleContacts:
-        """Possible forces that span all forces along normals within the tilt, with friction.
+        """Forces that smooth contacts may exert, with friction, given the error of their normals.
 
         `mu` is the friction coefficient of each pair of parts [-]. Such a force lies within mu +
         tilt of the fitted normal; the forces are the corners of the pyramid around that cone.
@@ -154,7 +154,7 @@ class SmoothJoints:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """A warning that gives the error of the fitted normals."""
+        """A warning that states the error of the fitted normals; empty without smooth contacts."""
         if not self.joints:
             return ()
         pairs = len({joint.pair for joint in self.joints})
@@ -167,7 +167,7 @@ class SmoothJoints:
 
     @property
     def unsure(self) -> tuple[UnsupportedContact, ...]:
-        """Records of the pairs of the joints: fitted normals are never certain."""
+        """An `UnsupportedContact` for each smooth contact: fitted normals are never certain."""
         records: dict[tuple[int, int], UnsupportedContact] = {}
         for joint in self.joints:
             a, b = (int(k) for k in self.search.pairs[joint.pair])
@@ -176,7 +176,7 @@ class SmoothJoints:
         return tuple(records.values())
 
     def between(self, pair: Index, i: Index, j: Index) -> Mask:
-        """Whether facets i of a and j of b belong to the two faces of a joint of their pair."""
+        """Mask of facet pairs (i of part a, j of b) that belong to a smooth contact of the pair."""
         is_between = np.zeros(len(pair), dtype=bool)
         for joint in self.joints:
             of_pair = np.flatnonzero(pair == joint.pair)
@@ -185,7 +185,7 @@ class SmoothJoints:
         return is_between
 
     def explains(self, pair: Index, points: Array) -> Mask:
-        """Whether points, shape (n, 3), lie on both faces of a joint of their pair."""
+        """Mask of points, shape (n, 3), on both faces of a smooth contact of their pair."""
         is_explained = np.zeros(len(points), dtype=bool)
         for joint in self.joints:
             rows = np.flatnonzero((pair == joint.pair) & ~is_explained)
@@ -197,7 +197,7 @@ class SmoothJoints:
 
 
 def find_smooth(search: ContactSearch) -> SmoothJoints:
-    """The smooth joints of the pairs of a search: of two meshes, or with a closed clearance."""
+    """Find contacts of smooth faces: of two meshes, or where a clearance was closed."""
     convex, (a, b) = search.facets.convex_part, search.pairs.T
     mesh, closes = search.meshes, search.limits.closed > search.limits.gap
     rows = np.flatnonzero((mesh[a] & mesh[b] | closes) & ~(convex[a] & convex[b]))
@@ -217,7 +217,10 @@ def find_smooth(search: ContactSearch) -> SmoothJoints:
 def _joint(
     search: ContactSearch, row: int, faces: tuple[SmoothFace, SmoothFace]
 ) -> list[SmoothJoint]:
-    """The joint of two faces, if they touch and their facets do not lie flush; else none."""
+    """A list with the contact of two smooth faces; empty if they do not touch or have flat faces.
+
+    Flat faces are facets that lie flush.
+    """
     face_a, face_b = faces
     gap, closed = float(search.limits.gap[row]), float(search.limits.closed[row])
     sagitta = face_a.sagitta + face_b.sagitta
@@ -248,7 +251,7 @@ def _joint(
 
 
 def _facets_of(search: ContactSearch, face: SmoothFace) -> Index:
-    """The facets of which a smooth face consists."""
+    """Indices of the facets of which a smooth face consists."""
     facets, geometry = search.facets, search.geometry
     rows = np.arange(facets.start[face.part], facets.start[face.part + 1])
     first = facets.corner_start[rows]
@@ -263,7 +266,7 @@ def _facets_of(search: ContactSearch, face: SmoothFace) -> Index:
 def _common_area(
     search: ContactSearch, row: int, facets: tuple[Index, Index], reach: float
 ) -> tuple[float, float]:
-    """Area in which facets lie over each other, and its part in which they lie flush.
+    """Area over which facets overlap, and the area over which they lie flush [length unit^2].
 
     Flush means within the default gap tolerance: a wider tolerance does not show whether the flat
     faces are real.
@@ -290,7 +293,7 @@ def _common_area(
 
 
 def _free_sliding_directions(points: Matches, faces: Iterable[SmoothFace], tilt: float) -> Matches:
-    """Points with normals made exactly perpendicular to nearly free straight directions."""
+    """Contact points with normals made perpendicular to straight edges that can slide."""
     normal = points.normal
     for direction in _straight_directions(faces):
         along = normal @ direction
@@ -300,7 +303,7 @@ def _free_sliding_directions(points: Matches, faces: Iterable[SmoothFace], tilt:
 
 
 def _straight_directions(faces: Iterable[SmoothFace]) -> list[Array]:
-    """Directions of rim edges, in order of their total length, longest first."""
+    """Unit directions of the edges at the rim of faces, the greatest total length first."""
     step = np.concatenate(
         [face.points[face.rim[:, 1]] - face.points[face.rim[:, 0]] for face in faces]
     )
@@ -320,7 +323,7 @@ def _straight_directions(faces: Iterable[SmoothFace]) -> list[Array]:
 
 
 def _spread_subset(points: Matches, reach: float) -> Matches:
-    """At most `MOST` points that are farthest from each other."""
+    """At most `MOST` of the contact points, chosen as far from each other as possible."""
     point = points.point
     chosen = [int(np.linalg.norm(point - point.mean(axis=0), axis=1).argmax())]
     distance = np.linalg.norm(point - point[chosen[0]], axis=1)
