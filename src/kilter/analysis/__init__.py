@@ -1,1 +1,1 @@
-"""Verdicts, margins, regions, plans, and the verification of proofs."""
+"""Answers about an assembly (verdicts, margins, regions, plans), and checks of their proofs."""

@@ -1,4 +1,4 @@
-"""Tolerances of results beside a verdict, and their relations.
+"""Numerical tolerances of margins, regions and plans, and how they depend on each other.
 
 Accelerations are in units of g, everything else is relative [-].
 

@@ -164,7 +164,7 @@ def check(
 
 
 def _work(effort: float, time_limit: float | None, progress: Callable[[str], None] | None) -> Work:
-    """The work limit of a check, with validated effort and time limit."""
+    """Validate effort and time limit [s] of a check, and return them as its work limit."""
     effort = number(effort, "effort", lowest=0)
     if time_limit is not None:
         time_limit = number(time_limit, "time_limit", lowest=0)
@@ -172,7 +172,7 @@ def _work(effort: float, time_limit: float | None, progress: Callable[[str], Non
 
 
 def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> str:
-    """The verdict of a decision as a sentence for users."""
+    """Write the verdict of a decision as a sentence for users."""
     if decision.verdict == "undecided":
         if decision.question is None:
             return f"Undecided: {'; '.join(decision.reasons)}."

@@ -1,4 +1,4 @@
-"""All answers about an assembly that a page shows, each up to its limit of size.
+"""All answers about an assembly that a page shows; large assemblies get fewer of them.
 
 The verdict and the region are computed for every size that a page can show. Answers that need many
 programs are computed for small assemblies only: the direction nearest to stable, the stability map,
@@ -90,7 +90,7 @@ class Balance:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Answered:
-    """The full answer for a direction of gravity.
+    """The verdict, with forces or a motion, for a direction of gravity.
 
     Attributes
     ----------
@@ -115,7 +115,7 @@ class Answered:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MapMotions:
-    """The stability map with a motion for each vertex; world frame, without friction.
+    """Motion of the assembly at each vertex of its stability map, world frame, without friction.
 
     Attributes
     ----------
@@ -135,7 +135,7 @@ class MapMotions:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Everything:
-    """All answers that a page shows.
+    """All answers about an assembly that a page shows.
 
     Attributes
     ----------
@@ -233,7 +233,7 @@ def everything(
     deadline = None if time_limit is None else started + time_limit
 
     def in_time(name: str, step: Callable[..., T], *arguments: Any) -> T | None:
-        """The result of a step; None, with a note, if the time limit ends it."""
+        """Result of a step of the page's computation; None, with a note, after the time limit."""
         left = None if deadline is None else max(deadline - time.perf_counter(), 0.0)
         try:
             with stop_after(left):
@@ -268,7 +268,7 @@ def everything(
 
 
 def _full_answer(verdict: Verdict, sentence: str = "") -> Answered:
-    """The full answer for the direction of a verdict, with the forces if the assembly holds."""
+    """The full answer for a verdict and its direction of gravity, with forces if it holds."""
     answer, down = verdict.to_dict(), verdict.assembly.down
     if answer["forces"] is None:
         return Answered(down, answer, None, sentence)
@@ -305,7 +305,7 @@ def _free_count(assembly: Assembly) -> int:
 def _directions(
     assembly: Assembly, contacts: ContactSet, effort: float, tell: Tell, notes: list[str]
 ) -> tuple[Region | None, Answered | None, bool]:
-    """The region, the answer for the recommended direction, and whether no direction is stable.
+    """The stable region, the answer for its best direction, and whether no direction is stable.
 
     Reasons for omitted answers are appended to `notes`.
     """
@@ -339,7 +339,10 @@ def _directions(
 
 
 def _region(assembly: Assembly, contacts: ContactSet, notes: list[str]) -> Region:
-    """The stable region; without friction for a large assembly in space with friction."""
+    """The stable region of an assembly.
+
+    Friction is left out for a large assembly in space.
+    """
     rubs = bool((contacts.patch_mu > 0).any()) and not assembly.planar
     if not rubs or _free_count(assembly) <= FRICTION_PARTS:
         return region(assembly, contacts=contacts)
@@ -351,7 +354,10 @@ def _region(assembly: Assembly, contacts: ContactSet, notes: list[str]) -> Regio
 
 
 def _with_rests(stable: Region, assembly: Assembly, contacts: ContactSet) -> Region:
-    """The region with its places of rest; unchanged with friction, in the plane, or if large."""
+    """A stable region with the directions of gravity at which the assembly rests on a minimum.
+
+    The region is returned unchanged with friction, in the plane, and for a large assembly.
+    """
     rubs = bool((contacts.patch_mu > 0).any())
     if rubs or assembly.planar or _free_count(assembly) > REST_PARTS:
         return stable
@@ -359,7 +365,7 @@ def _with_rests(stable: Region, assembly: Assembly, contacts: ContactSet) -> Reg
 
 
 def _nearest_line(stable: Region, down: Array) -> Array | None:
-    """Unit vector nearest to `down` in the span of the region's lines; None without lines."""
+    """Unit vector nearest to `down` among the lines of a stable region; None without lines."""
     if not len(stable.lines):
         return None
     along: Array = stable.lines.T @ (stable.lines @ down)
@@ -369,7 +375,10 @@ def _nearest_line(stable: Region, down: Array) -> Array | None:
 
 
 def _ray_forces(assembly: Assembly, contacts: ContactSet, stable: Region) -> tuple[Balance, ...]:
-    """Forces for each ray of a region and both signs of each line; empty if there are too many."""
+    """Contact forces for gravity along each ray and line of a region; empty if too many.
+
+    Each line has forces for both of its directions.
+    """
     directions = len(stable.rays) + 2 * len(stable.lines)
     if not directions or directions * len(contacts.points) > RAY_FORCES:
         return ()
@@ -405,7 +414,7 @@ def _margin(
 
 
 def _change(assembly: Assembly, always: bool, tell: Tell, notes: list[str]) -> Improvement | None:
-    """The brick to add or to remove; None for a large model unless `always` is set."""
+    """The brick to add or to remove in a model; None for a large one unless `always` is set."""
     if not assembly.bonds or any(part.brick is None for part in assembly.parts):
         return None
     if _free_count(assembly) > CHANGE_PARTS and not always:
@@ -448,7 +457,7 @@ def _map(
 
 
 def _motion(program: Program, full_map: StabilityMap, vertex: int) -> Array:
-    """Optimal displacement of least 2-norm for the middle of a vertex's partition, shape (N, 6)."""
+    """Optimal displacement of least norm for the middle of a vertex's partition, shape (N, 6)."""
     at_rest = np.zeros((len(program.names), 6))
     middle = full_map.partition(vertex).sum(axis=0)
     # the vertex 0 belongs to the stable directions, for which nothing moves

@@ -1,1 +1,1 @@
-"""Decide whether an assembly holds, at which level, and by which proof."""
+"""Decide whether an assembly stays together, how strong the statement is, and by which proof."""

@@ -1,4 +1,4 @@
-"""Decide whether the stated accuracy of coordinates explains the motion of an assembly.
+"""Decide whether inaccurate coordinates, as the input states them, explain a proved motion.
 
 A STEP file states an uncertainty of its points, often 0.01 mm. If the points of a contact of
 width w are wrong by d, the normal turns by d / w and the forces shift sideways by d. So this
@@ -29,7 +29,7 @@ __all__ = ["explained_by_accuracy", "stated_accuracy"]
 
 
 def explained_by_accuracy(assembly: Assembly, contacts: ContactSet, program: Program) -> str:
-    """Reason why a proved motion does not decide; "" if the stated accuracy does not explain it.
+    """Reason why inaccurate coordinates may cause a proved motion; "" if they cannot cause it.
 
     Parameters
     ----------
@@ -64,7 +64,10 @@ def stated_accuracy(assembly: Assembly) -> Array:
 
 
 def _net_force_and_torque(program: Program, acceleration: Array) -> tuple[Array, Array]:
-    """Net force over weight [-] and net torque over weight [length unit] of each part, (N,)."""
+    """Net force over weight [-] and net torque over weight [length unit] of each part, both (N,).
+
+    Both result from the given accelerations.
+    """
     force = np.linalg.norm(acceleration[:, :3], axis=1) / program.g
     torque = np.einsum("nij,nj->ni", program.inertia, acceleration[:, 3:])
     lever = np.linalg.norm(torque, axis=1) / (program.mass * program.g)
@@ -72,7 +75,9 @@ def _net_force_and_torque(program: Program, acceleration: Array) -> tuple[Array,
 
 
 def _inaccuracy_and_width(contacts: ContactSet, off: Array) -> tuple[Array, Array]:
-    """Inaccuracy of the points and least width of each part's contacts, shape (N,) [length unit].
+    """For each part: inaccuracy of its contact points, and least width of its contacts, (N,) each.
+
+    Both are in length units.
 
     A part without contacts has inaccuracy 0. Its size replaces an unknown width.
     """

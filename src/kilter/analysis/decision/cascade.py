@@ -1,4 +1,4 @@
-"""The decision: does an assembly hold, at which level, by which proof?
+"""The decision on an assembly: its verdict, how strong the statement is, and by which proof.
 
 Every command calls `decide`. Each of its steps ends with a certificate that is verified:
 
@@ -58,7 +58,7 @@ def decide(
     second_order: bool = True,
     question: bool = True,
 ) -> Decision:
-    """Decide an assembly with its contacts, up to the required level.
+    """Decide whether an assembly with these contacts holds, up to the required verdict level.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def _first_order(
     known: Judgement | None,
     question: bool,
 ) -> Decision:
-    """The decision without second order and without the stated accuracy of coordinates."""
+    """Decide an assembly by first-order motions only, and as if its coordinates were exact."""
     program = build_program(assembly, contacts)
     smooth = program.frictionless
     judgement = judge(smooth, work=work)
@@ -146,7 +146,10 @@ def _first_order(
 def _deciding_pairs(
     assembly: Assembly, contacts: ContactSet, program: Program, require: str, work: Work
 ) -> OpenQuestion | None:
-    """The open pairs that decide, with the verdict if their parts are joined."""
+    """Find the open pairs on which the verdict depends, and the verdict if their parts are joined.
+
+    Open pairs are pairs of parts whose contact the geometry leaves uncertain. None: no such pairs.
+    """
     work.stage("open pairs")
 
     def verdict_of(joined: Assembly) -> str:
@@ -163,7 +166,7 @@ def _with_friction(
     require: str,
     work: Work,
 ) -> Decision:
-    """The decision with the guarantee of friction, if equilibrium exists in Coulomb's cones."""
+    """Decide whether motions are excluded by proof, if friction allows an equilibrium."""
     # imported late, since the import of scipy.optimize is slow
     from kilter.friction.answer import ask_friction, not_asked
 
@@ -197,14 +200,14 @@ def _with_friction(
 
 
 def _friction_level(friction: FrictionAnswer) -> int:
-    """The guarantee of friction as an integer level: EQUILIBRIUM < SETTLES < PROVED."""
+    """The strength of a statement with friction, as an integer: EQUILIBRIUM < SETTLES < PROVED."""
     if friction.guarantee == "proved":
         return PROVED
     return SETTLES if friction.settles else EQUILIBRIUM
 
 
 def _word_of(friction: FrictionAnswer) -> Word:
-    """The verdict if forces of equilibrium exist with friction only."""
+    """The verdict word of an assembly whose equilibrium needs friction."""
     if friction.guarantee == "proved":
         return "stable"
     return "settles" if friction.settles else "potentially-stable"
@@ -213,7 +216,7 @@ def _word_of(friction: FrictionAnswer) -> Word:
 def _with_second_order(
     decision: Decision, assembly: Assembly, contacts: ContactSet, require: str, work: Work
 ) -> Decision:
-    """The decision with second order, which finds whether a stable assembly is only balanced."""
+    """Extend a decision by curvature, which separates stable assemblies from balanced ones."""
     # imported late, since the import is slow
     from kilter.second_order.answer.whole import find_second_order, with_rolling
 
@@ -233,7 +236,7 @@ def _with_second_order(
 
 
 def _best_figures(judgement: Judgement) -> str:
-    """The errors of the best forces and of the best motion, neither of which is a proof."""
+    """Describe the errors of the best forces and the best motion, if neither of them is a proof."""
     residual = judgement.forces.residual if judgement.forces else float("nan")
     motion = judgement.motion
     ratio = "no motion"
@@ -246,7 +249,7 @@ def _best_figures(judgement: Judgement) -> str:
 
 
 def _unclear_reason(contacts: ContactSet, bound: Judgement, work: Work) -> str:
-    """Reason why an assembly is undecided although no deciding open pairs were found.
+    """Reason why an assembly is undecided although no open pair decides its verdict.
 
     `bound` is the judgement with all possible contacts.
     """

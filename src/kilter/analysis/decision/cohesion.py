@@ -1,4 +1,6 @@
-"""Least cohesion with which contacts balance: its sign decides whether the contacts hold.
+"""Least cohesion (tension that contacts need) with which contact forces balance the parts.
+
+Its sign decides whether the contacts hold without cohesion.
 
     c(mu) = min c:  J^T f + w = 0,  |f_t| <= mu f_n + c w_i
 
@@ -23,7 +25,7 @@ __all__ = ["Cohesion", "find_cohesion"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cohesion:
-    """The least cohesion, with the forces and the motion that its program offers as proofs.
+    """The least cohesion of the contacts, with the forces and the motion that may prove it.
 
     Attributes
     ----------
@@ -49,12 +51,15 @@ class Cohesion:
 
     @property
     def rise(self) -> float:
-        """Increase of every friction coefficient that makes `value` 0, to first order [-]."""
+        """Increase of every friction coefficient [-] that would reduce the least cohesion to 0.
+
+        The value is of first order.
+        """
         return self.value / self.slope if self.slope > 0.0 else np.inf
 
 
 def find_cohesion(wide: ConeProblem, *, work: Work | None = None) -> Cohesion | None:
-    """Compute the least cohesion of a program with friction.
+    """Compute the least cohesion that contacts with friction need; None if the solver finds none.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Decision: verdict, level and evidence about an assembly, as every command reports them."""
+"""Decision on an assembly: verdict, verdict level and evidence, as every command reports them."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Word = Literal["stable", "settles", "potentially-stable", "balanced", "unstable"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Decision:
-    """The answer of `kilter.analysis.decision.cascade.decide`.
+    """The verdict on an assembly with its evidence, as `decide` returns it.
 
     Attributes
     ----------
@@ -54,5 +54,5 @@ class Decision:
 
     @property
     def level(self) -> str | None:
-        """The level that the assembly reaches, "strict" left out; None if it does not hold."""
+        """Verdict level that the assembly reaches, except "strict"; None if it does not hold."""
         return level_of(self.verdict)

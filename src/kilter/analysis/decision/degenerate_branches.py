@@ -1,4 +1,6 @@
-"""Decide assemblies with degenerate points, by branching and by the planar approximation.
+"""Decide assemblies with contacts that have no unique normal, by trying every normal.
+
+A planar approximation decides some further assemblies.
 
 The set of allowed motions at degenerate points is a union of convex cones
 (`kilter.mechanics.degenerate`). Each cone belongs to a *branch*: the choice of an extreme normal
@@ -53,7 +55,7 @@ PROGRAMS = 200
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Degenerates:
-    """Answer for an assembly with degenerate points.
+    """Answer for an assembly with degenerate contact points, which have no unique normal.
 
     Attributes
     ----------
@@ -75,7 +77,7 @@ class Degenerates:
 
     @property
     def words(self) -> list[str]:
-        """Sentences that the answer adds if the verdict remains undecided."""
+        """Sentences for users about degenerate contact points, if the verdict stays undecided."""
         sentences = []
         if self.branching:
             sentences.append(
@@ -89,7 +91,7 @@ class Degenerates:
 
 
 def decide_degenerate(assembly: Assembly, contacts: ContactSet) -> Degenerates:
-    """Decide an assembly that forces at its degenerate points might hold, without friction.
+    """Decide an assembly, without friction, that forces at degenerate contact points might hold.
 
     Returns
     -------
@@ -127,7 +129,9 @@ def decide_degenerate(assembly: Assembly, contacts: ContactSet) -> Degenerates:
 
 
 class _Branches:
-    """Depth-first search over the branches, which stores the motion that it proves.
+    """Depth-first search over the possible normals of degenerate contact points.
+
+    It stores the motion that it proves.
 
     Each clause is a list of alternative pushes, one alternative for each extreme normal of an
     exact point. `inner` is set after a branch on an inner point of a line.
@@ -148,7 +152,7 @@ class _Branches:
         ]
 
     def search(self, base: Program) -> bool | None:
-        """Whether every branch of a program is stable; None if the search does not decide."""
+        """Whether the assembly is stable for every choice of normals; None if undecided."""
         stack = [base]
         while stack:
             program = stack.pop()
@@ -168,7 +172,7 @@ class _Branches:
         return None if self.inner else True
 
     def _violated_clause(self, program: Program, motion: Array) -> list[PossibleContacts] | None:
-        """Alternative pushes of the point that a motion violates most; None if it violates none."""
+        """Alternative pushes at the point that a motion violates most; None without a violation."""
         inner_points = [
             [pushes.take([row]) for row in range(len(pushes))]
             for pushes in between(program, self.contacts, motion)
@@ -184,7 +188,7 @@ class _Branches:
         return clauses[worst]
 
     def _store_motion(self, judgement: Judgement, motion: Array) -> bool | None:
-        """Verify a motion and store it as the proof; return False if it holds, otherwise None."""
+        """Store a motion as the proof if it is verified, and return False; else return None."""
         program = allowed_program(self.assembly, self.contacts, motion)
         if program is None:
             return None

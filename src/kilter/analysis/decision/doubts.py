@@ -27,7 +27,7 @@ __all__ = ["Doubts", "doubts_of", "fitted_pairs"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Doubts:
-    """The doubts about the contacts of an assembly of N parts.
+    """Pairs of parts of an assembly whose real contacts may differ from the detected contacts.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Doubts:
     stated: Array
 
     def normals_open(self, present: Mask) -> bool:
-        """Whether two present parts meet at a degenerate point; `present` has shape (N,)."""
+        """Whether two present parts meet at a point without a unique normal; `present` is (N,)."""
         return bool(present[self.degenerate].all(axis=1).any())
 
     @property
@@ -55,7 +55,7 @@ class Doubts:
         return len(self.contacts.possible) > 0 or len(self.contacts.open_pairs) > 0
 
     def explain_motion(self, program: Program) -> str:
-        """Reason why a proved motion of a program does not decide; empty if it decides.
+        """Reason why a proved motion does not decide the verdict; empty if it decides.
 
         Parameters
         ----------
@@ -68,7 +68,7 @@ class Doubts:
 
 
 def doubts_of(assembly: Assembly, contacts: ContactSet) -> Doubts:
-    """Collect the doubts about the contacts of an assembly.
+    """Collect the pairs of an assembly whose real contacts may differ from the detected contacts.
 
     Examples
     --------
@@ -90,6 +90,6 @@ def doubts_of(assembly: Assembly, contacts: ContactSet) -> Doubts:
 
 
 def fitted_pairs(contacts: ContactSet) -> Index:
-    """Pairs of parts whose contacts have fitted normals, shape (n, 2)."""
+    """Pairs of parts whose contacts have normals fitted to two different meshes, shape (n, 2)."""
     pairs: Index = contacts.patch_parts[contacts.patch_doubt > 0]
     return pairs

@@ -1,4 +1,4 @@
-"""Statements about contacts with fitted normals: smooth faces that two meshes cut differently.
+"""Statements about contacts with fitted normals, at smooth faces that are meshed differently.
 
 A fit gives the normal with a doubt, which is an angle. Forces within the friction mu - doubt of
 the fitted normal are within mu of the true normal, so the contact keeps this reduced friction.
@@ -24,12 +24,12 @@ __all__ = ["fits_left_out", "rests_on_fits", "why_fits_leave_it_open"]
 
 
 def rests_on_fits(program: Program, assembly: Assembly) -> bool:
-    """Whether a contact between two bodies that can move apart has a normal in doubt."""
+    """Whether a contact with an uncertain fitted normal is between parts that can move apart."""
     return len(_fitted_patches(program, assembly)) > 0
 
 
 def _fitted_patches(program: Program, assembly: Assembly) -> Index:
-    """Indices of patches with fitted normals between different rigid groups, without repeats."""
+    """Indices of patches with fitted normals between parts that can move apart, without repeats."""
     group = rigid_groups(assembly)
     rows = np.flatnonzero(program.doubt)
     rows = rows[group[program.part_a[rows]] != group[program.part_b[rows]]]
@@ -39,7 +39,9 @@ def _fitted_patches(program: Program, assembly: Assembly) -> Index:
 def why_fits_leave_it_open(
     assembly: Assembly, contacts: ContactSet, certain: Program, work: Work
 ) -> tuple[str, ...]:
-    """Reason why fitted contacts leave an assembly undecided that the certain contacts do not hold.
+    """Reason why an assembly is undecided although contacts with fitted normals could hold it.
+
+    The certain contacts alone do not hold it.
 
     Returns
     -------
@@ -57,7 +59,7 @@ def why_fits_leave_it_open(
 
 
 def fits_left_out(assembly: Assembly, contacts: ContactSet, certain: Program) -> list[str]:
-    """Warning that names the pairs whose fitted contacts a program leaves out.
+    """Warnings that name the pairs whose contacts, with fitted normals, a program leaves out.
 
     Parameters
     ----------

@@ -95,7 +95,7 @@ LARGEST_PYRAMID = 20_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Judgement:
-    """Answer of `judge`: whether an equilibrium exists, with its proof.
+    """Answer of `judge`: whether contact forces can balance every part, with its proof.
 
     Attributes
     ----------
@@ -138,7 +138,7 @@ class _Options(TypedDict, total=False):
 
 
 def judge(program: Program, *, work: Work | None = None, solver: Solver | None = None) -> Judgement:
-    """Decide whether forces of equilibrium exist for a program, and prove the answer.
+    """Decide whether contact forces can balance every part, and prove the answer.
 
     Parameters
     ----------
@@ -193,7 +193,7 @@ def _is_better(first: MotionProof, other: MotionProof) -> bool:
 
 
 def _candidates(program: Program, work: Work, solver: Solver | None) -> Iterator[_Candidate]:
-    """Candidate proofs, the cheapest first, by all solvers or by `solver` alone."""
+    """Yield candidate proofs, the cheapest first, from all solvers or from `solver` alone."""
     rough = bool(program.mu.any())
     if program.cohesion.any():
         yield from _candidates_with_limited_shear(program, work)
@@ -215,7 +215,7 @@ def _candidates(program: Program, work: Work, solver: Solver | None) -> Iterator
 
 
 def _candidates_with_limited_shear(program: Program, work: Work) -> Iterator[_Candidate]:
-    """Candidate proofs for a program with bonds whose shear is limited by a force."""
+    """Yield candidate proofs for bonds whose shear force is limited."""
     wide = cone_problem(program)
     yield _by_strength(wide, work)
     yield _by_cones(wide, work)
@@ -223,7 +223,7 @@ def _candidates_with_limited_shear(program: Program, work: Work) -> Iterator[_Ca
 
 
 def _candidates_without_friction(program: Program, work: Work) -> Iterator[_Candidate]:
-    """Candidate proofs for a program without friction, the cheapest first."""
+    """Yield candidate proofs for contacts without friction, the cheapest first."""
     problem = scaled_problem(program)
     bonded = least_forces(problem)
     if bonded is not None:
@@ -249,7 +249,7 @@ def _candidates_without_friction(program: Program, work: Work) -> Iterator[_Cand
 
 
 def _by_rounded_rows(problem: ScaledProblem, work: Work) -> Iterator[_Candidate]:
-    """Candidate proofs by a problem whose smallest entries are dropped.
+    """Yield candidate proofs from a problem whose smallest entries are dropped.
 
     Coordinates far from the origin make entries of 1e-12 that are rounding errors. A simplex that
     scales rows and columns makes them as large as other entries, and fails.
@@ -263,7 +263,7 @@ def _by_rounded_rows(problem: ScaledProblem, work: Work) -> Iterator[_Candidate]
 def _solve_with_word(
     lp: LinearProgram, word: str, **options: Unpack[_Options]
 ) -> tuple[Solution, str]:
-    """Solve a linear program; return the solution and a description of the run."""
+    """Solve a linear program; return its solution and a description of the solver run."""
     from kilter.solvers.highs import solve_linear
 
     answer = solve_linear(lp, **options)
@@ -271,7 +271,7 @@ def _solve_with_word(
 
 
 def _by_equilibrium(problem: ScaledProblem, work: Work) -> Iterator[_Candidate]:
-    """Candidate forces by the feasibility program of equilibrium."""
+    """Yield candidate forces that balance every part exactly, by a linear program."""
     lp = equilibrium(problem)
     answer, word = _solve_with_word(
         lp, "equilibrium", method="interior", forces_only=True, work=work
@@ -280,7 +280,7 @@ def _by_equilibrium(problem: ScaledProblem, work: Work) -> Iterator[_Candidate]:
 
 
 def _by_load_factor(problem: ScaledProblem, **options: Unpack[_Options]) -> Iterator[_Candidate]:
-    """Candidate proof by the greatest share (0 to 1) of the load that forces can balance."""
+    """Yield a candidate proof from the greatest fraction (0 to 1) of the load that is balanced."""
     answer, word = _solve_with_word(load_factor(problem), "load factor", **options)
     if not answer.found:
         yield _Candidate(word)
@@ -297,7 +297,7 @@ def _by_load_factor(problem: ScaledProblem, **options: Unpack[_Options]) -> Iter
 def _by_least_imbalance(
     problem: ScaledProblem, **options: Unpack[_Options]
 ) -> Iterator[_Candidate]:
-    """Candidate forces of the least maximal imbalance, and a motion by its multipliers."""
+    """Yield candidate forces of the least largest imbalance, and a motion from the multipliers."""
     answer, word = _solve_with_word(least_imbalance(problem), "least imbalance", **options)
     if not answer.found:
         yield _Candidate(word)
@@ -310,7 +310,7 @@ def _by_least_imbalance(
 
 
 def _by_total_imbalance(problem: ScaledProblem, work: Work) -> Iterator[_Candidate]:
-    """Candidate forces of the least sum of imbalances, and a motion by its multipliers."""
+    """Yield candidate forces of the least sum of imbalances, and a motion from the multipliers."""
     answer, word = _solve_with_word(
         total_imbalance(problem), "total imbalance", method="interior", work=work
     )
@@ -324,7 +324,7 @@ def _by_total_imbalance(problem: ScaledProblem, work: Work) -> Iterator[_Candida
 
 
 def _candidates_in_cones(program: Program, work: Work) -> Iterator[_Candidate]:
-    """Candidate proofs for a program with friction, the cheapest first."""
+    """Yield candidate proofs for contacts with friction, the cheapest first."""
     if int(program.free.sum()) * len(program.freedoms) > OWN_ROWS:
         yield from _by_own_cones(program, work)
     wide = cone_problem(program)
@@ -337,7 +337,7 @@ def _candidates_in_cones(program: Program, work: Work) -> Iterator[_Candidate]:
 
 
 def _by_pyramids(program: Program, fitted: list[Array], work: Work) -> Iterator[_Candidate]:
-    """Candidate proofs by finer and finer pyramids that replace the friction cones.
+    """Yield candidate proofs with pyramids, which become finer, in place of the friction cones.
 
     `fitted` holds directions of friction at the rough contacts [rad]. They are added as rays,
     together with the directions of each new candidate.
@@ -355,7 +355,7 @@ def _by_pyramids(program: Program, fitted: list[Array], work: Work) -> Iterator[
 
 
 def _friction_angles(program: Program, candidate: _Candidate) -> list[Array]:
-    """Directions of friction at each rough contact, by forces and by slips [rad]."""
+    """Directions of friction [rad] at each rough contact, from a candidate's forces and slips."""
     directions = []
     if candidate.friction is not None:
         directions.append(angles_across(program, candidate.friction))
@@ -375,7 +375,9 @@ def _by_pyramid(
     angles: Array | None = None,
     solver: Solver | None = None,
 ) -> _Candidate:
-    """Candidate proof by pyramids: forces of inner pyramids, or a motion of outer pyramids.
+    """Candidate proof with pyramids in place of friction cones.
+
+    Inner pyramids give forces, outer pyramids give a motion.
 
     An inner pyramid lies within the friction cone, so its forces obey the cone. An outer pyramid
     contains the cone, so its motion opposes every force of the cone. In a planar assembly the
@@ -395,7 +397,7 @@ def _by_pyramid(
 
 
 def _by_own_cones(program: Program, work: Work) -> Iterator[_Candidate]:
-    """Candidate proofs by the load factor in exact cones, from steps of kilter's interior point."""
+    """Yield candidate proofs from the load factor in exact cones, by kilter's own solver."""
     balance = load_share(program)
     word, steps = "load factor in cones: kilter, {} iterations, {}", 0
     for step in iterates(balance.cones):
@@ -411,7 +413,7 @@ def _by_own_cones(program: Program, work: Work) -> Iterator[_Candidate]:
 
 
 def _by_cones(wide: ConeProblem, work: Work) -> _Candidate:
-    """Candidate proof by the load factor in exact cones, solved by Clarabel."""
+    """Candidate proof from the load factor in exact friction cones, by the solver Clarabel."""
     from kilter.solvers.clarabel import solve_conic
 
     problem = wide.problem
@@ -428,7 +430,7 @@ def _by_cones(wide: ConeProblem, work: Work) -> _Candidate:
 
 
 def _by_strength(wide: ConeProblem, work: Work) -> _Candidate:
-    """Candidate proof by the least share of the bonds' strength that suffices.
+    """Candidate proof from the least fraction of the strength of all bonds that balances the parts.
 
     A share of at most 1 gives forces, a larger share gives a motion.
     """
@@ -442,7 +444,7 @@ def _by_strength(wide: ConeProblem, work: Work) -> _Candidate:
 
 
 def _by_cohesion(wide: ConeProblem, work: Work) -> _Candidate:
-    """Candidate proof by the least cohesion in exact cones.
+    """Candidate proof from the least tension that contacts in exact friction cones need.
 
     A cohesion of at most 0 gives forces. A positive cohesion gives a motion, which is corrected
     so that it violates no contact.

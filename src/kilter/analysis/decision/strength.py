@@ -1,4 +1,4 @@
-"""Least share of the strength of all bonds with which contacts balance the parts.
+"""Least fraction of the strength of all bonds with which contact forces balance the parts.
 
     s = min s:  J^T f + w - (1 - s) c = 0,  f_n >= 0,  |f_t| <= mu f_n + s S      c: the clamps
 
@@ -22,7 +22,9 @@ __all__ = ["Strength", "find_strength"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Strength:
-    """The least share of the strength, with the forces and the motion offered as proofs.
+    """The least fraction of bond strength that balances the parts, with forces and a motion.
+
+    The forces and the motion are offered as proofs.
 
     Attributes
     ----------
@@ -45,7 +47,9 @@ class Strength:
 
 
 def find_strength(wide: ConeProblem, *, work: Work | None = None) -> Strength | None:
-    """Compute the least share of the bonds' strength that balances a program.
+    """Compute the least fraction of the strength of all bonds that balances the parts.
+
+    None if the solver finds no solution.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""Many assemblies at once: verdicts, and files of them."""
+"""Verdicts of many assemblies at once, from objects in memory or from files."""

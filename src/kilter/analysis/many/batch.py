@@ -1,4 +1,4 @@
-"""Verdicts of many files, chunk by chunk, by processes that may die.
+"""Verdicts of many files, chunk by chunk, by worker processes; a worker that dies is replaced.
 
 Rows are judged by workers and written by this process alone, so that no row is lost or doubled
 whatever is killed. A task whose worker died is tried once more, then halved, until the assembly
@@ -39,7 +39,7 @@ TOLD = 1000
 
 @dataclass(slots=True, eq=False)
 class Batch:
-    """Result of a batch: the files with its rows.
+    """Result of a batch of verdicts: number of rows of each kind, and the files that contain them.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class Batch:
     found_there: int = 0
 
     def add(self, rows: Sequence[BatchRow]) -> None:
-        """Count the rows of a chunk."""
+        """Count the rows of a finished chunk of the batch."""
         self.rows += len(rows)
         self.counts.update(row["verdict"] for row in rows)
         wrong = [(row["file"], row["error"] or "") for row in rows if row["verdict"] == "error"]
@@ -96,7 +96,7 @@ def batch(
     progress: Callable[[int, int], None] | None = None,
     **reading: Any,
 ) -> Batch:
-    """Verdicts of many files, written to a folder as tables.
+    """Compute the verdicts of many files, and write them to a folder as tables.
 
     A later run continues an interrupted one with the missing rows.
 
@@ -147,7 +147,10 @@ def run_batch(
     cluster: str | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Batch:
-    """The same for a question whose options are read already."""
+    """Compute the verdicts of many files for a question with validated options.
+
+    Otherwise as `batch`.
+    """
     size = _whole(chunk, "chunk")
     count = _whole(_cores() if processes is None else processes, "processes")
     base, files = listed_files(source)
@@ -191,7 +194,7 @@ def _run(
     tables: Batch,
     progress: Callable[[int, int], None],
 ) -> None:
-    """Judge the remaining chunks, and write their rows."""
+    """Judge the chunks of a batch that are not written yet, and write their rows."""
     waiting = deque(Task(k, tuple((n, files[n]) for n in folder.places(k))) for k in left)
     rows: dict[int, dict[int, BatchRow]] = {k: {} for k in left}
     progress(tables.rows, folder.count)
@@ -213,7 +216,7 @@ def _run(
 
 
 def _rows_of_dead_task(task: Task) -> tuple[list[BatchRow], list[Task]]:
-    """Rows, and tasks to try, in place of a task whose worker died."""
+    """Rows of errors, or smaller tasks to try again, in place of a task whose worker died."""
     if task.tries + 1 < TRIES:
         return [], [Task(task.chunk, task.files, task.tries + 1)]
     if len(task.files) == 1:

@@ -1,4 +1,4 @@
-"""The rows of a batch judged by the workers of a Dask cluster (extra `kilter[cluster]`).
+"""Worker pool that judges the rows of a batch on a Dask cluster (extra `kilter[cluster]`).
 
 The scheduler hands the tasks of a worker that died to others. If a task has killed several
 workers, the scheduler gives up, and the task is returned as died.
@@ -20,7 +20,7 @@ AHEAD = 2
 
 
 class ClusterWorkers:
-    """The workers of a scheduler at an address."""
+    """The pool of workers of the Dask scheduler at an address."""
 
     def __init__(self, address: str, question: BatchQuestion) -> None:
         try:
@@ -41,7 +41,7 @@ class ClusterWorkers:
 
     @property
     def free(self) -> int:
-        """Number of tasks that can be started now."""
+        """Number of tasks that the cluster can start now."""
         threads: int = sum(self._client.nthreads().values())
         return max(AHEAD * threads, 1) - len(self._tasks)
 
@@ -52,7 +52,7 @@ class ClusterWorkers:
         future.add_done_callback(self._done.put)
 
     def finished(self, seconds: float) -> list[tuple[Task, list[BatchRow] | None]]:
-        """Tasks that came to an end within some seconds, None if their workers died."""
+        """Tasks that end within a time [s], each with its rows; None for rows if a worker died."""
         try:
             future = self._done.get(timeout=seconds)
         except queue.Empty:
@@ -64,7 +64,7 @@ class ClusterWorkers:
             return [(task, None)]
 
     def end(self) -> None:
-        """Cancel all tasks and leave the cluster."""
+        """Cancel all tasks, and leave the cluster."""
         for future in self._tasks:
             future.cancel()
         self._client.close()

@@ -1,4 +1,4 @@
-"""The folder of a batch: a file for each chunk of rows, complete or absent.
+"""The output folder of a batch: a file for each chunk of rows, complete or absent.
 
 A chunk is written beside its place, flushed to the disk and renamed, so that a listing of the
 folder shows the finished chunks; no other state is kept. `batch.json` identifies the batch; a lock
@@ -31,7 +31,7 @@ MANIFEST, LOCK = "batch.json", ".batch.lock"
 
 @dataclass(frozen=True, slots=True)
 class BatchFolder:
-    """Folder of the rows of a batch: `count` rows in chunks of `size`."""
+    """Output folder of a batch: files for `count` rows in chunks of `size` rows."""
 
     path: Path
     count: int
@@ -40,19 +40,19 @@ class BatchFolder:
 
     @property
     def chunks(self) -> int:
-        """Number of chunks."""
+        """Number of chunks of the batch."""
         return -(-self.count // self.size)
 
     def places(self, chunk: int) -> range:
-        """The places of the rows of a chunk."""
+        """Indices, within the batch, of the rows of a chunk."""
         return range(chunk * self.size, min((chunk + 1) * self.size, self.count))
 
     def file(self, chunk: int) -> Path:
-        """Return the path of the file of a chunk."""
+        """Path of the file that contains the rows of a chunk."""
         return self.path / f"part-{chunk:06d}.{self.form}"
 
     def write(self, chunk: int, rows: Sequence[BatchRow]) -> None:
-        """A chunk, in full or not at all.
+        """Write the rows of a chunk to its file, all rows or none.
 
         Raises
         ------
@@ -64,7 +64,7 @@ class BatchFolder:
         _flush(self.path)
 
     def read(self, chunk: int) -> list[BatchRow] | None:
-        """Return the rows of a chunk, or None if its file does not exist.
+        """Read the rows of a chunk; None if its file does not exist.
 
         Raises
         ------
@@ -87,7 +87,7 @@ class BatchFolder:
 def open_folder(
     path: Path, files: Sequence[str], question: BatchQuestion, *, size: int
 ) -> Iterator[BatchFolder]:
-    """Open the folder of a batch, and lock it against other runs.
+    """Open the output folder of a batch, and lock it against other runs.
 
     Raises
     ------
@@ -123,7 +123,10 @@ def open_folder(
 
 
 def _written_form(manifest: Path, asked: dict[str, Any]) -> tuple[str, int]:
-    """File format and chunk size of the batch in a folder; an error if it is another batch."""
+    """File format and chunk size of the batch already in a folder.
+
+    Raises InputError if it is a different batch.
+    """
     try:
         written = json.loads(manifest.read_text(encoding="utf-8"))
         form, size = str(written.pop("form")), int(written.pop("rows"))
@@ -145,7 +148,7 @@ def _written_form(manifest: Path, asked: dict[str, Any]) -> tuple[str, int]:
 
 
 def _as_data(question: BatchQuestion) -> dict[str, Any]:
-    """JSON data of a question, to compare it with the question of a folder."""
+    """Options of a batch as JSON data, to compare them with the options stored in a folder."""
     tolerance = question.tolerance
     return {
         "reading": question.reading.options(),
@@ -158,7 +161,7 @@ def _as_data(question: BatchQuestion) -> dict[str, Any]:
 
 @contextlib.contextmanager
 def _locked_folder(path: Path) -> Iterator[None]:
-    """No other run in the folder while this lasts; a run that is killed leaves it free."""
+    """Keep other runs out of a folder within this context; a killed run also releases it."""
     try:
         handle = os.open(path / LOCK, os.O_RDWR | os.O_CREAT, 0o666)
     except OSError as error:  # no rights, or no room for one more name
@@ -182,7 +185,7 @@ def _locked_folder(path: Path) -> Iterator[None]:
 
 
 def _lock(handle: int) -> None:
-    """Lock an open file for this process; an `OSError` if another process has the lock."""
+    """Lock an open file for this process; OSError if another process has locked it."""
     if os.name == "nt":
         import msvcrt
 
@@ -194,7 +197,7 @@ def _lock(handle: int) -> None:
 
 
 def _flush(folder: Path) -> None:
-    """The new name of a file, also if the machine stops."""
+    """Flush a folder to disk, so that a renamed file in it survives a crash of the machine."""
     if os.name == "nt":
         return
     handle = os.open(folder, os.O_RDONLY)
@@ -230,7 +233,7 @@ def _value(kind: type, text: str) -> Any:
 
 
 def _parquet(rows: Sequence[BatchRow]) -> bytes:
-    """A table of rows as a Parquet file, with fixed types of the columns."""
+    """A table of batch rows as the bytes of a Parquet file, with fixed column types."""
     import pyarrow
     import pyarrow.parquet
 

@@ -1,4 +1,4 @@
-"""Input files of a batch: the files that a list names, or that a folder contains."""
+"""Input files of a batch, which a list file names or a folder contains."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ READABLE = (*FORMATS, ".json")
 
 
 def listed_files(source: str | Path) -> tuple[Path, list[str]]:
-    """The folder that paths start from, and the path of each assembly.
+    """The folder to which the paths of a batch are relative, and the path of each input file.
 
     Parameters
     ----------

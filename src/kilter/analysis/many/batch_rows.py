@@ -1,4 +1,4 @@
-"""Rows of a batch: a row for each assembly, the same in every process."""
+"""Rows of a batch: the verdict of each assembly as a row, the same from every process."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ BatchRow = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class BatchQuestion:
-    """Options for every assembly of a batch: of the check and of the reader.
+    """Options of a batch, the same for every assembly: options of `check` and of the file reader.
 
     `base`: the folder that their paths start from.
     """
@@ -54,7 +54,7 @@ class BatchQuestion:
 
     @property
     def options(self) -> dict[str, Any]:
-        """Options of `check`."""
+        """Options of the batch that `check` accepts, as keyword arguments."""
         return {
             # an assembly of choices has a tolerance of its own
             "tolerance": None if self.tolerance == Tolerance() else self.tolerance,
@@ -65,7 +65,7 @@ class BatchQuestion:
 
 
 def judged_rows(files: Sequence[tuple[int, str]], question: BatchQuestion) -> list[BatchRow]:
-    """The rows of some files, given with their places in the batch."""
+    """Read and judge files, given with their indices in the batch; return a row for each."""
     rows: dict[int, BatchRow] = {}
     read: dict[int, Assembly] = {}
     for index, file in files:
@@ -101,7 +101,7 @@ def _read(file: str, question: BatchQuestion) -> Assembly:
 
 
 def _row(index: int, file: str, assembly: Assembly, verdicts: Verdicts, k: int) -> BatchRow:
-    """The row of an assembly: its verdict, or its error."""
+    """Row of the k-th assembly: its verdict, or the error that prevented a verdict."""
     if k in verdicts.errors:
         return error_row(index, file, _words(verdicts.errors[k]), parts=len(assembly))
     return {
@@ -119,7 +119,7 @@ def _row(index: int, file: str, assembly: Assembly, verdicts: Verdicts, k: int) 
 
 
 def error_row(index: int, file: str, error: str, *, parts: int | None = None) -> BatchRow:
-    """The row of a file without a verdict."""
+    """Row of a file for which an error prevented a verdict."""
     row = dict.fromkeys(COLUMNS)
     return row | {
         "index": index, "file": file, "verdict": "error", "stable": False, "parts": parts,

@@ -1,4 +1,4 @@
-"""Workers that judge the rows of a batch: processes, each with a single task at a time.
+"""Worker processes that judge the rows of a batch, each with a single task at a time.
 
 A worker that dies, whatever killed it, is replaced, and its task handed back as died.
 """
@@ -28,7 +28,7 @@ Files = tuple[tuple[int, str], ...]
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """Files of a chunk, with their places in the batch, and the number of tries."""
+    """Files for a worker to judge, with their indices in the batch, and the number of attempts."""
 
     chunk: int
     files: Files
@@ -36,14 +36,14 @@ class Task:
 
 
 class Workers(Protocol):
-    """Interface of a pool of processes that judges tasks and returns their rows."""
+    """Interface of a pool of worker processes, which judges tasks and returns their rows."""
 
     @property
     def free(self) -> int:
-        """Number of tasks that can be started now."""
+        """Number of tasks that the workers can start now."""
 
     def take(self, task: Task) -> None:
-        """Start a task."""
+        """Start a task on a free worker."""
 
     def finished(self, seconds: float) -> list[tuple[Task, list[BatchRow] | None]]:
         """Tasks that end within a time [s]; None in place of rows if their worker died."""
@@ -53,7 +53,7 @@ class Workers(Protocol):
 
 
 class LocalWorkers:
-    """A pool of `count` processes on this machine."""
+    """Pool of `count` worker processes on this machine."""
 
     def __init__(self, count: int, question: BatchQuestion) -> None:
         self._count, self._question = count, question
@@ -64,11 +64,11 @@ class LocalWorkers:
 
     @property
     def free(self) -> int:
-        """Number of tasks that can be started now."""
+        """Number of tasks that the workers can start now."""
         return self._count - len(self._busy)
 
     def take(self, task: Task) -> None:
-        """Start a task."""
+        """Start a task on a free worker process."""
         worker = self._idle.pop() if self._idle else self._start_worker()
         assert worker.stdin is not None
         self._busy[worker] = task
@@ -112,14 +112,14 @@ class LocalWorkers:
         return done_tasks
 
     def end(self) -> None:
-        """Let all go, whatever they are at."""
+        """Terminate all worker processes, with their unfinished tasks."""
         for worker in [*self._busy, *self._idle]:
             end_process(worker)
         self._ready.close()
 
 
 def serve() -> None:
-    """Judge tasks as they come, until nobody asks any more."""
+    """Judge tasks from the standard input of a worker process until the input ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     incoming = os.fdopen(os.dup(0), "rb")
     outgoing = os.fdopen(os.dup(1), "wb")

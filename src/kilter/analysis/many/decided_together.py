@@ -32,7 +32,7 @@ __all__ = ["Together", "decide_together"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Together:
-    """Proofs of M assemblies that were processed together.
+    """Proofs for M assemblies that were decided in a joint computation.
 
     Attributes
     ----------
@@ -53,20 +53,20 @@ class Together:
     in_outer: Mask
 
     def settles(self, k: int) -> bool:
-        """Whether assembly k is proved stable or unstable."""
+        """Whether the joint computation proves assembly k stable or unstable."""
         return bool(self.stable[k] or self.unstable[k])
 
     def _block_of(self, k: int) -> tuple[ProgramBlocks, BlockProofs]:
-        """Return the programs and proofs that include those of assembly k."""
+        """Programs and proofs of the block of assemblies to which assembly k belongs."""
         outer = self.outer if self.in_outer[k] else None
         return self.certain if outer is None else outer
 
     def proofs(self, k: int) -> BlockProofs:
-        """Return the proofs that include the proof of assembly k."""
+        """Proofs of the block of assemblies to which assembly k belongs."""
         return self._block_of(k)[1]
 
     def certificate(self, k: int) -> tuple[Program, ForceProof | MotionProof]:
-        """Return the program of assembly k and its proof, verified separately."""
+        """The program of assembly k and its proof, verified without the other assemblies."""
         blocks, proofs = self._block_of(k)
         program = blocks.program(k)
         if self.stable[k]:
@@ -77,7 +77,7 @@ class Together:
 
 
 def decide_together(apart: SideBySide, rough: Mask, tolerance: Tolerance) -> Together:
-    """Decide as many assemblies as possible together, without friction.
+    """Decide as many assemblies as possible in a joint computation without friction.
 
     Parameters
     ----------
@@ -114,11 +114,11 @@ def _odd(apart: SideBySide, contacts: ContactSet) -> Mask:
 def _rests_level(
     blocks: ProgramBlocks, contacts: ContactSet, proofs: BlockProofs, stable: Mask
 ) -> Mask:
-    """Return the mask of stable assemblies that rest on level faces, shape (M,)."""
+    """Mask of the stable assemblies whose parts rest on horizontal faces, shape (M,)."""
     rests = np.zeros_like(stable)
 
     def examine(which: Index) -> None:
-        """Examine assemblies of equal gravity as one; halve those that do not all rest."""
+        """Mark the assemblies that rest on horizontal faces; halve a group in which some do not."""
         program = blocks.union(which)
         if rests_level(program, level_rows(program, contacts), proofs.forces[blocks.rows(which)]):
             rests[which] = True

@@ -1,4 +1,4 @@
-"""A verdict of which only the word is known; all other data are computed by `check` on access."""
+"""A verdict with only its word computed; access to any other field runs `check`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ FIELDS = frozenset(field.name for field in fields(Verdict))
 
 
 class DeferredVerdict(Verdict):
-    """A `Verdict` that is complete after the first access to a field that is not known yet."""
+    """A `Verdict` whose unknown fields are computed at the first access to any of them."""
 
     @classmethod
     def of(
@@ -27,7 +27,7 @@ class DeferredVerdict(Verdict):
         known: Mapping[str, Any],
         options: Mapping[str, Any],
     ) -> DeferredVerdict:
-        """Return the verdict of an assembly of which some fields are known.
+        """Create the verdict of assembly k from known fields; `options` serve to compute the rest.
 
         Parameters
         ----------
@@ -45,7 +45,7 @@ class DeferredVerdict(Verdict):
         return verdict
 
     def __getattribute__(self, name: str) -> Any:
-        """A field that is not known is computed first, with all others."""
+        """Return a field of the verdict; an unknown field is computed first, with all others."""
         if name in FIELDS:
             values = object.__getattribute__(self, "__dict__")
             if name not in values and "_deferred" in values:

@@ -1,4 +1,4 @@
-"""Verdicts: the answers of `check_many` in arrays, and each as a `Verdict` completed on access."""
+"""Answers of `check_many`: arrays over all assemblies, and a full `Verdict` for each on access."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Certificate = tuple[Program, ForceProof | MotionProof]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Row:
-    """Stored data of a verdict: the word, the errors of its proof, and the proof."""
+    """Stored data of a verdict: its word, the errors of its proof, and the proof."""
 
     verdict: str
     residual: float = np.nan
@@ -41,7 +41,7 @@ class Row:
 
     @classmethod
     def of(cls, decided: Together, n: int) -> Row:
-        """Row of the assembly with index `n` in a joint computation."""
+        """Create the row of assembly `n` of a joint computation."""
         proofs = decided.proofs(n)
         if decided.stable[n]:
             return cls("stable", residual=float(proofs.residual[n]), together=(decided, n))
@@ -50,7 +50,7 @@ class Row:
 
     @classmethod
     def of_verdict(cls, verdict: Verdict) -> Row:
-        """Row of an assembly that `check` judged alone."""
+        """Create the row of an assembly from its verdict by `check`."""
         proof = verdict.certificate
         if proof is None:
             return cls(verdict.verdict)
@@ -60,7 +60,7 @@ class Row:
         return cls(verdict.verdict, power=proof.power, violation=proof.violation, certificate=both)
 
     def without_proof(self) -> Row:
-        """Return the row without its proof."""
+        """Copy of the row without the proof."""
         return dataclasses.replace(self, together=None, certificate=None)
 
 
@@ -113,7 +113,7 @@ class Verdicts(Sequence[Verdict]):
     @overload
     def __getitem__(self, k: slice) -> list[Verdict]: ...
     def __getitem__(self, k: int | slice) -> Verdict | list[Verdict]:
-        """The k-th verdict.
+        """The verdict with index `k`, or the list of verdicts of a slice.
 
         Its word, level and assembly are known; `check` computes the rest on the first access.
 
@@ -136,24 +136,24 @@ class Verdicts(Sequence[Verdict]):
 
     @cached_property
     def verdict(self) -> Labels:
-        """Verdict words, shape (M,)."""
+        """Verdict word of each assembly, shape (M,)."""
         return np.array([row.verdict for row in self._rows], dtype=object).astype(str)
 
     @property
     def level(self) -> tuple[str | None, ...]:
-        """Level of each assembly; None if it does not hold."""
+        """Verdict level of each assembly; None if it does not hold."""
         return tuple(level_of(row.verdict) for row in self._rows)
 
     @cached_property
     def stable(self) -> Mask:
-        """Whether each assembly reaches the required level, shape (M,)."""
+        """Whether each assembly reaches the required verdict level, shape (M,)."""
         return np.array(
             [holds(level, self._options["require"]) for level in self.level], dtype=bool
         )
 
     @property
     def residual(self) -> Array:
-        """Largest relative imbalance of the proving forces [-], shape (M,)."""
+        """Largest imbalance of a part under the proving forces, over its weight [-], shape (M,)."""
         return np.array([row.residual for row in self._rows])
 
     @property
@@ -168,7 +168,7 @@ class Verdicts(Sequence[Verdict]):
 
     @cached_property
     def errors(self) -> dict[int, KilterError]:
-        """Errors of the assemblies without a verdict, by index."""
+        """Errors that prevented verdicts, by index of the assembly."""
         return {k: row.error for k, row in enumerate(self._rows) if row.error is not None}
 
     @property
@@ -177,7 +177,7 @@ class Verdicts(Sequence[Verdict]):
         return dict(Counter(self.verdict.tolist()).most_common())
 
     def certificate(self, k: int) -> Certificate | None:
-        """Return the program and the proof of verdict k, or None if no proof is stored."""
+        """The program and the proof of the k-th verdict; None if no proof is stored."""
         row = self._rows[range(len(self))[k]]
         if row.together is not None:
             decided, n = row.together

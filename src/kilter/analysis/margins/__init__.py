@@ -1,1 +1,1 @@
-"""By how much it stays: tilt, friction, loads and pushes."""
+"""Margins of an assembly: the tilt, friction, loads and pushes up to which it holds."""

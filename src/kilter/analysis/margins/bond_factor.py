@@ -1,4 +1,4 @@
-"""The least share of the strength of all bonds with which contact forces hold the assembly.
+"""Bond factor: the least fraction of the strength of all bonds that holds the assembly.
 
     min s:  J^T f' + w + s c = 0,  f' in the cones          c: the wrenches of the bonds' pulls
 
@@ -41,7 +41,7 @@ GIVES = 1e-6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BondFactor:
-    """The least share of its strength that every bond needs; the share is the same for all bonds.
+    """The least fraction of its strength that every bond needs; it is the same for all bonds.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class BondFactor:
 
 
 def find_bond_factor(program: Program, contacts: ContactSet) -> BondFactor | NoLimit:
-    """Compute the least share of the strength of all bonds with which an assembly holds.
+    """Compute the least fraction of the strength of all bonds with which an assembly holds.
 
     The result is a `NoLimit` with the reason "none" if bonds of any strength do not hold it, or
     "failed" if the solvers give no proof.
@@ -113,7 +113,7 @@ def find_bond_factor(program: Program, contacts: ContactSet) -> BondFactor | NoL
 
 
 def _by_weight(program: Program) -> Limit | NoLimit:
-    """Limit of minus the share s, solved with pulls scaled until their sum equals the weight."""
+    """Compute minus the bond factor as a load limit, with pulls in units of the parts' weight."""
     unit = float(program.weight[program.free].sum() / program.pull.sum())
     loose = program.with_rows(clamp=np.zeros_like(program.clamp))
     scaled = find_limit(loose, -unit * program.clamp, most=1.0)
@@ -125,7 +125,7 @@ def _by_weight(program: Program) -> Limit | NoLimit:
 
 
 def unbreakable(program: Program) -> Program:
-    """The program with bonds of unlimited strength: bonded rows take forces of both signs.
+    """Copy of a program in which bonds have unlimited strength, in tension and compression.
 
     With friction, or if a bond takes shear, they also take any force across the normal.
     """
@@ -143,7 +143,7 @@ def unbreakable(program: Program) -> Program:
 
 
 def _by_strength(program: Program, contacts: ContactSet) -> BondFactor | NoLimit:
-    """Bond factor if bonds also have a shear strength, which scales with the same share."""
+    """Compute the bond factor if tension and shear strength scale with the same fraction."""
     wide = cone_problem(program)
     strength = find_strength(wide)
     if strength is None or np.isinf(strength.share):
@@ -171,7 +171,7 @@ def _by_strength(program: Program, contacts: ContactSet) -> BondFactor | NoLimit
 def _yielding_bonds(
     program: Program, contacts: ContactSet, limit: Limit
 ) -> tuple[tuple[int, float], ...]:
-    """Indices of the bonds that give way in the mechanism, each with its share of the work [-]."""
+    """Bonds that break in the limit mechanism: index, and fraction of the work for each [-]."""
     if limit.mechanism is None:
         return ()
     strong = (program.pull > 0) | (program.cohesion > 0)

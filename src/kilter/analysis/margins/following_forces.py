@@ -1,4 +1,6 @@
-"""Limits that hold for all masses and centres of mass within intervals, with affine forces.
+"""Limits of tilt and loads that hold for all masses and centres of mass within intervals.
+
+The contact forces are affine functions of the masses and centres.
 
 The forces are affine functions of the masses and moments (`kilter.mechanics.affine`). A single
 linear program then gives a limit that is valid for every mass and centre: an inner bound.
@@ -35,7 +37,7 @@ SIMPLEX = 30_000
 
 
 class FollowingForces:
-    """Limits with forces that are affine in the masses and centres of mass.
+    """Limits of tilt and loads for uncertain masses, from forces affine in masses and centres.
 
     Parameters
     ----------
@@ -66,7 +68,10 @@ class FollowingForces:
         self.moment = center * mass[1]
 
     def _sides(self, direction: Array) -> Array:
-        """Change of the scaled load per unknown, for gravity along `direction`, (K, rows)."""
+        """Change of the scaled load per uncertain quantity, for gravity along `direction`.
+
+        Shape (K, rows).
+        """
         program = self.program
         size = program.mass * program.g
         sides = []
@@ -82,7 +87,7 @@ class FollowingForces:
     def reach(
         self, wrench: Array | None, push: Array | None, most: float, sign: float = 1.0
     ) -> float | NoLimit:
-        """Largest proved share of a further load that every mass and centre in the box withstands.
+        """Largest proved multiple of a load that holds for every mass and centre in the intervals.
 
         Parameters
         ----------
@@ -122,7 +127,7 @@ class FollowingForces:
         return self._largest_share(load, most)
 
     def _largest_share(self, load: UncertainLoad, most: float) -> float | NoLimit:
-        """Largest share of an uncertain load, from whichever method gives balanced forces."""
+        """Largest multiple of an uncertain load that any of the methods proves to be held."""
         from kilter.solvers.highs import solve_linear
 
         program = affine_forces(self.problem, load, min(most, STEEP))

@@ -47,7 +47,7 @@ Cell = tuple[int, int, int]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BrickChange:
-    """A brick to add or to remove, and the share of strength that the changed model needs.
+    """A brick to add or to remove, and the fraction of stud strength that the changed model needs.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class BrickChange:
     assembly: Assembly
 
     def to_dict(self) -> dict[str, Any]:
-        """The change as JSON data."""
+        """The change of the brick model as JSON data."""
         return {
             "what": self.what,
             "name": self.name,
@@ -86,7 +86,7 @@ class BrickChange:
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Improvement(Answer):
-    """The least share of strength that a model needs, its weakest studs, and the best change.
+    """The weakest studs of a brick model, the strength that it needs, and the best change.
 
     Attributes
     ----------
@@ -119,17 +119,17 @@ class Improvement(Answer):
 
     @property
     def stands(self) -> bool:
-        """True if the assembly stands, either unchanged or with the best change."""
+        """True if the brick model stands, either unchanged or with the best change."""
         with_it = self.best is not None and self.best.share < 1
         return self.verdict != "unstable" or with_it
 
     @property
     def sentence(self) -> str:
-        """The weakest studs and the best change, in a sentence."""
+        """Describe the weakest studs and the best change of the brick model in a sentence."""
         return improve_sentence(self.to_dict())
 
     def to_dict(self) -> dict[str, Any]:
-        """The answer as JSON data, as ``kilter improve --json`` prints it."""
+        """The improvement as JSON data, as ``kilter improve --json`` prints it."""
         return {
             "verdict": self.verdict,
             "stands": self.stands,
@@ -206,14 +206,14 @@ def improve(assembly: Assembly, *, progress: Callable[[str], None] | None = None
 
 
 def _needed_share(assembly: Assembly) -> float:
-    """Least share of the strength of studs that holds an assembly [-]; infinite without a limit."""
+    """Least fraction of stud strength that holds a brick model [-]; infinite if none suffices."""
     touching = contacts(assembly)
     factor = find_bond_factor(build_program(assembly, touching), touching)
     return factor.value if isinstance(factor, BondFactor) else np.inf
 
 
 def _weakest_bricks(assembly: Assembly, factor: BondFactor) -> list[int]:
-    """Indices of the bricks of the bonds that give way first."""
+    """Indices of the bricks whose bonds break first."""
     bonds = [assembly.bonds[k] for k, _ in factor.opens[:WEAKEST]]
     return sorted({assembly.index_of(name) for bond in bonds for name in bond.parts})
 
@@ -231,12 +231,12 @@ Try = tuple[str, int, BrickModel]
 def _trials(
     model: BrickModel, program: Program, cell: float, motion: Array, near: list[int]
 ) -> list[Try]:
-    """Candidate changes (kind, row of the brick, changed model), additions first."""
+    """Candidate changes of a model (kind, row of the brick, changed model), additions first."""
     return [*_additions(model, cell, motion, near), *_removals(model, program, motion)]
 
 
 def _removals(model: BrickModel, program: Program, motion: Array) -> Iterator[Try]:
-    """Models without a brick, for each of the bricks whose weight drives the motion most."""
+    """Yield models with a brick removed, for each brick whose weight drives the motion most."""
     power = program.mass * (motion[:, :3] @ program.gravity)
     power[model.held] = 0.0
     for k in np.argsort(-power, kind="stable")[:TRIED].tolist():
@@ -245,7 +245,7 @@ def _removals(model: BrickModel, program: Program, motion: Array) -> Iterator[Tr
 
 
 def _additions(model: BrickModel, cell: float, motion: Array, near: list[int]) -> Iterator[Try]:
-    """Models with a further brick, for each place near given bricks that the motion tears most."""
+    """Yield models with a brick added near given bricks, at each place that a motion tears most."""
     scored = [
         (_tearing(speeds), corner, size)
         for corner, size, speeds in _places(model, cell, motion, near)
@@ -273,7 +273,7 @@ def _tearing(speeds: list[float]) -> float:
 def _places(
     model: BrickModel, cell: float, motion: Array, near: list[int]
 ) -> Iterator[tuple[Cell, tuple[int, int], list[float]]]:
-    """Free places over or under the bricks `near`: corner, size, and velocities of their studs.
+    """Free places above or below the bricks `near`: corner, size, and vertical stud velocities.
 
     The velocities are vertical, at the cells directly below and above the place.
     """
@@ -287,7 +287,7 @@ def _places(
 
 
 def _rise_of_cells(model: BrickModel, cell: float, motion: Array) -> dict[Cell, float]:
-    """Vertical velocity of every occupied cell, at its middle, as its brick moves."""
+    """Vertical velocity of the middle of every cell that a brick occupies, by cell."""
     cells = cells_of(model)
     middle = model.corner[:, :2] + model.size[:, :2] / 2
     rise = {}
@@ -300,7 +300,7 @@ def _rise_of_cells(model: BrickModel, cell: float, motion: Array) -> dict[Cell, 
 
 
 def _candidate_places(model: BrickModel, near: list[int]) -> set[tuple[Cell, tuple[int, int]]]:
-    """Corner and size of every new brick that is directly over or under a brick of `near`."""
+    """Corner and size of every possible new brick directly above or below a brick of `near`."""
     cells = cells_of(model)
     sizes = [*STATED, *((b, a) for a, b in STATED if a != b)]
     levels = {

@@ -1,4 +1,4 @@
-"""The least friction coefficient, the same at every contact, with which contact forces balance.
+"""The least friction coefficient, equal at all contacts, with which contact forces balance.
 
 Equilibrium with mu implies equilibrium with any larger coefficient, so two proofs enclose the least
 coefficient: forces in the cones of `upper`, and a motion in the dual cones of `lower`.
@@ -88,7 +88,7 @@ class LeastFriction:
     programs: int
 
     def to_dict(self, program: Program) -> dict[str, Any]:
-        """JSON data: lower bound, whether zero is attained, residual, and parts that move."""
+        """The bounds of the least friction as JSON data, with the parts that move below it."""
         return {
             "lower": float(self.lower),
             "attained": self.attained,
@@ -98,7 +98,7 @@ class LeastFriction:
 
 
 def find_least_friction(program: Program) -> LeastFriction | NoLimit:
-    """Compute the least friction coefficient that holds the assembly, the same at every contact.
+    """Compute the least friction coefficient, equal at all contacts, that holds the assembly.
 
     The result is a `NoLimit` with the reason "none" if no coefficient is enough, or "failed" if the
     solvers give no proof.
@@ -144,7 +144,7 @@ def find_least_friction(program: Program) -> LeastFriction | NoLimit:
 
 
 class _Sides:
-    """Bounds of the least coefficient, each with its proof, and the search that narrows them.
+    """Bounds of the least friction coefficient with their proofs, and the search that narrows them.
 
     The sign of the least cohesion decides most coefficients, and its slope predicts the limit. The
     next coefficient lies beside the predicted limit, toward the farther bound.
@@ -163,11 +163,11 @@ class _Sides:
         self._opening: Opening | None = None
 
     def near(self, agree: float) -> bool:
-        """True if the bounds agree to this fraction, or as closely as motions can prove."""
+        """True if the bounds agree to the fraction `agree`, or as closely as motions can prove."""
         return self.upper - self.lower <= self._tolerated_gap(agree)
 
     def _tolerated_gap(self, agree: float) -> float:
-        """Distance of the bounds at which the search may end [-].
+        """Distance of the friction bounds [-] at which the search may end.
 
         So close to the limit, a motion gains less power than its certificate requires.
         """
@@ -175,7 +175,9 @@ class _Sides:
         return max(agree * self.upper, unseen if self._off <= unseen < np.inf else 0.0)
 
     def narrow(self, *, surely: bool) -> None:
-        """Decide coefficients until the bounds meet each other or the undecided interval.
+        """Decide further friction coefficients until the bounds of the least coefficient meet.
+
+        The search also ends if they meet the interval that cannot be decided.
 
         With `surely`, the full decision follows if the cohesion does not decide; this may fail only
         a few times.
@@ -195,7 +197,7 @@ class _Sides:
             failures += surely and not decided
 
     def _next(self, *, by_root: bool) -> float:
-        """The next coefficient to decide: beside the predicted limit, or by bisection."""
+        """The next friction coefficient to decide: near the predicted limit, or by bisection."""
         least = self._tolerated_gap(MU_AGREES) / 3
         if self._undecided is not None:  # leave the undecided interval, twice as far each time
             low, high = self._undecided
@@ -212,7 +214,7 @@ class _Sides:
         return _middle(self.lower, self.upper)
 
     def decide(self, mu: float, *, surely: bool) -> bool:
-        """Update the bounds with the proofs at a coefficient; False if neither proof exists."""
+        """Prove or refute that friction `mu` holds; update the bounds; False without a proof."""
         program = self.program.with_friction(mu)
         wide = cone_problem(program)
         forces, motion = self._by_cohesion(wide, mu)
@@ -241,7 +243,7 @@ class _Sides:
     def _by_cohesion(
         self, wide: ConeProblem, mu: float
     ) -> tuple[ForceProof | None, MotionProof | None]:
-        """Proofs by the least cohesion at mu; None for a proof that it does not give.
+        """Forces and motion at friction `mu`, from the least cohesion; None for a missing proof.
 
         Close to the limit, both proofs may hold within their tolerances.
         """
@@ -276,7 +278,9 @@ def _middle(low: float, high: float) -> float:
 
 
 def _balances_without_slip(program: Program) -> bool | None:
-    """True if forces balance with unlimited friction, even at contacts without normal force.
+    """True if unlimited friction balances the parts, even at contacts without normal force.
+
+    None if this is undecided.
 
     None if it is undecided.
     """
@@ -286,7 +290,7 @@ def _balances_without_slip(program: Program) -> bool | None:
 
 
 def _used_friction(wide: ConeProblem, proof: ForceProof) -> tuple[float, ForceProof]:
-    """Friction coefficient that forces use, and these forces, corrected to balance to rounding.
+    """Friction coefficient that forces use, and these forces after a correction of their balance.
 
     If the data are too coarse for such balance, the function returns the given forces.
     """
@@ -301,7 +305,10 @@ def _used_friction(wide: ConeProblem, proof: ForceProof) -> tuple[float, ForcePr
 
 
 def _greatest_ratio(program: Program, proof: ForceProof) -> float:
-    """Greatest |f_t| / f_n of the contacts, to which the doubt of each normal is added [-]."""
+    """Greatest ratio of tangential to normal force over the contacts, for the worst normals [-].
+
+    The doubt of each normal is added.
+    """
     rows = np.flatnonzero(program.kind == CONTACT)
     along, across = proof.forces[rows], np.linalg.norm(proof.friction[rows], axis=1)
     doubt = program.doubt[rows]

@@ -1,4 +1,4 @@
-"""The limits of a higher level: tilt, least friction, load factor, pushes and part loads.
+"""Margins of a verdict level above equilibrium: tilt, friction, load factor, pushes, part loads.
 
 Each limit of `kilter.margin` is a limit of equilibrium. With `require` above "equilibrium", the
 answer adds for each limit the value up to which `kilter.check` reaches that level. The search goes
@@ -47,7 +47,7 @@ SMALL_MU = 0.1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Limits:
-    """Limits of equilibrium for which the limits of a higher level are computed.
+    """The margins of equilibrium, from which the margins of a higher verdict level are computed.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class Limits:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LevelLimits:
-    """Limits of a level above equilibrium, or the reason why they are not known.
+    """Margins of a verdict level above equilibrium, or the reason why they are unknown.
 
     Attributes
     ----------
@@ -99,7 +99,7 @@ class LevelLimits:
     loads: dict[str, LevelLimit | NoLimit] = field(default_factory=dict)
 
     def to_dict(self) -> dict[str, Any]:
-        """The level and its limits as JSON data: `inside`, `outside`, or `why` they are unknown."""
+        """The verdict level and its margins as JSON data: `inside`, `outside`, or `why` unknown."""
         return {
             "level": self.level,
             "tilt_deg": _answer(self.tilt),
@@ -112,7 +112,7 @@ class LevelLimits:
 
 
 def _answer(limit: LevelLimit | NoLimit | None) -> dict[str, Any] | None:
-    """A limit of a level as JSON data; None if there is no such limit."""
+    """A margin of a verdict level as JSON data; None if the margin does not exist."""
     if limit is None:
         return None
     if isinstance(limit, NoLimit):
@@ -129,7 +129,7 @@ def find_level_limits(
     units: float,
     work: Work,
 ) -> LevelLimits:
-    """Find the limits up to which a level is reached, along the way to each limit.
+    """Find how far gravity and loads may change before an assembly misses a verdict level.
 
     Parameters
     ----------
@@ -174,14 +174,14 @@ _Step = tuple[Any, Callable[[LevelDecisions], LevelLimit | NoLimit]]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Search:
-    """The assembly as drawn, and the decisions of the level."""
+    """Searches for the margins of a verdict level, which start from the assembly as drawn."""
 
     assembly: Assembly
     contacts: ContactSet
     decisions: LevelDecisions
 
     def steps(self, limits: Limits) -> list[_Step]:
-        """The searches, each with its key."""
+        """The searches to run, each with the key of its margin."""
         steps: list[_Step] = []
         down = self.assembly.down
         tilt, friction = limits.tilt, limits.friction
@@ -208,7 +208,10 @@ class _Search:
     def _turn(
         self, toward: Array, angle: float
     ) -> Callable[[LevelDecisions], LevelLimit | NoLimit]:
-        """The search over turns of gravity toward a horizontal direction [rad], in degrees."""
+        """Create the search over tilts of gravity toward a horizontal direction up to `angle`.
+
+        The angle is in radians; the search returns degrees.
+        """
         start = self.assembly.down
 
         def step(share: LevelDecisions) -> LevelLimit:
@@ -225,7 +228,7 @@ class _Search:
     def _factor(
         self, force: Array | None, first: float, sign: float, end: float
     ) -> Callable[[LevelDecisions], LevelLimit | NoLimit]:
-        """The search over load factors from the drawn factor to an end, `sign` times `end`."""
+        """Create the search over load factors, from the drawn factor to `sign` times `end`."""
         assembly = self.assembly
         size = float(np.linalg.norm(assembly.gravity))
 
@@ -251,7 +254,7 @@ class _Search:
     def _pushed(
         self, part: str, direction: Array, force: float
     ) -> Callable[[LevelDecisions], LevelLimit | NoLimit]:
-        """The search over forces on a part in a direction [N]."""
+        """Create the search over forces on a part in a direction, up to `force` [N]."""
         assembly = self.assembly
         weight = float(np.linalg.norm(assembly.gravity)) * float(assembly.geometry.mass.sum())
 
@@ -267,7 +270,7 @@ class _Search:
     def _least_friction(
         self, friction: LeastFriction, share: LevelDecisions
     ) -> LevelLimit | NoLimit:
-        """The least coefficient that reaches the level, below a coefficient that reaches it."""
+        """Find the least friction coefficient that reaches the verdict level."""
         least = float(friction.value)
         if least == 0.0 and friction.attained:  # equilibrium without friction is proved
             return LevelLimit(share.level, 0.0, 0.0)
@@ -291,7 +294,7 @@ class _Search:
         return replace(limit, inside=top - limit.inside, outside=top - limit.outside)
 
     def _rough(self, mu: float) -> tuple[Assembly, ContactSet]:
-        """The assembly with the same friction coefficient at every contact, and its contacts."""
+        """Copy of the assembly with friction `mu` at every contact, and its contacts."""
         assembly = replace(self.assembly, friction=mu, friction_pairs=())
         if self.assembly.contacts:  # their own coefficients would remain
             return assembly, self.contacts.with_friction(mu)

@@ -1,4 +1,4 @@
-"""The level of a limit: the verdict just outside it, and the limit of a higher level.
+"""The verdict just beyond a margin, and the margin of a higher verdict level.
 
 A limit of equilibrium is the end of an interval in which forces that hold the assembly exist.
 Friction guarantees less, so a higher level may end earlier. `find_level_end` finds the value up to
@@ -44,7 +44,9 @@ DECISION = 200_000.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LevelLimit:
-    """The value up to which a level is reached, from the assembly as drawn.
+    """The change of an assembly (tilt, load, ...) up to which it reaches a verdict level.
+
+    Changes start from the assembly as drawn.
 
     Attributes
     ----------
@@ -66,7 +68,7 @@ class LevelLimit:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LevelDecisions:
-    """First-order decisions at a level, whose work is counted.
+    """First-order decisions whether assemblies reach a verdict level, with a count of the work.
 
     Attributes
     ----------
@@ -83,7 +85,7 @@ class LevelDecisions:
     work: Work
 
     def reach(self, assembly: Assembly, contacts: ContactSet) -> bool:
-        """Whether an assembly with these contacts reaches the level."""
+        """Whether an assembly with these contacts reaches the verdict level."""
         part = self.work.beside(self.units)
         decision = decide(
             assembly,
@@ -99,11 +101,11 @@ class LevelDecisions:
         return holds(decision.level, self.level)
 
     def share(self, fraction: float) -> LevelDecisions:
-        """The same decisions with a fraction of the work that is left."""
+        """Copy of these decisions with a fraction of the remaining work."""
         return LevelDecisions(self.level, self.units, self.work.fraction_left(fraction))
 
     def no_limit(self) -> NoLimit:
-        """The reason why the level was not decided: no time or no work is left."""
+        """The reason why the verdict level was not decided: no time or no work is left."""
         return NoLimit("time" if self.work.late else "effort")
 
 
@@ -141,7 +143,9 @@ def find_level_end(
     *,
     size: float = 1.0,
 ) -> LevelLimit:
-    """Find the value up to which a level is reached, between 0, which reaches it, and a limit.
+    """Find the value, between 0 and a limit, up to which an assembly reaches a verdict level.
+
+    The assembly reaches the level at 0.
 
     Parameters
     ----------
@@ -197,7 +201,7 @@ def find_level_end(
 
 
 def _first_miss(reaches: Callable[[float], bool], end: float, work: Work) -> float | None:
-    """Least sampled value below a limit at which the level is not reached, or None.
+    """Least sampled value below a limit that misses the verdict level; None if all reach it.
 
     A motion that refutes the level may be found at a smaller value although it was not found at a
     larger value: the search for motions is not exhaustive.

@@ -1,4 +1,4 @@
-"""A load limit from both sides, by linear programs in pyramids that are fitted to the cones.
+"""Lower and upper bounds of a load limit, by linear programs in pyramids fitted to the cones.
 
     held       max t:  J^T f + w + t d = 0,  f >= 0 on rays that lie on the cones
     beyond     the same program on pyramids whose sides touch the cones from outside; its
@@ -42,7 +42,7 @@ LARGEST = 20_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LimitSides:
-    """Proved bounds of the largest share of a load, with their proofs.
+    """Proved lower and upper bounds of the largest multiple of a load, with their proofs.
 
     Attributes
     ----------
@@ -69,18 +69,18 @@ class LimitSides:
 
     @property
     def closed(self) -> bool:
-        """True if `held` and `start` agree."""
+        """True if the lower and the upper bound of the load agree."""
         known = np.isfinite(self.held) and np.isfinite(self.beyond)
         return known and self.start - self.held <= LIMIT_AGREES * max(abs(self.held), 1.0)
 
     @property
     def gap(self) -> float:
-        """Relative gap (beyond - held) / max(abs(held), 1) of the bounds [-]; inf if unknown."""
+        """Relative gap (beyond - held) / max(abs(held), 1) of the load bounds [-], or inf."""
         apart = self.beyond - self.held
         return max(apart / max(abs(self.held), 1.0), 0.0) if np.isfinite(apart) else np.inf
 
     def better(self, other: LimitSides) -> LimitSides:
-        """The closest bounds of two pairs: the greater `held`, the lesser `beyond`."""
+        """The closest bounds from two pairs of bounds: the greater `held`, the lesser `beyond`."""
         low = self if self.held >= other.held else other
         high = self if self.beyond <= other.beyond else other
         none = self.none or other.none
@@ -90,7 +90,7 @@ class LimitSides:
 def limit_sides(
     program: Program, wrench: Array, most: float, across: list[Array] | None = None
 ) -> LimitSides:
-    """Compute lower and upper bounds of the largest share of further wrenches that contacts hold.
+    """Compute bounds of the largest multiple of further wrenches that contacts can hold.
 
     Parameters
     ----------
@@ -134,12 +134,15 @@ def limit_sides(
 
 
 def _angles_of(program: Program, across: Array) -> Array:
-    """Angles of vectors across the contacts [rad]; empty in a plane, whose cones have two rays."""
+    """Angles of tangential vectors at the contacts [rad]; empty for a planar assembly.
+
+    A friction cone in a plane has only two rays.
+    """
     return np.empty(0) if program.planar else angles_across(program, across)
 
 
 def _angles(program: Program, guesses: list[Array]) -> Array:
-    """Angles of the rays: even angles and guesses, shape (R, n) for R rows with friction [rad]."""
+    """Angles of the rays of friction pyramids [rad], even ones and guesses, (R, n) for R rows."""
     even = np.tile(2 * np.pi * np.arange(EVEN) / EVEN, (len(program.rough), 1))
     return even if program.planar else np.column_stack([even, *guesses])
 
@@ -147,7 +150,10 @@ def _angles(program: Program, guesses: list[Array]) -> Array:
 def _round(
     program: Program, wrench: Array, most: float, angles: Array
 ) -> Iterator[tuple[LimitSides, list[Array]]]:
-    """Solve the outer and the inner program; yield the bounds and friction vectors of each."""
+    """Solve the outer and the inner pyramid program; yield load bounds and friction vectors.
+
+    Each program gives one pair of bounds.
+    """
     for outer in (True, False):
         rays = pyramid(program, outer=outer, angles=angles)
         answer = _solve_share(rays, wrench, most)
@@ -171,7 +177,7 @@ def _round(
 
 
 def _solve_share(rays: Program, wrench: Array, most: float) -> Solution:
-    """Solution of the linear program for the largest share; its last unknown is the share."""
+    """Solve the linear program for the largest load multiple, which is its last unknown."""
     from kilter.solvers.highs import KeptProgram
 
     return KeptProgram(largest_share(scaled_problem(rays), wrench, most)).solve()
@@ -180,7 +186,7 @@ def _solve_share(rays: Program, wrench: Array, most: float) -> Solution:
 def held_at(
     program: Program, wrench: Array, share: float, along: Array, aside: Array
 ) -> LimitSides:
-    """Lower bound `share` if the given forces prove it, else no bound.
+    """Bounds whose lower bound is `share` of the load, if the given forces prove it; else open.
 
     Parameters
     ----------
@@ -197,7 +203,7 @@ def held_at(
 
 
 def beyond_at(program: Program, wrench: Array, share: float, motion: Array) -> LimitSides:
-    """Upper bound by a motion: a share just above `share` at which it is a proof, else no bound.
+    """Bounds whose upper bound is just above `share` of the load, if a motion proves it; else open.
 
     Parameters
     ----------
@@ -220,14 +226,14 @@ def beyond_at(program: Program, wrench: Array, share: float, motion: Array) -> L
 
 
 def motion_share(program: Program, wrench: Array, motion: Array) -> float:
-    """Share of further wrenches above which a motion gains power [-]; inf if it never does."""
+    """Multiple of further wrenches above which a motion gains energy [-]; inf if it never does."""
     free = program.free[:, None]
     gain = float((np.where(free, wrench, 0.0) * motion).sum())
     return -program.power(motion) / gain if gain > 0 else np.inf
 
 
 def _of_patches(program: Program, aside: Array) -> Array:
-    """Total friction of the patch of each row, shape (K, 3) [N]."""
+    """Total friction of the contact patch of each row, shape (K, 3) [N]."""
     total = np.zeros((int(program.source.max(initial=-1)) + 1, 3))
     np.add.at(total, program.source, aside)
     whole: Array = total[program.source]
@@ -235,7 +241,7 @@ def _of_patches(program: Program, aside: Array) -> Array:
 
 
 def slips_of(program: Program, motion: Array) -> Array:
-    """Tangential motion at every row, shape (K, 3); 0 at rows without friction."""
+    """Tangential motion of both parts at every contact row, (K, 3); 0 at rows without friction."""
     slips = np.zeros((len(program.part_a), 3))
     slips[program.rough] = program.slips(motion, program.rough)
     return slips

@@ -1,4 +1,4 @@
-"""The largest share of a further load that contacts hold, with forces and mechanism at the limit.
+"""The largest multiple of a further load that contacts hold, with forces and mechanism there.
 
     max t:  J^T f + w + t d = 0,  f in Coulomb's cones
 
@@ -82,7 +82,7 @@ Why = Literal["none", "failed", "time", "effort"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Limit:
-    """The largest share of a load that contacts hold, with certificates on both sides of it.
+    """The largest multiple of a load that contacts hold, with proofs that bound it on both sides.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class Limit:
     gap: float
 
     def to_dict(self, program: Program) -> dict[str, Any]:
-        """JSON data of the certificates: residual of the forces, gap, moving parts, mechanism."""
+        """JSON data that prove a load limit: residual of forces, gap, moving parts, mechanism."""
         return {
             "residual": self.forces.residual,
             "gap": finite(self.gap),
@@ -120,7 +120,7 @@ class Limit:
 
 @dataclass(frozen=True, slots=True)
 class NoLimit:
-    """No limit is known.
+    """The reason why a limit has no value.
 
     The reason `why` is "none" if it is proved that no share is held, "failed" if the solvers
     failed, "time" if the time limit was reached, and "effort" if no work was left.
@@ -130,7 +130,7 @@ class NoLimit:
 
 
 def gravity_wrench(program: Program, direction: Array) -> Array:
-    """Weights of the free parts with gravity along a unit vector, world frame, shape (N, 6) [N]."""
+    """Weights of the free parts for gravity along a unit vector, world frame, shape (N, 6) [N]."""
     wrench = np.zeros((len(program.names), 6))
     wrench[:, :3] = (program.mass * program.free)[:, None] * program.g * direction
     return wrench
@@ -151,7 +151,10 @@ def starting(program: Program, mechanism: MotionProof | None) -> list[str]:
 
 
 def with_more(program: Program, wrench: Array, share: float) -> Program:
-    """The program with an additional load: a share of wrenches [N], [N x length unit], (N, 6)."""
+    """Copy of a program with an additional load: `share` times the wrenches, shape (N, 6).
+
+    Wrenches are in [N] and [N x length unit].
+    """
     return program.with_rows(applied=program.applied + share * wrench)
 
 
@@ -164,7 +167,7 @@ def find_limit(
     shared: SharedCones | None = None,
     from_none: bool = False,
 ) -> Limit | NoLimit:
-    """Compute the largest share of further wrenches that contacts can hold.
+    """Compute the largest multiple of further wrenches that contacts can hold.
 
     The shares that contacts hold are an interval, and the result is its upper end. It may be
     negative. If it is positive, a share of 0 need not be in the interval.
@@ -216,7 +219,7 @@ def find_limit(
 
 
 def _best_sides(program: Program, opening: Opening, wrench: Array, most: float) -> LimitSides:
-    """Bounds by the conic program, and by sharper programs if they are far apart."""
+    """Bounds of a load limit by the conic program, or by finer programs if these are far apart."""
     limited = bool(program.cohesion.any())  # only the conic program models a shear strength
     conic = _in_cones(program, opening, wrench, most)
     large = len(program.part_a) > EXACT
@@ -235,7 +238,7 @@ def _best_sides(program: Program, opening: Opening, wrench: Array, most: float) 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Conic:
-    """Bounds that the conic program proves, and vectors of friction of its solution, (K, 3)."""
+    """Load bounds that the conic program proves, and friction vectors of its solution, (K, 3)."""
 
     sides: LimitSides
     across: list[Array]
@@ -243,7 +246,7 @@ class _Conic:
 
 @dataclass(frozen=True, eq=False)
 class SharedCones:
-    """Cones and starting point that limits of a program under different wrenches have in common.
+    """Friction cones and starting point that all load limits of a program have in common.
 
     Attributes
     ----------
@@ -254,20 +257,20 @@ class SharedCones:
 
     @cached_property
     def balance(self) -> ConeBalance:
-        """The conic program of the base load, without further wrenches."""
+        """The conic program for the balance of the base load, without further wrenches."""
         none = np.zeros((len(self.program.names), 6))
         return balance_in_cones(self.program, self.program.load, none, MODEST)
 
     @cached_property
     def start(self) -> Start:
-        """Starting point near the forces that balance the base load."""
+        """Starting point of the interior-point method, near forces that balance the base load."""
         return common_start(self.balance.cones)
 
 
 def _by_own_cones(
     program: Program, wrench: Array, most: float, shared: SharedCones | None
 ) -> LimitSides:
-    """Bounds by kilter's own interior-point method; they stay open if a share of 0 is not held."""
+    """Load bounds by kilter's own interior-point method; open if the base load is not held."""
     balance = (shared or SharedCones(program)).balance.with_more(wrench, most)
     if shared is not None:  # the common start may be too far from this wrench
         sides = _from_iterates(balance, wrench, shared.start)
@@ -277,7 +280,7 @@ def _by_own_cones(
 
 
 def _from_iterates(balance: ConeBalance, wrench: Array, start: Start | None) -> LimitSides:
-    """Best bounds that the iterates of the interior-point method prove."""
+    """Best load bounds that the iterates of the interior-point method prove."""
     program, most = balance.program, balance.cones.most
     best = LimitSides()
     for step in iterates(balance.cones, BOLD, start):
@@ -304,7 +307,7 @@ def _in_cones(
     most: float,
     tolerance: float = CONIC,
 ) -> _Conic:
-    """Bounds by a single conic program, with its friction vectors."""
+    """Load bounds by a single conic program, with its friction vectors."""
     from kilter.solvers.clarabel import solve_conic
 
     wide = opening.wide
@@ -330,7 +333,7 @@ def _in_cones(
 
 
 def _limit(sides: LimitSides, most: float) -> Limit | NoLimit:
-    """The limit at the lower bound; no limit if no share is proved to be held."""
+    """The load limit at the lower bound; no limit if no multiple is proved to be held."""
     if sides.forces is None:
         return NoLimit("none" if sides.none else "failed")
     if sides.held >= most * (1 - NEARLY):

@@ -129,7 +129,7 @@ class Margin(Answer):
     seconds: dict[str, float]
 
     def to_dict(self) -> dict[str, Any]:
-        """The answer as JSON data, that of ``kilter margin --json``."""
+        """The margin as JSON data, as ``kilter margin --json`` prints it."""
         program, tilt, factor = self.program, self.tilt, self.load_factor
         about, friction, down = self.about, self.friction, self.tilt_down
         return {
@@ -173,7 +173,7 @@ class Margin(Answer):
 
     @property
     def level(self) -> str:
-        """The level of the limits: "proved" without friction, else "equilibrium"."""
+        """Verdict level of the limits: "proved" without friction, else "equilibrium"."""
         return "equilibrium" if self.program.mu.any() else "proved"
 
     def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
@@ -187,7 +187,7 @@ class Margin(Answer):
         return make_bundle("margin", margin_proofs(self, options=options or {}))
 
     def _bracket(self) -> dict[str, list[float | None] | None] | None:
-        """Bounds of the limits without dilation; None if they were not requested."""
+        """Least and greatest load factor, each as two bounds; None if not requested."""
         if self.guaranteed is None or self.load_factor is None:
             return None
         sure, most = _interval(self.guaranteed), _interval(self.load_factor)
@@ -390,7 +390,10 @@ def _left_out(assembly: Assembly, contacts: ContactSet, program: Program) -> lis
 
 
 def _boundary(gravity: TiltMargin | NearestHeld | None) -> tuple[float | None, Array | None]:
-    """The turn to the boundary, negative from outside [deg], and the direction there."""
+    """Angle from gravity to the boundary of the stable region [deg], and the direction there.
+
+    Negative if gravity is outside.
+    """
     if gravity is None:
         return None, None
     if isinstance(gravity, NearestHeld):

@@ -1,4 +1,4 @@
-"""Proofs of a margin, as data that anyone can verify: forces within, a motion beyond.
+"""Proofs of margins as data that anyone can verify: forces within a limit, a motion beyond it.
 
 Each limit belongs to a change of the assembly: gravity along another direction, a single
 coefficient at every contact, further loads. Just within the limit forces hold the changed
@@ -35,7 +35,7 @@ About = tuple[dict[str, Any], dict[str, Any]]
 
 
 class KnownLimits(Protocol):
-    """The results of a margin: members of `kilter.analysis.margins.margin.Margin`."""
+    """Results of a margin that its proofs need: members of `margins.margin.Margin`."""
 
     @property
     def assembly(self) -> Assembly: ...
@@ -62,7 +62,7 @@ class KnownLimits(Protocol):
 
 
 def margin_proofs(limits: KnownLimits, *, options: dict[str, Any]) -> list[About]:
-    """Proofs of tilt or nearest held direction, least friction, load factor, pushes, loads."""
+    """Proofs of every limit of a margin: tilt, least friction, load factor, pushes, part loads."""
     proofs = []
     for what, (within, beyond), change, upwards, motion in _limits(limits):
         steps = AROUND_LIMIT if within == beyond else (0.0, *AROUND_LIMIT)
@@ -84,7 +84,9 @@ def margin_proofs(limits: KnownLimits, *, options: dict[str, Any]) -> list[About
 def _limits(
     limits: KnownLimits,
 ) -> Iterator[tuple[str, tuple[float, float], Change, bool, MotionProof | None]]:
-    """Name, sides, the change at a value, whether more is beyond, and the motion there.
+    """Yield for each limit: name, two values beside it, change of the assembly, and motion.
+
+    A flag states whether larger values are beyond the limit.
 
     The sides are the values that are held and not held, if both are proved; else a single value.
     """
@@ -126,7 +128,7 @@ def _limits(
 
 
 def _turn_gravity(down: Array, toward: Array) -> Change:
-    """Gravity turned from a direction toward another direction, by an angle [rad]."""
+    """Function from an angle [rad] to a changed file, with gravity turned `toward` a direction."""
     aside = toward - (toward @ down) * down
     aside = aside / max(float(np.linalg.norm(aside)), TINY)
     return lambda angle: {"down": (np.cos(angle) * down + np.sin(angle) * aside).tolist()}
@@ -138,7 +140,7 @@ def _load(part: str, force: Array, torque: Array, point: Array | None = None) ->
 
 
 def _scale_loads(limits: KnownLimits) -> Change:
-    """Function from a load factor to the change of the file: scaled loads, or a body force."""
+    """Function from a load factor to a changed file, with scaled loads or a body force."""
     assembly, program = limits.assembly, limits.program
     if limits.push is None:
         return lambda share: {
@@ -171,7 +173,7 @@ def _proof(
     motion: MotionProof | None,
     options: dict[str, Any],
 ) -> dict[str, Any] | None:
-    """The proof of a changed assembly; None if it has no proof."""
+    """The proof that an assembly with this change holds or falls; None without a proof."""
     return changed_proof(limits.assembly, limits.contacts, change, held, motion, options)
 
 
@@ -183,7 +185,7 @@ def changed_proof(
     motion: MotionProof | None,
     options: dict[str, Any],
 ) -> dict[str, Any] | None:
-    """Forces that hold a changed assembly, or a motion that nothing stops; None without a proof.
+    """Proof of a changed assembly: forces that hold it, or a motion; None without a proof.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Question of a margin: the requested limits, validated.
+"""The limits that the user requested of `kilter.margin`, validated.
 
 A push has a direction, an axis is across gravity, and only free parts are pushed.
 """
@@ -25,7 +25,7 @@ PUSHED = 20
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MarginQuestion:
-    """The limits that a margin computes.
+    """The limits that `kilter.margin` is to compute, validated.
 
     Attributes
     ----------
@@ -101,7 +101,7 @@ def margin_question(
 
 
 def _axis(assembly: Assembly, about: Any) -> Array:
-    """The unit axis of a tilt; an axis must be perpendicular to gravity and, if planar, be y."""
+    """Validate the unit axis of a tilt: perpendicular to gravity, and y for a planar assembly."""
     axis = unit(about, "axis of the tilt")
     if abs(float(axis @ assembly.down)) > ACROSS_GRAVITY:
         raise InputError(
@@ -116,7 +116,7 @@ def _axis(assembly: Assembly, about: Any) -> Array:
 
 
 def _require_turnable(assembly: Assembly) -> None:
-    """Reject a tilt about an axis with loads or bonds, which do not turn with gravity."""
+    """Reject a tilt about an axis if the assembly has loads or bonds, which do not turn with it."""
     require_no_bonds(assembly, "a tilt about an axis", NO_CONE)
     if assembly.loads:
         raise InputError(
@@ -128,7 +128,7 @@ def _require_turnable(assembly: Assembly) -> None:
 
 
 def _free_parts(assembly: Assembly) -> list[int]:
-    """Indices of the parts that are not held."""
+    """Indices of the parts that are not held in place."""
     return [k for k, part in enumerate(assembly.parts) if not part.grounded]
 
 

@@ -40,7 +40,7 @@ Ends = tuple[Limit | None, Limit | None]
 
 @dataclass(slots=True, eq=False)
 class MarginSteps:
-    """The steps of a margin, under its time limit.
+    """Steps that compute the limits of a margin, under a common time limit.
 
     An answer at the time limit still has the limits of the steps that ended before it.
 
@@ -69,7 +69,7 @@ class MarginSteps:
     def limit(
         self, name: str, step: Callable[..., T | NoLimit | None], *arguments: Any
     ) -> T | None:
-        """The result of a step; None if there is none, and then `missing` has the reason."""
+        """Result of a step for a limit; None without a value, and then `missing` has the reason."""
         result = self._in_time(step, *arguments)
         if isinstance(result, NoLimit):
             self.missing[name] = result.why
@@ -77,7 +77,7 @@ class MarginSteps:
         return result
 
     def tilt(self) -> TiltMargin | NearestHeld | None:
-        """The tilt margin, or the nearest held direction if gravity as given is not held."""
+        """Compute the tilt margin, or the nearest held direction if the gravity is not held."""
         self.tell("tilt")
         if self.program.applied.any():
             self.warnings.append("no tilt margin: given loads do not turn with gravity")
@@ -92,7 +92,7 @@ class MarginSteps:
         return gravity
 
     def load_factor(self, name: str, program: Program) -> Ends | None:
-        """Least and greatest load factor of a program; None if no load is given."""
+        """Least and greatest load factor that hold; None if no load is given."""
         ends = self._in_time(_load_factor, self.question, program)
         if ends is None:
             return None
@@ -103,17 +103,17 @@ class MarginSteps:
         return _limit_or_none(least), _limit_or_none(greatest)
 
     def pushes(self, opening: Opening) -> tuple[Push, ...]:
-        """The weakest push of each part of the question."""
+        """The weakest push that moves each part of the question."""
         find = partial(find_weakest_push, opening=opening)
         return self._of_parts("push of", "pushes", find, self.question.pushed)
 
     def loads(self, opening: Opening) -> tuple[PartLoad, ...]:
-        """The largest further load straight down on each part of the question."""
+        """The largest further load straight down that each part of the question takes."""
         find = partial(find_part_load, opening=opening)
         return self._of_parts("load on", "loads", find, self.question.loaded)
 
     def parts(self) -> tuple[tuple[Push, ...], tuple[PartLoad, ...]]:
-        """Pushes and loads of the parts; both use one factorisation."""
+        """Weakest pushes and largest loads of the parts, computed with a common factorisation."""
         self.tell("pushes")
         opening = Opening(cone_problem(self.program))
         return self.pushes(opening), self.loads(opening)
@@ -128,7 +128,7 @@ class MarginSteps:
             )
 
     def worst_case(self) -> Uncertainty | None:
-        """The worst case over the intervals, with a warning if it was not computed."""
+        """Worst limits over intervals of uncertain data; None, with a warning, if not computed."""
         ranges = self.question.ranges
         if ranges is None:
             return None
@@ -153,7 +153,7 @@ class MarginSteps:
         )
 
     def at_level(self, limits: Limits) -> LevelLimits | None:
-        """The limits of the required level; None if it is "equilibrium"."""
+        """Margins of the required verdict level; None if that level is "equilibrium"."""
         level = self.question.require
         if level == "equilibrium":
             return None
@@ -163,13 +163,13 @@ class MarginSteps:
         return self.limit("limits at the level", find, assembly, touching, limits)
 
     def helps(self, tilt: TiltMargin | None, factor: Limit | None) -> tuple[Help, ...]:
-        """The changes that raise the tilt margin, or else the greatest load factor, most."""
+        """Changes of the assembly that raise the tilt margin, or else the load factor, most."""
         find = partial(what_helps, held=self.question.pushed)
         helps = self.limit("what helps", find, self.program, tilt, factor, self.question.push)
         return helps or ()
 
     def _in_time(self, step: Callable[..., T], *arguments: Any) -> T | NoLimit:
-        """The result of a step, or the reason that the time limit was reached."""
+        """The result of a step, or the reason that the time limit ended it."""
         try:
             with stop_after(self.work.seconds):
                 result = step(*arguments)
@@ -187,7 +187,7 @@ class MarginSteps:
         find: Callable[[Program, int], T | NoLimit],
         parts: list[int],
     ) -> tuple[T, ...]:
-        """The limits of parts that have one, in the order of the parts."""
+        """Compute a limit for each of the parts; return the limits that have a value, in order."""
         limits = []
         for count, part in enumerate(parts, 1):
             limits.append(
@@ -198,12 +198,12 @@ class MarginSteps:
 
 
 def _limit_or_none(limit: T | NoLimit | None) -> T | None:
-    """A limit; None if there is no limit."""
+    """The value of a limit; None if it has no value."""
     return None if isinstance(limit, NoLimit) else limit
 
 
 def _tilt_or_nearest(program: Program) -> TiltMargin | NearestHeld | NoLimit:
-    """The tilt margin; if gravity as given is proved not to be held, the nearest held direction."""
+    """The tilt margin, or the nearest held direction if the given gravity is proved not held."""
     tilt = find_tilt_margin(program)
     if isinstance(tilt, TiltMargin):
         return tilt
@@ -214,7 +214,7 @@ def _tilt_or_nearest(program: Program) -> TiltMargin | NearestHeld | NoLimit:
 
 
 def _missing_words(missing: dict[str, Why]) -> list[str]:
-    """Warnings about limits without a value, and about an assembly that resists no push."""
+    """Warnings about limits without a value, and about an assembly that any push moves."""
     failed = [name for name, why in missing.items() if why == "failed"]
     words = [f"not known, because the solver failed: {some_names(failed)}"] if failed else []
     late = [name for name, why in missing.items() if why == "time"]
@@ -228,7 +228,7 @@ def _missing_words(missing: dict[str, Why]) -> list[str]:
 def _load_factor(
     question: MarginQuestion, program: Program
 ) -> tuple[Limit | NoLimit, Limit | NoLimit] | None:
-    """Least and greatest factor of a body force, or of the given loads."""
+    """Least and greatest factor of the body force or the given loads; None if no load is given."""
     if question.push is not None:
         base, wrench = program, gravity_wrench(program, question.push)
     elif question.assembly.loads:

@@ -1,4 +1,4 @@
-"""The load straight down that each part still takes before nothing holds.
+"""The largest further load straight down on a part that contact forces can balance.
 
     max t:  J^T f + w + t d = 0,  f in the cones          d: along gravity at a centre of mass
 
@@ -25,7 +25,7 @@ __all__ = ["PartLoad", "find_part_load"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartLoad:
-    """The load that a part takes straight down at its centre of mass.
+    """The largest load straight down, at its centre of mass, that a part takes [N].
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class PartLoad:
     unit: float
 
     def to_dict(self, program: Program) -> dict[str, Any]:
-        """As JSON data of the answer of margins."""
+        """The largest load on this part as JSON data for the answer of `kilter margin`."""
         return {
             "part": self.part,
             "load": finite(self.load),
@@ -61,7 +61,7 @@ class PartLoad:
 def find_part_load(
     program: Program, part: int, *, opening: Opening | None = None
 ) -> PartLoad | NoLimit:
-    """The largest load straight down that a part takes; no limit: no balance without it.
+    """The largest load straight down on a part; no limit if the weight alone is not balanced.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def find_part_load(
 
 
 def _largest_load(program: Program, part: int, unit: float, opening: Opening) -> PartLoad | NoLimit:
-    """The largest load straight down on a part, in a unit of force."""
+    """The largest load straight down on a part, computed in multiples of `unit`."""
     wrench = np.zeros((len(program.names), 6))
     wrench[part, :3] = unit * program.down
     limit = find_limit(program, wrench, opening=opening)

@@ -35,7 +35,7 @@ PROGRAMS = 80
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Push:
-    """A push that a part just resists.
+    """The largest push on a part, in a direction, that the assembly withstands.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class Push:
     programs: int
 
     def to_dict(self, program: Program) -> dict[str, Any]:
-        """The push as JSON data."""
+        """The largest push as JSON data."""
         return {
             "part": self.part,
             "direction": self.direction.tolist(),
@@ -72,7 +72,9 @@ class Push:
 def find_push(
     program: Program, part: int, direction: Array, *, opening: Opening | None = None
 ) -> Push | NoLimit:
-    """The largest push at the centre of mass in a direction; no limit: no balance without it.
+    """The largest push at a part's centre of mass in a direction that the assembly withstands.
+
+    No limit if the weight alone is not balanced.
 
     Parameters
     ----------
@@ -97,7 +99,7 @@ def find_push(
 def find_weakest_push(
     program: Program, part: int, *, opening: Opening | None = None
 ) -> Push | NoLimit:
-    """The least push at the centre of mass that sets something in motion.
+    """The smallest push at a part's centre of mass, over all directions, that starts a motion.
 
     Examples
     --------
@@ -134,13 +136,13 @@ def find_weakest_push(
 
 
 def _first(planar: bool) -> Array:
-    """Directions looked at first: both signs of every axis."""
+    """Directions of a push that the search tries first: both signs of every axis."""
     axes = np.eye(3)[[0, 2]] if planar else np.eye(3)
     return np.concatenate([axes, -axes])
 
 
 def _plane(program: Program, part: int, push: Push) -> tuple[Array, float]:
-    """Unit normal and distance of the plane beyond which the mechanism gains power."""
+    """Plane of pushes on a part, beyond which the mechanism moves: unit normal and distance."""
     mechanism = push.limit.mechanism
     if mechanism is None:
         return push.direction, push.force

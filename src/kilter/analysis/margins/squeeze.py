@@ -1,4 +1,4 @@
-"""Whether any friction, however little, is enough: parts that are squeezed can be squeezed harder.
+"""Whether arbitrarily little friction is enough, because parts can be squeezed arbitrarily hard.
 
     max sum u:  A_n s = 0,  s >= u,  0 <= u <= 1            self-stress that needs no load
     A f = b:    f free if u = 1, along and across it;  f_n >= 0, f_t = 0 elsewhere
@@ -29,7 +29,9 @@ __all__ = ["held_by_squeeze", "squeeze"]
 
 
 def squeeze(program: Program) -> Array:
-    """Forces along the rows that balance without a load and press all that can be, (K,) [N].
+    """Normal forces that balance without any load, positive where possible, shape (K,) [N].
+
+    Such forces squeeze parts between others, and can grow without limit.
 
     Each is at least the geometric mean of the weights, or 0: without friction.
 
@@ -67,7 +69,7 @@ def squeeze(program: Program) -> Array:
 
 
 def held_by_squeeze(program: Program) -> ForceProof | None:
-    """Forces for arbitrarily little friction; None if it is not proved that any mu is enough.
+    """Forces that hold with arbitrarily little friction; None if not every mu > 0 is proved.
 
     Parameters
     ----------
@@ -102,21 +104,21 @@ def held_by_squeeze(program: Program) -> ForceProof | None:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Level:
-    """Forces of a squeeze: normal and tangential forces without a load, and the rows they add."""
+    """Forces that balance without a load, and press on `rows` to enlarge their friction limits."""
 
     rows: Mask
     along: Array
     aside: Array
 
     def needed(self, mu: float, along: Array, aside: Array) -> float:
-        """Least factor of this squeeze with which the forces are in the cones of its rows [-]."""
+        """Least factor of this squeeze [-] that brings further forces into the friction cones."""
         rubs = np.linalg.norm(aside[self.rows], axis=1)
         missing = (rubs / mu - along[self.rows]) / self.along[self.rows]
         return float(missing.max(initial=0.0))
 
 
 def _with_sticking_rows(smooth: Program, rows: Mask) -> tuple[ConeProblem, Program]:
-    """The program with forces of any size along and across some contacts."""
+    """Copy of a program with forces of any size along and across the contacts `rows`."""
     wide = cone_problem(smooth.with_rows(mu=np.where(rows, 1.0, 0.0)))
     spread_rows = wide.problem.program
     count = len(smooth.part_a)

@@ -1,4 +1,4 @@
-"""Tilt margin: how far gravity may turn before nothing holds; about an axis, and nearest.
+"""Tilt margin: how far gravity may turn, about an axis or in any direction, before parts move.
 
 The directions of gravity with forces of equilibrium are a convex cone. Seen from its plane at
 the given direction g0, points g0 + p with p across g0, it is a convex region around p = 0, and
@@ -64,7 +64,7 @@ of pi over their number, of the tangent, where the boundary is a circle around g
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NearestHeld:
-    """The least turn of gravity to a direction that is held.
+    """The held direction of gravity nearest to the given direction, and the angle between them.
 
     Attributes
     ----------
@@ -86,7 +86,7 @@ class NearestHeld:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TiltMargin:
-    """The least turn of gravity after which no forces hold the assembly.
+    """The least turn of gravity after which no contact forces hold the assembly.
 
     Attributes
     ----------
@@ -114,7 +114,7 @@ class TiltMargin:
 
 
 def tilt_about(program: Program, axis: Array) -> tuple[float, Limit] | NoLimit:
-    """Largest turn of gravity [rad] about a perpendicular axis that is held, and its limit.
+    """Largest held turn of gravity [rad] about an axis perpendicular to it, and the limit there.
 
     By the right-hand rule, from 0 to pi, infinite if a full turn is held. Not held as given:
     no limit. A conic program for each right angle.
@@ -145,7 +145,7 @@ def tilt_about(program: Program, axis: Array) -> tuple[float, Limit] | NoLimit:
 
 
 def find_tilt_margin(program: Program) -> TiltMargin | NoLimit:
-    """The nearest direction of gravity beyond which nothing holds; no limit: not held as given.
+    """The least tilt of gravity beyond which nothing holds; no limit if not held without tilt.
 
     Raises
     ------
@@ -210,14 +210,17 @@ def held_limit(
     most: float,
     shared: SharedCones | None = None,
 ) -> Limit | NoLimit:
-    """The limit, if a share of 0 is held too."""
+    """The load limit of a program; no limit if the program without the load is not held."""
     limit = find_limit(program, wrench, opening=opening, most=most, shared=shared, from_none=True)
     below = isinstance(limit, Limit) and limit.value < NOT_HELD
     return NoLimit("none") if below else limit
 
 
 def _boundary(program: Program, basis: Array, direction: Array, limit: Limit) -> SupportPoint:
-    """The boundary point along a direction, and the line at which its mechanism gains no power."""
+    """Point on the boundary of the stable directions along `direction`, with its tangent line.
+
+    On the line, the mechanism at the limit neither gains nor loses energy.
+    """
     reach = max(min(limit.value, STEEPEST), 0.0)
     point = reach * direction
     if limit.mechanism is not None:
@@ -285,7 +288,7 @@ def find_nearest_held(program: Program) -> NearestHeld | NoLimit:
 
 
 def _project_by_cones(program: Program) -> Array | NoLimit:
-    """The nearest held direction as a conic program finds it, unit."""
+    """Unit vector of the nearest held direction of gravity, by a conic program."""
     from kilter.solvers.clarabel import solve_conic
 
     axes = np.eye(3)[[0, 2]] if program.planar else np.eye(3)
@@ -302,19 +305,19 @@ def _project_by_cones(program: Program) -> Array | NoLimit:
 
 
 def _angle_between(first: Array, other: Array) -> float:
-    """The angle between two directions [rad]."""
+    """Angle [rad] between two directions."""
     return float(angle_between(first, other))
 
 
 def across_gravity(program: Program) -> Array:
-    """Directions across gravity, shape (1, 3) for planar programs, else (2, 3)."""
+    """Directions perpendicular to gravity, shape (1, 3) for planar programs, else (2, 3)."""
     if program.planar:
         return cross(program.down, np.array([0.0, 1.0, 0.0]))[None]
     return np.stack(across(program.down))
 
 
 def first_directions(dimension: int) -> Array:
-    """Unit directions of the plane looked at first, shape (n, dimension)."""
+    """Unit directions of a tilt that the search tries first, shape (n, dimension)."""
     if dimension == 1:
         return np.array([[1.0], [-1.0]])
     angle = 2 * np.pi * (np.arange(FIRST) + 0.5) / FIRST

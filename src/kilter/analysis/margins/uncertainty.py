@@ -1,4 +1,4 @@
-"""The worst margin over intervals of masses, centres of mass, friction and normals.
+"""The worst margin over intervals of uncertain masses, centres of mass, friction and normals.
 
 Friction. More of it only helps: the lowest coefficients are the worst. Exact.
 
@@ -61,7 +61,7 @@ LARGEST = 2_000_000
 
 @dataclass(frozen=True, slots=True)
 class Ranges:
-    """Intervals of uncertain data.
+    """Intervals of uncertain data: masses, centres of mass, friction and contact normals.
 
     Attributes
     ----------
@@ -112,7 +112,7 @@ def _require_interval(what: str, ends: tuple[float, float], *, positive: bool) -
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Uncertainty:
-    """Margins that hold for every assembly within the intervals.
+    """Margins that hold for every assembly whose data are within the intervals.
 
     Attributes
     ----------
@@ -145,7 +145,7 @@ class Uncertainty:
     worst: tuple[Array, Array] | None
 
     def to_dict(self, program: Program) -> dict[str, Any]:
-        """The worst case and its data, as JSON data."""
+        """The worst-case margins and the data at which they occur, as JSON data."""
         ranges, at = self.ranges, None
         if self.worst is not None:
             mass, shift = self.worst
@@ -171,7 +171,7 @@ class Uncertainty:
 
 
 def weakened(program: Program, ranges: Ranges) -> Program:
-    """The program with the least friction, and cones that all normals have inside."""
+    """Copy of a program with the least friction, and cones that fit inside for all normals."""
     contact = program.kind == CONTACT
     least = certain_friction((program.mu + program.doubt) * ranges.mu[0], program.doubt)
     half = np.arctan(least) - np.radians(ranges.normal_deg)
@@ -181,7 +181,10 @@ def weakened(program: Program, ranges: Ranges) -> Program:
 
 
 def corner(program: Program, factor: Array, shift: Array) -> Program:
-    """The program with other masses and centres; given loads keep their places in the world."""
+    """Copy of a program with scaled masses and shifted centres.
+
+    Given loads keep their places in the world.
+    """
     applied = program.applied.copy()
     applied[:, 3:] -= cross(shift, applied[:, :3])
     return program.with_rows(
@@ -192,7 +195,7 @@ def corner(program: Program, factor: Array, shift: Array) -> Program:
 def find_uncertainty(
     program: Program, ranges: Ranges, *, push: Array | None = None
 ) -> Uncertainty | None:
-    """The worst tilt margin and load factor over the intervals; None: too large to say.
+    """The worst tilt margin and load factor over the intervals; None for too large a program.
 
     Parameters
     ----------
@@ -224,7 +227,7 @@ def find_uncertainty(
 
 
 def _by_corners(program: Program, ranges: Ranges, push: Array | None, kind: Kind) -> Uncertainty:
-    """The least value of the corners; if the solvers fail at a corner, no value is proved."""
+    """Worst margins from each corner of the intervals; without a value if a solver fails at one."""
     tilt, factor, worst, count = np.inf, (-np.inf, np.inf), None, 0
     asked, loaded = push is not None or bool(program.applied.any()), bool(program.applied.any())
     missing: dict[str, Why] = {}
@@ -261,14 +264,14 @@ def _by_corners(program: Program, ranges: Ranges, push: Array | None, kind: Kind
 
 
 def _add(missing: dict[str, Why], names: tuple[str, ...], why: NoLimit) -> None:
-    """The reason for a missing value; "none" outweighs "failed"."""
+    """Record the reason why some values are missing; "none" outweighs "failed"."""
     for name in names:
         if missing.get(name) != "none":
             missing[name] = why.why
 
 
 def _corners(program: Program, ranges: Ranges) -> Iterator[tuple[Array, Array]]:
-    """Mass factors and shifts of the centres at each corner of the box."""
+    """Yield mass factors and shifts of the centres for each corner of the intervals."""
     factors = sorted(set(ranges.mass))
     signs: list[tuple[float, ...]] = [(0.0,) if ranges.center == 0 else (-1.0, 1.0)] * 3
     if program.planar:
@@ -283,7 +286,7 @@ def _corners(program: Program, ranges: Ranges) -> Iterator[tuple[Array, Array]]:
 
 
 def _limits(program: Program, push: Array | None) -> tuple[float, float] | NoLimit:
-    """Least and greatest load factor; no limit: none is held, or the numbers fail."""
+    """Least and greatest load factor that hold; no limit if none holds or the solver fails."""
     if push is None and not program.applied.any():
         return -np.inf, np.inf
     base, wrench = program, program.applied
@@ -298,7 +301,7 @@ def _limits(program: Program, push: Array | None) -> tuple[float, float] | NoLim
 
 
 def _by_following(program: Program, ranges: Ranges, push: Array | None) -> Uncertainty | None:
-    """Worst case by forces that are affine in the masses; None if the program is too large."""
+    """Worst margins by forces that are affine in the masses; None if the program is too large."""
     rays = pyramid(program, SIDES)
     problem = scaled_problem(rays)
     unknowns = _unknowns(rays, ranges)
@@ -331,7 +334,7 @@ def _by_following(program: Program, ranges: Ranges, push: Array | None) -> Uncer
 
 
 def _unknowns(program: Program, ranges: Ranges) -> Unknowns:
-    """Data that vary, (part, index): index 3 is its mass, else the axis of its centre."""
+    """Uncertain quantities as (part, index): index 3 is the mass, 0 to 2 an axis of the centre."""
     axes = (0, 2) if program.planar else (0, 1, 2)
     what = [3] if ranges.mass[0] < ranges.mass[1] else []
     what += list(axes) if ranges.center > 0 else []

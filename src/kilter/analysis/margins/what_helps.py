@@ -1,4 +1,4 @@
-"""Changes that raise a margin most: hold a part, more friction at a contact, other masses.
+"""Changes of an assembly that raise a margin most: holding a part, more friction, other masses.
 
 At a limit t, with the forces f and the mechanism m there (b + t d is the load, power 0):
 
@@ -49,7 +49,7 @@ MORE_MASS = 0.1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Help:
-    """A change that raises a margin.
+    """A change of the assembly that raises a margin, and the new margin.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class Help:
     sentence: str
 
     def to_dict(self) -> dict[str, Any]:
-        """The change as JSON data."""
+        """The change as JSON data, for the answer of `kilter margin`."""
         return {
             "of": self.of,
             "what": self.what,
@@ -89,7 +89,7 @@ def what_helps(
     *,
     held: Sequence[int],
 ) -> tuple[Help, ...]:
-    """The best change of each kind for the tilt margin if it exists, else for the load factor.
+    """The most effective change of each kind, for the tilt margin or else for the load factor.
 
     Parameters
     ----------
@@ -140,7 +140,10 @@ def _helps(
     of: Literal["tilt", "load factor"],
     held: Sequence[int],
 ) -> tuple[Help, ...]:
-    """The best change of each kind; `along` grows with the masses if `by_mass`."""
+    """The most effective change of each kind for one limit.
+
+    The load `along` grows with the masses if `by_mass`.
+    """
     if limit.mechanism is None or not np.isfinite(limit.value):
         return ()
     motion = limit.mechanism.motion
@@ -170,7 +173,7 @@ def _hold(
     of: Literal["tilt", "load factor"],
     held: Sequence[int],
 ) -> Help | None:
-    """The part that gains most when it is held, of those that drive the mechanism most."""
+    """The part that raises the limit most if it is held, among the fastest in the mechanism."""
     size = part_sizes(program, motion, per_radius=False)
     chosen = np.asarray(held, dtype=np.int64)
     moving = chosen[size[chosen] > MOVES * size.max()]
@@ -189,7 +192,7 @@ def _hold(
 
 
 def _gain_of_holding(program: Program, part: int, limit: Limit, along: Array, of: str) -> float:
-    """Increase of a margin if a part is held; 0 if it is not known."""
+    """Increase of a limit if a part is held; 0 if it cannot be computed."""
     free = program.free.copy()
     free[part] = False
     held = program.with_rows(free=free)
@@ -212,7 +215,7 @@ def _friction(
     scale: float,
     of: Literal["tilt", "load factor"],
 ) -> Help | None:
-    """The contact, a pair of parts, at which more friction gains most."""
+    """The pair of parts between which additional friction raises the limit most."""
     rows = np.flatnonzero(program.kind == CONTACT)
     slip = np.linalg.norm(program.slips(motion, rows), axis=1)
     gain = limit.forces.forces[rows] * slip * scale
@@ -229,7 +232,7 @@ def _friction(
 
 
 def _mass(program: Program, gain: Array, of: Literal["tilt", "load factor"]) -> Help | None:
-    """The part whose mass matters most."""
+    """The part whose mass changes the limit most."""
     k = int(np.abs(gain).argmax())
     if abs(gain[k]) <= NO_GAIN:
         return None

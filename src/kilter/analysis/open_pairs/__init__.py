@@ -1,1 +1,1 @@
-"""Open pairs: the pairs that decide a verdict, and the guarantee of friction if pairs touch."""
+"""Pairs of parts with an uncertain contact (open pairs), and how a verdict depends on them."""

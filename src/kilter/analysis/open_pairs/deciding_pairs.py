@@ -1,4 +1,4 @@
-"""Smallest set of open pairs that decides: if its pairs are joined, equilibrium exists.
+"""Smallest set of open pairs whose joining makes an equilibrium possible.
 
 A set S of open pairs *holds* if the certain contacts have forces of equilibrium after the parts
 of each pair of S are merged into a body (`kilter.mechanics.merged_parts`). If S holds, every
@@ -56,7 +56,7 @@ value serves if the first set does not hold."""
 
 @dataclass(frozen=True, slots=True)
 class DecidingPairs:
-    """Open pairs with which equilibrium exists if their parts are joined.
+    """Open pairs that make an equilibrium possible if their parts are joined.
 
     Attributes
     ----------
@@ -78,7 +78,9 @@ class DecidingPairs:
 def find_deciding(
     program: Program, group: Index, pairs: Sequence[OpenPair], *, work: Work | None = None
 ) -> DecidingPairs | None:
-    """Find the open pairs that decide a program whose certain contacts do not hold it.
+    """Find open pairs whose joining holds an assembly that its certain contacts do not hold.
+
+    None if no set was found.
 
     Parameters
     ----------
@@ -113,7 +115,7 @@ def find_deciding(
 
 
 class _Search:
-    """Search over sets of open pairs; each program of merged parts is solved once.
+    """Search over sets of open pairs; each program with joined parts is solved once.
 
     Pairs are numbered from the likeliest to the least likely contact; `ends` has shape (n, 2).
     `doubtful` is set if a program could not be decided: the set may then not be the smallest.
@@ -139,7 +141,7 @@ class _Search:
         return self.rows_left <= 0 or (self.work is not None and self.work.late)
 
     def bodies(self, chosen: Iterable[int]) -> Index:
-        """Number of the body of each part, from 0, if the chosen pairs are joined; shape (N,)."""
+        """Index of each part's body, from 0, if the chosen pairs are joined; shape (N,)."""
         joined = self.ends[sorted(chosen)].reshape(-1, 2)
         label = connected(
             len(self.program.names),
@@ -149,7 +151,7 @@ class _Search:
         return np.unique(label, return_inverse=True)[1].reshape(-1)
 
     def judgement_of(self, bodies: Index) -> Judgement:
-        """The judgement of the program with merged parts, computed once for each merging."""
+        """Judge the program with parts merged into bodies; each merging is judged once."""
         key = bodies.tobytes()
         if key not in self.known:
             merged = merge_parts(self.program, bodies)
@@ -158,11 +160,14 @@ class _Search:
         return self.known[key]
 
     def holds(self, chosen: Iterable[int]) -> bool | None:
-        """Whether forces of equilibrium exist with the chosen pairs joined; None if undecided."""
+        """Whether forces can balance the parts with the chosen pairs joined; None if undecided."""
         return self.judgement_of(self.bodies(chosen)).stable
 
     def smallest(self) -> frozenset[int] | None:
-        """The smallest set that holds, with the likeliest pairs; None if the search ended."""
+        """The smallest set of pairs that holds the assembly if joined; None if the search ended.
+
+        Among sets of equal size, likelier pairs are preferred.
+        """
         to_hit: list[frozenset[int]] = []
         every = frozenset(range(len(self.ends)))
         while not self.ended:
@@ -178,7 +183,7 @@ class _Search:
         return None
 
     def _maximal_superset(self, chosen: frozenset[int]) -> frozenset[int]:
-        """A maximal superset of a set that does not hold, which does not hold either."""
+        """Enlarge a set of joined pairs that does not hold, until each further pair would hold."""
         every = frozenset(range(len(self.ends)))
         larger = chosen | (every - self._pairs_in_motion(chosen))
         # pairs that the motion leaves at rest cannot stop it; the numbers may still not prove it
@@ -192,7 +197,7 @@ class _Search:
         return larger
 
     def _pairs_in_motion(self, chosen: frozenset[int]) -> frozenset[int]:
-        """Pairs whose parts move relative to each other in the motion that a set leaves."""
+        """Pairs whose parts move relative to each other, if only the chosen pairs are joined."""
         bodies = self.bodies(chosen)
         proof = self.judgement_of(bodies).motion
         if proof is None:
@@ -201,11 +206,14 @@ class _Search:
         return frozenset(np.flatnonzero(moves).tolist())
 
     def irreducible(self) -> frozenset[int]:
-        """A set that holds, but fails if any of its pairs is left out, unless the search ended."""
+        """A set of pairs that holds if joined, none of which can be left out.
+
+        Some can, if the search ended early.
+        """
         return frozenset(self._irreducible_part([], self._start(), False))
 
     def _start(self) -> list[int]:
-        """A set that holds, from which pairs are left out: those with wrenches, else all."""
+        """A set of pairs that holds if joined, to be reduced: pairs with wrenches, else all."""
         norms = None
         if not self.ended:
             self.rows_left -= len(self.program.part_a) + 6 * len(self.ends)
@@ -218,7 +226,7 @@ class _Search:
         return self._forest(range(len(self.ends)))
 
     def _forest(self, pairs: Iterable[int]) -> list[int]:
-        """The first of these pairs that join the same bodies as all of them."""
+        """The first of the given pairs that join the same bodies as all given pairs together."""
         root = self.bodies([]).tolist()
 
         def body(part: int) -> int:
@@ -240,7 +248,7 @@ class _Search:
     def _irreducible_part(
         self, base: list[int], candidates: list[int], base_changed: bool
     ) -> list[int]:
-        """An irreducible subset of `candidates` that holds together with `base`.
+        """Subset of `candidates`, as small as possible, that holds if joined together with `base`.
 
         First the second half is reduced with the whole first half in the base. Then the first
         half is reduced with the rest of the second. This solves few programs if few pairs are
@@ -262,7 +270,7 @@ class _Search:
 
 
 def _least_hitting(every: Sequence[int], to_hit: Sequence[frozenset[int]]) -> frozenset[int]:
-    """The smallest subset of `every` that meets each set, the first in lexicographic order."""
+    """The smallest subset of `every` with a member in each set; first in lexicographic order."""
     for size in range(len(every) + 1):
         for members in combinations(every, size):
             chosen = frozenset(members)
@@ -272,7 +280,7 @@ def _least_hitting(every: Sequence[int], to_hit: Sequence[frozenset[int]]) -> fr
 
 
 def _moves_apart(program: Program, motion: Array, ends: Index) -> Mask:
-    """Mask of the pairs of bodies `ends`, (n, 2), that move relative to each other; shape (n,).
+    """Mask of the pairs of bodies `ends`, (n, 2), that move relative to each other, shape (n,).
 
     `motion` has shape (bodies, 6).
     """

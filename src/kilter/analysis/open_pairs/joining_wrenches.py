@@ -1,4 +1,4 @@
-"""Least wrenches at open pairs that complete the equilibrium of the certain contacts.
+"""Least wrenches between the parts of open pairs that complete the equilibrium of the contacts.
 
     min sum_p c_p |u_p|:   A f + W u = b,   f in K          u_p = (F, T / rho) of pair p
 
@@ -24,7 +24,9 @@ __all__ = ["joining_wrenches"]
 
 
 def joining_wrenches(program: Program, ends: Index, *, work: Work | None = None) -> Array | None:
-    """Norms of the least wrenches between pairs of parts with which equilibrium exists.
+    """Norms of the least wrenches between pairs of parts that balance the assembly.
+
+    None if the solver fails.
 
     Parameters
     ----------
@@ -52,7 +54,10 @@ def joining_wrenches(program: Program, ends: Index, *, work: Work | None = None)
 
 
 def _least_wrenches(wide: ConeProblem, ends: Index) -> ConicProgram:
-    """The program of this module. x = (f, u of each pair, |u| of each pair)."""
+    """The conic program for the least joining wrenches; x = (f, u of each pair, |u| of each pair).
+
+    f are the contact forces, u the wrench between the parts of a pair.
+    """
     problem, count = wide.problem, len(ends)
     total = problem.matrix.shape[1]
     cone_matrix, positive, sizes = wide.cone_rows()
@@ -75,7 +80,7 @@ def _least_wrenches(wide: ConeProblem, ends: Index) -> ConicProgram:
 
 
 def _wrench_columns(wide: ConeProblem, ends: Index) -> csc_array:
-    """The matrix W, shape (freedoms, 6 P): a unit wrench of a pair on its second part.
+    """Matrix W, shape (freedoms, 6 P), of a unit wrench of each pair on its second part.
 
     The wrench acts at the centre of the smaller part, whose radius is rho, in the frame of the
     scaled problem.

@@ -1,4 +1,4 @@
-"""The open question of an undecided assembly: the open pairs on which its verdict depends.
+"""The question that leaves an assembly undecided: open pairs on which its verdict depends.
 
 The certain contacts do not hold such an assembly, but forces of open pairs may. The question names
 the smallest set of open pairs that decides (`kilter.analysis.open_pairs.deciding_pairs`), and the
@@ -24,13 +24,13 @@ __all__ = ["OpenQuestion", "ask_open", "open_pair_names", "open_pairs_answer"]
 
 @dataclass(frozen=True, slots=True)
 class OpenQuestion:
-    """The open pairs that decide, and the verdict of the assembly with these pairs joined."""
+    """The open pairs that decide, and the verdict if the parts of these pairs are joined."""
 
     deciding: DecidingPairs
     verdict: str
 
     def to_dict(self, names: tuple[str, ...]) -> dict[str, Any]:
-        """JSON data of the question, for the key `if_joined`; `names`: the names of all parts."""
+        """JSON data for the key `if_joined` of an answer; `names` are the names of all parts."""
         return {
             "pairs": [[names[k] for k in pair.parts] for pair in self.deciding.pairs],
             "verdict": self.verdict,
@@ -47,7 +47,7 @@ def ask_open(
     *,
     work: Work | None = None,
 ) -> OpenQuestion | None:
-    """Find the open pairs that decide, and the verdict with these pairs joined.
+    """Find the open pairs that decide, and the verdict if they are joined; None if none decide.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def open_pair_names(assembly: Assembly, contacts: ContactSet) -> str:
 def open_pairs_answer(
     assembly: Assembly, contacts: ContactSet, question: OpenQuestion | None = None
 ) -> list[dict[str, Any]]:
-    """Entries of the key `open_pairs` of an answer; the deciding pairs come first."""
+    """Entries of the key `open_pairs` of an answer, the deciding pairs first."""
     decides: tuple[OpenPair, ...] = () if question is None else question.deciding.pairs
     pairs = still_open(contacts.open_pairs, assembly)
     entries = [{**pair.to_dict(assembly.names), "decides": pair in decides} for pair in pairs]

@@ -1,4 +1,4 @@
-"""Verify the guarantee of friction with open pairs as ordinary contacts.
+"""Verify a statement about friction for every subset of open pairs in ordinary contact.
 
 More contacts only help an equilibrium to exist. But with friction they may invalidate a guarantee:
 a block holds on a slope, but with a second, smoother support in the same plane a motion may obey
@@ -52,7 +52,7 @@ WIDER = 1.01
 
 @dataclass(frozen=True, slots=True)
 class OpenTrial:
-    """The guarantee of friction with open pairs as ordinary contacts.
+    """The statement about friction that holds for every subset of open pairs in ordinary contact.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class OpenTrial:
 
 
 def can_be_tried(pairs: Sequence[OpenPair]) -> bool:
-    """Whether every subset of these open pairs can be tried as ordinary contacts.
+    """Whether every subset of these open pairs can be examined in ordinary contact.
 
     If not, forces of equilibrium are the highest level that friction can reach.
     """
@@ -80,7 +80,7 @@ def can_be_tried(pairs: Sequence[OpenPair]) -> bool:
 def try_ordinary(
     assembly: Assembly, contacts: ContactSet, level_of: Callable[[Program], int]
 ) -> OpenTrial:
-    """Compute the lowest level over all subsets of the open pairs as ordinary contacts.
+    """Compute the lowest level of certainty over all subsets of open pairs in ordinary contact.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def try_ordinary(
 
 
 def trial_words(trial: OpenTrial, assembly: Assembly, count: int) -> str:
-    """The result of a trial with `count` open pairs, as a clause for the answer."""
+    """Describe the result of a trial with `count` open pairs, as a clause for the answer."""
     if trial.level == PROVED:
         return (
             f"the guarantee of friction is valid for every subset of the {count} open pairs as "
@@ -120,7 +120,7 @@ def trial_words(trial: OpenTrial, assembly: Assembly, count: int) -> str:
 
 
 def _subsets(pairs: tuple[OpenPair, ...]) -> Iterator[tuple[OpenPair, ...]]:
-    """All nonempty subsets, the smallest first."""
+    """Yield all nonempty subsets of the open pairs, the smallest first."""
     for count in range(1, len(pairs) + 1):
         yield from combinations(pairs, count)
 
@@ -128,7 +128,7 @@ def _subsets(pairs: tuple[OpenPair, ...]) -> Iterator[tuple[OpenPair, ...]]:
 def _wide_contacts(
     assembly: Assembly, contacts: ContactSet, pairs: tuple[OpenPair, ...]
 ) -> ContactSet:
-    """Contacts detected with a tolerance that includes the gaps and depths of these pairs."""
+    """Detect contacts with a tolerance that includes the gaps and depths of these open pairs."""
     far = [abs(pair.gap or 0.0) for pair in pairs] + [pair.depth or 0.0 for pair in pairs]
     gap = max(WIDER * max(far), contacts.gap)
     angle = max(contacts.tolerance.angle, LOOSE_ANGLE)
@@ -139,7 +139,7 @@ def _wide_contacts(
 def with_ordinary_contacts(
     contacts: ContactSet, wide: ContactSet, pairs: tuple[OpenPair, ...]
 ) -> ContactSet:
-    """The contact set with open pairs replaced by ordinary contacts.
+    """Copy of the contacts in which detected contacts `wide` replace the given open pairs.
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ def with_ordinary_contacts(
 
 
 def _patch_columns(contacts: ContactSet, rows: Index) -> dict[str, Any]:
-    """Columns of the patches `rows` and of their points, by name of the column."""
+    """Columns of the patches `rows` and of their points, by column name."""
     chosen = np.isin(contacts.point_patch, rows)
     names = ("parts", "normal", "area", "gap", "mu", "kind", "accuracy", "doubt")
     columns = {f"patch_{name}": getattr(contacts, f"patch_{name}")[rows] for name in names}
@@ -178,7 +178,7 @@ def _patch_columns(contacts: ContactSet, rows: Index) -> dict[str, Any]:
 
 
 def _degenerate_patches(contacts: ContactSet, edges: set[frozenset[int]]) -> dict[str, Any]:
-    """Columns of a single-point patch at each degenerate point of the pairs `edges`."""
+    """Columns of a single-point patch for each degenerate point between the pairs `edges`."""
     points = contacts.approximate
     parts = np.column_stack([points.part_a, points.part_b])
     rows = np.array([k for k, p in enumerate(parts.tolist()) if frozenset(p) in edges], np.int64)

@@ -1,4 +1,4 @@
-"""Remedies: options that would change a verdict, each decided before it is offered.
+"""Remedies: options that would change a verdict, each tried before it is offered.
 
 A remedy is a set of options of the command line. It is applied to the assembly as reading applies
 it (joints, tolerance, friction), and the cascade of `kilter.check` decides the result at the
@@ -44,7 +44,7 @@ FRICTION = 0.3
 
 @dataclass(frozen=True, slots=True)
 class Remedy:
-    """Options that were tried, and their result.
+    """Options of the command line that were tried, and the verdict with them.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ _Detection = tuple[float | None, Tolerance]
 
 @dataclass(frozen=True, slots=True)
 class _Change:
-    """Values of the options of the command line that a remedy sets."""
+    """Command-line options that a remedy changes, and their new values."""
 
     fasten: tuple[tuple[str, str], ...] = ()
     suggested: bool = False
@@ -85,7 +85,7 @@ class _Change:
 
     @property
     def option(self) -> str:
-        """The options as the user types them."""
+        """These options as the user types them."""
         words = [f"--fasten {shell_words(pair)}" for pair in self.fasten]
         words += ["--fasten-suggested"] if self.suggested else []
         words += ["--fasten-overlaps"] if self.overlaps else []
@@ -98,7 +98,7 @@ class _Change:
     def apply(
         self, assembly: Assembly, contacts: ContactSet, detected: dict[_Detection, ContactSet]
     ) -> tuple[Assembly, ContactSet]:
-        """The assembly with these options, and its contacts.
+        """Return the assembly with these options, and its contacts.
 
         `detected`: contacts by friction coefficient and tolerance, which later changes share.
         """
@@ -125,7 +125,7 @@ class _Change:
         return assembly, contacts.of(assembly)
 
     def _tolerance(self, tolerance: Tolerance) -> Tolerance:
-        """The tolerance with the options of this change."""
+        """Copy of a contact tolerance with the values of these options."""
         if self.loose:
             base = Tolerance.loose()
             tolerance = replace(tolerance, relative_gap=base.relative_gap, angle=base.angle)
@@ -196,12 +196,15 @@ def find_remedies(
 
 
 def _units(program: Program, judgements: int, *, detect: bool) -> float:
-    """Units of judgements of equilibrium, and of the detection of the contacts."""
+    """Work of equilibrium judgements, and of a contact detection if `detect` is set.
+
+    In units of `Work`.
+    """
     return len(program.part_a) * (JUDGED * judgements + DETECTED * detect)
 
 
 def _changes(assembly: Assembly, contacts: ContactSet, decision: Decision) -> Iterator[_Change]:
-    """The candidate changes; those that change least come first."""
+    """Yield the changes of options to try, the smallest change first."""
     if decision.question is not None:
         pairs = open_pairs_answer(assembly, contacts, decision.question)
         yield _settling_change(open_options(pairs))
@@ -216,7 +219,7 @@ def _changes(assembly: Assembly, contacts: ContactSet, decision: Decision) -> It
 
 
 def _settling_change(options: Sequence[OpenOption]) -> _Change:
-    """The options with which the deciding pairs hold, combined in a single change."""
+    """Combine the options that settle each deciding open pair into a single change."""
     return _Change(
         fasten=tuple(pair for option in options for pair in option.fasten),
         overlaps=any(option.overlaps for option in options),

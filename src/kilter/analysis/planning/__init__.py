@@ -1,1 +1,1 @@
-"""In which order: states of an assembly that is being built, a question for each file."""
+"""Plans of assembly: the order of the steps, parts to hold at each step, and fixtures."""

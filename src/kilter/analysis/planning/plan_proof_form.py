@@ -1,4 +1,4 @@
-"""The form of the statements in a proof of a plan or of a fixture.
+"""Check that the entries of a proof file of a plan or a fixture have the right keys and types.
 
 Statements of this form can be judged without further checks: every key that is read exists, every
 name is the name of a part, and every number of a candidate exists.
@@ -48,7 +48,7 @@ HOLD_RULES = keys(candidates=list_of(keys(kind=WORD, part=WORD)), least=COUNT)
 
 
 def require_plan_form(bundle: Mapping[str, Any], names: Sequence[str]) -> None:
-    """Require the form of the statements of a plan.
+    """Reject a plan in a proof file if an entry has a wrong key or type.
 
     Parameters
     ----------
@@ -87,7 +87,10 @@ def require_plan_form(bundle: Mapping[str, Any], names: Sequence[str]) -> None:
 
 
 def require_hold_form(bundle: Mapping[str, Any], names: Sequence[str]) -> None:
-    """Require the form of the statements of a fixture; arguments and errors as for a plan."""
+    """Reject a fixture in a proof file if an entry has a wrong key or type.
+
+    Arguments and errors as for a plan.
+    """
     _require(keys(rules=HOLD_RULES), bundle)
     last = len(bundle["rules"]["candidates"]) - 1
     chosen = keys(supports=list_of(count_up_to(last, least=0)))

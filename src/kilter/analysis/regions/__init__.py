@@ -1,1 +1,1 @@
-"""Every direction of gravity for which an assembly stays."""
+"""Directions of gravity for which an assembly stays together, and tipping of a body on a table."""

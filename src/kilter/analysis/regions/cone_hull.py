@@ -1,4 +1,4 @@
-"""Convex hull of a cone from both sides: extreme rays of {n.g <= 0}, facets of sums of rays.
+"""Extreme rays of a cone from its facets, and facets of a cone from its rays, in R^3.
 
     extreme rays      lines in which two planes meet, inside all of them
     facets            planes through two rays, with all other rays on a single side
@@ -27,7 +27,7 @@ __all__ = ["cone_around", "distinct", "edges_of", "extreme_rays", "facets_of"]
 
 
 def distinct(vectors: Array, apart: float = SAME_RAY) -> Array:
-    """The first of each group of vectors that are the same."""
+    """The first of each group of vectors that are equal within `apart`, shape (n, 3)."""
     kept: list[Array] = []
     for vector in vectors:
         if not kept or np.linalg.norm(np.array(kept) - vector, axis=1).min() > apart:
@@ -36,7 +36,7 @@ def distinct(vectors: Array, apart: float = SAME_RAY) -> Array:
 
 
 def extreme_rays(normals: Array) -> Array:
-    """Unit rays in which the planes n.g = 0, x = 0, y = 0, z = 0 meet, and all n.g <= 0.
+    """Unit extreme rays of the cone {n.g <= 0}, and of its pieces between the coordinate planes.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def extreme_rays(normals: Array) -> Array:
 
 
 def edges_of(normals: Array, rays: Array) -> Iterator[tuple[int, int, float]]:
-    """Neighbouring rays on each facet, by position, and half the angle between them [rad]."""
+    """Yield two neighbouring rays of a facet, by index, and half the angle between them [rad]."""
     for normal in normals:
         on = np.flatnonzero(np.abs(rays @ normal) <= 2 * SAME_RAY)
         if len(on) < 2:
@@ -75,7 +75,7 @@ def edges_of(normals: Array, rays: Array) -> Iterator[tuple[int, int, float]]:
 
 
 def cone_around(rays: Array, blur: float) -> Cone:
-    """All sums of some rays, of any kind.
+    """The cone of all nonnegative combinations of given rays.
 
     Parameters
     ----------
@@ -112,7 +112,9 @@ def cone_around(rays: Array, blur: float) -> Cone:
 
 
 def facets_of(points: Array, blur: float) -> tuple[Array, Mask]:
-    """Facets of the cone of unit points that span R^D, D = 1, 2, 3.
+    """Facets of the cone that unit points span in R^D: normals and incident points.
+
+    D is 1, 2 or 3.
 
     Unit inward normals, shape (F, D), and which points lie on each, shape (F, n). Planes through
     the same points, within `blur`, are replaced by a plane that is fitted to these points. A plane
@@ -131,7 +133,10 @@ def facets_of(points: Array, blur: float) -> tuple[Array, Mask]:
 
 
 def _across_pairs(points: Array, least: float) -> Array:
-    """Unit normals, of both signs, of planes through D - 1 of the points that are this apart."""
+    """Unit normals, of both signs, of planes through D - 1 of the points.
+
+    Points closer than `least` give no plane.
+    """
     dimension = points.shape[1]
     if dimension == 1:
         return np.array([[1.0], [-1.0]])
@@ -146,7 +151,7 @@ def _across_pairs(points: Array, least: float) -> Array:
 
 
 def _fit(points: Array, tight: Mask) -> Array:
-    """The inward normal of the plane through the tight points, by least squares."""
+    """Inward normal of the plane through the points `tight`, fitted by least squares."""
     dimension = points.shape[1]
     chosen = np.vstack([points[tight], np.zeros((dimension, dimension))])
     normal: Array = np.linalg.svd(chosen)[2][-1]

@@ -1,4 +1,6 @@
-"""The support of a cone that is a projection of another cone: a single kept linear program.
+"""Farthest points, in given directions, of a cone that a linear program describes.
+
+The oracle keeps the linear program and changes only its cost.
 
     max c.g :  A f + B g = 0,  f >= 0 on one-sided columns,  g cut off at a length of about 1
 
@@ -43,7 +45,9 @@ FAR = 10.0
 
 
 class ConeOracle:
-    """The support of {g : exists f: A f + B g = 0}, a single kept linear program.
+    """Farthest points of the cone {g : A f + B g = 0 for some f >= 0}, from one linear program.
+
+    The program is kept between queries.
 
     Parameters
     ----------
@@ -103,7 +107,10 @@ class ConeOracle:
         two_sided: Mask,
         price: float | None,
     ) -> LinearProgram:
-        """Columns f, g and imbalance; rows of equilibrium and the row that bounds g."""
+        """The linear program of the oracle: unknowns f, g and imbalance; rows of equilibrium.
+
+        A last row bounds g.
+        """
         rows, count, d = self._rows, self._forces, self.dimension
         slack = 0 if price is None else rows
         blocks = [matrix @ diags_array(1 / self._size), loads]
@@ -124,11 +131,11 @@ class ConeOracle:
 
     @property
     def programs(self) -> int:
-        """Number of linear programs that were solved."""
+        """Number of linear programs that the oracle solved."""
         return self._kept.solves
 
     def support(self, direction: Array) -> Reach:
-        """Largest cosine of a direction of the cone with a unit direction, and that direction."""
+        """Farthest direction of the cone along a unit direction, and the cosine between them."""
         self._kept.change_cost(self._columns, -direction)
         solution = self._optimum()
         for share in FORCE_PRICES:
@@ -141,7 +148,7 @@ class ConeOracle:
         return self._reach(direction, solution)
 
     def _optimum(self) -> Solution:
-        """The optimum of the present program, or at least a point, which is judged afterwards."""
+        """Optimum of the linear program, or at least a feasible point, to be judged later."""
         solution = self._kept.solve()
         return (
             solution
@@ -165,13 +172,13 @@ class ConeOracle:
         return Reach(max(float(direction @ g) / length, 0.0), g / length, forces, witness)
 
     def focus(self, axis: Array) -> None:
-        """Truncate the cone by a plane across this axis, at a length of 1 along it."""
+        """Truncate the cone by a plane across the given axis, at distance 1."""
         self._kept.change_row(self._rows, self._columns, axis * self.dimension)
         far = np.full(self.dimension, FAR)
         self._kept.change_bounds(self._columns, -far, far)
 
     def forces(self, direction: Array) -> Array:
-        """Forces that balance a direction of the cone as well as they can, shape (n,)."""
+        """Forces that balance a given direction of gravity as well as they can, shape (n,)."""
         self._kept.change_cost(self._columns, np.zeros(self.dimension))
         self._kept.change_bounds(self._columns, direction, direction)
         solution = self._optimum()
@@ -182,7 +189,7 @@ class ConeOracle:
 
 
 def intersection(cones: Sequence[Cone], first: Array) -> tuple[Cone, int]:
-    """The intersection of cones, and the number of linear programs that were solved.
+    """Intersection of several cones, and the number of linear programs that were solved.
 
     Found as a stable cone is, with distances to facets in place of forces,
 

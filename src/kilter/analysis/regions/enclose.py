@@ -1,4 +1,6 @@
-"""Enclosure of a convex set around 0 by an oracle: a hull inside, planes outside.
+"""Enclose a convex set around 0 between a hull and planes, by queries to a support oracle.
+
+The oracle returns a point of the set and a plane around the set for each direction.
 
 The oracle gets a unit direction and returns a point of the set and a plane beyond which no point
 of the set lies,  normal . x <= reach. The hull of the points is in the set, the planes are around
@@ -42,7 +44,7 @@ __all__ = ["Face", "KnownSet", "SupportPoint", "nearest_face"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SupportPoint:
-    """Answer of an oracle: a `point` of the set, shape (d,), and a plane around the set.
+    """Answer of an oracle: a point of the set, shape (d,), and a plane that bounds the set.
 
     `normal`, unit, shape (d,), and `reach`: normal . x <= reach for all of the set.
     """
@@ -57,7 +59,7 @@ Oracle = Callable[[Array], SupportPoint | None]
 
 
 class KnownSet:
-    """The set as far as it is known.
+    """Known part of a convex set: points that span a hull inside it, and planes around it.
 
     Attributes
     ----------
@@ -84,11 +86,11 @@ class KnownSet:
 
     @property
     def inner(self) -> float:
-        """Radius of a ball about 0 that is inside the set."""
+        """Radius of the largest ball about 0 that is proved to be inside the set."""
         return 0.0 if self.hull is None else max(float(self.hull.offsets.min()), 0.0)
 
     def ask(self, direction: Array) -> SupportPoint | None:
-        """Query the oracle once; add its plane, and leave its point to the caller."""
+        """Query the oracle in a direction; add its plane; return its point, or None if it fails."""
         reach = self._oracle(direction)
         self.asked += 1
         if reach is None:
@@ -98,7 +100,7 @@ class KnownSet:
         return reach
 
     def settle(self, facet: int) -> bool:
-        """Confirm a facet of the hull, or add a point beyond it; True if it is confirmed."""
+        """Confirm that a hull facet is on the boundary (True), or add a point beyond it (False)."""
         assert self.hull is not None
         hull = self.hull
         normal, offset = hull.normals[facet], float(hull.offsets[facet])
@@ -114,7 +116,7 @@ class KnownSet:
     def close_nearest(
         self, limit: int, agree: float = 0.0, most: float = np.inf, within: float = 0.0
     ) -> bool:
-        """Refine the facet nearest to 0, whichever it is then, until a facet is confirmed.
+        """Refine the hull facet nearest to 0, repeatedly, until the nearest facet is confirmed.
 
         Parameters
         ----------
@@ -135,7 +137,7 @@ class KnownSet:
         return False
 
     def _is_known(self, facet: int) -> bool:
-        """Whether a facet lies in the plane of a confirmed facet, on the same side."""
+        """Whether a facet is in the plane of a confirmed facet, on the same side."""
         assert self.hull is not None
         hull, planes = self.hull, self._planes
         if not len(planes):
@@ -147,7 +149,7 @@ class KnownSet:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Face:
-    """The distance from 0 to the boundary of a set, from both sides.
+    """Lower and upper bound of the distance from 0 to the boundary of a set, with the point.
 
     Attributes
     ----------
@@ -182,7 +184,7 @@ def nearest_face(
     most: float = np.inf,
     within: float = 0.0,
 ) -> Face | None:
-    """The boundary point of a set around 0 that is nearest to 0; None if the first query fails.
+    """Find the boundary point of a set that is nearest to 0; None if the first query fails.
 
     Parameters
     ----------

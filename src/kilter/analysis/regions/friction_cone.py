@@ -1,4 +1,4 @@
-"""Every direction of gravity that forces in Coulomb's cones can hold, between two polyhedra.
+"""Directions of gravity that contacts with friction can hold, enclosed between two polyhedra.
 
     C = {g : exists f in K:  J^T f + W g = 0},   W g = (m_i g, 0)_i
 
@@ -80,7 +80,7 @@ PROGRAMS = 600
 def friction_cone(
     program: Program, *, gap_deg: float = GAP_DEG, progress: Callable[[str], None] | None = None
 ) -> StableCone:
-    """The directions of gravity that contacts with friction can hold.
+    """Enclose the directions of gravity that contacts with friction can hold.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def friction_cone(
 
 
 def _exact(program: Program, progress: Callable[[str], None] | None) -> StableCone:
-    """The cone in the plane, where a friction cone is a pyramid of two rays."""
+    """The stable directions in the plane, exactly; a friction cone there has two rays."""
     rays = pyramid(program, 2)
     cone = stable_cone(rays, progress=progress)
     opening = Opening(cone_problem(program))
@@ -142,7 +142,7 @@ def _exact(program: Program, progress: Callable[[str], None] | None) -> StableCo
 
 
 class _Cutting:
-    """Rays inside, facets outside, and the extreme rays of the outer cone that were projected."""
+    """Refinement of the enclosure: proved rays inside the stable cone, and facets around it."""
 
     def __init__(self, program: Program, progress: Callable[[str], None] | None) -> None:
         self.program, self.progress = program, progress
@@ -159,11 +159,11 @@ class _Cutting:
 
     @property
     def normals(self) -> Array:
-        """Outward normals, shape (f, 3)."""
+        """Outward unit normals of the facets around the stable cone, shape (f, 3)."""
         return -np.array([facet.vector for facet in self.facets]).reshape(-1, 3)
 
     def cut(self, most: float) -> bool:
-        """Cut off the extreme rays of the outer cone that are too far from the inner cone.
+        """Cut off extreme rays of the outer cone that are farther than `most` from the inner cone.
 
         `most` is the largest allowed angle [rad]. Return whether a ray was cut off.
         """
@@ -186,12 +186,15 @@ class _Cutting:
         return is_cut
 
     def _known_ray(self, direction: Array) -> int | None:
-        """The known extreme ray that equals this ray."""
+        """Index of the known extreme ray that equals a direction; None if it is new."""
         near = np.linalg.norm(self.seen - direction, axis=1)
         return int(near.argmin()) if len(near) and near.min() < SAME_RAY else None
 
     def _project(self, direction: Array) -> tuple[float, Proof | None]:
-        """Angle to the nearest ray found [rad], and the separating facet, with their proofs."""
+        """Angle from a direction to the stable cone [rad], and the facet that separates them.
+
+        None for the facet if it has no proof.
+        """
         from kilter.solvers.clarabel import solve_conic
 
         self.programs += 1
@@ -214,7 +217,7 @@ class _Cutting:
         return self._from_within(direction, angle) if facet is None else (angle, facet)
 
     def _ray(self, down: Array, forces: tuple[Array, Array]) -> Array | None:
-        """The ray, moved inwards until forces prove it; None if no forces do."""
+        """Ray of the inner cone, moved inwards until forces prove it; None if no forces do."""
         proof = check_forces(self.program.turned(down), *forces)
         if proof.holds:
             self.rays.append(Proof("ray", down, down, proof))
@@ -232,7 +235,7 @@ class _Cutting:
     def _facet(
         self, direction: Array, base: Array, motion: Array, steps: Sequence[float] = BEYOND_FACET
     ) -> Proof | None:
-        """The facet of a motion that cuts a direction off, with a proof just beyond it."""
+        """Facet from a motion that cuts a direction off, with its proof; None without a proof."""
         normal = self._normal(motion)
         if normal @ direction <= ON_PLANE:
             return None
@@ -253,7 +256,10 @@ class _Cutting:
         return None
 
     def _from_within(self, direction: Array, angle: float) -> tuple[float, Proof | None]:
-        """The result of `_project`, between the known rays and the direction."""
+        """Angle to the stable cone and separating facet, searched from the known rays.
+
+        In place of `_project`, if the conic program fails.
+        """
         middle: Array = np.sum([ray.vector for ray in self.rays], axis=0)
         length = float(np.linalg.norm(middle)) if self.rays else 0.0
         if length < NO_DIRECTION:
@@ -278,7 +284,7 @@ class _Cutting:
         return angle, self._facet(direction, toward, limit.mechanism.motion, BEYOND_FAR)
 
     def _normal(self, motion: Array) -> Array:
-        """Outward normal of the facet of a motion: the sum of mass times step, unit; or 0."""
+        """Outward unit normal of the facet of a motion: mean displacement by mass; or zero."""
         normal: Array = (self.program.mass * self.program.free) @ motion[:, :3]
         size = float(np.linalg.norm(normal))
         return normal / size if size > 0.0 else normal
@@ -292,7 +298,7 @@ class _Cutting:
         return float(2 * np.arcsin(min(float(near) / 2, 1.0)))
 
     def answer(self) -> StableCone:
-        """The cone between the rays and the facets that were found."""
+        """The enclosure by the rays and facets that were found."""
         rays = np.array([ray.vector for ray in self.rays]).reshape(-1, 3)
         inner = cone_around(rays, RAY_BLUR)
         normals = self.normals
@@ -315,7 +321,7 @@ class _Cutting:
 
 
 def _scale_forces(proof: ForceProof, down: Array) -> tuple[Array, Array]:
-    """Forces for a direction of any length, over that length."""
+    """Forces and friction for a unit direction, from a proof for a direction of any length."""
     length = float(np.linalg.norm(down))
     return proof.forces / length, proof.friction / length
 

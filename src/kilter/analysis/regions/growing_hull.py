@@ -1,4 +1,4 @@
-"""Convex hulls that grow by one point at a time, in up to three dimensions.
+"""Convex hulls to which points are added one by one, in up to three dimensions.
 
 A facet is a simplex: as many points as there are dimensions. A new point sees the facets
 it lies outside of; the ridges between seen and unseen facets are joined to it.
@@ -16,7 +16,7 @@ __all__ = ["GrowingHull"]
 
 
 class GrowingHull:
-    """The hull of points in R^d, d = 1, 2 or 3.
+    """Convex hull of points in R^d, d = 1, 2 or 3, to which further points can be added.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ class GrowingHull:
 
     @classmethod
     def of(cls, points: Array, tolerance: float) -> GrowingHull | None:
-        """The hull of points, shape (n, d); None if they are flat up to the tolerance.
+        """Hull of points, shape (n, d); None if the points are flat up to the tolerance.
 
         Examples
         --------
@@ -88,7 +88,7 @@ class GrowingHull:
         return hull
 
     def add(self, point: Array) -> bool:
-        """Add a point; return False, without a change, if it is not outside."""
+        """Add a point to the hull; return False, without a change, if it is not outside."""
         seen = self.normals @ point > self.offsets + self.tolerance
         if not seen.any():
             return False
@@ -103,7 +103,7 @@ class GrowingHull:
         return True
 
     def _horizon(self, seen: Index) -> Index:
-        """Ridges of the seen facets that belong to a single seen facet."""
+        """Ridges between the facets `seen` from a new point and the other facets."""
         size = seen.shape[1]
         ridges = np.vstack([np.sort(np.delete(seen, k, axis=1), axis=1) for k in range(size)])
         if size == 1:
@@ -113,7 +113,7 @@ class GrowingHull:
         return single
 
     def _planes(self, facets: Index) -> tuple[Array, Array]:
-        """Outward unit normals and offsets of simplices."""
+        """Outward unit normals and offsets of the planes through facets."""
         corners = self.points[facets]
         size = corners.shape[2]
         first = corners[:, 0]

@@ -1,1 +1,1 @@
-"""The fewest supports that hold an assembly."""
+"""Search for the fewest supports that hold an assembly."""

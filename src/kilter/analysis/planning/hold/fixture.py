@@ -1,4 +1,4 @@
-"""Fixture: the answer of `hold` with the fewest supports and the proof of the minimum."""
+"""Fixture: the fewest supports that hold an assembly, and the proof that fewer are not enough."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ __all__ = ["Fixture"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fixture(Answer):
-    """Answer of `hold`: the fewest supports, or the proof that all candidates are not enough.
+    """Answer of `kilter.hold`: the fewest supports, or the proof that all candidates together fail.
 
     Attributes
     ----------
@@ -61,24 +61,24 @@ class Fixture(Answer):
 
     @property
     def candidates(self) -> tuple[Support, ...]:
-        """Candidates for supports."""
+        """All candidate supports of the fixture."""
         return self.supported.supports
 
     @property
     def supports(self) -> list[Support] | None:
-        """Fewest candidates with which the assembly holds; None if no set was found."""
+        """The smallest set of candidates with which the assembly holds; None if none was found."""
         if self.found.state is None:
             return None
         return [self.candidates[k] for k in sorted(self.found.state.chosen)]
 
     @property
     def least(self) -> int:
-        """Proved lower bound of the number of supports."""
+        """Proved lower bound of the number of supports that hold the assembly."""
         return self.found.least
 
     @property
     def fewest(self) -> bool:
-        """Whether it is proved that fewer candidates are not enough."""
+        """Whether it is proved that fewer supports than these are not enough."""
         return self.found.state is not None and len(self.found.state.chosen) == self.least
 
     @property
@@ -90,17 +90,20 @@ class Fixture(Answer):
 
     @property
     def level(self) -> str | None:
-        """The level that the assembly reaches with the supports; None if none were found."""
+        """Verdict level that the assembly reaches with the supports; None without supports."""
         state = self.found.state
         return None if state is None or state.decision is None else state.decision.level
 
     @property
     def holds(self) -> bool:
-        """Whether the assembly reaches the required level with the supports."""
+        """Whether the assembly reaches the required verdict level with the supports."""
         return holds(self.level, self.require)
 
     def forces(self) -> list[Array | None]:
-        """Force of each support on its part [N], shape (3,); None of a grip, which has torques."""
+        """Force of each support on its part [N], shape (3,); None for a grip.
+
+        A grip also has a torque.
+        """
         state = self.found.state
         if state is None or state.forces is None or self.supports is None:
             return []
@@ -118,7 +121,7 @@ class Fixture(Answer):
         return pushes
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the answer as JSON data, as printed by ``kilter hold --json``."""
+        """The fixture as JSON data, as printed by ``kilter hold --json``."""
         assembly = self.supported.assembly
         forces = self.forces()
         answer: dict[str, Any] = {
@@ -157,7 +160,7 @@ class Fixture(Answer):
         return {**answer, "sentence": hold_sentence(answer)}
 
     def _why(self) -> str | None:
-        """Why the level is only equilibrium, as in `Verdict.why`."""
+        """Reason why the verdict level is only equilibrium, as in `Verdict.why`; else None."""
         state = self.found.state
         decision = None if state is None else state.decision
         if decision is None or decision.level != "equilibrium":
@@ -167,7 +170,7 @@ class Fixture(Answer):
         return None if decision.friction is None else decision.friction.why
 
     def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
-        """Return the proof that the supports hold and fewer are not enough, for `kilter.verify`.
+        """Proof that the supports hold the assembly and fewer do not, for `kilter.verify`.
 
         Parameters
         ----------
@@ -199,7 +202,7 @@ class Fixture(Answer):
     def _proof(
         self, state: SupportedState, change: dict[str, Any], options: dict[str, Any]
     ) -> dict[str, Any]:
-        """The proof of a state of supports, as data of a file."""
+        """Proof of the verdict on a set of supports, as data for a proof file."""
         assembly, contacts = apply_change(self.supported.assembly, self.supported.contacts, change)
         program = build_program(assembly, contacts, possible=state.stable is False)
         if state.motion is not None:
@@ -209,7 +212,7 @@ class Fixture(Answer):
         return make_proof(assembly, contacts, program, state.forces, options, evidence=evidence)
 
     def _repr_html_(self) -> str:
-        """Return the HTML that a notebook displays."""
+        """The fixture as HTML for a notebook."""
         return html_of(self.to_dict())
 
     def __repr__(self) -> str:
@@ -223,7 +226,7 @@ class Fixture(Answer):
 
 
 def _moving(state: SupportedState) -> list[str]:
-    """Return the names of the parts that the motion of a state moves."""
+    """Names of the parts that move in the proved motion of a set of supports."""
     assert state.motion is not None
     sizes = part_sizes(state.program, state.motion.motion, per_radius=False)
     moves = sizes > STILL * np.max(sizes, initial=0.0)

@@ -1,4 +1,4 @@
-"""Search of the fewest supports with which a half-built or finished assembly holds.
+"""`kilter.hold`: search for the fewest supports with which an assembly holds.
 
 The candidates are grips, fingers, props, vacuum cups and magnets (`kilter.contact.supports`). The
 answer includes the proof that fewer supports are not enough

@@ -1,4 +1,4 @@
-"""A fixture judged again from its file: its supports, and that fewer are not enough.
+"""Verify a fixture file: that its supports hold the assembly, and that fewer are not enough.
 
 That each state holds or falls is judged with its forces or its motion
 (`kilter.analysis.verification`). Here: that each is one of the candidates it names; and that, by
@@ -29,7 +29,7 @@ About = Mapping[str, Any]
 def wrong_hold(
     assembly: Assembly, contacts: ContactSet, bundle: About, verdicts: Sequence[str]
 ) -> Iterator[str]:
-    """Why the proofs of a fixture together do not show the fewest supports.
+    """Yield the reasons why the proofs of a fixture do not show the fewest supports.
 
     Malformed data ends as in `kilter.analysis.planning.order.order_check`.
 
@@ -72,7 +72,7 @@ FALLS = {"held": False, "not fewer": True}
 def _change(
     assembly: Assembly, candidates: Sequence[Support], present: frozenset[int]
 ) -> dict[str, Any]:
-    """Return the change of the file that applies a subset of the candidates."""
+    """Change of an assembly that adds a subset of the candidate supports, as data for its file."""
     chosen = [candidates[k] for k in sorted(present)]
     gripped = {support.part for support in chosen if support.kind == "grip"}
     return {
@@ -88,7 +88,7 @@ def _shares(
     present: frozenset[int],
     entry: About,
 ) -> dict[int, float]:
-    """The shares that the other candidates take of the motion of a proof."""
+    """Fraction of a proved motion's work that each absent candidate support would take."""
     every = with_supports(
         assembly, contacts, [support for support in candidates if support.kind != "grip"]
     )

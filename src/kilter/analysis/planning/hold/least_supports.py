@@ -1,4 +1,4 @@
-"""The fewest supports with which an assembly holds, by covers of motions.
+"""The fewest supports with which an assembly holds, from motions that supports must stop.
 
     Z = least cover of the motions found;  does the assembly hold with Z?
         yes: Z is the answer          no: another motion, which no support of Z stops
@@ -28,7 +28,7 @@ JUDGED, FEW = 2000.0, 4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stopping:
-    """Motion that only a support can stop, with the candidates that can stop it.
+    """A proved motion of an assembly, and the candidate supports that may stop it.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class Stopping:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LeastSupports:
-    """The fewest supports, and why fewer are not enough.
+    """The smallest set of supports that holds an assembly, and the proof that fewer do not.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ def find_least_supports(
     require: str = "equilibrium",
     effort: float = EFFORT,
 ) -> LeastSupports:
-    """The fewest of the supports of an assembly with which it holds at the required level.
+    """Find the fewest candidate supports with which an assembly reaches the required level.
 
     Forces of equilibrium and the proof that fewer supports are not enough come first. A set that
     does not reach the required level is left for a set with a support on a part that may still
@@ -123,7 +123,10 @@ def find_least_supports(
 
 
 def _stops_witness(given: Supported, state: SupportedState) -> Shares:
-    """The supports that may raise the level: those on parts that a motion beside forces moves."""
+    """Absent supports that may raise the verdict level, with weights.
+
+    They are on parts that the motion moves that friction does not exclude.
+    """
     others = [k for k in range(len(given.supports)) if k not in state.chosen]
     friction = None if state.decision is None else state.decision.friction
     if state.decision is None or friction is None or friction.witness is None:
@@ -142,7 +145,11 @@ def _judge_supports(given: Supported, chosen: frozenset[int], work: Work) -> Sup
 
 
 def _fewest_that_stop(given: Supported, state: SupportedState, work: Work) -> Stopping:
-    """A motion that few supports can stop: half of them added, a quarter, ... while one is left."""
+    """Find a motion that as few supports as possible can stop.
+
+    The supports that may stop it are added by halves, quarters and so on until a single one is
+    left.
+    """
     every = frozenset(range(len(given.supports)))
     stopping = Stopping(state, given.shares(state))
     needed: set[int] = set()

@@ -1,4 +1,4 @@
-"""Supports that a word asks for: every part gripped, props under every part, fingers on faces.
+"""Candidate supports by keyword: grips of every part, props under parts, fingers on faces.
 
 grips     each free part may be gripped
 props     a prop under the centre of mass of each free part, from the part below it or else
@@ -32,7 +32,7 @@ SAME_FACE = 6
 def candidates_of(
     assembly: Assembly, contacts: ContactSet, asked: Iterable[str | Support]
 ) -> list[Support]:
-    """The supports that words and supports ask for, in their order.
+    """Candidate supports, from keywords such as "grips" and given supports, in the given order.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def _grips(assembly: Assembly, contacts: ContactSet) -> Iterator[Support]:
 
 
 def _props(assembly: Assembly, contacts: ContactSet) -> Iterator[Support]:
-    """Candidate props under the centre of mass of each free part."""
+    """Yield candidate props under the centre of mass of each free part."""
     geometry, down = assembly.geometry, assembly.down
     for k, part in enumerate(assembly):
         if part.grounded:
@@ -85,7 +85,7 @@ def _props(assembly: Assembly, contacts: ContactSet) -> Iterator[Support]:
 
 
 def _fingers(assembly: Assembly, contacts: ContactSet) -> Iterator[Support]:
-    """Candidate fingers on the accessible faces of each free part."""
+    """Yield candidate fingers on the accessible faces of each free part."""
     geometry = assembly.geometry
     for k, part in enumerate(assembly):
         if part.grounded:
@@ -106,7 +106,7 @@ WORDS = {"grips": _grips, "props": _props, "fingers": _fingers}
 
 
 def _faces(corners: Array) -> Iterator[tuple[Array, Array]]:
-    """Centroid and outward normal of each larger flat face of triangles, shape (m, 3, 3)."""
+    """Yield centroid and outward normal of each larger flat face of triangles, shape (m, 3, 3)."""
     normal = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area, normal = np.linalg.norm(normal, axis=1) / 2, unit_rows(normal)
     middle = corners.mean(axis=1)
@@ -123,7 +123,7 @@ def _faces(corners: Array) -> Iterator[tuple[Array, Array]]:
 
 
 def _hits(assembly: Assembly, point: Array, direction: Array) -> tuple[Array, Array]:
-    """Where a line enters or leaves parts: distances along it, and the part of each."""
+    """Distances along a line at which it enters or leaves parts, and the index of each part."""
     g = assembly.geometry
     count = len(assembly)
     corners = [g.corners_of(k) for k in range(count)]

@@ -1,4 +1,4 @@
-"""Assembly with its possible supports: program, verdict and the supports that stop a motion."""
+"""Assembly with candidate supports: its verdict with some of them, and supports that may help."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ LEFT = 1e-3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SupportedState:
-    """State of an assembly with a subset of the candidate supports.
+    """Verdict on an assembly with a subset of its candidate supports, with the proof.
 
     Attributes
     ----------
@@ -88,18 +88,18 @@ class Supported:
 
     @property
     def whole(self) -> Program:
-        """The program with every support but the grips."""
+        """The program with every candidate support except the grips."""
         return self._programs.whole
 
     def given(self, chosen: Iterable[int]) -> tuple[list[str], list[Support]]:
-        """Return the gripped parts of a set of supports, and its other supports."""
+        """Split chosen supports into the names of gripped parts and the other supports."""
         members = sorted(chosen)
         gripped = {self.supports[k].part for k in members if self.supports[k].kind == "grip"}
         others = [self.supports[k] for k in members if self.supports[k].kind != "grip"]
         return [name for name in self.assembly.names if name in gripped], others
 
     def decide(self, state: SupportedState, *, require: str, work: Work) -> SupportedState:
-        """Return a state in equilibrium with its decision, up to the required level."""
+        """Extend an equilibrium with chosen supports by its decision, up to the required level."""
         gripped, others = self.given(state.chosen)
         change = {"held": gripped, "supports": [support.to_dict() for support in others]}
         assembly, contacts = apply_change(self.assembly, self.contacts, change)
@@ -114,7 +114,7 @@ class Supported:
         return replace(state, decision=decision)
 
     def judge(self, chosen: Iterable[int], work: Work) -> SupportedState:
-        """The assembly with a set of supports."""
+        """Judge the assembly with the chosen supports; each set is judged once."""
         key = frozenset(chosen)
         if key not in self._found:
             self.asked += 1
@@ -122,7 +122,7 @@ class Supported:
         return self._found[key]
 
     def _judge_chosen(self, chosen: frozenset[int], work: Work) -> SupportedState:
-        """Judge the assembly with a set of supports, first by its certain contacts."""
+        """Judge the assembly with the chosen supports, first by its certain contacts alone."""
         program = self._program(chosen, self._programs.whole)
         judgement = judge(program, work=work)
         state = SupportedState(chosen, None, program, judgement.forces, None)
@@ -136,7 +136,7 @@ class Supported:
         return SupportedState(chosen, False, program, None, judgement.motion)
 
     def _program(self, chosen: frozenset[int], whole: Program) -> Program:
-        """Rows and loads of a set of supports, and its gripped parts held."""
+        """The program with the chosen supports only, and with the gripped parts held."""
         gripped, _ = self.given(chosen)
         held = np.array([name in gripped for name in self._loaded.names], dtype=bool)
         present = np.array([k in chosen for k in self._acting], dtype=bool)
@@ -146,16 +146,16 @@ class Supported:
         return self._programs.taken(program.taking(on), np.ones(len(held), dtype=bool), held)
 
     def support_rows(self, program: Program) -> Index:
-        """Return for each row the index of its support among the supports without grips, or -1."""
+        """Index of each row's support among the supports that are not grips; -1 for other rows."""
         is_support = (program.kind == CONTACT) & (program.source >= self._first)
         return np.where(is_support, program.source - self._first, -1)
 
     def place_of(self, support: int) -> int | None:
-        """Number of a support among those that are no grips; None of a grip."""
+        """Index of a support among the candidates that are not grips; None for a grip."""
         return self._acting.index(support) if support in self._acting else None
 
     def _loads(self, which: Mask, program: Program) -> Array:
-        """Loads of some supports on each part, shape (N, 6)."""
+        """Total load of a subset of the supports on each part, shape (N, 6)."""
         loads = np.zeros((len(program.names), 6))
         for place in np.flatnonzero(which):
             support = self.supports[self._acting[place]]
@@ -166,7 +166,7 @@ class Supported:
         return loads
 
     def shares(self, state: SupportedState) -> Shares:
-        """The absent supports that may stop the motion of a state, each with its share."""
+        """The absent supports that may stop the motion of a state, and how much work each takes."""
         assert state.motion is not None
         return shares_of(self.supports, self.whole, self._first, state.motion, state.chosen)
 
@@ -178,7 +178,7 @@ def shares_of(
     proof: MotionProof,
     present: frozenset[int],
 ) -> dict[int, float]:
-    """The absent supports that may stop a motion, each with its share of the motion.
+    """Absent supports that may stop a motion, and the fraction of its work that each takes.
 
     Parameters
     ----------

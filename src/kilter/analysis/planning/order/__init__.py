@@ -1,1 +1,1 @@
-"""Orders of assembly: their search, their steps, their proofs."""
+"""Search for orders of assembly, their steps, and their proofs."""

@@ -1,4 +1,4 @@
-"""Search of the order with the fewest parts held at once, or the fewest held steps.
+"""Search for the order of assembly with the fewest parts held at once, or the fewest held steps.
 
 A held step is a step during which a part is held. The fewest parts held at once are found by
 repeated searches, each with an additional part held. The fewest held steps are found by a
@@ -25,7 +25,7 @@ __all__ = ["Searched", "find_fewest_held_steps", "find_order", "held_steps_of"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Searched:
-    """Result of a search of an order.
+    """Result of a search for an order of assembly.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Searched:
 
 
 def find_order(search: OrderSearch, lowest: int, most: int, fewest: str) -> Searched:
-    """Find an order that minimizes the quantity `fewest`.
+    """Find an order of assembly that minimises held parts or held steps, by the option `fewest`.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def find_order(search: OrderSearch, lowest: int, most: int, fewest: str) -> Sear
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Reached:
-    """Part set reached by the search, with its cost, its last removal and the set before."""
+    """A set of parts that the search reached, with its cost, last removal and previous set."""
 
     present: int
     cost: int
@@ -84,7 +84,7 @@ class _Reached:
 
     @property
     def order(self) -> list[Removed]:
-        """Return the removals from the whole assembly to this set."""
+        """Removals that lead from the whole assembly to this set."""
         removals, node = [], self
         while node.last is not None and node.before is not None:
             removals.append(node.last)
@@ -93,14 +93,14 @@ class _Reached:
 
 
 def held_steps_of(search: OrderSearch, order: Sequence[Removed]) -> int:
-    """Return the number of steps with a held part beside the grounded parts."""
+    """Number of steps of an order during which a part beside the grounded parts is held."""
     return sum(_holds(search, removed) for removed in order)
 
 
 def find_fewest_held_steps(
     search: OrderSearch, hold: int, known: Sequence[Removed]
 ) -> tuple[list[Removed], bool]:
-    """Find the order with the fewest held steps; return it and whether the minimum is proved.
+    """Find the order with the fewest held steps, and whether the minimum is proved.
 
     Parameters
     ----------

@@ -1,4 +1,6 @@
-"""Proof that no order without holds exists, along any paths: closure of the parts that stand.
+"""Proof that no order of assembly without held parts exists, whatever the paths.
+
+The parts that can stand alone, one after the other, do not reach the whole assembly.
 
 Let R be the grounded parts, and add to R every part that holds by itself with all of R held:
 
@@ -24,7 +26,7 @@ __all__ = ["find_unreachable"]
 
 
 def find_unreachable(states: States) -> tuple[Mask, list[State]]:
-    """Find the parts that an order without holds may reach, and the falling states of the others.
+    """Find parts that can stand without being held, and proofs that each other part falls.
 
     Returns
     -------
@@ -55,7 +57,7 @@ def find_unreachable(states: States) -> tuple[Mask, list[State]]:
 
 
 def _state_of_part(states: States, standing: Mask, part: int) -> State:
-    """Return the state of a part that is alone free on held standing parts."""
+    """Judge the state in which `part` alone is free, on standing parts that are held."""
     present = standing.copy()
     present[part] = True
     return states.judge(present, standing)

@@ -1,4 +1,4 @@
-"""Proof by exhaustion that no order with at most K held parts exists, along any paths.
+"""Proof, by all sets of parts, that no order with at most K held parts exists for any paths.
 
 Single parts are removed from the whole assembly, regardless of their paths. The remaining set must
 keep the precedence, stay connected with the base and not be refused. A set is refused if no K of
@@ -27,7 +27,7 @@ MOST_MOTIONS = 200
 
 
 def leads_nowhere(whole: int, base: int, goes_on: Callable[[int, int], bool]) -> bool:
-    """Whether no chain of single removals leads from the whole to the base.
+    """Whether no chain of removals of single parts leads from the whole assembly to the base.
 
     Parameters
     ----------
@@ -54,13 +54,19 @@ def leads_nowhere(whole: int, base: int, goes_on: Callable[[int, int], bool]) ->
 
 
 def find_refused(search: OrderSearch, hold: int) -> list[Holds[State]]:
-    """Return the sets that need more than `hold` held parts, if they bar every order; else []."""
+    """Sets of parts that need more than `hold` held parts, if they exclude every order.
+
+    Empty if they do not.
+    """
     search.work.stage("whether any paths would do")
     refused: dict[int, Holds[State]] = {}
     holdable = bits_of(search.holdable)
 
     def goes_on(part: int, rest: int) -> bool:
-        """Whether `part` may leave and `rest` is not refused; records refused sets."""
+        """Whether `part` may leave and `rest` stands with at most `hold` held parts.
+
+        Sets that do not stand are recorded.
+        """
         if not search.may_leave(part, rest | part):
             return False
         if rest not in refused:

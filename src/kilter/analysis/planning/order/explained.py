@@ -1,4 +1,4 @@
-"""Explanation of a plan: contact forces and hand forces of each step, and why holds are needed.
+"""Explanation of a plan: forces of contacts and hands at each step, and why hands are needed.
 
 The contact forces are those of the proof of a step, summed for each contact patch and applied at
 its centre of pressure. A hand carries the remaining load of a held part,
@@ -34,7 +34,7 @@ PAIRS = 6000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Hand:
-    """Hand that holds a part during a step.
+    """A hand that holds a part during a step: its force, and what falls without it.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class Hand:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StepForces:
-    """Contact forces and hands during a step, with one row for each contact patch.
+    """Forces during a step of a plan: contact forces for each patch, and the hands.
 
     Attributes
     ----------
@@ -78,7 +78,10 @@ class StepForces:
 
 @dataclass(frozen=True, slots=True)
 class Need:
-    """Part that must come before another: as required ("asked") or for its free path ("way")."""
+    """A part that must be in place before another part, and why: `asked` or `way`.
+
+    `asked`: the user required it; `way`: the other part would block its path.
+    """
 
     before: str
     after: str
@@ -87,7 +90,7 @@ class Need:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Explained:
-    """Explanation of an order of assembly.
+    """Explanation of an order of assembly: forces of each step, and necessary successions.
 
     Attributes
     ----------
@@ -129,7 +132,7 @@ def explain(order: Order) -> Explained:
 
 
 def _support(order: Order, step: Step) -> StepForces:
-    """Return the contact forces and the hands of a step."""
+    """Contact forces and hands during a step of a plan."""
     state = step.state
     hands = tuple(_hand(order, step, name) for name in step.held)
     if state.forces is None:
@@ -139,7 +142,7 @@ def _support(order: Order, step: Step) -> StepForces:
 
 
 def _pressure_centres(program: Program, proof: ForceProof) -> tuple[Array, Index, Array]:
-    """Return centres of pressure, parts and forces of the patches that carry a force."""
+    """Centre of pressure of each patch that carries force, its two parts, and its force."""
     straight = np.flatnonzero(~program.angular)
     forces = proof.forces[straight, None] * program.normal[straight] + proof.friction[straight]
     size = np.linalg.norm(forces, axis=1)
@@ -156,7 +159,7 @@ def _pressure_centres(program: Program, proof: ForceProof) -> tuple[Array, Index
 
 
 def _hand(order: Order, step: Step, name: str) -> Hand:
-    """Return the force of a hand and the parts that fall without it."""
+    """Force of the hand that holds the part `name` in a step, and parts that fall without it."""
     states, state = order.states, step.state
     k = states.assembly.index[name]
     force = torque = None
@@ -180,7 +183,7 @@ def _hand(order: Order, step: Step, name: str) -> Hand:
 
 
 def _in_the_way(order: Order) -> list[Need]:
-    """Return the pairs of steps whose later part would block the path of the earlier part."""
+    """Pairs of parts of which the later part would block the path of the earlier part."""
     index = order.states.assembly.index
     sweeps = Sweeps(order.states.contacts)
     needs = []
@@ -192,7 +195,7 @@ def _in_the_way(order: Order) -> list[Need]:
 
 
 def _stops(sweeps: Sweeps, part: int, other: int, legs: tuple[Leg, ...]) -> bool:
-    """Whether `other` at its place blocks `part` on the path out."""
+    """Whether `other` in its place blocks the path of `part` out of the assembly."""
     start = np.zeros(3)
     for leg in legs:
         if sweeps.pair_stops(part, other, leg.direction, distance=leg.length, start=start):

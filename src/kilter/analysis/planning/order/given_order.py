@@ -1,4 +1,4 @@
-"""Judgement of a given order: path, holds and reasons of failure of each step.
+"""Judge an order of assembly that the user gives: path, held parts and failures of each step.
 
 The standing parts before each step are judged as in a search
 (`kilter.analysis.planning.order.search`), with the fewest parts held. All steps are judged, even
@@ -20,7 +20,7 @@ __all__ = ["judge_order", "sets_of_order"]
 
 
 def sets_of_order(assembly: Assembly, order: Iterable[str | Iterable[str]]) -> list[int]:
-    """Return the bit sets of the parts that each step of an order inserts.
+    """For each step of a given order, the inserted parts as a bit set.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def sets_of_order(assembly: Assembly, order: Iterable[str | Iterable[str]]) -> l
 
 
 def judge_order(search: OrderSearch, order: list[int], hold: int) -> list[Removed]:
-    """Return the removals of an order, the last step first, each with its reasons of failure.
+    """Judge each step of a given order, the last step first, as a removal with reasons of failure.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def judge_order(search: OrderSearch, order: list[int], hold: int) -> list[Remove
 
 
 def _judge_removal(search: OrderSearch, moved: int, present: int, hold: int) -> Removed:
-    """Return the removal of given parts with its path, holds and reasons of failure."""
+    """Judge the removal of given parts: its path, held parts and reasons of failure."""
     rest, fails = present & ~moved, []
     parts = tuple(members(moved, len(search.after)).tolist())
     names = search.states.assembly.names

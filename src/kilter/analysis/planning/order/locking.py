@@ -1,4 +1,4 @@
-"""Proof that no order exists, along any paths: parts that lock each other.
+"""Proof that no order of assembly exists for any paths, because parts block each other.
 
 Let all other parts be fixed. A part p can start a motion y = (dr, dtheta) about its centre of mass
 only if no contact is penetrated: J y >= 0. It is locked if y = 0 is the only solution. By Stiemke's
@@ -43,7 +43,7 @@ __all__ = ["Locked", "find_locked", "holding_rows", "multipliers_of", "opening",
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Locked:
-    """Part that the other parts and the base lock.
+    """A part that cannot move, because contacts with the other parts and the base block it.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class Locked:
 
 
 def find_locked(states: States, removal: Removal) -> list[Locked]:
-    """Find parts that are each locked by the others and the base; empty without a proof.
+    """Find parts that the others and the base block in every direction; empty without a proof.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def find_locked(states: States, removal: Removal) -> list[Locked]:
 
 
 def _prove_locked(states: States, removal: Removal, part: int, present: int) -> Locked | None:
-    """Return the proof that the other present parts lock a part, or None."""
+    """Proof that the other present parts block every motion of a part; None without a proof."""
     is_present = mask_of(present, len(states.assembly))
     held = is_present.copy()
     held[part] = False
@@ -110,7 +110,7 @@ def _prove_locked(states: States, removal: Removal, part: int, present: int) -> 
 
 
 def holding_rows(program: Program, part: int, threads: frozenset[tuple[int, int]]) -> Mask:
-    """Return the mask of certain contacts that may lock a part, without threads, shape (K,).
+    """Mask of the certain contacts, except threads, that may block a part, shape (K,).
 
     `threads` has pairs of indices of bolt and nut.
     """
@@ -125,7 +125,10 @@ def holding_rows(program: Program, part: int, threads: frozenset[tuple[int, int]
 
 
 def opening(program: Program, part: int, rows: Mask) -> Array:
-    """Return J of the given rows for a part, shape (k, 6), with rotations scaled by its radius."""
+    """Change of the gap at given rows per motion of a part (J), shape (k, 6).
+
+    Rotations are scaled by the radius of the part.
+    """
     taken = np.flatnonzero(rows)
     lever = program.lever(taken, np.full(len(taken), part))
     sign = np.where(program.part_b[taken] == part, 1.0, -1.0)
@@ -135,7 +138,10 @@ def opening(program: Program, part: int, rows: Mask) -> Array:
 
 
 def shuts(rows: Array, multipliers: Array) -> bool:
-    """Whether multipliers prove that only y = 0 satisfies J y >= 0; J has shape (K, 6)."""
+    """Whether multipliers prove that no motion y != 0 keeps all gaps J y >= 0.
+
+    J has shape (K, 6).
+    """
     positive = multipliers > 0
     if positive.sum() <= rows.shape[1] or not np.isfinite(multipliers).all():
         return False
@@ -146,7 +152,7 @@ def shuts(rows: Array, multipliers: Array) -> bool:
 
 
 def multipliers_of(rows: Array) -> Array | None:
-    """Return multipliers that prove that no motion opens the rows, or None without a proof."""
+    """Multipliers that prove that no motion keeps all gaps from closing; None without a proof."""
     from kilter.solvers.highs import solve_linear
 
     count = len(rows)

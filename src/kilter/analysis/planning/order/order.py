@@ -1,4 +1,4 @@
-"""Order: the answer of `plan`, with steps in the order of assembly and their proofs.
+"""Answer of `kilter.plan`: steps in the order of assembly, with their proofs.
 
 Between two steps the hands grip and release parts. The succession of these grips and releases is
 not planned.
@@ -35,7 +35,7 @@ __all__ = ["Order"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Order(InCells, Answer):
-    """Answer of `plan`: an order of assembly, or the proof that no order exists.
+    """Answer of `kilter.plan`: an order of assembly, or the proof that no order exists.
 
     Attributes
     ----------
@@ -148,7 +148,7 @@ class Order(InCells, Answer):
 
     @property
     def level(self) -> str | None:
-        """Lowest level of the states, the finished assembly included; None without steps."""
+        """Lowest verdict level over all steps and the finished assembly; None without steps."""
         levels = [step.level for step in self.steps if step.level is not None]
         if not levels:
             return None
@@ -157,26 +157,26 @@ class Order(InCells, Answer):
 
     @property
     def holds(self) -> bool:
-        """Whether an order was found and every step reaches the required level."""
+        """Whether an order was found and every step reaches the required verdict level."""
         return self.found and holds(self.level, self.require)
 
     @property
     def holds_max(self) -> int:
-        """Largest number of parts held at once."""
+        """Largest number of parts that are held at once in the order."""
         return max((len(step.held) for step in self.steps), default=0)
 
     @property
     def turns(self) -> int:
-        """Number of times the standing parts are turned."""
+        """Number of times that the order turns the standing parts."""
         return sum(step.between is not None for step in self.steps)
 
     @property
     def held_steps(self) -> int:
-        """Number of steps during which a part is held."""
+        """Number of steps of the order during which a part is held."""
         return sum(bool(step.held) for step in self.steps)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the answer as JSON data, as printed by ``kilter plan --json``."""
+        """The plan as JSON data, as printed by ``kilter plan --json``."""
         assembly = self.states.assembly
         answer: dict[str, Any] = {
             "found": self.found,
@@ -215,7 +215,7 @@ class Order(InCells, Answer):
         return {**answer, "sentence": order_sentence(answer)}
 
     def _step(self, step: Step) -> dict[str, Any]:
-        """Return a step as JSON data."""
+        """A step of the plan as JSON data."""
         far = FAR * float(np.ptp(self.states.assembly.geometry.vertices, axis=0).max())
         return {
             "parts": list(step.parts),
@@ -234,7 +234,7 @@ class Order(InCells, Answer):
         }
 
     def _impossible(self) -> dict[str, Any] | None:
-        """Return the proof that no order exists (or none without holds) as JSON data, or None."""
+        """Proof that no order exists (or none without held parts) as JSON data; else None."""
         if self.whole.stable is False:
             motion = self.whole.motion
             moving = self.whole.moving
@@ -268,7 +268,7 @@ class Order(InCells, Answer):
         }  # fmt: skip
 
     def table(self) -> str:
-        """Return the steps as CSV text: a line for each step, lists in a cell joined by ``;``.
+        """The steps of the plan as CSV text: a line for each step, lists in a cell joined by ``;``.
 
         Columns: step, part, held, grips, releases, the direction of insertion (x, y, z), touches,
         level, pose of the part in the world frame once it is seated (px, py, pz [length unit],
@@ -291,7 +291,7 @@ class Order(InCells, Answer):
         return "\n".join(rows) + "\n"
 
     def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
-        """Return the proofs of the steps or of the impossibility as JSON data for `kilter.verify`.
+        """Proofs of the steps, or proof that no order exists, as JSON data for `kilter.verify`.
 
         Parameters
         ----------
@@ -329,7 +329,7 @@ class Order(InCells, Answer):
         )
 
     def _repr_html_(self) -> str:
-        """Return the HTML that a notebook displays."""
+        """The plan as HTML for a notebook."""
         return html_of(self.to_dict())
 
     def __repr__(self) -> str:
@@ -343,7 +343,7 @@ class Order(InCells, Answer):
 
 
 def _cell(text: str) -> str:
-    """Return the text of a CSV cell, quoted if necessary."""
+    """Text for a CSV cell, quoted if necessary."""
     if any(sign in text for sign in ',"\n\r'):
         return '"' + text.replace('"', '""') + '"'
     return text

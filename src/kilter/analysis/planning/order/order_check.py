@@ -1,4 +1,4 @@
-"""Verification of a plan file independently of the search: succession, rules and paths.
+"""Verify a plan file independently of the search: succession of the steps, rules and paths.
 
 `kilter.analysis.verification` verifies by forces or a motion that each state holds or falls. This
 module verifies that the proofs together form an order:
@@ -49,7 +49,7 @@ MORE = {"pressed": {"loads"}, "step": {"down"}, "turned": {"down"}}
 def wrong_order(
     assembly: Assembly, contacts: ContactSet, bundle: Mapping[str, Any], verdicts: Sequence[str]
 ) -> Iterator[str]:
-    """Yield the reasons why the proofs of a plan form neither an order nor an impossibility.
+    """Yield the reasons why the proofs in a plan file show neither an order nor that none exists.
 
     The statements have the form of `kilter.analysis.planning.plan_proof_form`.
 
@@ -83,7 +83,7 @@ def wrong_order(
 
 
 def _is_finished(entries: list[About]) -> bool:
-    """Whether these are a single proof of the assembly as given, without a change."""
+    """Whether the entries of a plan file are a single proof of the unchanged assembly."""
     return [entry["change"] for entry in entries] == [{"without": [], "held": []}]
 
 
@@ -93,7 +93,7 @@ def _wrong_construction(
     given: Mapping[str, Any],
     entries: Mapping[str, list[About]],
 ) -> Iterator[str]:
-    """Yield the reasons why the steps are no order of the finished assembly under the rules."""
+    """Yield the reasons why the steps of a plan do not build the assembly under its rules."""
     if not entries["step"]:
         if any(entries[kind] for kind in ("whole", "not fewer", "pressed", "turned")):
             yield "it is about an order, but has no steps"
@@ -113,7 +113,7 @@ def _wrong_impossibility(
     given: Mapping[str, Any],
     entries: Mapping[str, list[About]],
 ) -> Iterator[str]:
-    """Yield the reasons why the proofs do not exclude every order under the rules."""
+    """Yield the reasons why the proofs of a plan do not exclude every order under its rules."""
     excludes = bool(entries["falls alone"] or entries["refused"])
     if excludes and (given["groups"] or given["turn"]):
         yield (
@@ -143,14 +143,14 @@ FALLS = {
 
 
 def _subject_names(entry: About) -> str:
-    """Return the names of the parts that an entry is about."""
+    """Names of the parts that a proof in a plan file concerns."""
     return some_names([entry["part"]] if "part" in entry else entry.get("parts", []))
 
 
 def _wrong_steps(
     assembly: Assembly, contacts: ContactSet, rules: Rules, steps: Sequence[About]
 ) -> Iterator[str]:
-    """Yield the reasons why the steps do not lead from the base to the whole assembly."""
+    """Yield the reasons why the steps of a plan do not lead from the base to the whole assembly."""
     sweeps = Sweeps(contacts)
     standing = {part.name for part in assembly if part.grounded}
     touching = _neighbours_of_parts(assembly, contacts)
@@ -177,7 +177,7 @@ def _wrong_steps(
 
 
 def _hang_on(standing: set[str], parts: Sequence[str], touching: dict[str, set[str]]) -> bool:
-    """Whether contacts connect all of `parts` with the standing parts."""
+    """Whether contacts connect all inserted `parts` with the standing parts."""
     reached, left = set(standing), set(parts)
     while left:
         near = {part for part in left if touching[part] & reached}
@@ -189,7 +189,7 @@ def _hang_on(standing: set[str], parts: Sequence[str], touching: dict[str, set[s
 
 
 def _neighbours_of_parts(assembly: Assembly, contacts: ContactSet) -> dict[str, set[str]]:
-    """Return for each part the parts that it touches or is joined to."""
+    """For each part, the names of the parts that it touches or is joined to."""
     neighbours: dict[str, set[str]] = {name: set() for name in assembly.names}
     pairs = [(assembly.names[a], assembly.names[b]) for a, b in contacts.patch_parts.tolist()]
     for a, b in [*pairs, *(joint.parts for joint in assembly.joints)]:
@@ -200,7 +200,7 @@ def _neighbours_of_parts(assembly: Assembly, contacts: ContactSet) -> dict[str, 
 
 
 def _is_blocked(assembly: Assembly, sweeps: Sweeps, part: int, present: int, legs: Any) -> bool:
-    """Whether a part of the set `present` blocks the path, or its last leg is bounded."""
+    """Whether a part of the bit set `present` blocks the path, or its last leg is bounded."""
     start = np.zeros(3)
     others = [k for k in range(len(assembly)) if present >> k & 1 and k != part]
     for vector, length in legs:
@@ -220,7 +220,7 @@ def _is_blocked(assembly: Assembly, sweeps: Sweeps, part: int, present: int, leg
 def _enough(
     assembly: Assembly, rules: Rules, steps: Sequence[About], cuts: Sequence[About]
 ) -> Iterator[str]:
-    """Yield the steps whose motions do not prove that fewer holds are not enough."""
+    """Yield the steps for which the given motions do not prove that fewer held parts fail."""
     base = {part.name for part in assembly if part.grounded}
     sets: dict[int, list[int]] = {}
     for cut in cuts:
@@ -241,7 +241,7 @@ def _enough(
 
 
 def _wrong_closure(assembly: Assembly, falling: Sequence[About]) -> Iterator[str]:
-    """Yield the parts that are not proved to fall alone on all reached parts."""
+    """Yield the parts for which no proof shows that they fall alone on all reached parts."""
     alone = {entry["part"] for entry in falling}
     base = {part.name for part in assembly if part.grounded}
     reached = set(assembly.names) - alone
@@ -255,7 +255,7 @@ def _wrong_closure(assembly: Assembly, falling: Sequence[About]) -> Iterator[str
 def _wrong_exhaustion(
     assembly: Assembly, contacts: ContactSet, rules: Rules, cuts: Sequence[About]
 ) -> Iterator[str]:
-    """Yield the reasons why the motions do not exclude every order along any paths."""
+    """Yield the reasons why the given motions do not exclude every order for any paths."""
     names, grounded = assembly.names, assembly.geometry.grounded
     base = {part.name for part in assembly if part.grounded}
     motions: dict[int, list[int]] = {}
@@ -271,7 +271,7 @@ def _wrong_exhaustion(
     touching = _neighbours_of_parts(assembly, contacts)
 
     def goes_on(part: int, rest: int) -> bool:
-        """Whether the bit set `rest` may remain after the removal of `part`."""
+        """Whether the parts `rest` (a bit set) may remain after the removal of `part`."""
         present = {name for k, name in enumerate(names) if rest >> k & 1}
         moved = names[part.bit_length() - 1]
         early = any(first == moved and second in present for first, second in rules.precedence)
@@ -287,7 +287,7 @@ def _wrong_exhaustion(
 def _wrong_locking(
     assembly: Assembly, contacts: ContactSet, threads: Any, locked: Sequence[About]
 ) -> Iterator[str]:
-    """Yield the parts that the multipliers do not prove to be locked by the others and the base."""
+    """Yield the parts that no multipliers prove to be blocked by the other parts and the base."""
     base = {part.name for part in assembly if part.grounded}
     core = {entry["part"] for entry in locked}
     screws = frozenset(
@@ -314,7 +314,7 @@ def _wrong_locking(
 def _wrong_pressing(
     assembly: Assembly, force: float, steps: Sequence[About], pressed: Sequence[About]
 ) -> Iterator[str]:
-    """Yield the steps without a proof under the force that presses their parts in."""
+    """Yield the steps without a proof for the force that presses their parts in."""
     if sorted(entry["step"] for entry in pressed) != (
         list(range(1, len(steps) + 1)) if force else []
     ):
@@ -343,7 +343,7 @@ LOAD = ("part", "force", "torque", "point")
 
 
 def _same_load(first: Sequence[Any], other: Sequence[Any]) -> bool:
-    """Whether two loads are equal up to rounding."""
+    """Whether two loads of a file are equal up to rounding."""
     if first[0] != other[0] or (first[3] is None) != (other[3] is None):
         return False
     pairs = [(a, b) for a, b in zip(first[1:], other[1:], strict=True) if a is not None]
@@ -357,7 +357,7 @@ SAME_LOAD = 1e-9
 def _wrong_turns(
     assembly: Assembly, may: bool, steps: Sequence[About], turned: Sequence[About]
 ) -> Iterator[str]:
-    """Yield the steps after which the turn to the next direction of gravity is not proved."""
+    """Yield the steps after which the turn to the next direction of gravity has no proof."""
     given_down = assembly.down
     downs = [
         unit(np.array(entry["change"].get("down", given_down), dtype=float)) for entry in steps

@@ -1,4 +1,4 @@
-"""Proof of a plan as JSON data: steps, necessity of the holds, or an impossibility.
+"""Proof of a plan as JSON data: its steps, the need for held parts, or that no order exists.
 
 The key `rules` precedes the proofs. It has the limit of parts held at once, precedence, groups,
 parts that must not be held, and screws. Each proof is of a single state and has a subject:
@@ -46,7 +46,7 @@ def order_proof(
     rules: Mapping[str, Any],
     options: Mapping[str, Any],
 ) -> dict[str, Any]:
-    """Return the proofs of a plan as the data of a file.
+    """Proofs of a plan as data for a proof file.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def order_proof(
 
 
 def _of_steps(states: States, whole: State, steps: Sequence[Step]) -> list[Stated]:
-    """Return the subjects and states of the proofs of an order."""
+    """Subjects and states of the proofs for the steps of a plan."""
     names = states.assembly.names
     stated: list[Stated] = [({"about": "whole"}, whole, states)]
     for number, step in enumerate(steps, 1):
@@ -128,7 +128,7 @@ def _names(names: Sequence[str], cut: Cut[State]) -> list[str]:
 
 
 def _step(step: Step) -> dict[str, Any]:
-    """JSON data of a step: its parts, path and holds."""
+    """A step of a plan as JSON data: its parts, path and held parts."""
     return {
         "about": "step",
         "parts": list(step.parts),

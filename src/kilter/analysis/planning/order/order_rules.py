@@ -1,4 +1,4 @@
-"""Rules of an order, read from its proof: holds, precedence, groups and threads."""
+"""Rules of an order of assembly, read from its proof file: holds, precedence, groups, threads."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Rules:
 
     @classmethod
     def of(cls, assembly: Assembly, contacts: ContactSet, data: Mapping[str, Any]) -> Rules:
-        """Read the rules from the data of a proof file.
+        """Read the rules of an order from the data of a proof file.
 
         Raises
         ------
@@ -62,7 +62,7 @@ class Rules:
         )
 
     def broken(self, step: Mapping[str, Any], standing: set[str]) -> Iterator[str]:
-        """Yield the rules that a step breaks if it follows the standing parts."""
+        """Yield the rules that a step breaks if it follows after the standing parts."""
         parts, held = set(step["parts"]), step["change"]["held"]
         present = standing | parts
         if len(held) > self.hold or len(set(held)) < len(held):
@@ -84,7 +84,7 @@ class Rules:
     def _thread(
         self, parts: set[str], over: str | None, legs: Any, standing: set[str]
     ) -> Iterator[str]:
-        """Yield the reasons why the parts do not move along the thread that the step names."""
+        """Yield the reasons why parts of a step do not move along the thread named in it."""
         on = [bolt for bolt, nut in self.threads if nut in parts and bolt in standing]
         if over is None and not on:
             return

@@ -1,4 +1,4 @@
-"""Plan of an assembly: order of insertion, held parts, and proof that fewer holds fail.
+"""`kilter.plan`: order of insertion, held parts at each step, and proof that fewer fail.
 
 The order is found backwards (`kilter.analysis.planning.order.search`). Each step has a state that
 contact forces hold while the next part comes in (`kilter.analysis.planning.states.states`), and a
@@ -169,7 +169,7 @@ def plan(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Obstacles:
-    """Proofs that no order exists, or none without holds, from the whole assembly alone.
+    """Proofs from the whole assembly alone that no order exists, or none without held parts.
 
     `applies` is false if the rules move several parts at once, or if the whole assembly falls:
     then the proofs say nothing about the orders of the search, and both lists are empty.
@@ -181,7 +181,7 @@ class _Obstacles:
 
 
 def _require_plannable(assembly: Assembly, rules: PlanRules) -> None:
-    """Reject an assembly without a base, with bonds, or with loads that would turn with it."""
+    """Reject an assembly without a base, or with bonds or loads that would turn with it."""
     require_no_bonds(assembly, "plan", NOT_SET)
     assembly.require_grounded()
     if rules.turn and assembly.loads:
@@ -196,7 +196,7 @@ def _order_search(
     units: list[int],
     screws: Sequence[Screw],
 ) -> OrderSearch:
-    """Return the search of an order under the rules."""
+    """Create the search for an order under the rules of the user."""
     removal = Removal(part_states.contacts, directions=rules.directions, screws=screws)
     holdable = ~part_states.assembly.geometry.grounded & ~_never_held(part_states, rules)
     pressing = Pressing(part_states, rules.press) if rules.press else None
@@ -204,14 +204,14 @@ def _order_search(
 
 
 def _never_held(part_states: States, rules: PlanRules) -> Mask:
-    """Return the mask of the parts that the rules forbid to hold, shape (N,)."""
+    """Mask of the parts that the rules forbid to hold, shape (N,)."""
     if not rules.never_hold:  # no pattern, and a pattern must match a part
         return np.zeros(len(part_states.assembly), dtype=bool)
     return part_states.mask(rules.never_hold)
 
 
 def _find_obstacles(search: OrderSearch, rules: PlanRules, whole: State) -> _Obstacles:
-    """Return the parts that lock each other, and without such parts those that always fall."""
+    """Find parts that block each other; if there are none, find parts that always fall."""
     several = rules.together or any(map(_has_several, search.units))
     if rules.sequence is not None or several or not whole.stable:
         return _Obstacles(applies=False, locked=[], falling=[])
@@ -224,7 +224,7 @@ def _find_obstacles(search: OrderSearch, rules: PlanRules, whole: State) -> _Obs
 
 
 def _search(search: OrderSearch, rules: PlanRules, whole: State, obstacles: _Obstacles) -> Searched:
-    """Return the order under the rules, or no order if a proof already excludes every order."""
+    """Search for an order under the rules, unless a proof already excludes every order."""
     if not whole.stable:
         return Searched(None)
     if rules.sequence is not None:
@@ -240,7 +240,10 @@ def _search(search: OrderSearch, rules: PlanRules, whole: State, obstacles: _Obs
 def _find_refused(
     search: OrderSearch, rules: PlanRules, obstacles: _Obstacles, searched: Searched
 ) -> tuple[list[Holds[State]], Searched]:
-    """Return the states that bar every order with the allowed holds, after a complete search."""
+    """States that exclude every order with the allowed number of held parts.
+
+    They are sought after a complete search without result.
+    """
     complete = search.exhausted and searched.order is None and obstacles.applies
     # parts that always fall already prove that no order without holds exists
     proved = obstacles.falling and rules.hold == 0
@@ -253,7 +256,7 @@ def _find_refused(
 
 
 def _counts(search: OrderSearch) -> dict[str, int]:
-    """Return the counted work of a search."""
+    """Counted work of a search for an order, by kind."""
     counts = search.states.counts
     return {
         "states": search.visited,
@@ -264,12 +267,12 @@ def _counts(search: OrderSearch) -> dict[str, int]:
 
 
 def _has_several(parts: int) -> bool:
-    """Return whether a bit set has at least two parts."""
+    """Whether a bit set contains at least two parts."""
     return bool(parts & (parts - 1))
 
 
 def _least(searched: Searched, falling: int) -> str | None:
-    """Return the scope of the proof that the found order has the minimum, or None."""
+    """Scope of the proof that the order has the fewest held parts or steps; None without it."""
     if searched.order is None:
         return None
     if searched.least == 0 or (searched.least == 1 and falling > 1):
@@ -278,7 +281,7 @@ def _least(searched: Searched, falling: int) -> str | None:
 
 
 def _whole_state(part_states: States) -> State:
-    """Return the state of the finished assembly with only its grounded parts held."""
+    """State of the finished assembly with only its grounded parts held."""
     assembly = part_states.assembly
     grounded = assembly.geometry.grounded
     if grounded.all():
@@ -287,7 +290,7 @@ def _whole_state(part_states: States) -> State:
 
 
 def _names(assembly: Assembly, *sets: int) -> tuple[str, ...]:
-    """Return the names of the parts of bit sets, set by set."""
+    """Names of the parts in the given bit sets, set by set."""
     return tuple(
         assembly.names[k] for parts in sets for k in members(parts, len(assembly)).tolist()
     )

@@ -22,7 +22,7 @@ FEWEST = ("holds", "held-steps", "turns")
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class PlanRules(Value):
-    """Rules that `kilter.plan` obeys. Names of parts may be patterns with ``*``, ``?`` and ``[]``.
+    """Rules that `kilter.plan` obeys; part names may be patterns with ``*``, ``?`` and ``[]``.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ class PlanRules(Value):
     turn: bool = False
 
     def __post_init__(self) -> None:
-        """Convert and validate the values."""
+        """Convert and validate the values of the rules."""
         if self.fewest not in FEWEST:
             raise InputError(f"fewest is {self.fewest!r:.40}", hint=f"give {' or '.join(FEWEST)}")
         for name in ("directions", "before", "never_hold", "screws", "groups", "sequence"):
@@ -92,7 +92,7 @@ class PlanRules(Value):
 
 
 def turns_alone() -> InputError:
-    """Return the error for turns that are combined with a rule or a load that excludes them."""
+    """Create the error for turns combined with a rule or a load that excludes turns."""
     return InputError(
         "turns cannot be combined with press, together, a sequence, held-steps or loads",
         hint="leave the turns or the other option out",
@@ -100,7 +100,7 @@ def turns_alone() -> InputError:
 
 
 def _whole_number(hold: int) -> int:
-    """Return `hold` if it is a whole number of at least 0; raise InputError otherwise."""
+    """Validate the number of hands: a whole number of at least 0."""
     if isinstance(hold, bool) or not isinstance(hold, int | np.integer) or hold < 0:
         raise InputError(f"hold is {hold!r:.40}", hint="give a whole number, 0 or more")
     return int(hold)

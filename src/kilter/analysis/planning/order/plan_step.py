@@ -1,4 +1,4 @@
-"""Step of a plan: the inserted parts, their path, the held parts and the level of the state.
+"""A step of a plan: inserted parts, their path, held parts and verdict level after the step.
 
 A step inserts one part, or several parts that move together, from far away to the seat. Its
 state, the standing parts with the holds and without the moved parts, holds. It also holds with
@@ -32,7 +32,7 @@ UNDECIDED = "it is undecided whether the parts that stand before it hold"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Step:
-    """Step that inserts one part, or several parts that move together.
+    """A step of a plan, which inserts one part, or several parts that move together.
 
     Attributes
     ----------
@@ -84,23 +84,25 @@ class Step:
 
     @property
     def part(self) -> str:
-        """The name of the inserted part; the first name of several."""
+        """Name of the inserted part of the step, or the first name of several."""
         return self.parts[0]
 
     @property
     def broken(self) -> bool:
-        """Whether the step fails for every path."""
+        """Whether this step of a given order fails for every path."""
         return any(reason not in (NO_WAY, UNDECIDED) for reason in self.fails)
 
     @property
     def direction(self) -> Direction | None:
-        """Direction of the last leg of the path in (unit, world frame); None without a path."""
+        """Direction in which the inserted parts arrive (unit, world frame); None without a path."""
         if not self.legs:
             return None
         return _back(self.legs)
 
     def path(self, far: float) -> Array:
-        """Positions on the path in, relative to the seat at its end, shape (n, 3) [length unit].
+        """Positions of the inserted parts on their path, shape (n, 3) [length unit].
+
+        They are relative to the final position, which is the last row.
 
         Parameters
         ----------
@@ -123,7 +125,7 @@ class Step:
 def steps_of(
     search: OrderSearch, removed: Sequence[Removed], require: str, effort: float
 ) -> list[Step]:
-    """Return the removals as steps in the order of assembly, each with the level of its state."""
+    """Convert removals into the steps of a plan, each with its verdict level."""
     states, names = search.states, search.states.assembly.names
     steps: list[Step] = []
     before: set[str] = set()
@@ -167,18 +169,18 @@ def steps_of(
 
 
 def _back(legs: tuple[Leg, ...]) -> Direction:
-    """Direction of the last leg of the path in (unit): the reverse of the first leg out."""
+    """Direction of arrival on the path in (unit), from the legs of the path out."""
     x, y, z = (0.0 - component for component in legs[0].direction)
     return x, y, z
 
 
 def lower_level(first: str | None, second: str | None) -> str | None:
-    """The lower of two levels; None if one of them is None."""
+    """The lower of two verdict levels; None if one of them is None."""
     if first is None or second is None:
         return None
     return max(first, second, key=list(VERDICTS).index)
 
 
 def _names(names: Sequence[str], parts: Iterable[int]) -> tuple[str, ...]:
-    """Return the names of parts given by index."""
+    """Names of parts with the given indices."""
     return tuple(names[k] for k in parts)

@@ -1,4 +1,4 @@
-"""States of an assembly under the force that presses an inserted part in.
+"""Verdicts on an assembly while a force presses an inserted part in.
 
 A hand presses the part p along its path onto the standing parts S, of which H are held. Contacts
 must hold the seated free part p under the force F d at its centre of mass:
@@ -29,7 +29,7 @@ __all__ = ["Pressed", "Pressing", "press_loads"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pressed:
-    """States before a part is inserted, and with the seated part under the pressing force.
+    """Verdicts on a step: before its part is inserted, and with the seated part pressed in.
 
     Attributes
     ----------
@@ -43,18 +43,18 @@ class Pressed:
 
     @property
     def stable(self) -> bool | None:
-        """Whether both states hold."""
+        """Whether the parts hold before the insertion and under the pressing force."""
         return self.standing.stable if self.pressed is None else self.pressed.stable
 
     @property
     def moves(self) -> Mask:
-        """Mask of the moving parts of the state that does not hold, shape (N,)."""
+        """Mask of the moving parts in the first of both states that does not hold, shape (N,)."""
         return self.standing.moves if self.pressed is None else self.pressed.moves
 
 
 @dataclass(slots=True)
 class Pressing:
-    """States of an assembly under a pressing force.
+    """Verdicts on the steps of a plan under the force that presses parts in.
 
     Attributes
     ----------
@@ -69,7 +69,9 @@ class Pressing:
     _of: dict[tuple[int, Direction], States] = field(default_factory=dict)
 
     def judge_of(self, moved: int, direction: Direction) -> Callable[[Mask, Mask], Pressed]:
-        """Return a function of the masks of standing and held parts that judges both states.
+        """Function that judges a step before the insertion and under the pressing force.
+
+        Its arguments are the masks of standing and held parts.
 
         Parameters
         ----------
@@ -90,7 +92,7 @@ class Pressing:
         return judge
 
     def states_of(self, moved: int, direction: Direction) -> States:
-        """Return the states of the assembly with the force on the moved parts."""
+        """States of the assembly with the pressing force on the moved parts."""
         key = moved, direction
         if key not in self._of:
             assembly = self.states.assembly
@@ -105,7 +107,7 @@ class Pressing:
 def press_loads(
     names: list[str], mass: list[float], direction: Direction, force: float
 ) -> list[dict[str, Any]]:
-    """Return the loads of a force [N], distributed over parts by mass, with the keys of a file."""
+    """Loads for a file that distribute a force [N] over parts by mass."""
     along = force * np.array(direction)
     return [
         {"part": name, "force": (along * (share / sum(mass))).tolist(), "torque": [0.0] * 3}

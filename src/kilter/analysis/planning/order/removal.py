@@ -1,4 +1,6 @@
-"""Free paths out of an assembly for parts that move together: a straight leg, or two legs.
+"""Search for free paths out of an assembly for parts that move together, with one or two legs.
+
+A leg is a straight segment of the path.
 
 Directions are tried in this order: given vectors, the axes (upwards first), then for each part the
 directions that its contacts suggest: away from all touched parts, and along each contact normal.
@@ -38,7 +40,7 @@ PLACES = 200
 
 @dataclass(frozen=True, slots=True)
 class Leg:
-    """Straight leg of a path: unit direction in the world frame and length [length unit]."""
+    """Straight leg of a path: unit direction (world frame) and length [length unit]."""
 
     direction: Direction
     length: float
@@ -46,7 +48,7 @@ class Leg:
 
 @dataclass(frozen=True, slots=True)
 class Screw:
-    """Indices of a bolt and its nut, and the axis along which the nut comes off (unit)."""
+    """A bolt and its nut, by index, and the unit axis along which the nut comes off."""
 
     bolt: int
     nut: int
@@ -54,7 +56,7 @@ class Screw:
 
 
 class Removal:
-    """Search of free paths out of an assembly for its parts.
+    """Search for free paths out of an assembly for parts that move together.
 
     Parameters
     ----------
@@ -104,7 +106,7 @@ class Removal:
         self.screws = list(screws)
 
     def way_out(self, moved: int, present: int, *, legs: int = 1) -> tuple[Leg, ...] | None:
-        """Return a free path of `legs` legs for parts out of a set, or None if none was found.
+        """Free path of `legs` legs for moved parts out of a set of parts; None if none was found.
 
         Parameters
         ----------
@@ -131,39 +133,39 @@ class Removal:
         return self._by_two_legs(moved, others, directions)
 
     def stopping(self, moved: int, present: int, direction: Direction) -> int:
-        """Return the bit set of the present parts that block the moved parts along a direction."""
+        """Present parts, as a bit set, that block the moved parts along a direction."""
         others = self._members(present & ~moved)
         parts = self._members(moved)
         stop = self.sweeps.stops
         return sum(1 << k for k in others if any(stop(p, 1 << k, direction) for p in parts))
 
     def lets_go(self, moved: int, present: int) -> bool:
-        """Whether a tried direction exists along which no contact presses."""
+        """Whether moved parts can leave along a tried direction without pressing on a contact."""
         others = present & ~moved
         over = any(1 << s.nut == moved and others >> s.bolt & 1 for s in self.screws)
         return over or bool(self._free_directions(moved, others, self.directions(moved)))
 
     @property
     def threads(self) -> frozenset[tuple[int, int]]:
-        """Pairs of indices of bolt and nut."""
+        """Threads as pairs (index of the bolt, index of the nut)."""
         return frozenset((screw.bolt, screw.nut) for screw in self.screws)
 
     def over(self, moved: int, present: Mask) -> int | None:
-        """Return the index of the present bolt that carries the moved nut, or None."""
+        """Index of the present bolt that carries the moved nut; None if no bolt carries it."""
         on = (s.bolt for s in self.screws if 1 << s.nut == moved and present[s.bolt])
         return next(on, None)
 
     def touching(
         self, moved: int, present: Mask, direction: Direction
     ) -> tuple[list[int], list[int]]:
-        """Return the present parts that touch moved parts, and those of them that they slide on."""
+        """Present parts that touch moved parts, and those on which the moved parts slide."""
         other, normals = self._contacts_of_moved(moved)
         here = present[other]
         slides = here & (np.abs(normals @ np.array(direction)) <= self._angle)
         return np.unique(other[here]).tolist(), np.unique(other[slides]).tolist()
 
     def directions(self, moved: int) -> list[Direction]:
-        """Return the directions to try for parts that move together, in order."""
+        """Directions to try for parts that move together, the most promising first."""
         if moved not in self._known:
             directions: list[Direction] = []
             for entry in self._given:
@@ -175,12 +177,12 @@ class Removal:
         return self._known[moved]
 
     def _members(self, parts: int) -> list[int]:
-        """Return the indices of the parts of a bit set."""
+        """Indices of the parts in a bit set."""
         indices: list[int] = members(parts, len(self._contacts_by_part)).tolist()
         return indices
 
     def _contacts_of_moved(self, moved: int) -> tuple[Index, Array]:
-        """Return the other part of each contact point of moved parts, and the normal towards it."""
+        """For each contact point of moved parts: the other part, and the normal towards it."""
         if not moved & (moved - 1):
             return self._contacts_by_part[moved.bit_length() - 1]
         parts = self._members(moved)
@@ -190,12 +192,12 @@ class Removal:
         return other[outside], normals[outside]
 
     def _axes(self) -> list[Direction]:
-        """Return the six axis directions, the most upward direction first."""
+        """The six axis directions in which removal is tried, the most upward direction first."""
         axes = [_direction(sign * axis) for sign in (1.0, -1.0) for axis in np.eye(3)]
         return sorted(axes, key=lambda d: -round(float(np.array(d) @ self._up), 9))
 
     def _normals(self, moved: int) -> list[Direction]:
-        """Return the mean direction away from all touched parts, then each single normal."""
+        """Mean direction away from all parts that moved parts touch, then each single normal."""
         away = -self._contacts_of_moved(moved)[1]
         away = away[np.sort(np.unique(away.round(9), axis=0, return_index=True)[1])]
         mean = away.sum(axis=0)
@@ -205,7 +207,7 @@ class Removal:
     def _free_directions(
         self, moved: int, others: int, directions: Iterable[Direction]
     ) -> list[Direction]:
-        """Return the directions that do not press against a contact with the other parts."""
+        """Directions along which moved parts do not press on a contact with the other parts."""
         other, normals = self._contacts_of_moved(moved)
         here = np.isin(other, self._members(others))
         most = self._angle
@@ -214,7 +216,7 @@ class Removal:
     def _by_two_legs(
         self, moved: int, others: int, directions: list[Direction]
     ) -> tuple[Leg, ...] | None:
-        """Return a free path of two legs past the other parts, or None if none was found."""
+        """Free path of two legs for moved parts past the other parts; None if none was found."""
         parts, rest = self._members(moved), self._members(others)
         pairs = [(part, other) for part in parts for other in rest]
         for first in self._free_directions(moved, others, directions):
@@ -230,7 +232,10 @@ class Removal:
         return None
 
     def _places(self, parts: list[int], others: list[int], direction: Direction) -> list[float]:
-        """Return lengths of the first leg that bring corners level, and midpoints, ascending."""
+        """Lengths of a first leg that align corners of moved and other parts, and midpoints.
+
+        In ascending order.
+        """
         if not others:
             return []
         g, along, sweeps = self._geometry, np.array(direction), self.sweeps
@@ -252,19 +257,19 @@ SUGGESTED = ("axes", "normals")
 
 
 def _direction(vector: ArrayLike) -> Direction:
-    """Return the unit vector of a direction as a key, rounded and without negative zeros."""
+    """Unit vector of a direction as a dictionary key, rounded and without negative zeros."""
     x, y, z = (unit(np.asarray(vector, dtype=np.float64), "direction") + 0.0).round(12) + 0.0
     return float(x), float(y), float(z)
 
 
 def _negative(direction: Direction) -> Direction:
-    """Return the opposite direction without negative zeros."""
+    """The opposite of a direction, without negative zeros."""
     x, y, z = (0.0 - component for component in direction)
     return x, y, z
 
 
 def _contacts_by_part(contacts: ContactSet) -> list[tuple[Index, Array]]:
-    """Return for each part the other parts at its contact points and the normals towards them."""
+    """For each part: the other part at each of its contact points, and the normal towards it."""
     a, b = contacts.patch_parts[contacts.point_patch].T
     part, other = np.concatenate([a, b]), np.concatenate([b, a])
     normal = np.concatenate([contacts.normals, -contacts.normals])

@@ -1,4 +1,4 @@
-"""Bolts and their nuts: which parts a thread joins, and along which axis it turns."""
+"""Bolts with their nuts, as (bolt, nut, axis along which the nut comes off)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["find_screws"]
 
 
 def find_screws(contacts: ContactSet, named: Iterable[tuple[str, str]]) -> list[Screw]:
-    """The screws among parts that match: every bolt with the nuts that are round it.
+    """Match each named bolt with the nuts around it; return a screw for each pair.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Search of an order of assembly, backwards from the whole assembly by removing parts.
+"""Search for an order of assembly, backwards from the whole assembly by removing parts.
 
 The search removes parts one at a time. A part p may leave the set S for T = S - p if
 
@@ -49,7 +49,7 @@ SWEEP = 400.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Removed:
-    """Removal of a part, or of several parts that move together, with the holds that it needs.
+    """Removal of parts that move together: the reverse of a step, with the parts to hold.
 
     Attributes
     ----------
@@ -87,13 +87,13 @@ class Removed:
 
     @property
     def held(self) -> int:
-        """Number of held parts, the grounded parts included."""
+        """Number of held parts during the removal, the grounded parts included."""
         return int((self.state.present & ~self.state.free).sum())
 
 
 @dataclass(slots=True)
 class OrderSearch:
-    """Search of an order of assembly by removing parts from the whole assembly.
+    """Search for an order of assembly that removes parts from the whole assembly.
 
     Attributes
     ----------
@@ -148,11 +148,11 @@ class OrderSearch:
 
     @property
     def whole(self) -> int:
-        """The bit set of all parts."""
+        """All parts of the assembly as a bit set."""
         return (1 << len(self._near)) - 1
 
     def find(self, hold: int) -> list[Removed] | None:
-        """Return the removals in order with at most `hold` parts held, or None without an order."""
+        """Removals, in order, of an order with at most `hold` held parts; None if not found."""
         dead: set[int] = set()
         order: list[Removed] = []
         self.exhausted = False
@@ -180,14 +180,14 @@ class OrderSearch:
         return None
 
     def note(self, order: list[Removed], hold: int) -> None:
-        """Record `order` and report progress if it is the longest so far."""
+        """Record an order, and report progress if it is the longest so far."""
         if sum(len(out.parts) for out in order) > sum(len(out.parts) for out in self.best):
             self.best = order.copy()
             left = (order[-1].state.present & ~mask_of(self.base, len(self._near))).sum()
             self.work.tell(f"order: {left} parts to go, {hold} held")
 
     def removals(self, present: int, last: int, hold: int) -> Iterator[Removed]:
-        """Yield the possible removals from a part set, the best first; `last` left before."""
+        """Yield the possible removals from a set of parts, the best first; `last` went before."""
         self.visited += 1
         stuck: list[int] = []
         candidates = self._candidates(present, last)
@@ -204,7 +204,10 @@ class OrderSearch:
     def _of_layer(
         self, layer: Iterable[int], present: int, hold: int, stuck: list[int]
     ) -> Iterator[Removed]:
-        """Yield the removals of a layer; append the units without a straight path to `stuck`."""
+        """Yield the removals of the units `layer` from a set of parts.
+
+        Units without a straight path are appended to `stuck`.
+        """
         falling = []
         for moved in layer:
             if not self.may_leave(moved, present):
@@ -224,11 +227,11 @@ class OrderSearch:
             yield from self._held(moved, legs, present, hold)
 
     def _members(self, parts: int) -> tuple[int, ...]:
-        """Return the indices of the parts of a bit set."""
+        """Indices of the parts in a bit set."""
         return tuple(members(parts, len(self._near)).tolist())
 
     def _candidates(self, present: int, last: int) -> list[int]:
-        """Return the units of a set by layer, highest first, then by distance to `last`."""
+        """Units to remove from a set of parts, the highest layer first, then nearest to `last`."""
         candidates = [unit for unit in self.units if unit & present]
         if not candidates:
             return []
@@ -240,12 +243,12 @@ class OrderSearch:
         return [candidates[k] for k in np.lexsort((away, -layer)).tolist()]
 
     def may_leave(self, moved: int, present: int) -> bool:
-        """Whether the remaining parts keep the precedence and stay connected with the base."""
+        """Whether the parts without `moved` keep the precedence and are connected with the base."""
         rest = present & ~moved
         return not self.later_of(moved) & rest and self._hangs_together(rest)
 
     def ways(self, present: int) -> Iterator[tuple[int, tuple[Leg, ...]]]:
-        """Yield the units with a free path out of a part set and the path, the highest first."""
+        """Yield each unit that can leave a set of parts, with its free path, the highest first."""
         for moved in self._candidates(present, 0):
             if self.may_leave(moved, present):
                 legs = self.way_out(moved, present, 1) or self.way_out(moved, present, 2)
@@ -253,7 +256,7 @@ class OrderSearch:
                     yield moved, legs
 
     def later_of(self, moved: int) -> int:
-        """Return the set of parts that must come after the parts of `moved`, without `moved`."""
+        """Parts that must be inserted after the parts of `moved`, as a bit set without `moved`."""
         later = 0
         for part in self._members(moved):
             later |= self.after[part]
@@ -264,11 +267,14 @@ class OrderSearch:
         return self._grow_connected(standing, standing | moved) == standing | moved
 
     def _hangs_together(self, present: int) -> bool:
-        """Whether contacts within a set connect each of its parts with a grounded part."""
+        """Whether contacts within a set of parts connect each of them with a grounded part."""
         return self._grow_connected(present & self.base, present) == present
 
     def _grow_connected(self, seen: int, among: int) -> int:
-        """Return `seen` and the parts of `among` that contacts within `among` connect with it."""
+        """The parts `seen`, and the parts of `among` that contacts connect with them.
+
+        Contacts count only between parts of both sets.
+        """
         new = seen
         while new:
             part = (new & -new).bit_length() - 1
@@ -290,14 +296,14 @@ class OrderSearch:
                 yield moved, (Leg(direction, float("inf")),)
 
     def way_out(self, moved: int, present: int, legs: int) -> tuple[Leg, ...] | None:
-        """Return a path of at most `legs` legs out of a part set; None if none was found."""
+        """Path of at most `legs` legs for parts out of a set of parts; None if none was found."""
         before = self.removal.sweeps.tests
         path = self.removal.way_out(moved, present, legs=legs)
         self.work.charge(SWEEP * (self.removal.sweeps.tests - before))
         return path
 
     def state(self, present: int) -> State:
-        """Judge a part set without holds beside the grounded parts."""
+        """Judge whether a set of parts stands with only the grounded parts held."""
         count = len(self._near)
         solved = self._program_count()
         state = self.states.judge(mask_of(present, count), np.zeros(count, dtype=bool))
@@ -305,19 +311,19 @@ class OrderSearch:
         return state
 
     def _program_count(self) -> int:
-        """Return the number of programs solved so far; open states count `CHECK` programs."""
+        """Number of programs solved so far; each open state counts as `CHECK` programs."""
         counts = self.states.counts
         several = counts["open"] + counts["checks"]
         return counts["programs"] + counts["cones"] + CHECK * several
 
     def _charge(self, solved: int, present: int) -> None:
-        """Charge the programs solved since the count `solved` as work."""
+        """Charge the work for programs solved after the first `solved` ones."""
         self.work.charge(PROGRAM * (self._program_count() - solved) * (FEW + present.bit_count()))
 
     def _held(
         self, moved: int, legs: tuple[Leg, ...], present: int, hold: int
     ) -> Iterator[Removed]:
-        """Yield the removal with the fewest holds if these are at most `hold`."""
+        """Yield the removal with the fewest held parts, if these are at most `hold`."""
         if self.pressing is not None:
             yield from self.pressed(self.pressing, moved, legs, present, hold)
             return
@@ -328,7 +334,7 @@ class OrderSearch:
     def pressed(
         self, pressing: Pressing, moved: int, legs: tuple[Leg, ...], present: int, hold: int
     ) -> Iterator[Removed]:
-        """Yield the removal with the fewest holds that also allow pressing the parts in."""
+        """Yield the removal with the fewest held parts that also allow pressing the parts in."""
         x, y, z = legs[0].direction
         solved, judge = self._program_count(), pressing.judge_of(moved, (-x, -y, -z))
         rest = mask_of(present & ~moved, len(self._near))
@@ -341,7 +347,7 @@ class OrderSearch:
             yield Removed(self._members(moved), legs, both.standing, pressed=both.pressed)
 
     def needs(self, rest: int, hold: int) -> Holds[State]:
-        """Return the fewest holds of a set; `held` is None if more than `hold` are necessary."""
+        """Fewest parts to hold so that a set stands; `held` is None if `hold` are not enough."""
         known = self._holds.get(rest)
         if known is None or (known.held is None and known.least <= hold):
             solved = self._program_count()
@@ -354,7 +360,7 @@ class OrderSearch:
 
 
 def neighbours_of(states: States) -> list[int]:
-    """Return for each part the bit set of the parts that it touches or is joined to."""
+    """For each part, the parts that it touches or is joined to, as a bit set."""
     assembly = states.assembly
     near = [0] * len(assembly)
     pairs = [tuple(pair) for pair in states.contacts.patch_parts.tolist()]

@@ -1,4 +1,4 @@
-"""Precedence: which parts are put in before which others, as it is asked for."""
+"""Precedence in a plan: pairs of parts of which the first must be inserted before the second."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["later_parts", "precedence_pairs"]
 
 
 def later_parts(assembly: Assembly, before: Iterable[tuple[str, str]]) -> list[int]:
-    """Return for each part the bit set of the parts that must come later, by the given pairs."""
+    """For each part, the parts that must be inserted later by the given pairs, as a bit set."""
     later = [0] * len(assembly)
     for pair in before:
         if isinstance(pair, str) or len(pair) != 2:
@@ -34,7 +34,7 @@ def later_parts(assembly: Assembly, before: Iterable[tuple[str, str]]) -> list[i
 
 
 def _require_no_circle(assembly: Assembly, later: list[int]) -> None:
-    """Reject a precedence in which parts come before themselves."""
+    """Reject a precedence in which a part would have to come before itself."""
     left = bits_of(np.ones(len(later), dtype=bool))
     while True:
         last = [k for k in range(len(later)) if left >> k & 1 and not later[k] & left]
@@ -53,7 +53,7 @@ def _require_no_circle(assembly: Assembly, later: list[int]) -> None:
 def precedence_pairs(
     assembly: Assembly, later: list[int], screws: Sequence[Screw]
 ) -> tuple[tuple[str, str], ...]:
-    """The precedence that was asked for, pair by pair; of screws the bolt before its nut."""
+    """Required precedence as pairs of names; the bolt of each screw comes before its nut."""
     names = assembly.names
     asked = [
         (names[k], names[other])

@@ -41,7 +41,7 @@ Direction = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Shadow:
-    """Projection of a part along a direction: triangles on the normal plane, and their heights.
+    """Projection of a part along a direction: triangles on the normal plane, with their heights.
 
     Attributes
     ----------
@@ -58,12 +58,12 @@ class _Shadow:
     facing: Array
 
     def moved(self, aside: Array, along: float) -> _Shadow:
-        """Return the shadow moved by a vector on the plane, shape (2,), and a height."""
+        """Copy of the projection, moved by a vector on the plane, shape (2,), and by a height."""
         return _Shadow(self.plane + aside, self.height + along, self.facing)
 
 
 class Sweeps:
-    """Collision tests for straight paths of the parts of an assembly.
+    """Collision tests for parts of an assembly that move on straight paths.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class Sweeps:
         self.tests = 0
 
     def tolerance(self, p: int, q: int) -> float:
-        """Return the depth to which two parts may overlap on a path [length unit]."""
+        """Depth to which two parts may overlap on a path without a collision [length unit]."""
         g = self._geometry
         pair = [p, q]
         gap = float(self._tolerance.gap_of(g.size[pair].min()[None])[0])
@@ -96,7 +96,7 @@ class Sweeps:
         return max(gap, SLACKS * slack, 2 * accuracy, DEPTHS * depth)
 
     def stops(self, part: int, present: int, direction: Direction) -> bool:
-        """Whether a present part blocks a part on an endless straight path.
+        """Whether any present part blocks a part on an endless straight path.
 
         Parameters
         ----------
@@ -119,7 +119,7 @@ class Sweeps:
         return False
 
     def _ahead(self, part: int, direction: Direction) -> int:
-        """Return the bit set of parts ahead of a part whose projected boxes overlap its box."""
+        """Parts ahead of a part whose projected boxes overlap its projected box, as a bit set."""
         key = part, direction
         if key not in self._before:
             low, high = self._boxes(direction)
@@ -130,7 +130,7 @@ class Sweeps:
         return self._before[key]
 
     def _boxes(self, direction: Direction) -> tuple[Array, Array]:
-        """Return lowest and highest coordinates of the parts in a direction basis, shape (N, 3)."""
+        """Lowest and highest coordinates of each part in the basis of a direction, each (N, 3)."""
         if direction not in self._box:
             g = self._geometry
             seen = g.vertices @ _basis(np.array(direction)).T
@@ -150,7 +150,7 @@ class Sweeps:
         distance: float = np.inf,
         start: Array | None = None,
     ) -> bool:
-        """Whether `other` blocks `part` on a straight path.
+        """Whether the part `other` blocks the part `part` on a straight path.
 
         Parameters
         ----------
@@ -170,7 +170,7 @@ class Sweeps:
         return _blocks_within(moving, still, self.tolerance(part, other), distance)
 
     def _shadow(self, part: int, direction: Direction) -> _Shadow:
-        """Return the projection of a part along a direction, computed once."""
+        """Projection of a part along a direction; each is computed once."""
         key = part, direction
         if key not in self._shadows:
             corners = self._geometry.corners_of(part)
@@ -182,12 +182,12 @@ class Sweeps:
 
 
 def _basis(direction: Array) -> Array:
-    """Return two directions normal to a unit vector and the vector, as rows, shape (3, 3)."""
+    """Orthonormal basis with the given unit vector as the last row, shape (3, 3)."""
     return np.stack([*across(direction), direction])
 
 
 def _blocks_within(moving: _Shadow, still: _Shadow, tolerance: float, distance: float) -> bool:
-    """Whether the still part blocks the moving part within a distance (module docstring)."""
+    """Whether a still part blocks a moving part within a distance; see the module docstring."""
     exits, entries = np.flatnonzero(moving.facing > ALONG), np.flatnonzero(still.facing < -ALONG)
     first, second = _near_faces(moving, exits, still, entries, tolerance, distance)
     if not len(first):
@@ -226,7 +226,7 @@ def _blocks_within(moving: _Shadow, still: _Shadow, tolerance: float, distance: 
 def _near_faces(
     moving: _Shadow, exits: Index, still: _Shadow, entries: Index, tolerance: float, distance: float
 ) -> tuple[Index, Index]:
-    """Return pairs of exit and entry faces whose boxes overlap within the distance."""
+    """Pairs of exit and entry faces of two projections whose boxes overlap within the distance."""
     a, b = moving.plane[exits], still.plane[entries]
     za, zb = moving.height[exits], still.height[entries]
     near = (zb.max(axis=1)[None] - za.min(axis=1)[:, None] >= -tolerance) & (
@@ -240,7 +240,7 @@ def _near_faces(
 
 
 def _heights(shadow: _Shadow, rows: Index, points: Array) -> Array:
-    """Return the heights of plane points, shape (n, 2), each on its own triangle."""
+    """Heights of points of the projection plane, shape (n, 2), each on its own triangle."""
     plane, height = shadow.plane[rows], shadow.height[rows]
     edge, two, off = plane[:, 1] - plane[:, 0], plane[:, 2] - plane[:, 0], points - plane[:, 0]
     area = edge[:, 0] * two[:, 1] - edge[:, 1] * two[:, 0]
@@ -252,7 +252,7 @@ def _heights(shadow: _Shadow, rows: Index, points: Array) -> Array:
 
 
 def _fits_a_disk(pieces: Array, radius: float) -> bool:
-    """Whether a convex piece surely contains a disk: area > radius x length of outline.
+    """Whether a convex polygon surely contains a disk: area > radius * perimeter.
 
     A convex piece of area A and length of outline U has an inscribed disk of radius A / U.
     """
@@ -260,7 +260,7 @@ def _fits_a_disk(pieces: Array, radius: float) -> bool:
 
 
 def _polygon_between(corners: Array, values: Array, low: float, high: float) -> object | None:
-    """Return the piece of a convex polygon on which a linear function is between two bounds."""
+    """Piece of a convex polygon on which a linear function is between two bounds; None if empty."""
     for bound, sign in ((low, 1.0), (high, -1.0)):
         if np.isfinite(bound):
             corners, values = _clip_polygon(corners, values, sign * (values - bound))
@@ -268,7 +268,7 @@ def _polygon_between(corners: Array, values: Array, low: float, high: float) -> 
 
 
 def _clip_polygon(corners: Array, values: Array, above: Array) -> tuple[Array, Array]:
-    """Clip a convex polygon to `above` >= 0; return the corners and values of the rest."""
+    """Clip a convex polygon to `above` >= 0; return the remaining corners and their values."""
     if not len(corners):
         return corners, values
     following = np.roll(above, -1)

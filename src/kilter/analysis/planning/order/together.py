@@ -1,4 +1,4 @@
-"""Parts that block each other along a direction and can only move together.
+"""Parts that block each other along a direction, so that they can only move together.
 
 For a direction d, let u -> v if v blocks u. A set that leaves along d must contain all parts that
 block its members, so no arrow may leave it. The smallest such sets are the strongly connected
@@ -22,7 +22,7 @@ __all__ = ["blocked_together", "units_of_groups"]
 
 
 def units_of_groups(assembly: Assembly, groups: Iterable[str | Iterable[str]]) -> list[int]:
-    """Return the units (bit sets of parts that move together): groups and all other free parts.
+    """Units of a plan (bit sets of parts that move together): given groups, and single free parts.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def units_of_groups(assembly: Assembly, groups: Iterable[str | Iterable[str]]) -
 def blocked_together(
     removal: Removal, units: Sequence[int], present: int, base: int
 ) -> list[tuple[int, Direction]]:
-    """Return sets of units that can leave along a direction together, but not separately.
+    """Units that can leave together along a direction, but not separately, each with a direction.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def blocked_together(
 def _components(
     removal: Removal, units: Sequence[int], present: int, base: int, direction: Direction
 ) -> list[int]:
-    """Return the components of several units without an outgoing arrow, for a direction."""
+    """Groups of units that block each other along a direction, and that no other unit blocks."""
     size = present.bit_length()
     unit_of = {part: unit for unit in units for part in members(unit, size).tolist()}
     stops: dict[int, int] = {}

@@ -1,4 +1,4 @@
-"""Search of an order in which the standing parts, base included, may be turned between steps.
+"""Search for an order of assembly that may turn the standing parts, base included, between steps.
 
 With the parts S present, H of them held, the directions of gravity g that forces hold,
 
@@ -57,7 +57,7 @@ Direction = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Run:
-    """States (bit sets of present and held parts) with a common direction; number of the run."""
+    """A run: successive states of an order that share a direction of gravity."""
 
     down: Direction
     states: tuple[tuple[int, int], ...]
@@ -65,13 +65,13 @@ class _Run:
 
     @property
     def first(self) -> bool:
-        """Whether this is the run of the finished assembly."""
+        """Whether this is the run that contains the finished assembly."""
         return self.number == 0
 
 
 @dataclass(slots=True)
 class TurningSearch:
-    """Search of an order with turns between steps.
+    """Search for an order of assembly that may turn the standing parts between steps.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class TurningSearch:
     _common: dict[tuple[tuple[int, int], ...], Direction | None] = field(default_factory=dict)
 
     def states(self, down: Direction) -> States:
-        """Return the states of the assembly under a direction of gravity."""
+        """States of the assembly under gravity along `down`."""
         if down not in self._states:
             part_states = self.search.states
             turned = States(part_states.assembly.with_down(down), part_states.contacts)
@@ -92,7 +92,7 @@ class TurningSearch:
         return self._states[down]
 
     def find(self, most: int, fewest: str) -> list[Removed] | None:
-        """Return the removals of an order, the last step first, or None if no order was found."""
+        """Removals of an order with turns, the last step first; None if no order was found."""
         allowed = list(product(range(most + 1), range(MOST_TURNS + 1)))
         if fewest == "turns":
             allowed.sort(key=lambda limits: limits[1])
@@ -104,12 +104,12 @@ class TurningSearch:
         return None
 
     def _file_direction(self) -> Direction:
-        """Return the direction of gravity of the file (unit)."""
+        """Direction of gravity (unit) in the input file."""
         x, y, z = self.search.states.assembly.down.tolist()
         return x, y, z
 
     def _find(self, hold: int, turns: int) -> list[Removed] | None:
-        """Return the removals of an order within both limits, or None."""
+        """Removals of an order with at most `hold` held parts and `turns` turns; else None."""
         search, start = self.search, _Run(self._file_direction(), ((self.search.whole, 0),))
         order: list[Removed] = []
         dead: set[tuple[int, int, Direction]] = set()
@@ -144,7 +144,7 @@ class TurningSearch:
         return None
 
     def _with_final_direction(self, order: list[Removed], runs: list[_Run]) -> list[Removed]:
-        """Return the removals with their states under the final direction of their run."""
+        """Copies of the removals, with states under the final direction of gravity of each run."""
         downs = {run.number: run.down for run in runs}
         settled = []
         for step, run in zip(order, runs, strict=True):
@@ -161,7 +161,7 @@ class TurningSearch:
     def _removals(
         self, present: int, run: _Run, turns: int, hold: int
     ) -> Iterator[tuple[Removed, _Run, int]]:
-        """Yield the possible removals, each with its run and the number of turns left."""
+        """Yield the possible removals from a set of parts, with run and number of turns left."""
         search = self.search
         search.visited += 1
         free = list(search.ways(present))
@@ -184,7 +184,7 @@ class TurningSearch:
         turns: int,
         between: State | None = None,
     ) -> tuple[Removed, _Run, int]:
-        """Return a removal, its run extended by the new state, and the number of turns left."""
+        """A removal, its run extended by the new state, and the number of turns left."""
         parts = tuple(members(moved, len(self.search.after)).tolist())
         turned = None if run.first else self.states(run.down)
         removed = Removed(parts, legs, state, turned=turned, between=between)
@@ -195,7 +195,10 @@ class TurningSearch:
     def _other(
         self, moved: int, legs: tuple[Leg, ...], present: int, run: _Run, turns: int
     ) -> Iterator[tuple[Removed, _Run, int]]:
-        """Yield a removal in the same run if its states and the new state have another common g."""
+        """Yield a removal in the same run, if another direction of gravity suits all its states.
+
+        The states of the run and the new state must hold under the same direction.
+        """
         rest = present & ~moved
         down = self._down((*run.states, (rest, 0)))
         if down is not None and down != run.down:
@@ -205,7 +208,7 @@ class TurningSearch:
     def _removal_with_turn(
         self, moved: int, legs: tuple[Leg, ...], present: int, run: _Run, turns: int
     ) -> Iterator[tuple[Removed, _Run, int]]:
-        """Yield a removal with a turn, which begins a new run."""
+        """Yield a removal before which the parts are turned, which begins a new run."""
         key = next(entry for entry in reversed(run.states) if entry[0] == present)
         rest = present & ~moved
         down = self._down((key, (rest, 0)))
@@ -219,11 +222,11 @@ class TurningSearch:
         )
 
     def _mask(self, parts: int) -> Mask:
-        """Return the mask of a bit set of parts, shape (N,)."""
+        """Mask of the parts in a bit set, shape (N,)."""
         return mask_of(parts, len(self.search.states.assembly))
 
     def _fewest_holds_under(self, down: Direction, rest: int, hold: int) -> State | None:
-        """Return the state with the fewest held parts under a direction, or None above `hold`."""
+        """State with the fewest held parts under a direction of gravity; None if above `hold`."""
         states = self.states(down)
         self.search.work.charge(PROGRAM * (FEW + rest.bit_count()))
         state = states.judge(self._mask(rest), self._mask(0))
@@ -232,7 +235,7 @@ class TurningSearch:
         return states.holds_of(self._mask(rest), self.search.holdable, most=hold).state
 
     def _down(self, keys: tuple[tuple[int, int], ...]) -> Direction | None:
-        """Return a direction under which all given states are proved to hold, or None."""
+        """Direction of gravity under which all given states are proved to hold; else None."""
         if keys not in self._common:
             part_states = self.search.states
             masks = [(self._mask(present), self._mask(held)) for present, held in keys]
@@ -248,7 +251,7 @@ class TurningSearch:
 
 
 def common_down(programs: Sequence[Program]) -> Direction | None:
-    """Return a direction of gravity (unit) under which all programs may be feasible, or None.
+    """Direction of gravity (unit) under which all programs may hold; None if none exists.
 
     The direction is interior to the common cone: the normalized sum of its extreme points along
     each axis.
@@ -288,7 +291,7 @@ def common_down(programs: Sequence[Program]) -> Direction | None:
 
 
 def find_with_turns(search: OrderSearch, most: int, fewest: str) -> Searched:
-    """Find the order with the fewest holds and then the fewest turns, or vice versa.
+    """Find the order with the fewest held parts and then the fewest turns, or vice versa.
 
     Parameters
     ----------

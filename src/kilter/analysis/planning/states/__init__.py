@@ -1,1 +1,1 @@
-"""States of a half-built assembly: parts present, parts held, and whether the state holds."""
+"""States of a half-built assembly: the parts present, the parts held, and whether they stand."""

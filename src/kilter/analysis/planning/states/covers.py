@@ -1,4 +1,4 @@
-"""Covers: which supports can stop the motions that were found, each to the share that it takes.
+"""Smallest sets of supports that may stop every known motion of an assembly.
 
 A motion y gains the power p while nothing of some supports P stops it, P present. Of any other
 support c let a_c be 1 where it may stop y, and of a vacuum or magnet that y pulls off, opening by
@@ -23,7 +23,7 @@ ENOUGH = 1 - 1e-3
 
 
 def least_cover(motions: Sequence[Shares], most: int) -> frozenset[int] | None:
-    """A least set of supports whose shares may be enough for every motion.
+    """A smallest set of supports that may stop every given motion; None if more than `most`.
 
     Parameters
     ----------
@@ -50,7 +50,10 @@ def least_cover(motions: Sequence[Shares], most: int) -> frozenset[int] | None:
 def _cover(
     motions: Sequence[Shares], size: int, chosen: frozenset[int], barred: frozenset[int]
 ) -> frozenset[int] | None:
-    """The set with at most so many members more, none of the barred ones."""
+    """Extend chosen supports by at most `size` others, outside `barred`, to stop every motion.
+
+    None if that is impossible.
+    """
     left = [(motion, sum(motion.get(k, 0.0) for k in sorted(chosen))) for motion in motions]
     left = [(motion, share) for motion, share in left if share < ENOUGH]
     if not left:

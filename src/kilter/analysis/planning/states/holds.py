@@ -1,4 +1,6 @@
-"""Smallest set of parts to hold so that a state holds: minimum hitting sets of motions.
+"""Smallest set of parts to hold so that a half-built assembly stands, by minimum hitting sets.
+
+A set of held parts must hit (share a part with) the moving parts of every motion.
 
 A motion of the parts M that no contact resists continues unless a part of M is held. So the held
 parts hit every such set M. A minimum hitting set of the known sets is a lower bound:
@@ -26,15 +28,15 @@ __all__ = ["Cut", "Holds", "find_fewest_holds", "least_hitting_set"]
 
 
 class Judged(Protocol):
-    """Interface of a judged state: its stability and its moving parts."""
+    """Interface of a verdict on a state: whether it holds, and which parts move."""
 
     @property
     def stable(self) -> bool | None:
-        """Whether the state holds; None if undecided."""
+        """Whether the parts in this state hold; None if undecided."""
 
     @property
     def moves(self) -> Mask:
-        """Mask of the moving parts of a state that falls, shape (N,)."""
+        """Mask of the parts that move in a state that falls, shape (N,)."""
 
 
 Found = TypeVar("Found", bound=Judged)
@@ -43,7 +45,7 @@ Judge = Callable[[Mask, Mask], Found]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cut(Generic[Found]):
-    """Set of parts with at least one part to be held, and the state that proves it.
+    """Set of parts at least one of which must be held, and the falling state that proves it.
 
     Attributes
     ----------
@@ -58,7 +60,7 @@ class Cut(Generic[Found]):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Holds(Generic[Found]):
-    """Fewest parts to hold in a state, with the proof of the minimum.
+    """Fewest parts to hold so that a half-built assembly stands, with the proof of the minimum.
 
     Attributes
     ----------
@@ -93,7 +95,7 @@ class Holds(Generic[Found]):
 
     @property
     def fewest(self) -> bool:
-        """Whether it is proved that fewer parts are not enough."""
+        """Whether it is proved that holding fewer parts is not enough."""
         return self.held is not None and int(self.held.sum()) == self.least
 
     def __repr__(self) -> str:
@@ -110,7 +112,7 @@ def find_fewest_holds(
     *,
     most: int | None = None,
 ) -> Holds[Found]:
-    """Find the fewest parts whose holding makes a state hold.
+    """Find the fewest parts to hold so that the present parts stand.
 
     Parameters
     ----------
@@ -151,7 +153,7 @@ def find_fewest_holds(
 
 
 def _smaller(judge: Judge[Found], present: Mask, state: Found) -> Cut[Found]:
-    """Reduce the set of moving parts by holding parts of it as long as a motion remains.
+    """Reduce the set of moving parts of a falling state, by holding parts while others still move.
 
     The first attempt holds half of the untried parts, later attempts a quarter, and so on.
     """
@@ -176,7 +178,7 @@ def _smaller(judge: Judge[Found], present: Mask, state: Found) -> Cut[Found]:
 
 
 def least_hitting_set(sets: Sequence[int], most: int) -> int | None:
-    """Return a smallest bit set that hits every given set, or None if it exceeds `most`.
+    """A smallest bit set that shares a bit with every given set; None if it exceeds `most`.
 
     Parameters
     ----------
@@ -200,7 +202,7 @@ def least_hitting_set(sets: Sequence[int], most: int) -> int | None:
 
 
 def _hitting(sets: list[int], size: int) -> int | None:
-    """Return a hitting set of at most `size` members, or None."""
+    """A bit set of at most `size` bits that shares a bit with every given set; else None."""
     if not sets:
         return 0
     if _disjoint(sets) > size:
@@ -216,7 +218,7 @@ def _hitting(sets: list[int], size: int) -> int | None:
 
 
 def _disjoint(sets: list[int]) -> int:
-    """Return the size of a greedy family of disjoint sets: a bound below for hitting sets."""
+    """Number of disjoint sets in a greedy selection: a lower bound for the size of hitting sets."""
     seen = count = 0
     for parts in sorted(sets, key=int.bit_count):
         if not parts & seen:

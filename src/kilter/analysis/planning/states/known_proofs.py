@@ -1,4 +1,6 @@
-"""Reuse of known forces and motions as proofs of other states.
+"""Reuse of proved forces and motions as proofs for other states of a half-built assembly.
+
+A state has some of the parts present, and some of these held.
 
 Forces f that balance the free parts F, on parts of P alone, prove every state (S', H') with
 
@@ -36,7 +38,7 @@ __all__ = ["KnownForces", "KnownMotion", "forces_for_others", "motions_for_other
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KnownForces:
-    """Forces along and across the rows of the program of all parts, and what they prove.
+    """Proved forces on all contacts of an assembly, and the states that they may hold.
 
     Attributes
     ----------
@@ -52,17 +54,17 @@ class KnownForces:
     needed: int
 
     def fits(self, present: int, free: int) -> bool:
-        """Whether they may prove a state."""
+        """Whether these forces may balance a state with the given present and free parts."""
         return not free & ~self.balanced and not self.needed & ~present
 
     def covers(self, other: KnownForces) -> bool:
-        """Whether they fit wherever others do."""
+        """Whether these forces may balance every state that other forces may balance."""
         return not other.balanced & ~self.balanced and not self.needed & ~other.needed
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KnownMotion:
-    """A motion of all parts, shape (N, 6), and what it proves.
+    """A proved motion of all parts, shape (N, 6), and the states that it may show to fall.
 
     Attributes
     ----------
@@ -77,16 +79,16 @@ class KnownMotion:
     entered: int
 
     def fits(self, present: int, free: int) -> bool:
-        """Whether it may prove that a state falls."""
+        """Whether this motion may prove that a state falls, given its present and free parts."""
         return not self.moving & ~free and not self.entered & present
 
     def covers(self, other: KnownMotion) -> bool:
-        """Whether it fits wherever another does."""
+        """Whether this motion may prove every state that another motion may prove."""
         return not self.moving & ~other.moving and not self.entered & ~other.entered
 
 
 def forces_for_others(whole: Program, rows: Mask, proof: ForceProof, free: Mask) -> KnownForces:
-    """Forces that hold one state, ready for others.
+    """Convert forces that hold one state into forces that may be reused for other states.
 
     Parameters
     ----------
@@ -105,7 +107,7 @@ def forces_for_others(whole: Program, rows: Mask, proof: ForceProof, free: Mask)
 
 
 def motions_for_others(outer: Program, state: Program, proof: MotionProof) -> list[KnownMotion]:
-    """The motions of each group of parts that hang together, ready for other states.
+    """Split a proved motion into motions of connected groups of parts, reusable for other states.
 
     Parameters
     ----------
@@ -140,7 +142,7 @@ def motions_for_others(outer: Program, state: Program, proof: MotionProof) -> li
 
 
 def _stored_motion(outer: Program, proof: MotionProof, moving: Mask) -> KnownMotion:
-    """A proved motion with the parts that it enters where they are present."""
+    """Store a proved motion, with the parts that it would penetrate if they were present."""
     weight = float(outer.weight[moving].sum())
     most = max(proof.power / (RULED_OUT * weight), proof.violation)
     opened = violations(outer, proof.motion)

@@ -1,4 +1,4 @@
-"""Sets of parts as whole numbers, bit k for part k: to hold many against many at once.
+"""Sets of parts as integers, with bit k for part k, for fast comparison of many sets.
 
 A is among B where A & ~B = 0; they have no part in common where A & B = 0.
 """
@@ -13,7 +13,7 @@ __all__ = ["bits_of", "mask_of", "members"]
 
 
 def bits_of(parts: Mask) -> int:
-    """The set of the parts that a mask names, shape (N,).
+    """Bit set of the parts in a mask, shape (N,).
 
     Examples
     --------
@@ -24,7 +24,7 @@ def bits_of(parts: Mask) -> int:
 
 
 def mask_of(bits: int, count: int) -> Mask:
-    """The mask of a set of `count` parts, shape (count,).
+    """Mask, shape (count,), of the parts in a bit set.
 
     Examples
     --------
@@ -36,5 +36,5 @@ def mask_of(bits: int, count: int) -> Mask:
 
 
 def members(bits: int, count: int) -> Index:
-    """The parts of a set, ascending."""
+    """Indices of the parts in a bit set, ascending."""
     return np.flatnonzero(mask_of(bits, count))

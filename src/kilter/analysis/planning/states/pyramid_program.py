@@ -1,4 +1,4 @@
-"""The load factor of one state after another: one linear program, kept, with other bounds.
+"""A linear program for the load factor of many states, which only changes its bounds.
 
     max lambda:  A f = lambda b,  f >= 0,  0 <= lambda <= 1          A = S J^T,  b = -S w
 
@@ -27,7 +27,7 @@ SIDES = 4
 
 
 class PyramidProgram:
-    """The load factor of the states of a program, friction by pyramids.
+    """The load factor of each state of an assembly, with friction pyramids in place of cones.
 
     Parameters
     ----------
@@ -54,15 +54,15 @@ class PyramidProgram:
 
     @property
     def solves(self) -> int:
-        """Number of programs that were solved."""
+        """Number of linear programs that were solved."""
         return self._kept.solves
 
     def far(self, present: Mask, free: Mask) -> int:
-        """Number of parts in which a state differs from the state that was solved last."""
+        """Number of parts whose presence or freedom differs from the state that was solved last."""
         return int(((present != self._present) | (free != self._free)).sum())
 
     def solve(self, present: Mask, free: Mask) -> tuple[Array, Array] | Array | None:
-        """Forces along and across the rows of the whole program, or a motion, or neither.
+        """Forces that balance a state, as (along, across) the rows, or a motion; None if unsolved.
 
         Parameters
         ----------
@@ -87,7 +87,7 @@ class PyramidProgram:
         return np.where(free[:, None], motion, 0.0)
 
     def _change(self, present: Mask, free: Mask) -> None:
-        """Bounds and sides as they are in a state."""
+        """Set the bounds of the linear program to those of a state."""
         on = rows_of_state(self._rays, present, free)
         columns = np.flatnonzero(on != self._on)
         if len(columns):

@@ -1,4 +1,4 @@
-"""State: verdict and proof of an assembly with given present and held parts."""
+"""Verdict and proof of an assembly with some parts present and some of these held."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["State"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class State:
-    """Verdict and proof of a state of an assembly.
+    """Verdict and proof of a state: some parts of an assembly present, some of these held.
 
     Attributes
     ----------
@@ -48,12 +48,12 @@ class State:
 
     @property
     def moving(self) -> list[str]:
-        """Names of the parts that move; empty if the state holds."""
+        """Names of the parts that move in this state; empty if the state holds."""
         return [name for name, moves in zip(self.names, self.moves, strict=True) if moves]
 
     @property
     def moves(self) -> Mask:
-        """Mask of the parts that move, shape (N,)."""
+        """Mask of the parts that move in this state, shape (N,)."""
         if self.motion is None:
             proved_verdict = None if self.stable is not False else self.verdict
             named = set() if proved_verdict is None else set(proved_verdict.moving)

@@ -1,4 +1,4 @@
-"""The programs of the states of one assembly: contacts and rows once, then rows by masks.
+"""Programs of the states of a half-built assembly, taken from the program of all parts.
 
 A state is a set S of parts that are present and a set H of them that are held. Its program has
 the rows between present parts of which one is free, F = S - H - G (G: the grounded parts):
@@ -27,7 +27,7 @@ __all__ = ["StatePrograms", "build_state_programs", "parts_of", "rows_of_state"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StatePrograms:
-    """The program of all parts, and what its states need.
+    """The program of all parts, from which the program of any state is taken.
 
     Attributes
     ----------
@@ -46,29 +46,29 @@ class StatePrograms:
 
     @property
     def free(self) -> Mask:
-        """Parts that are not grounded, shape (N,)."""
+        """Mask of the parts that are not grounded, shape (N,)."""
         return self.whole.free
 
     @property
     def open(self) -> bool:
-        """Whether forces that are not modelled may act."""
+        """Whether contacts that are not modelled may exert forces."""
         return self.outer is not self.whole
 
     def turned(self, down: Array) -> StatePrograms:
-        """The same under gravity along `down`, shape (3,), of any length."""
+        """Copy of these programs under gravity along `down`, shape (3,), of any length."""
         whole = self.whole.turned(down)
         return replace(self, whole=whole, outer=self.outer.turned(down) if self.open else whole)
 
     def of(self, present: Mask, held: Mask) -> Program:
-        """The program of a state; masks of shape (N,)."""
+        """The program of the state with the given present and held parts, masks of shape (N,)."""
         return self.taken(self.whole, present, held)
 
     def outer_of(self, present: Mask, held: Mask) -> Program:
-        """The same with the forces that are not modelled."""
+        """The program of a state with the possible forces of contacts that are not modelled."""
         return self.taken(self.outer, present, held)
 
     def taken(self, program: Program, present: Mask, held: Mask) -> Program:
-        """The rows that belong to a state, of a program of all parts."""
+        """Restrict a program of all parts to the rows and free parts of a state."""
         free = self.free & present & ~held
         rows = np.flatnonzero(rows_of_state(program, present, free))
         tolerance = np.full(len(free), TOLERANCE)
@@ -80,7 +80,7 @@ class StatePrograms:
 
 
 def rows_of_state(program: Program, present: Mask, free: Mask) -> Mask:
-    """Rows whose parts are present and of which one is free, shape (K,)."""
+    """Mask of the rows between present parts at least one of which is free, shape (K,)."""
     here, moves = np.append(present, True), np.append(free, False)
     a, b = program.part_a, program.part_b
     rows: Mask = here[a] & here[b] & (moves[a] | moves[b])
@@ -88,7 +88,7 @@ def rows_of_state(program: Program, present: Mask, free: Mask) -> Mask:
 
 
 def build_state_programs(assembly: Assembly, contacts: ContactSet) -> StatePrograms:
-    """The programs of an assembly and its contacts, built once."""
+    """Build the program of all parts, with and without forces that are not modelled."""
     whole = build_program(assembly, contacts)
     outer = build_program(assembly, contacts, possible=True)
     blur: Array = np.maximum(TOLERANCE, BLUR * contacts.patch_accuracy)
@@ -96,7 +96,7 @@ def build_state_programs(assembly: Assembly, contacts: ContactSet) -> StateProgr
 
 
 def parts_of(program: Program, rows: Index) -> Mask:
-    """Parts that some rows name, shape (N,); the ground is none."""
+    """Mask of the parts on which the given rows act, shape (N,), without the ground."""
     is_part = np.zeros(len(program.names) + 1, dtype=bool)
     is_part[program.part_a[rows]] = is_part[program.part_b[rows]] = True
     return is_part[:-1]

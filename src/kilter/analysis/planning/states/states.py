@@ -1,4 +1,4 @@
-"""Verdicts on the states of a half-built assembly: any parts present, any of these held.
+"""Verdicts on a half-built assembly, for any set of present parts and any held parts.
 
 A state has the present parts S, of which H are held. It holds if contact forces keep the other
 parts in equilibrium (the level "equilibrium" of `kilter.check`). A planner needs thousands of such
@@ -78,7 +78,7 @@ _Found = ForceProof | MotionProof | Judgement | None
 
 
 class States:
-    """States of an assembly, each given by its present parts and its held parts.
+    """Verdicts on the states of an assembly; a state has some parts present and some held.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ class States:
         down: ArrayLike | None = None,
         friction: float | None = None,
     ) -> State:
-        """Return the state with the given present and held parts.
+        """Judge the state with the given present and held parts, by name.
 
         Parameters
         ----------
@@ -162,7 +162,7 @@ class States:
         return self.under(down=down, friction=friction).judge(standing, kept)
 
     def under(self, *, down: ArrayLike | None = None, friction: float | None = None) -> States:
-        """Return the states of the same parts and contacts under another gravity or friction.
+        """Copy of these states with another direction of gravity or friction coefficient.
 
         Parameters
         ----------
@@ -196,7 +196,7 @@ class States:
         among: str | Iterable[str] = "*",
         most: int | None = None,
     ) -> Holds[State]:
-        """Find the fewest parts, beside the grounded parts, whose holding makes a state hold.
+        """Find the fewest parts to hold, beside the grounded parts, so that present parts stand.
 
         Parameters
         ----------
@@ -225,16 +225,16 @@ class States:
         return self.holds_of(standing, movable, most=most)
 
     def holds_of(self, present: Mask, movable: Mask, *, most: int | None = None) -> Holds[State]:
-        """Find the fewest holds from masks of present and holdable parts, shape (N,)."""
+        """Find the fewest parts to hold, from masks of present and holdable parts, shape (N,)."""
         return find_fewest_holds(self.judge, self.assembly.names, present, movable, most=most)
 
     @property
     def no_goods(self) -> int:
-        """Number of stored motions; each proves that every state in which it is possible falls."""
+        """Number of stored motions; each proves that states in which it is possible fall."""
         return len(self._motions)
 
     def mask(self, patterns: str | Iterable[str]) -> Mask:
-        """Return the mask of the parts that match the patterns, shape (N,).
+        """Mask of the parts whose names match the patterns, shape (N,).
 
         Raises
         ------
@@ -245,7 +245,10 @@ class States:
         return np.array([name in chosen for name in self.assembly.names], dtype=bool)
 
     def judge(self, present: Mask, held: Mask) -> State:
-        """Return the state of two masks, shape (N,); `held` is ignored for absent parts."""
+        """Judge the state with masks of present and held parts, shape (N,).
+
+        Absent parts cannot be held: `held` is ignored for them.
+        """
         free = self._programs.free & present & ~held
         key = bits_of(present), bits_of(free)
         state = self._found.get(key)
@@ -256,7 +259,7 @@ class States:
 
     @on_one_thread
     def _decide_state(self, present: Mask, free: Mask, key: tuple[int, int]) -> State:
-        """Decide a state by the methods of the module docstring, in their order."""
+        """Decide a state by the methods of the module docstring, in their order, without lookup."""
         held = present & ~free
         program = self._programs.of(present, held)
         outer = self._programs.outer_of(present, held) if self._programs.open else program
@@ -282,7 +285,7 @@ class States:
     def _matching_proof(
         self, state: State, outer: Program, key: tuple[int, int]
     ) -> ForceProof | MotionProof | None:
-        """Return the first stored proof that is also a proof of this state, or None."""
+        """The first stored proof that also proves this state; None if no stored proof does."""
         program = state.program
         for known in self._motions:
             if known.fits(*key):
@@ -300,14 +303,14 @@ class States:
         return None
 
     def _far(self, state: State) -> bool:
-        """Whether exact cones are expected to be faster than the warm-started linear program."""
+        """Whether exact cones are expected to be faster than the linear program for this state."""
         free = int(state.free.sum())
         if free <= SMALL or not state.program.mu.any():
             return False
         return self._pyramid is None or self._pyramid.far(state.present, state.free) > NEAR
 
     def _by_pyramid(self, state: State, outer: Program) -> _Found:
-        """Return a proof from the linear program with friction pyramids, or None."""
+        """A proof for a state from the linear program with friction pyramids; None if not found."""
         if not state.free.any():
             return check_forces(state.program, np.zeros(len(state.program.part_a)))
         if self._pyramid is None:
@@ -322,7 +325,7 @@ class States:
         return motion if motion is not None and motion.holds else None
 
     def _by_cones(self, state: State, outer: Program) -> _Found:
-        """Return a proof from exact cones, or None.
+        """A proof for a state from exact friction cones; None if not found.
 
         A Judgement is returned if only possible contacts hold the state.
         """
@@ -338,7 +341,7 @@ class States:
         return judgement.forces if judgement.stable else judgement.motion
 
     def _learn_forces(self, state: State, proof: ForceProof) -> None:
-        """Store forces unless stored forces prove more states."""
+        """Store forces for reuse, unless stored forces hold at least the same states."""
         whole = self._programs.whole
         rows = rows_of_state(whole, state.present, state.free)
         new = forces_for_others(whole, rows, proof, state.free)
@@ -346,7 +349,10 @@ class States:
             self._forces.append(new)
 
     def _learned_motion(self, outer: Program, proof: MotionProof) -> MotionProof:
-        """Store the motion of each group unless a stored one proves more; return the strongest."""
+        """Store the motion of each connected group of parts for reuse; return the strongest.
+
+        A motion is not stored if a stored motion proves at least as many states.
+        """
         motions = motions_for_others(self._programs.outer, outer, proof)
         for new in motions:
             if not any(old.covers(new) for old in self._motions):
@@ -355,7 +361,7 @@ class States:
         return strongest if strongest.holds else proof
 
     def _hanging(self, state: State) -> State:
-        """Return a state that falls by its certain contacts and holds with every possible contact.
+        """Decide a state that falls by its certain contacts, but not by all possible contacts.
 
         Only a choice of normals at degenerate points may still prove that such a state falls.
         """
@@ -373,7 +379,7 @@ class States:
         return state if decision.verdict == "undecided" else self._state_by_check(state)
 
     def _state_by_check(self, state: State) -> State:
-        """Return the state with the verdict of `kilter.check`."""
+        """Judge a state by the full `kilter.check`."""
         self.counts["checks"] += 1
         assembly = self.sub_assembly(state)
         contacts = contacts_among(self.contacts, assembly)
@@ -390,7 +396,7 @@ class States:
         work: Work | None = None,
         finished: bool = False,
     ) -> Decision:
-        """Decide a state as an assembly of its own, by the cascade of `kilter.check`.
+        """Decide a state as an assembly of its own, as `kilter.check` would.
 
         Parameters
         ----------
@@ -419,7 +425,7 @@ class States:
     def level(
         self, state: State, *, require: str, effort: float, work: Work | None = None
     ) -> str | None:
-        """Return the level that a state reaches to first order, or None if it does not hold.
+        """Verdict level that a state reaches by first-order motions; None if it does not hold.
 
         Parameters are those of `decide`.
         """
@@ -436,7 +442,7 @@ class States:
         return self.decide(state, require=require, effort=effort, work=work).level
 
     def sub_assembly(self, state: State) -> Assembly:
-        """Return the present parts of a state as an assembly with its held parts grounded."""
+        """The present parts of a state as an assembly, with the held parts grounded."""
         names = np.array(self.assembly.names)
         assembly = self.assembly
         if not state.present.all():
@@ -445,12 +451,12 @@ class States:
         return assembly.with_grips(held) if held else assembly
 
     def held_names(self, state: State) -> list[str]:
-        """Return the names of the held parts of a state, without the grounded parts."""
+        """Names of the held parts of a state, without the grounded parts."""
         held = state.present & ~state.free & self._programs.free
         return [name for name, kept in zip(self.assembly.names, held, strict=True) if kept]
 
     def proof(self, state: State, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
-        """Return the proof of a state as JSON data, for `kilter.verify` of its `sub_assembly`.
+        """Proof of a state as JSON data, for `kilter.verify` with its `sub_assembly`.
 
         Parameters
         ----------
@@ -491,7 +497,7 @@ def states(
     tolerance: Tolerance | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> States:
-    """Prepare the verdicts on all states of an assembly that is being built.
+    """Prepare verdicts on all states of an assembly that is being built.
 
     Parameters
     ----------
