@@ -33,7 +33,7 @@ __all__ = ["UncertainLoad", "affine_forces", "affine_imbalance"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UncertainLoad:
-    """A load with uncertain terms, in the scaled rows of a problem.
+    """A load with uncertain terms in a box, as right-hand sides of a scaled equilibrium problem.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class UncertainLoad:
 
 
 def affine_forces(problem: ScaledProblem, load: UncertainLoad, most: float) -> LinearProgram:
-    """Linear program for the largest share t in [0, `most`] that affine forces hold for every d.
+    """Linear program for the largest load share t that forces affine in d balance for every d.
 
     Its unknowns are x = (t, f_0, f_k+, f_k-), where f_k = f_k+ - f_k- and both are nonnegative.
 
@@ -99,7 +99,7 @@ def affine_forces(problem: ScaledProblem, load: UncertainLoad, most: float) -> L
 
 
 def affine_imbalance(problem: ScaledProblem, load: UncertainLoad, x: Array) -> float:
-    """Largest imbalance over all d of the forces of a solution, over the weights of the parts.
+    """Largest imbalance of a part over all d, relative to its weight [-], for a solution.
 
     The forces are first cut to their cones: f_0 of a row that only pushes is raised to sum_k |f_k|.
 

@@ -16,7 +16,7 @@ __all__ = ["area_shares"]
 
 
 def area_shares(points: Array, patch: Index, normal: Array) -> Array:
-    """Area that each corner represents [length unit^2], shape (K,).
+    """Area of the patch that each of its corner points represents [length unit^2], shape (K,).
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ __all__ = ["ConeBalance", "balance_in_cones", "load_share"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ConeBalance:
-    """A `LinkedCones` problem, with the data that decode its unknowns to forces of a program.
+    """Equilibrium with friction cones as a `LinkedCones` problem, and the data to decode it.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class ConeBalance:
     unit: float
 
     def with_more(self, wrenches: Array, most: float) -> ConeBalance:
-        """The same problem with other further wrenches, shape (N, 6), and their largest share."""
+        """The same problem with other further wrenches, shape (N, 6), up to `most` times."""
         free = np.flatnonzero(self.program.free)
         along = -_over_weight(self.program, free, wrenches)
         return replace(self, cones=self.cones.with_more(along, most))
@@ -61,7 +61,7 @@ class ConeBalance:
         return normal_force, friction
 
     def motion(self, y: Array) -> Array:
-        """Motion of all parts, shape (N, 6), from the multipliers of the blocks, shape (N', n)."""
+        """Motion of all parts, shape (N, 6), from the problem's multipliers of balance, (N', n)."""
         program = self.program
         full = np.zeros((len(program.names), 6))
         free = np.flatnonzero(program.free)
@@ -71,12 +71,12 @@ class ConeBalance:
 
 
 def load_share(program: Program) -> ConeBalance:
-    """Problem for the largest share of the load, 0 to 1, that the contact forces hold."""
+    """Problem for the largest share (0 to 1) of the load that the contact forces balance."""
     return balance_in_cones(program, np.zeros((len(program.names), 6)), program.load, 1.0)
 
 
 def balance_in_cones(program: Program, load: Array, more: Array, most: float) -> ConeBalance:
-    """Problem for the largest share of further wrenches that contact forces hold beside a load.
+    """Problem for the largest share of further wrenches that contacts balance beside a load.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def balance_in_cones(program: Program, load: Array, more: Array, most: float) ->
 
 
 def _over_weight(program: Program, free: Index, wrench: Array) -> Array:
-    """Wrenches of the free parts, torques / radius, over the weights, shape (N', n)."""
+    """Wrenches of the free parts over their weights, torques also over radii, shape (N', n)."""
     scaled = wrench[free] / program.weight[free][:, None]
     scaled[:, 3:] /= program.radius[free][:, None]
     result: Array = scaled[:, program.freedoms]
@@ -134,7 +134,7 @@ def _over_weight(program: Program, free: Index, wrench: Array) -> Array:
 
 
 def _directions(program: Program, rows: Index) -> Array:
-    """Force vector per unit of each unknown, in multiples of the unit of force, shape (d, K, 3)."""
+    """Force vector per unit of each unknown of a row, over the unit of force, shape (d, K, 3)."""
     normal, mu = program.normal[rows], program.mu[rows]
     if not mu.any():
         return normal[None]
@@ -146,7 +146,7 @@ def _directions(program: Program, rows: Index) -> Array:
 
 
 def _columns(program: Program, rows: Index, owner: Index, directions: Array, sign: Array) -> Array:
-    """Columns of the equilibrium matrix, as a wrench on the part `owner`, shape (6, d, K)."""
+    """Columns of the equilibrium matrix: wrenches on the row's part `owner`, shape (6, d, K)."""
     arm, angular = program.arm[rows], program.angular[rows]
     lever = program.point[rows] - program.center[owner]
     scale = sign / program.weight[owner]
@@ -160,7 +160,7 @@ def _columns(program: Program, rows: Index, owner: Index, directions: Array, sig
 
 
 def _transfer_matrices(program: Program, free: Index, first: Index, second: Index) -> Array:
-    """Matrix that moves a wrench from the first part of a link to the second, with opposite sign.
+    """Matrices that carry the wrench on the first part of each link over to the second part.
 
     Shape (L, n, n), between scaled wrenches. It is zero for a link to a held part or the ground
     (`second` < 0).

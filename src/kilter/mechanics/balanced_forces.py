@@ -32,7 +32,7 @@ value allows slower progress.
 
 
 def balanced_forces(cones: ConeProblem, forces: Array, friction: Array) -> tuple[Array, Array]:
-    """Nearest balanced forces along and across the rows, shapes (K,) and (K, 3) [N].
+    """Balanced forces nearest to given ones, along and across the rows, (K,) and (K, 3) [N].
 
     The result may leave the friction cones by as much as it changes, and it is not better balanced
     than the input if no forces on the pressed contacts balance. So check it with a certificate.

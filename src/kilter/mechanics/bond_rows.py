@@ -28,7 +28,7 @@ __all__ = ["BondedPoints", "bonded_points", "clamp_of"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BondedPoints:
-    """Strength of the bonds at each contact point of a contact set; every array has the shape (K,).
+    """Strength of the glue, mortar or other bond at each contact point, in arrays of shape (K,).
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class BondedPoints:
 
 
 def bonded_points(contacts: ContactSet) -> BondedPoints:
-    """Strength of the bonds at each contact point.
+    """Strength of the bond at each contact point of a contact set; 0 without a bond.
 
     Raises
     ------
@@ -77,7 +77,7 @@ def bonded_points(contacts: ContactSet) -> BondedPoints:
 
 
 def _tension_limits(contacts: ContactSet, point_bond: Index) -> Array:
-    """Largest tension T of each point [N], shape (K,).
+    """Largest tension that the bond of each contact point bears [N], shape (K,).
 
     A strength per area is multiplied by the area that the point represents.
     """
@@ -91,7 +91,7 @@ def _tension_limits(contacts: ContactSet, point_bond: Index) -> Array:
 
 
 def _corner_areas(contacts: ContactSet, by_area: Mask) -> Array:
-    """Area of its patch that each contact point represents [length unit^2], shape (K,).
+    """Part of its patch area that each contact point represents [length unit^2], shape (K,).
 
     Raises
     ------
@@ -140,7 +140,7 @@ def _require_contact(contacts: ContactSet, patch_bond: Index) -> None:
 def clamp_of(
     geometry: Geometry, part_a: Index, part_b: Index, point: Array, normal: Array, pull: Array
 ) -> Array:
-    """Clamping loads of the bonds as force and torque on each part, shape (N, 6).
+    """Wrenches on all parts by bonds that pull with `pull` [N] at their points, shape (N, 6).
 
     A bond in the state f' = 0 pulls with T: the force is -T n on the second part and T n on the
     first.

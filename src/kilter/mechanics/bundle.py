@@ -47,7 +47,7 @@ LOAD = ("part", "force", "torque", "point")
 def make_bundle(
     kind: str, proofs: Sequence[tuple[Mapping[str, Any], Mapping[str, Any]]], **more: Any
 ) -> dict[str, Any]:
-    """Combine several proofs, each with its subject, as the data of a file.
+    """Combine proofs about an assembly, each with its subject, as the JSON data of a file.
 
     Parameters
     ----------
@@ -76,12 +76,12 @@ def make_bundle(
 
 
 def is_bundle(data: Any) -> bool:
-    """True if the data are a file of several proofs."""
+    """True if JSON data are a file of several proofs."""
     return isinstance(data, dict) and "kilter_proofs" in data
 
 
 def split_bundle(bundle: Any) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
-    """Iterate over the proofs of a file, as pairs of subject and complete proof.
+    """Iterate over the proofs in the data of a file, as pairs of subject and complete proof.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def split_bundle(bundle: Any) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]
 def apply_change(
     assembly: Assembly, contacts: ContactSet, change: Mapping[str, Any]
 ) -> tuple[Assembly, ContactSet]:
-    """The assembly and contacts to which a proof refers.
+    """The assembly and contacts to which a proof refers, after the change that the proof states.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def apply_change(
 
 
 def subject_mismatch(about: Mapping[str, Any], proof: Mapping[str, Any]) -> str:
-    """Reason why a proof does not prove its stated subject; empty if it does."""
+    """Reason why a proof does not prove its stated subject `about`; empty if it does."""
     vector = about.get("vector")
     if vector is None:
         return ""

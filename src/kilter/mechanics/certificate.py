@@ -50,7 +50,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ForceProof:
-    """Forces of the rows as a proof of equilibrium, with the result of its check.
+    """Contact and joint forces as a proof of equilibrium, with the result of its check.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class ForceProof:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MotionProof:
-    """A motion as a proof that no equilibrium exists, with the result of its check.
+    """A motion of the parts as a proof that no equilibrium exists, with the result of its check.
 
     Attributes
     ----------
@@ -96,7 +96,7 @@ class MotionProof:
 
 
 def check_forces(program: Program, forces: Array, friction: Array | None = None) -> ForceProof:
-    """Check contact forces as a proof that an equilibrium exists.
+    """Check contact forces as a proof that the parts are in equilibrium under their load.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ def check_forces(program: Program, forces: Array, friction: Array | None = None)
 
 
 def _clip_to_cones(program: Program, forces: Array, friction: Array | None) -> tuple[Array, Array]:
-    """Clip forces along the rows to their signs, and friction to mu times the normal force.
+    """Clip forces to the admissible cones: signs along the rows, friction to mu times normal.
 
     Returns both, shapes (K,) and (K, 3); values that are not finite become 0.
     """
@@ -142,7 +142,7 @@ def _clip_to_cones(program: Program, forces: Array, friction: Array | None) -> t
 
 
 def check_motion(program: Program, motion: Array) -> MotionProof:
-    """Check a motion as a proof that no equilibrium exists; motions of held parts are ignored."""
+    """Check a motion as a proof that no equilibrium exists; held parts count as motionless."""
     motion = np.where(program.free[:, None] & np.isfinite(motion), motion, 0.0)
     if program.planar:
         motion = motion * np.array([1.0, 0, 1, 0, 1, 0])
@@ -162,7 +162,7 @@ def check_motion(program: Program, motion: Array) -> MotionProof:
 
 
 def violations(program: Program, motion: Array) -> Array:
-    """Violation of the dual cone of each row by a motion: min(u_n - mu |u_t|, 0), shape (K,).
+    """Amount by which a motion closes each row: min(u_n - mu |u_t|, 0), shape (K,).
 
     The value of a row that may also pull is -|u_n|. The unit is that of the motion's translations.
     """
@@ -176,7 +176,7 @@ def violations(program: Program, motion: Array) -> Array:
 
 
 def part_sizes(program: Program, six: Array, *, per_radius: bool) -> Array:
-    """Size of the twist (rotation x radius) or wrench (torque / radius) of each part, shape (N,).
+    """Size of the twist (angle x radius) or wrench (torque / radius) of each part, shape (N,).
 
     Parameters
     ----------

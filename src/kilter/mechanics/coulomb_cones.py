@@ -48,7 +48,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ConeProblem:
-    """A program with Coulomb's cones, whose rows with friction are split along n, u and v.
+    """Scaled equilibrium with friction cones; each row with friction is split along n, u and v.
 
     Attributes
     ----------
@@ -68,11 +68,11 @@ class ConeProblem:
     directions: Array
 
     def decoded(self, columns: Array) -> tuple[Array, Array]:
-        """Forces along the rows, shape (K,), and across, (K, 3) [N], from scaled unknowns."""
+        """Forces along the rows, shape (K,), and across, (K, 3) [N], from the scaled unknowns."""
         return self.gathered(self.problem.forces(columns))
 
     def gathered(self, values: Array) -> tuple[Array, Array]:
-        """Forces along the rows, shape (K,), and across, (K, 3), from split rows [N]."""
+        """Forces along the rows, shape (K,), and across, (K, 3) [N], from values of split rows."""
         count, rough = len(self.program.part_a), len(self.rough)
         friction = np.zeros((count, 3))
         for k in range(self.directions.shape[1]):
@@ -81,14 +81,14 @@ class ConeProblem:
         return values[:count], friction
 
     def turned(self, down: Array) -> ConeProblem:
-        """The same problem with gravity of the same size along `down`, shape (3,)."""
+        """The same problem for gravity along `down`, shape (3,), of unchanged magnitude."""
         program, split = self.program.turned(down), self.problem.program.turned(down)
         right = self.problem.scaled_load(program.load)
         problem = replace(self.problem, program=split, right=right)
         return replace(self, program=program, problem=problem)
 
     def cone_rows(self) -> tuple[csc_array, int, Index]:
-        """Matrix G of the conic constraints, the number of half lines, and the size of each cone.
+        """Conic constraints of the forces: matrix G, number of half lines, and sizes of the cones.
 
         G f + h lies in the product of the half lines (first rows) and second-order cones; h is
         `heads`.
@@ -111,7 +111,7 @@ class ConeProblem:
 
     @property
     def heads(self) -> Array:
-        """Constant h of the conic constraints: bond limits at the cones' first entries, else 0."""
+        """Constant h of the cone constraints: bond limits at first entries of cones, else 0."""
         half_lines = int((~self.program.two_sided & (self.program.mu <= 0)).sum())
         size = 1 + self.directions.shape[1]
         heads = np.zeros(half_lines + size * len(self.rough))
@@ -120,7 +120,7 @@ class ConeProblem:
 
 
 def cone_problem(program: Program) -> ConeProblem:
-    """Split every row with friction into one row per direction, and scale the result."""
+    """Build the scaled equilibrium of a program, with rows split along n, u and v if rough."""
     rough = program.gripping
     directions = _directions(program, rough)
     rows = np.concatenate([np.arange(len(program.part_a)), *[rough] * directions.shape[1]])
@@ -132,7 +132,7 @@ def cone_problem(program: Program) -> ConeProblem:
 
 
 def _directions(program: Program, rough: Index) -> Array:
-    """Unit tangent directions of the rough rows, shape (R, d, 3)."""
+    """Unit tangent directions of the rows with friction, shape (R, d, 3)."""
     normal = program.normal[rough]
     if program.planar:
         return cross(np.array([0.0, 1.0, 0.0]), normal)[:, None, :]
@@ -140,7 +140,7 @@ def _directions(program: Program, rough: Index) -> Array:
 
 
 def load_factor_in_cones(cones: ConeProblem) -> ConicProgram:
-    """Largest multiple of the load that contacts with friction hold: 0 or 1. x = (f, lambda).
+    """Program for the largest multiple of the load that friction cones can balance: 0 or 1.
 
     If lambda is 0, the multipliers y of the first rows give a motion in the dual cone.
     """
@@ -161,7 +161,7 @@ def load_factor_in_cones(cones: ConeProblem) -> ConicProgram:
 
 
 def largest_load(cones: ConeProblem, wrench: Array, most: float) -> ConicProgram:
-    """Largest share t, up to `most`, of further wrenches that the contacts hold. x = (f, t).
+    """Program for the largest share t, up to `most`, of further wrenches that contacts balance.
 
     Parameters
     ----------
@@ -192,7 +192,7 @@ def largest_load(cones: ConeProblem, wrench: Array, most: float) -> ConicProgram
 
 
 def nearest_load(cones: ConeProblem, wrenches: Array, start: Array) -> ConicProgram:
-    """Coefficients t nearest to `start` whose load sum_k t_k wrenches_k the contacts balance.
+    """Program for the coefficients t nearest to `start` whose load contact forces can balance.
 
     The unknowns are x = (f, t).
 
@@ -219,7 +219,7 @@ def nearest_load(cones: ConeProblem, wrenches: Array, start: Array) -> ConicProg
 
 
 def least_forces(cones: ConeProblem) -> ConicProgram:
-    """Balanced forces with the least sum of squares. x = f.
+    """Program for the balanced contact forces with the least sum of squares.
 
     The solution is unique and not at a corner of the set of all equilibria: equal contacts carry
     equal shares. For a bonded contact the acting force f - T counts, without its pull T.
@@ -238,7 +238,7 @@ def least_forces(cones: ConeProblem) -> ConicProgram:
 
 
 def least_strength(cones: ConeProblem, unit: float) -> ConicProgram:
-    """Least share s of the strength of all bonds with which the contacts balance.
+    """Program for the least share s of all bond strengths with which the contacts balance.
 
     The unknowns are x = (f, s / unit). The program is well posed on both sides of s = 1, where the
     load factor jumps. For s < 1 the forces are within the strength. For s > 1 the multipliers give
@@ -259,7 +259,7 @@ def least_strength(cones: ConeProblem, unit: float) -> ConicProgram:
 
 
 def least_cohesion(cones: ConeProblem) -> ConicProgram:
-    """Least cohesion c with which the contacts balance: |f_t| <= mu f_n + c w. x = (f, c).
+    """Program for the least cohesion c that balances, in friction limits |f_t| <= mu f_n + c w.
 
     w is the weight of the lighter part at the contact. If c < 0, forces exist inside the cones with
     a margin that exceeds rounding. If c > 0, the multipliers of the first rows give a motion in the
@@ -291,14 +291,14 @@ def cohesion_slope(cones: ConeProblem, answer: Solution) -> float:
 
 
 def _cone_heads(positive: int, sizes: Index) -> Index:
-    """Row of the first entry of each cone; the cones follow `positive` rows."""
+    """Row of the first entry of each friction cone; the cones follow `positive` scalar rows."""
     return positive + np.cumsum(sizes) - sizes
 
 
 def pyramid(
     program: Program, sides: int = 8, *, outer: bool = False, angles: Array | None = None
 ) -> Program:
-    """The program with every friction cone replaced by rays, each with its own row.
+    """The program with each friction cone replaced by a pyramid: rays, each with its own row.
 
     Parameters
     ----------
@@ -347,7 +347,7 @@ def _corner_angles(angles: Array) -> tuple[Array, Array]:
 
 
 def angles_across(program: Program, across: Array) -> Array:
-    """Angles of tangential vectors at the rough contacts, shape (R,) [rad], as in `pyramid`.
+    """Angles of tangential vectors in the frames of the rough contacts, shape (R,) [rad].
 
     Parameters
     ----------
@@ -363,7 +363,7 @@ def angles_across(program: Program, across: Array) -> Array:
 
 
 def pyramid_forces(program: Program, rays: Program, forces: Array) -> tuple[Array, Array]:
-    """Forces of the rays of a pyramid as forces along and across the rows of `program`.
+    """Forces along and across the rows of `program`, from the ray forces of its pyramid.
 
     Parameters
     ----------

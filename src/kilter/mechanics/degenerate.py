@@ -1,4 +1,4 @@
-"""Degenerate contact points of a program: the rows that a given motion must satisfy there.
+"""Rows that a given motion must satisfy at degenerate contact points (edge on edge, corner).
 
 At a degenerate point p (an edge on a parallel edge, a corner on an edge) a velocity v of part b
 relative to part a makes the parts penetrate to first order iff v.m < 0 for every extreme normal m
@@ -35,12 +35,12 @@ all normals count. A larger value admits more motions at more cost.
 
 
 def with_pushes(program: Program, pushes: PossibleContacts) -> Program:
-    """The program with additional rows of kind POSSIBLE that only push."""
+    """The program with additional one-sided rows: pushes that unmodelled contacts may exert."""
     return program.with_force_rows(ForceRows.join([program.force_rows, pushing_rows(pushes)]))
 
 
 def without_degenerate(assembly: Assembly, contacts: ContactSet) -> Program:
-    """Every possible force except those at exactly degenerate points."""
+    """Program of all possible contact forces, without those at exactly degenerate points."""
     outer = bounding_program(assembly, contacts)
     exact = np.append(contacts.degenerate.exact, False)[contacts.possible.degenerate]
     pushes = np.flatnonzero((outer.kind == POSSIBLE) & ~outer.two_sided)
@@ -48,7 +48,7 @@ def without_degenerate(assembly: Assembly, contacts: ContactSet) -> Program:
 
 
 def openings(program: Program, pushes: PossibleContacts, motion: Array) -> Array:
-    """Opening velocity along each push for a motion of all parts, shape (n,).
+    """Opening velocity of the parts along each possible push, for a motion, shape (n,).
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def openings(program: Program, pushes: PossibleContacts, motion: Array) -> Array
 
 
 def between(program: Program, contacts: ContactSet, motion: Array) -> list[PossibleContacts]:
-    """Intermediate points of contact lines at which a motion could penetrate, with their normals.
+    """Points inside contact lines at which a motion could penetrate, as pushes of each normal.
 
     A line of contact is assumed between two points of a pair if it is perpendicular to all normals
     of its start. Each result holds a push for every normal of either end, at the same point.
@@ -106,7 +106,7 @@ def between(program: Program, contacts: ContactSet, motion: Array) -> list[Possi
 
 
 class _Line(NamedTuple):
-    """A line of contact that starts at a degenerate point, with the normals of both its ends."""
+    """A straight contact line from a degenerate point: its ends, and the normals at both ends."""
 
     pair: Index
     here: Array
@@ -115,7 +115,7 @@ class _Line(NamedTuple):
 
 
 def _contact_lines(contacts: ContactSet) -> list[_Line]:
-    """Lines of contact from exactly degenerate points, perpendicular to all normals there."""
+    """Contact lines that start at exactly degenerate points, perpendicular to all normals there."""
     points = contacts.degenerate
     point_pairs = np.column_stack([points.part_a, points.part_b])
     pairs = np.concatenate([point_pairs[points.owner], points.held_parts])
@@ -138,7 +138,7 @@ def _contact_lines(contacts: ContactSet) -> list[_Line]:
 
 
 def _pushes_along(pair: Index, point: Array, normals: Array) -> PossibleContacts:
-    """A push along each of `normals`, shape (n, 3), at a common point or at a point per normal."""
+    """A possible push along each of `normals`, shape (n, 3), at a common point or a point each."""
     count = len(normals)
     zeros = np.zeros(count)
     points = np.array(np.broadcast_to(point, (count, 3)))
@@ -149,7 +149,7 @@ def _pushes_along(pair: Index, point: Array, normals: Array) -> PossibleContacts
 
 
 def allowed_program(assembly: Assembly, contacts: ContactSet, motion: Array) -> Program | None:
-    """The program with the row that a motion, shape (N, 6), must satisfy at each degenerate point.
+    """Program whose row at each degenerate point is the normal along which a motion opens most.
 
     At each degenerate point, and at each intermediate point of a line, the row is that of the
     normal along which the motion opens most: a motion that violates none of these rows is

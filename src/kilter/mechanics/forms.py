@@ -1,4 +1,4 @@
-"""Linear and quadratic programs that answer questions about a program.
+"""Linear and quadratic programs of an assembly's equilibrium and of its motions.
 
 All except the displacement program use scaled unknowns, with one length and one weight per part, so
 that the equations of a small part keep their size: translations and radius x rotations; forces and
@@ -44,7 +44,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ScaledProblem:
-    """The equilibrium matrix A = S J^T and right-hand side b = -S w in a common frame.
+    """Scaled equilibrium A f = b of the free parts, in the frame of the assembly.
 
     Attributes
     ----------
@@ -68,11 +68,11 @@ class ScaledProblem:
     right: Array
 
     def forces(self, columns: Array) -> Array:
-        """Forces of the rows [N], shape (K,), from scaled unknowns."""
+        """Forces of the rows [N], shape (K,), from scaled unknowns of the equilibrium."""
         return columns * self.unit * self.program.arm
 
     def motion(self, columns: Array) -> Array:
-        """Motion of all parts, shape (N, 6), from scaled unknowns of the free parts."""
+        """Motion of all parts, shape (N, 6), from scaled motion unknowns of the free parts."""
         program = self.program
         per = len(program.freedoms)
         full = np.zeros((len(program.names), 6))
@@ -82,36 +82,36 @@ class ScaledProblem:
         return turned.reshape(-1, 6)
 
     def rounded(self, least: float) -> ScaledProblem:
-        """The problem without the entries of the matrix whose absolute values are below `least`."""
+        """The scaled problem with matrix entries set to 0 if their sizes are below `least`."""
         matrix = self.matrix.copy()
         matrix.data[np.abs(matrix.data) < least] = 0.0
         matrix.eliminate_zeros()
         return replace(self, matrix=matrix)
 
     def openings(self) -> csc_array:
-        """J in scaled unknowns, in the order of the rows [length unit]."""
+        """Matrix J from scaled motions of the parts to openings of the rows [length unit]."""
         weight = np.repeat(
             self.program.weight[self.program.free] / self.unit, len(self.program.freedoms)
         )
         return csc_array(csc_array(self.matrix.multiply(weight[:, None])).T)
 
     def power(self) -> Array:
-        """The load in scaled unknowns: its product with a motion is the power of the load."""
+        """Load vector in scaled motion unknowns; its product with a motion is the load's power."""
         weight = self.program.weight[self.program.free]
         return -self.right * np.repeat(weight, len(self.program.freedoms))
 
     def scaled_load(self, wrench: Array) -> Array:
-        """A wrench on each part, shape (N, 6), in the form of `right`: -S times it."""
+        """Wrenches on all parts, shape (N, 6), scaled as the right-hand side b: -S times them."""
         return _over_weight(self.program, self.frame, wrench)
 
     def over_weight(self, columns: Array) -> Array:
-        """Divide by the weights of the parts: turns multipliers of A's rows into a motion."""
+        """Motion unknowns from multipliers of the balance rows: divided by the parts' weights."""
         program = self.program
         return columns / np.repeat(program.weight[program.free], len(program.freedoms))
 
 
 def scaled_problem(program: Program) -> ScaledProblem:
-    """Scale the equilibrium of a program, column by column."""
+    """Build the scaled equilibrium A f = b of a program."""
     frame = np.eye(3)
     if not program.planar:
         frame = common_frame(program.normal, np.ones(len(program.normal)))
@@ -143,7 +143,7 @@ def scaled_problem(program: Program) -> ScaledProblem:
 
 
 def _over_weight(program: Program, frame: Array, wrench: Array) -> Array:
-    """Minus the wrenches of the free parts in the frame, torques / radius, over the weights."""
+    """Minus the wrenches of the free parts over their weights, in the frame, torques / radius."""
     turned = wrench[program.free].reshape(-1, 2, 3) @ frame.T
     turned[:, 1] /= program.radius[program.free][:, None]
     weight = program.weight[program.free][:, None]
@@ -151,20 +151,20 @@ def _over_weight(program: Program, frame: Array, wrench: Array) -> Array:
 
 
 def _force_bounds(program: Program) -> tuple[Array, Array]:
-    """Lower and upper bounds of the force of each row."""
+    """Lower and upper bounds of the scaled force of each row: one-sided rows only push."""
     lower = np.where(program.two_sided, -np.inf, 0.0)
     return lower, np.full(len(lower), np.inf)
 
 
 def equilibrium(problem: ScaledProblem) -> LinearProgram:
-    """Find forces in balance: A f = b. x = f."""
+    """Linear program for contact forces that balance the load: A f = b. x = f."""
     lower, upper = _force_bounds(problem.program)
     cost = np.zeros(len(lower))
     return LinearProgram(cost, problem.matrix, problem.right, problem.right, lower, upper)
 
 
 def load_factor(problem: ScaledProblem) -> LinearProgram:
-    """Largest multiple of the load that the contacts hold: 0 or 1. x = (f, lambda).
+    """Linear program for the largest multiple of the load that contacts hold. x = (f, lambda).
 
     If it is 0, the multipliers y of the rows give a motion: -y has J dp >= 0 and w.dp >= 1.
     """
@@ -177,7 +177,7 @@ def load_factor(problem: ScaledProblem) -> LinearProgram:
 
 
 def largest_share(problem: ScaledProblem, wrench: Array, most: float) -> LinearProgram:
-    """Largest share t, up to `most`, of further wrenches that the rows hold. x = (f, t).
+    """Linear program for the largest share t, up to `most`, of further wrenches. x = (f, t).
 
     Minus the multipliers of the rows are the motion that starts at the limit.
     """
@@ -192,7 +192,7 @@ def largest_share(problem: ScaledProblem, wrench: Array, most: float) -> LinearP
 
 
 def least_imbalance(problem: ScaledProblem) -> LinearProgram:
-    """Forces whose largest imbalance over weight, of all components, is least. x = (f, t).
+    """Linear program for forces whose largest imbalance over weight is least. x = (f, t).
 
     The multipliers give the motion of greatest power among those whose weighted absolute components
     sum to 1, so both possible proofs are as strong as possible.
@@ -216,7 +216,7 @@ def least_imbalance(problem: ScaledProblem) -> LinearProgram:
 
 
 def total_imbalance(problem: ScaledProblem) -> LinearProgram:
-    """Forces of the least sum of imbalances over weight. x = (f, deficit, excess).
+    """Linear program for forces with the least sum of imbalances. x = (f, deficit, excess).
 
     Minus the multipliers are a motion of at most 1 in each freedom; if the sum is above 0, it is
     the power of that motion. The program has nearly as few entries as `equilibrium`, and a solution
@@ -238,7 +238,7 @@ def total_imbalance(problem: ScaledProblem) -> LinearProgram:
 
 
 def displacement(program: Program) -> LinearProgram:
-    """The displacement program: minimise -w.dp for J dp >= 0, |dr| <= 1, |dtheta| <= 1.
+    """Displacement program: the bounded motion, without penetration, of most work of the load.
 
     This is LP (9) of the paper, with gravity of length 1. x = dp in the order of `Program.columns`;
     lengths are in the unit of the file. Each row is divided by its length, which changes no
@@ -261,7 +261,7 @@ def displacement(program: Program) -> LinearProgram:
 
 
 def impending_motion(problem: ScaledProblem) -> ConicProgram:
-    """Gauss's principle for the initial accelerations, in scaled unknowns.
+    """Quadratic program for the initial accelerations by Gauss's principle, in scaled unknowns.
 
     x = (a, radius x alpha) of the free parts over the size of gravity, in the frame of the problem.
     Masses are divided by the largest, so that the numbers are near 1:

@@ -1,4 +1,4 @@
-"""Gauss's principle as the shortest vector of a cone, halved by mirror symmetry.
+"""Gauss's principle as the shortest vector of a cone; mirror symmetry halves the problem.
 
 With M = L L^T of each part and b = L^T a the principle reads
 
@@ -35,7 +35,7 @@ on the boundary of two cells.
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LeastConstraint:
-    """The point nearest to free fall in the cone of admissible motions, and its decoding.
+    """Nearest point to free fall in the cone of admissible motions: its problem and decoding.
 
     Attributes
     ----------
@@ -59,18 +59,18 @@ class LeastConstraint:
     share: Array
 
     def accelerations(self, unknowns: Array) -> Array:
-        """Scaled accelerations of the free parts, as `ScaledProblem.motion` expects them."""
+        """Scaled accelerations of the free parts from the unknowns of this problem."""
         full = np.zeros(self.inverse.shape[0])
         full[self.columns] = unknowns
         return np.asarray(self.inverse @ full)
 
     def forces(self, multipliers: Array) -> Array:
-        """Forces of all rows over the weight of the heaviest part, shape (K_all,)."""
+        """Forces of all rows over the weight of the heaviest part, (K_all,), from multipliers."""
         return multipliers[self.row] * self.share
 
 
 def least_constraint(problem: ScaledProblem) -> LeastConstraint:
-    """The problem in all unknowns, in the frame and the freedoms of `problem`."""
+    """Gauss's least-constraint problem in all freedoms, in the frame of `problem`."""
     quadratic = impending_motion(problem)
     block = len(problem.program.freedoms)
     inverse = _inverse_root(quadratic, block)
@@ -95,7 +95,7 @@ def least_constraint(problem: ScaledProblem) -> LeastConstraint:
 
 
 def _inverse_root(quadratic: ConicProgram, block: int) -> csr_array:
-    """L^-T of M = L L^T, a block diagonal matrix with a block per part."""
+    """Inverse root L^-T of the inertia M = L L^T, block diagonal with a block for each part."""
     count = quadratic.quadratic.shape[0] // block
     parts = np.zeros((count, block, block))
     entries = quadratic.quadratic.tocoo()
@@ -110,7 +110,7 @@ def _inverse_root(quadratic: ConicProgram, block: int) -> csr_array:
 
 
 def mirror_half(whole: LeastConstraint, problem: ScaledProblem) -> LeastConstraint | None:
-    """The problem restricted to a mirror plane normal to an axis of the frame, or None."""
+    """Problem of the mirror-symmetric motions; None if the assembly lacks such a mirror plane."""
     cone = whole.cone
     if cone.block != 6 or cone.equal or not len(cone.unit):
         return None
@@ -135,13 +135,13 @@ def mirror_half(whole: LeastConstraint, problem: ScaledProblem) -> LeastConstrai
 
 
 def _couples(inverse: csr_array, antisymmetric: Mask) -> bool:
-    """True if inertia couples motions in the plane with motions across it."""
+    """True if the inertia couples motions in the mirror plane with motions across it."""
     i, j = inverse.tocoo().coords
     return bool((antisymmetric[i] != antisymmetric[j]).any())
 
 
 def _mirrored_rows(problem: ScaledProblem, axis: int) -> Index:
-    """For each row the row that would be its mirror image across `axis` of the frame.
+    """For each row, the index of the row that would be its mirror image across `axis`.
 
     The result is a guess from sorted rounded coordinates; the caller verifies it on the matrix.
     """
@@ -164,7 +164,7 @@ def _mirrored_rows(problem: ScaledProblem, axis: int) -> Index:
 
 
 def _restrict(whole: LeastConstraint, across: Mask, image: Index) -> LeastConstraint:
-    """The problem without the unknowns `across` the plane, with a row for each mirror pair."""
+    """Problem without the unknowns `across` the mirror plane, with one row per mirror pair."""
     cone = whole.cone
     kept = np.flatnonzero(np.arange(len(image)) <= image)
     columns = np.flatnonzero(~across)

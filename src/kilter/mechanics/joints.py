@@ -1,4 +1,4 @@
-"""Joints: the rows that constrain two parts to each other, and the wrench that they carry.
+"""Joints: the rows by which they constrain two parts, and the wrench that they transmit.
 
 A joint forbids some relative motions of its parts at a point and leaves the others free:
 
@@ -35,7 +35,7 @@ __all__ = ["constraints", "joint_constraints", "joint_forces", "joint_wrench", "
 def joint_constraints(
     assembly: Assembly, number: int
 ) -> tuple[tuple[int, int], Array, Array, Array]:
-    """Parts of a joint (-1: ground), the point of its rows, their force and torque directions."""
+    """Parts of a joint (-1: ground), point of its rows, and their force and torque directions."""
     joint = assembly.joints[number]
     linear, angular = constraints(joint, planar=assembly.planar)
     anchor = _anchor(assembly, assembly.geometry, joint)
@@ -43,7 +43,7 @@ def joint_constraints(
 
 
 def constraints(joint: Joint, *, planar: bool = False) -> tuple[Array, Array]:
-    """Directions of the forces and of the torques that a joint carries, shapes (m, 3), (n, 3).
+    """Directions in which a joint transmits force and torque, shapes (m, 3) and (n, 3).
 
     Each set is orthonormal, in the world frame; a planar joint has only those of the plane of
     motion.
@@ -68,7 +68,7 @@ def constraints(joint: Joint, *, planar: bool = False) -> tuple[Array, Array]:
 
 
 def _transverse(axis: Array, planar: bool) -> Array:
-    """Two unit directions across an axis, shape (2, 3); planar: along y and across y."""
+    """Two unit vectors perpendicular to an axis, shape (2, 3); planar: along y and across y."""
     if planar:
         axis_along_y = abs(axis[1]) > 0.5
         return (
@@ -78,13 +78,13 @@ def _transverse(axis: Array, planar: bool) -> Array:
 
 
 def _joint_parts(assembly: Assembly, joint: Joint) -> tuple[int, int]:
-    """Indices of the two parts of a joint; -1 is the ground."""
+    """Indices of the two parts of a joint; -1 stands for the ground."""
     a, b = (-1 if name == GROUND else assembly.index_of(name) for name in joint.parts)
     return a, b
 
 
 def _anchor(assembly: Assembly, geometry: Geometry, joint: Joint) -> Array:
-    """Point of the rows of a joint, near the smaller free part, shape (3,)."""
+    """Point at which the rows of a joint act, near the smaller free part, shape (3,)."""
     parts = [k for k in _joint_parts(assembly, joint) if k >= 0]
     free = [k for k in parts if not geometry.grounded[k]] or parts
     center: Array = geometry.center[min(reversed(free), key=lambda k: geometry.radius[k])]
@@ -98,7 +98,7 @@ def _anchor(assembly: Assembly, geometry: Geometry, joint: Joint) -> Array:
 
 
 def reference_point(assembly: Assembly, number: int) -> Array:
-    """Reference point of the reported wrench of a joint: its `point`, else that of its rows."""
+    """Point about which the wrench of a joint is reported: its `point`, or that of its rows."""
     joint = assembly.joints[number]
     if joint.point is not None:
         return np.asarray(joint.point)
@@ -106,7 +106,7 @@ def reference_point(assembly: Assembly, number: int) -> Array:
 
 
 def joint_wrench(normal: Array, angular: Mask, at: Array, forces: Array, about: Array) -> Array:
-    """Wrench of the rows of a joint on its second part, shape (6,).
+    """Wrench of a joint on its second part from the forces of its rows, shape (6,).
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def joint_wrench(normal: Array, angular: Mask, at: Array, forces: Array, about: 
 
 
 def joint_forces(normal: Array, angular: Mask, at: Array, wrench: Array, about: Array) -> Array:
-    """Forces of the rows of a joint, shape (k,), that transmit a wrench to its second part.
+    """Forces of the rows of a joint, shape (k,), that transmit a given wrench to its second part.
 
     Components that the joint cannot carry are dropped: `joint_wrench` of the result then differs
     from `wrench`.

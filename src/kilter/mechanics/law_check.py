@@ -1,4 +1,4 @@
-"""Coulomb's law at the contacts of parts at rest: verification of a motion without a solver.
+"""Check, without a solver, that a motion from rest obeys Coulomb's law at every contact.
 
 Accelerations a of the free parts and contact forces f on the second part of each contact start a
 motion if, with u = J a the acceleration of b relative to a at the point, and n from a to b,
@@ -54,7 +54,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LawProof:
-    """A motion checked against the contact law; all numbers are relative, as defined above [-].
+    """Residuals of a motion from rest, checked against Coulomb's contact law [-].
 
     Attributes
     ----------
@@ -95,12 +95,12 @@ class LawProof:
 
     @property
     def residual(self) -> float:
-        """The largest of the six residuals."""
+        """The largest of the six relative residuals of the contact law [-]."""
         return max(self.balance, self.opening, self.cone, self.normal, self.angle, self.stretch)
 
 
 def check_law(program: Program, acceleration: Array, forces: Array) -> LawProof:
-    """Check whether accelerations and forces are a motion that obeys the contact law.
+    """Check whether accelerations and forces form a motion that obeys Coulomb's contact law.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ def check_law(program: Program, acceleration: Array, forces: Array) -> LawProof:
 
 
 def check_balance(program: Program, forces: Array) -> float:
-    """Largest imbalance of a part over its weight; infinity if a force leaves its cone.
+    """Largest imbalance of a part over its weight [-]; infinity if a force leaves its cone.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ def check_balance(program: Program, forces: Array) -> float:
 
 
 def _balance_residual(program: Program, motion: Array, forces: Array) -> tuple[Array, float, Array]:
-    """The motion in the counted freedoms, |M a - w - J^T f|, and |w|^2 of each part."""
+    """Motion in the counted freedoms, residual |M a - w - J^T f|, and |w|^2 of each part."""
     count = np.zeros((len(program.names), 6))
     count[np.ix_(program.free, program.freedoms)] = 1.0
     motion = motion * count
@@ -174,19 +174,19 @@ def _balance_residual(program: Program, motion: Array, forces: Array) -> tuple[A
 
 
 def _inertia_forces(program: Program, motion: Array) -> Array:
-    """M a as a wrench on each part, shape (N, 6)."""
+    """Inertia forces M a of an acceleration, as a wrench on each part, shape (N, 6)."""
     turning = np.einsum("nij,nj->ni", program.inertia, motion[:, 3:])
     return np.hstack([program.mass[:, None] * motion[:, :3], turning])
 
 
 def _energies(program: Program, motion: Array) -> Array:
-    """a.M a of each part, shape (N,)."""
+    """Quadratic form a.M a of each part's acceleration, shape (N,)."""
     energies: Array = (motion * _inertia_forces(program, motion)).sum(axis=1)
     return energies
 
 
 def _squared_sizes(program: Program, wrench: Array) -> Array:
-    """w.M^-1 w of each part, shape (N,), for wrenches without entries in uncounted freedoms."""
+    """Quadratic form w.M^-1 w of each part's wrench, shape (N,); uncounted entries must be 0."""
     turning = np.zeros((len(wrench), 3))
     axes = np.array([1] if program.planar else [0, 1, 2])
     inertia = program.inertia[program.free][:, axes][:, :, axes]
@@ -198,7 +198,7 @@ def _squared_sizes(program: Program, wrench: Array) -> Array:
 
 
 def point_speeds(program: Program, motion: Array) -> Array:
-    """J a as vectors: motion of part b relative to a at the point of each row, shape (K, 3)."""
+    """Motion of part b relative to part a at the point of each row, world frame, shape (K, 3)."""
     speeds = np.zeros((len(program.part_a), 3))
     for part, sign in ((program.part_b, 1.0), (program.part_a, -1.0)):
         k = np.flatnonzero(part >= 0)
@@ -209,7 +209,7 @@ def point_speeds(program: Program, motion: Array) -> Array:
 
 
 def point_wrenches(program: Program, forces: Array) -> Array:
-    """J^T f of force vectors on part b: force and torque on each part, shape (N, 6)."""
+    """Force and torque on each part, shape (N, 6), of force vectors on the parts b of all rows."""
     total = np.zeros((len(program.names), 6))
     for part, sign in ((program.part_b, 1.0), (program.part_a, -1.0)):
         k = np.flatnonzero(part >= 0)
@@ -222,7 +222,7 @@ def point_wrenches(program: Program, forces: Array) -> Array:
 
 
 def mobilities(program: Program) -> Array:
-    """Mobility scale sigma of each row, shape (K,): the root of a third of the mobility's trace."""
+    """Mobility scale sigma of each row, shape (K,): the root of a third of its mobility's trace."""
     square = np.zeros(len(program.part_a))
     free = np.flatnonzero(program.free)
     inverse = np.zeros((len(program.names), 3, 3))
@@ -240,7 +240,7 @@ def mobilities(program: Program) -> Array:
 def _in_units_of_load(
     program: Program, motion: Array, forces: Array, total: float
 ) -> tuple[Array, Array]:
-    """Speeds and forces at the points, in units of |w| and their mobility."""
+    """Speeds and forces at the row points, in units of the load |w| and the rows' mobility."""
     sigma = mobilities(program)[:, None]
     speeds, pushes = point_speeds(program, motion), forces
     if program.planar:
@@ -252,7 +252,7 @@ def _in_units_of_load(
 def _law_residuals(
     program: Program, speeds: Array, pushes: Array, fastest: float
 ) -> tuple[float, float, float, float, float]:
-    """The residuals opening, cone, normal, angle and stretch."""
+    """Residuals of the contact law: opening, cone, normal, angle (of friction) and stretch [-]."""
     normal, mu, tied = program.normal, program.mu, program.two_sided
     u_n, f_n = (np.einsum("ki,ki->k", normal, vector) for vector in (speeds, pushes))
     u_t = speeds - u_n[:, None] * normal

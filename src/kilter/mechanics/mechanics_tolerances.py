@@ -1,4 +1,4 @@
-"""Tolerances of programs and of the proof checks, and their order.
+"""Tolerances of programs and of the checks of proofs, and the order between them.
 
 All are relative [-] unless a unit is given. For verdicts on exact data:
 

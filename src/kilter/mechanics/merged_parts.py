@@ -21,7 +21,7 @@ __all__ = ["merge_parts"]
 
 
 def merge_parts(program: Program, group: Index) -> Program:
-    """The program whose parts are groups of the parts of another program.
+    """Merge groups of rigidly joined parts of a program, so that each group is a single part.
 
     Parameters
     ----------

@@ -31,7 +31,7 @@ __all__ = ["Opening", "opening_program"]
 
 @dataclass(frozen=True, eq=False)
 class Opening:
-    """The shortest opening motion `m0` of a program with cones, computed when first needed.
+    """Shortest motion `m0` that opens every contact of a program, computed when first needed.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class Opening:
 
     @property
     def program(self) -> Program:
-        """The program, with its current direction of gravity."""
+        """The program whose contacts the motion opens, with its current direction of gravity."""
         return self.wide.program
 
     @cached_property
@@ -78,19 +78,19 @@ class Opening:
         return opened
 
     def turned(self, down: Array) -> Opening:
-        """The same motion for gravity along `down`, shape (3,): it does not depend on gravity."""
+        """The opening motion for gravity along `down`, shape (3,): `m0` does not depend on it."""
         opening = Opening(self.wide.turned(down))
         opening.__dict__["m0"] = self.m0
         return opening
 
     def narrowed(self, wide: ConeProblem) -> Opening:
-        """The same motion for cones inside these: it opens their contacts too."""
+        """The opening motion for narrower cones `wide`: `m0` opens their contacts as well."""
         opening = Opening(wide)
         opening.__dict__["m0"] = self.m0
         return opening
 
     def mended(self, motion: Array) -> Array:
-        """The motion made admissible by an opening motion; unchanged if none exists."""
+        """Repair a motion that slightly closes contacts, by adding m0; unchanged without an m0."""
         violation = -_least_opening(self.program, motion)
         if violation <= 0.0 or not np.isfinite(violation) or self.m0 is None:
             return motion
@@ -99,7 +99,7 @@ class Opening:
 
 
 def _least_opening(program: Program, motion: Array) -> float:
-    """Least u_n - mu |u_t| of the one-sided rows [length unit]."""
+    """Least opening u_n - mu |u_t| of the one-sided rows under a motion [length unit]."""
     openings = program.velocities(motion) * program.arm
     rows = program.rough
     with np.errstate(over="ignore"):  # an infinite motion opens nothing
@@ -108,7 +108,7 @@ def _least_opening(program: Program, motion: Array) -> float:
 
 
 def _shortest_opening(wide: ConeProblem) -> ConicProgram:
-    """Program for the shortest scaled motion that opens every contact by 1. x = m."""
+    """Cone program for the shortest scaled motion m that opens every contact by 1. x = m."""
     program = wide.program
     opening, count = csr_array(wide.problem.openings()), len(program.part_a)
     rubs = np.flatnonzero(program.mu[wide.rough] > 0)
@@ -130,7 +130,7 @@ def opening_program(
     *,
     load: Array | None = None,
 ) -> ConicProgram:
-    """Program for a motion m that opens every contact by 1: the shortest, or for a force bound.
+    """Cone program for a motion m that opens every contact by 1, the shortest or for a bound.
 
         min 1/2 |m|^2,  or  min (|m| - load.m) / 2:
         J m = 0 at joints,   u_n >= 1 at smooth contacts,   u_n - mu |u_t| >= 1 at rough ones

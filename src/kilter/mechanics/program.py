@@ -1,4 +1,4 @@
-"""The program: parts, contact rows and load of a question, with labels.
+"""The program of an assembly: its parts, contact and joint rows, and load, with labels.
 
 Free part i has centre of mass c_i and mass m_i, and the displacement dp_i = (dr_i, dtheta_i),
 rotation about c_i. A row is (a, b, x, n): parts, position, unit direction from a to b;
@@ -55,7 +55,7 @@ PLANE.setflags(write=False)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Program:
-    """Parts, rows and load of a question; world frame, length unit of the assembly, forces in N.
+    """Parts, force rows and load of an assembly; world frame, assembly's length unit, forces in N.
 
     Attributes
     ----------
@@ -126,7 +126,7 @@ class Program:
 
     @property
     def load(self) -> Array:
-        """Force [N] and torque [N x length unit] on each part, without rows, shape (N, 6)."""
+        """Load on each part without rows: force [N], torque [N x length unit], shape (N, 6)."""
         load = self.applied + self.clamp
         load[:, :3] += self.mass[:, None] * self.gravity
         load[~self.free] = 0.0
@@ -134,7 +134,7 @@ class Program:
 
     @property
     def weight(self) -> Array:
-        """Characteristic force of each part [N], shape (N,): its weight plus the loads on it."""
+        """Weight of each part plus the sizes of the loads on it [N], shape (N,)."""
         force = np.linalg.norm(self.applied[:, :3], axis=1)
         torque = np.linalg.norm(self.applied[:, 3:], axis=1) / self.radius
         weight: Array = self.mass * self.g + force + torque
@@ -142,7 +142,7 @@ class Program:
 
     @property
     def arm(self) -> Array:
-        """Characteristic length of each angular row, shape (K,): the larger radius of its parts.
+        """Lever length of each angular row, shape (K,): larger radius of its parts; else 1.
 
         Held parts do not count. A rotation times this length is an opening, and a torque over it is
         a force, so no result depends on the unit of length. The value of the other rows is 1.
@@ -152,7 +152,7 @@ class Program:
 
     @property
     def freedoms(self) -> Index:
-        """Indices of the counted freedoms of a part, among its six."""
+        """Indices of the freedoms that count, among the six of a part: three in the plane."""
         return PLANE if self.planar else np.arange(6)
 
     @property
@@ -164,7 +164,7 @@ class Program:
 
     @property
     def rows(self) -> list[tuple[str, str, str, int]]:
-        """Labels of the rows: (kind, part a, part b, number of the patch, force or joint)."""
+        """Labels of the rows: (kind, part a, part b, number of its patch, force or joint)."""
         names = (*self.names, GROUND)
         return [
             (KINDS[kind], names[a], names[b], int(source))
@@ -174,7 +174,7 @@ class Program:
         ]
 
     def jacobian(self) -> csr_array:
-        """J, shape (K, freedoms of the free parts), with columns in the order of `columns`."""
+        """Matrix J from motions of the free parts to opening speeds, shape (K, freedoms)."""
         count, per = len(self.part_a), len(self.freedoms)
         column = np.full(len(self.names) + 1, -1)
         column[:-1][self.free] = np.arange(int(self.free.sum()))
@@ -190,7 +190,7 @@ class Program:
         return csr_array((np.concatenate(blocks), triplets), shape=shape)
 
     def lever(self, rows: Index, part: Index) -> Array:
-        """Wrench directions (n, (x - c) x n) of rows on a part, shape (k, 6); angular: (0, n)."""
+        """Wrench of a unit force of rows on a part, (k, 6): (n, (x - c) x n); angular (0, n)."""
         normal = self.normal[rows]
         moment = cross(self.point[rows] - self.center[part], normal)
         angular = self.angular[rows][:, None]
@@ -198,44 +198,44 @@ class Program:
 
     @property
     def rough(self) -> Index:
-        """Rows with friction, shape (R,)."""
+        """Indices of the rows with friction, shape (R,)."""
         return np.flatnonzero(self.mu > 0)
 
     @property
     def cohesion(self) -> Array:
-        """Shear limit of the bond of each row, in addition to friction [N], shape (K,); else 0."""
+        """Shear strength of the bond of each row, beside friction [N], shape (K,); else 0."""
         return np.where(np.isnan(self.shear), 0.0, self.shear)
 
     @property
     def gripping(self) -> Index:
-        """Rows with forces across them, by friction or by a bond with a shear limit; shape (R,)."""
+        """Indices of the rows with tangential force, by friction or by bond shear, shape (R,)."""
         return np.flatnonzero((self.mu > 0) | (self.cohesion > 0))
 
     @property
     def has_strength(self) -> bool:
-        """True if bonds transmit limited forces, which do not grow with the load."""
+        """True if the program has bonds of limited strength, which does not grow with the load."""
         return bool(self.pull.any() or self.cohesion.any())
 
     @property
     def force_rows(self) -> ForceRows:
-        """The rows of the program, without its parts and load."""
+        """The force rows of the program, without its parts and load."""
         return ForceRows(*(getattr(self, name) for name in ROW_FIELDS))
 
     def with_force_rows(self, rows: ForceRows) -> Program:
-        """The program with other rows."""
+        """The program with these force rows in place of its present rows."""
         return self.with_rows(**{name: getattr(rows, name) for name in ROW_FIELDS})
 
     def taking(self, rows: Index | Mask) -> Program:
-        """The program with a subset of its rows, given by index or mask."""
+        """The program with only the rows of an index array or mask."""
         return self.with_force_rows(self.force_rows.take(rows))
 
     @property
     def frictionless(self) -> Program:
-        """The program with mu = 0 at every row; rows of fitted normals are dropped."""
+        """The program without friction (mu = 0); rows of fitted normals are dropped."""
         return self.with_friction(0.0) if self.mu.any() or self.doubt.any() else self
 
     def with_friction(self, mu: float) -> Program:
-        """The program with equal coefficients at all contacts, reduced by the doubt of the normal.
+        """The program with the friction coefficient `mu` at all contacts, minus the normals' doubt.
 
         Contacts whose normals are uncertain by more than `mu` have no certain force and are
         removed.
@@ -247,7 +247,7 @@ class Program:
         return changed if certain.all() else changed.taking(certain)
 
     def velocities(self, motion: Array) -> Array:
-        """J dp: opening of each row, shape (K,), by a motion of all parts, shape (N, 6)."""
+        """Opening speed J dp of each row, shape (K,), for a motion of all parts, shape (N, 6)."""
         result = np.zeros(len(self.part_a))
         for part, sign in ((self.part_b, 1.0), (self.part_a, -1.0)):
             k = np.flatnonzero(part >= 0)
@@ -255,7 +255,7 @@ class Program:
         return result
 
     def slips(self, motion: Array, rows: Index) -> Array:
-        """u_t: tangential velocity of part b relative to a at contact rows, shape (k, 3)."""
+        """Tangential velocity of part b relative to part a at contact rows, shape (k, 3)."""
         relative = np.zeros((len(rows), 3))
         for part, sign in ((self.part_b[rows], 1.0), (self.part_a[rows], -1.0)):
             k = np.flatnonzero(part >= 0)
@@ -270,13 +270,13 @@ class Program:
         return slip
 
     def power(self, motion: Array) -> float:
-        """Power of the load on a motion, shape (N, 6), minus the dissipation of slipping bonds."""
+        """Power of the load in a motion, shape (N, 6), minus the dissipation of slipping bonds."""
         rows = np.flatnonzero(self.cohesion > 0)
         slips = np.linalg.norm(self.slips(motion, rows), axis=1)
         return float((self.load * motion).sum() - self.cohesion[rows] @ slips)
 
     def wrenches(self, forces: Array, friction: Array | None = None) -> Array:
-        """J^T f: force and torque of the rows on each part, shape (N, 6).
+        """Force and torque of all rows on each part, J^T f, shape (N, 6).
 
         Parameters
         ----------
@@ -300,7 +300,7 @@ class Program:
         return total
 
     def force_sums(self, forces: Array, friction: Array | None = None) -> Array:
-        """Sum of the absolute forces of the rows on each part [N], shape (N,)."""
+        """Sum of the magnitudes of the row forces on each part [N], shape (N,)."""
         total = np.zeros(len(self.names))
         size = np.abs(forces)
         if friction is not None:
@@ -341,7 +341,7 @@ class Program:
         return forces, friction
 
     def full(self, columns: Array) -> Array:
-        """Motion of all parts, shape (N, 6), from a vector in the order of `columns`."""
+        """Motion of all parts, shape (N, 6), from a vector of the freedoms of the free parts."""
         motion = np.zeros((len(self.names), 6))
         motion[np.ix_(self.free, self.freedoms)] = columns.reshape(-1, len(self.freedoms))
         return motion
@@ -353,11 +353,11 @@ class Program:
         )
 
     def turned(self, down: Array) -> Program:
-        """The program with gravity of the same size along `down`, shape (3,), of any length."""
+        """The program with gravity along `down`, shape (3,) of any length; same magnitude."""
         return self.with_rows(gravity=unit(down, "down") * self.g)
 
     def with_rows(self, **changes: object) -> Program:
-        """A copy with other values of the given members."""
+        """A copy of the program in which the named members have new values."""
         values = {name: getattr(self, name) for name in self.__slots__}
         return Program(**{**values, **changes})
 
@@ -418,13 +418,13 @@ def build_program(
 
 
 def bounding_program(assembly: Assembly, contacts: ContactSet) -> Program:
-    """A program with every conceivable force as a row, for bounds without Coulomb's law."""
+    """Program with a row for every conceivable contact force, for bounds without Coulomb's law."""
     program = build_program(assembly, contacts, possible=True, sticking=True)
     return program.with_rows(mu=np.zeros(len(program.mu)))
 
 
 def _applied_loads(assembly: Assembly, geometry: Geometry) -> Array:
-    """Given loads as force and torque about the centres of mass, shape (N, 6)."""
+    """Loads stated in the assembly, as force and torque about the centres of mass, shape (N, 6)."""
     applied = np.zeros((len(assembly.parts), 6))
     for load in assembly.loads:
         k = assembly.index_of(load.part)
@@ -435,7 +435,7 @@ def _applied_loads(assembly: Assembly, geometry: Geometry) -> Array:
 
 
 def _part_tolerances(contacts: ContactSet, geometry: Geometry) -> Array:
-    """Relative tolerance of each part: max(1e-9, 10 x accuracy of coordinates over patch size)."""
+    """Relative tolerance of each part [-]: max(1e-9, 10 x coordinate accuracy over patch size)."""
     tolerance = np.full(len(geometry.mass), TOLERANCE)
     blur = BLUR * contacts.patch_accuracy
     np.maximum.at(tolerance, contacts.patch_parts.T, blur[None, :])

@@ -36,7 +36,7 @@ __all__ = ["BlockProofs", "ProgramBlocks", "program_blocks"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BlockProofs:
-    """Forces and a motion of each of M programs, with the results of their checks.
+    """Checked forces and a checked motion for each of M programs.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class BlockProofs:
 
 @dataclass(frozen=True)
 class ProgramBlocks:
-    """M programs without friction and joints, in shared arrays.
+    """Programs of M assemblies without friction and joints, in shared arrays.
 
     Attributes
     ----------
@@ -84,12 +84,12 @@ class ProgramBlocks:
 
     @cached_property
     def owner(self) -> Index:
-        """Program of each part, shape (N,)."""
+        """Index of the program to which each part belongs, shape (N,)."""
         return np.repeat(np.arange(len(self.gravity)), np.diff(self.start))
 
     @cached_property
     def load(self) -> Array:
-        """Weight as a wrench on each part, shape (N, 6)."""
+        """Weight of each part as force and torque, shape (N, 6)."""
         load = np.zeros((len(self.owner), 6))
         load[:, :3] = self.whole.mass[:, None] * self.gravity[self.owner]
         load[~self.whole.free] = 0.0
@@ -103,7 +103,7 @@ class ProgramBlocks:
 
     @cached_property
     def frames(self) -> Array:
-        """Common frame of each program, shape (M, 3, 3)."""
+        """Frame of each program, in which all its parts' wrenches are scaled, shape (M, 3, 3)."""
         if self.whole.planar:
             return np.tile(np.eye(3), (len(self.gravity), 1, 1))
         normal = self.whole.normal
@@ -121,15 +121,15 @@ class ProgramBlocks:
         return unit
 
     def program(self, k: int) -> Program:
-        """The program of assembly k."""
+        """The program of the assembly with index k."""
         return self.union(np.array([k]))
 
     def rows(self, which: Index) -> Index:
-        """Rows of the assemblies `which`, in their order."""
+        """Indices of the rows of the assemblies `which`, in the order of the rows."""
         return ragged(self.row_start, which)[1]
 
     def union(self, which: Index) -> Program:
-        """The programs of assemblies of equal gravity, `which` in ascending order, as one."""
+        """A single program of the assemblies `which` (ascending, equal gravity), side by side."""
         whole, parts = self.whole, ragged(self.start, which)[1]
         chosen = whole.taking(self.rows(which))
         number = np.full(len(whole.names) + 1, -1)
@@ -150,7 +150,7 @@ class ProgramBlocks:
 
     @cached_property
     def scaled(self) -> Blocks:
-        """Scaled equilibria, in the form of `kilter.mechanics.forms.scaled_problem`."""
+        """Scaled equilibria of all programs, as in `kilter.mechanics.forms.scaled_problem`."""
         program = self.whole
         per = len(program.freedoms)
         column = np.full(len(program.names) + 1, -1)
@@ -178,7 +178,7 @@ class ProgramBlocks:
         return Blocks(matrix, right.reshape(-1), program.two_sided, row_start, self.row_start)
 
     def _in_frames(self, wrenches: Array, part: Index) -> Array:
-        """Wrenches on parts in the frame of their assembly, torques over radius, (k, freedoms)."""
+        """Wrenches on parts in their program's frame, torques over radius, shape (k, freedoms)."""
         frames = self.frames[self.owner[part]]
         turned = np.einsum("kij,kaj->kai", frames, wrenches.reshape(-1, 2, 3))
         turned[:, 1] /= self.whole.radius[part][:, None]
@@ -186,7 +186,7 @@ class ProgramBlocks:
         return counted
 
     def judged(self, answers: BlockAnswers) -> BlockProofs:
-        """Check the forces and motions of solved blocks by the criteria of single certificates."""
+        """Check forces and motions of solved programs by the criteria of single certificates."""
         whole = self.whole
         row_owner = np.repeat(np.arange(len(self.gravity)), np.diff(self.row_start))
         forces = answers.forces * self.unit[row_owner]
@@ -213,7 +213,7 @@ class ProgramBlocks:
         )
 
     def _check_motions(self, answers: BlockAnswers) -> tuple[Array, Array, Array, Mask]:
-        """Motions from multipliers, with power, violation, and a mask of those that are proofs."""
+        """Motions from multipliers, their power and violation, and a mask of the valid proofs."""
         whole, owner, per = self.whole, self.owner, len(self.whole.freedoms)
         free = np.flatnonzero(whole.free)
         columns = -answers.multipliers.reshape(-1, per) / self.weight[free][:, None]
@@ -244,7 +244,7 @@ class ProgramBlocks:
         return motion, power, violation, holds
 
     def _reduce_parts(self, reduce: np.ufunc, values: Array | Mask) -> Any:
-        """Values of the parts reduced over each assembly, shape (M,)."""
+        """Reduce values of the parts by a ufunc to one value for each assembly, shape (M,)."""
         return reduce.reduceat(values, self.start[:-1])
 
 

@@ -1,4 +1,4 @@
-"""Proof files: all data that a reader needs to recompute a verdict independently.
+"""Proof files: all data that a reader needs to recompute a verdict.
 
 A proof holds the parts, contact points, load, and the forces or the motion of a verdict. With
 friction it also holds the motion that obeys Coulomb's law beside the forces of equilibrium, and the
@@ -40,7 +40,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Evidence:
-    """Evidence of a verdict with friction, in addition to its forces of equilibrium.
+    """Evidence of a verdict with friction that a proof file holds beside equilibrium forces.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ def make_proof(
     *,
     evidence: Evidence | None = None,
 ) -> dict[str, Any]:
-    """Write a proof as JSON data.
+    """JSON data of a proof file, from a certificate and the evidence about friction.
 
     Parameters
     ----------
@@ -165,7 +165,7 @@ def make_proof(
 
 
 def _verdict_word(certificate: ForceProof | MotionProof, evidence: Evidence | None) -> str:
-    """The verdict that a certificate and its evidence support."""
+    """Verdict word of a proof file that its certificate and evidence support."""
     if isinstance(certificate, MotionProof):
         return "unstable"
     if evidence is None or evidence.guarantee == "proved":
@@ -175,14 +175,14 @@ def _verdict_word(certificate: ForceProof | MotionProof, evidence: Evidence | No
 
 
 def coefficients(contacts: ContactSet, program: Program, rows: Index) -> Array:
-    """Friction coefficients of contact rows as in the file; 0 if a bond limits the shear."""
+    """Friction coefficients of contact rows as a proof file has them; 0 for limited bond shear."""
     sheared_by_bond = program.tied[rows] | ~np.isnan(program.shear[rows])
     mu: Array = np.where(sheared_by_bond, 0.0, contacts.patch_mu[program.source[rows]])
     return mu
 
 
 def _bond_data(program: Program, row: int) -> dict[str, Any]:
-    """Strength of the bond of a contact row, as keys of its point; empty without a bond."""
+    """Strength of the bond of a contact row, as keys of its point in a proof; {} without a bond."""
     data: dict[str, Any] = {}
     if program.pull[row] > 0:
         data["pull"] = float(program.pull[row])
@@ -194,13 +194,13 @@ def _bond_data(program: Program, row: int) -> dict[str, Any]:
 
 
 def _contact_forces(program: Program, proof: ForceProof) -> list[list[float]]:
-    """Force vectors at the contact rows, shape (C, 3)."""
+    """Force vectors of a force proof at the contact rows [N], shape (C, 3)."""
     vectors = program.point_forces(proof.forces, proof.friction)
     return [[float(x) for x in vector] for vector in vectors]
 
 
 def _friction_data(program: Program, evidence: Evidence, rows: Index) -> dict[str, Any]:
-    """The evidence of a verdict with friction as JSON data."""
+    """JSON data of the evidence of a verdict with friction."""
     joints = np.flatnonzero(program.kind == JOINT)
     seated, witness = evidence.seated, evidence.witness
     data: dict[str, Any] = {"guarantee": evidence.guarantee, "exclusion": evidence.exclusion}
@@ -223,14 +223,14 @@ def _friction_data(program: Program, evidence: Evidence, rows: Index) -> dict[st
 
 
 def open_pairs_of(assembly: Assembly, contacts: ContactSet) -> list[dict[str, Any]]:
-    """The open pairs of an assembly; the motion of a proof is possible whatever they do."""
+    """JSON data of an assembly's open pairs; a proof's motion accounts for all their contacts."""
     names = assembly.names
     pairs = still_open(contacts.open_pairs, assembly)
     return [{"parts": [names[k] for k in pair.parts], "kind": pair.kind} for pair in pairs]
 
 
 def _balance_data(program: Program, proof: ForceProof, joints: Index) -> dict[str, Any]:
-    """Forces that balance every part as JSON data."""
+    """JSON data of forces that balance every part."""
     return {
         "forces": _contact_forces(program, proof),
         "joints": proof.forces[joints].tolist(),
@@ -241,7 +241,7 @@ def _balance_data(program: Program, proof: ForceProof, joints: Index) -> dict[st
 def joints_of(
     assembly: Assembly, program: Program, certificate: ForceProof | MotionProof | None
 ) -> list[dict[str, Any]]:
-    """Joints as JSON data; given forces, with the wrench on the second part about `point`."""
+    """JSON data of the joints; with forces, also the wrench on the second part about `point`."""
     entries = []
     for number, joint in enumerate(assembly.joints):
         about, wrench = reference_point(assembly, number), None
@@ -263,18 +263,18 @@ def joints_of(
 
 
 def rows_of(program: Program, joint: int) -> Index:
-    """Rows of a joint, given by its position in the assembly."""
+    """Indices of the rows of a joint, given by its position in the assembly."""
     return np.flatnonzero((program.kind == JOINT) & (program.source == joint))
 
 
 def frame_of(program: Program, rows: Index) -> tuple[Array, Mask, Array]:
-    """Directions of the rows of a joint, a mask of the angular rows, and the point of the rows."""
+    """Directions of the rows of a joint, mask of the angular rows, and the point of the rows."""
     at = program.point[rows[0]] if len(rows) else np.zeros(3)
     return program.normal[rows], program.angular[rows], at
 
 
 def digest_of(proof: dict[str, Any]) -> str:
-    """Hash of all keys of a proof except `digest`."""
+    """Hash of a proof's JSON data without its key `digest`."""
     body = {key: value for key, value in proof.items() if key != "digest"}
     text = json.dumps(body, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()

@@ -1,4 +1,4 @@
-"""The form of a file of proofs: its keys, and the type of each value.
+"""Validators of proof files: the required keys, and the form of each value.
 
 Data of this form can be recomputed without further checks: every key that is read exists, and every
 number is finite, and so are its square and its product with another number.
@@ -42,7 +42,7 @@ FORMAT = 1
 
 
 class MalformedProof(ValueError):
-    """The data of a proof do not have the form of its kind."""
+    """Error: the data of a proof do not have the form of its kind."""
 
 
 Form = Callable[[Any, str], str]
@@ -50,7 +50,7 @@ Form = Callable[[Any, str], str]
 
 
 def instance_of(*kinds: type) -> Form:
-    """A value of one of these types; a boolean is no integer."""
+    """Validator for a value of one of these types; True and False are not accepted as int."""
 
     def fault(value: Any, place: str) -> str:
         # true and false are whole numbers to Python
@@ -66,7 +66,7 @@ def _number(value: Any, place: str) -> str:
 
 
 def list_of(form: Form, length: int | None = None) -> Form:
-    """A list of entries of one form, of a given length if there is one."""
+    """Validator for a list whose entries all fit `form`, of the given length unless None."""
 
     def fault(value: Any, place: str) -> str:
         if not isinstance(value, list) or length not in (None, len(value)):
@@ -77,7 +77,7 @@ def list_of(form: Form, length: int | None = None) -> Form:
 
 
 def named(form: Form) -> Form:
-    """A dictionary whose values have one form."""
+    """Validator for a dictionary with any keys, whose values all fit `form`."""
 
     def fault(value: Any, place: str) -> str:
         if not isinstance(value, dict):
@@ -88,7 +88,7 @@ def named(form: Form) -> Form:
 
 
 def keys(**forms: Form) -> Form:
-    """A dictionary with at least these keys, each of its form."""
+    """Validator for a dictionary with at least these keys, each value of its form."""
 
     def fault(value: Any, place: str) -> str:
         if not isinstance(value, dict):
@@ -103,17 +103,17 @@ def keys(**forms: Form) -> Form:
 
 
 def nullable(form: Form) -> Form:
-    """A value of this form, or null."""
+    """Validator for null or a value that fits `form`."""
     return lambda value, place: "" if value is None else form(value, place)
 
 
 def every(*forms: Form) -> Form:
-    """A value of all these forms."""
+    """Validator for a value that must fit all of `forms`."""
     return lambda value, place: _first(form(value, place) for form in forms)
 
 
 def optional_keys(**forms: Form) -> Form:
-    """A dictionary in which these keys may be missing or null."""
+    """Validator for a dictionary in which these keys may be missing or null, else fit."""
 
     def fault(value: Any, place: str) -> str:
         known = value if isinstance(value, dict) else {}
@@ -124,7 +124,7 @@ def optional_keys(**forms: Form) -> Form:
 
 
 def row_of(*forms: Form) -> Form:
-    """A list with an entry of each of these forms, in this order."""
+    """Validator for a list with exactly one entry for each form, in this order."""
 
     def fault(value: Any, place: str) -> str:
         if not isinstance(value, list) or len(value) != len(forms):
@@ -136,7 +136,7 @@ def row_of(*forms: Form) -> Form:
 
 
 def count_up_to(most: int, *, least: int = 1) -> Form:
-    """A whole number from `least` to `most`."""
+    """Validator for an int from `least` to `most`."""
 
     def fault(value: Any, place: str) -> str:
         wrong = COUNT(value, place)
@@ -146,7 +146,7 @@ def count_up_to(most: int, *, least: int = 1) -> Form:
 
 
 def one_of(*words: str) -> Form:
-    """A value that is one of these words."""
+    """Validator for a value that is one of these words."""
     return lambda value, place: "" if value in words else f"{place} is {value!r:.40}"
 
 
@@ -245,7 +245,7 @@ BUNDLE = keys(
 
 
 def require_form(proof: Any) -> None:
-    """Raise an error if the data are not a proof of this format.
+    """Raise an error if JSON data do not have the form of a proof.
 
     Raises
     ------
@@ -275,7 +275,7 @@ def require_form(proof: Any) -> None:
 
 
 def require_bundle_form(bundle: Any) -> None:
-    """Raise an error if the data are not a file of several proofs; does not check each proof.
+    """Raise an error if JSON data do not have the form of a file of several proofs.
 
     Raises
     ------
@@ -301,7 +301,7 @@ def require_bundle_form(bundle: Any) -> None:
 
 
 def _require_json(proof: Any) -> None:
-    """Raise an error if the data have no digest: infinite numbers, or values outside JSON."""
+    """Raise an error if data are not JSON with finite numbers, since they then have no digest."""
     try:
         json.dumps(proof, allow_nan=False)
     except (TypeError, ValueError, RecursionError) as error:

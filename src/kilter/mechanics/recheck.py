@@ -1,4 +1,4 @@
-"""Verification of a proof against the program of an assembly: its numbers, then its evidence.
+"""Recheck a proof file against the program of its assembly: numbers first, then evidence.
 
 The exclusion of all motions that obey Coulomb's law is verified in
 `kilter.friction.exclusion_file`.
@@ -38,7 +38,7 @@ LEAST_TRIES = 8
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RecheckResult:
-    """Objections to a proof, the measures of its evidence, and notes; see `Verification`."""
+    """Result of a recheck of a proof: objections, measures of the evidence, and notes."""
 
     reasons: list[str]
     residual: float | None
@@ -74,7 +74,7 @@ def recheck(assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]) -> 
 
 
 def _verdict_objections(verdict: str, balanced: bool, friction: dict[str, Any] | None) -> list[str]:
-    """Objections if the stated verdict is not that of the evidence."""
+    """Objections to a stated verdict that the evidence of its proof does not support."""
     guarantee = "proved" if friction is None else friction["guarantee"]
     if not balanced:
         supported = "unstable"
@@ -101,7 +101,7 @@ def _verdict_objections(verdict: str, balanced: bool, friction: dict[str, Any] |
 
 
 def _settles(friction: dict[str, Any] | None) -> bool:
-    """True if the proof has the forces of every try, and enough tries."""
+    """True if the friction data have balanced forces of every settling try, and enough tries."""
     tries = None if friction is None else friction["tries"]
     return tries is not None and LEAST_TRIES <= tries["of"] == len(tries["forces"])
 
@@ -115,7 +115,7 @@ def _agree(first: Any, second: Any, size: float) -> bool:
 def _subject_objections(
     assembly: Assembly, contacts: ContactSet, program: Program, proof: dict[str, Any]
 ) -> list[str]:
-    """Objections if the proof is about other data than the file."""
+    """Objections to a proof whose parts, contacts or loads differ from those of the assembly."""
     reasons = []
     gravity = float(np.linalg.norm(assembly.gravity))
     if not _agree(proof["gravity"], assembly.gravity, gravity):
@@ -169,7 +169,7 @@ def _part_objections(program: Program, parts: list[dict[str, Any]]) -> list[str]
 def _point_objections(
     contacts: ContactSet, program: Program, points: list[dict[str, Any]]
 ) -> list[str]:
-    """Objections to the contact points, normals, coefficients and bonds of a proof."""
+    """Objections to contact points of a proof: positions, normals, coefficients and bonds."""
     rows = np.flatnonzero(program.kind == CONTACT)
     if len(points) != len(rows):
         return [f"the proof has {len(points)} contact points, the file {len(rows)}"]
@@ -196,7 +196,7 @@ def _point_objections(
 
 
 def _same_shear(program: Program, rows: Index, given: list[float | None]) -> bool:
-    """True if the shear limits of a proof, None for no limit, are those of the rows."""
+    """True if the shear limits in a proof (None: no limit) are those of the program's rows."""
     limits = program.shear[rows]
     if [limit is None for limit in given] != np.isnan(limits).tolist():
         return False
@@ -205,7 +205,7 @@ def _same_shear(program: Program, rows: Index, given: list[float | None]) -> boo
 
 
 def _given_forces(program: Program, given: Any, joints: Any) -> tuple[Array, Array, list[str]]:
-    """Forces along and across the rows from force vectors at the contacts, and objections.
+    """Forces along and across the rows from a proof's force vectors and joints, and objections.
 
     Returns forces, shape (K,), friction, shape (K, 3), and the objections to them.
     """
@@ -246,7 +246,7 @@ def _given_forces(program: Program, given: Any, joints: Any) -> tuple[Array, Arr
 
 
 def _joint_forces(program: Program, joint: dict[str, Any], number: int) -> tuple[Array, list[str]]:
-    """Forces of the rows of a joint that transmit its given wrench, and objections."""
+    """Forces of a joint's rows that transmit the wrench given in a proof, and objections."""
     wrench, about = np.asarray(joint["wrench"], dtype=float), np.asarray(joint["point"])
     rows = rows_of(program, number)
     frame = frame_of(program, rows)
@@ -264,7 +264,7 @@ def _joint_forces(program: Program, joint: dict[str, Any], number: int) -> tuple
 
 
 def _recheck_forces(program: Program, proof: dict[str, Any]) -> tuple[float, list[str]]:
-    """Residual of the forces of equilibrium, and objections."""
+    """Check the equilibrium forces of a proof: relative residual [-], and objections."""
     joints = np.zeros(len(program.part_a))
     joint_objections: list[str] = []
     for number, entry in enumerate(proof["joints"]):
@@ -284,7 +284,7 @@ def _recheck_forces(program: Program, proof: dict[str, Any]) -> tuple[float, lis
 def _recheck_friction(
     program: Program, friction: dict[str, Any], assembly: Assembly
 ) -> tuple[list[str], list[str]]:
-    """Objections to the evidence of friction, and notes on it."""
+    """Check a proof's evidence about friction; returns objections and notes."""
     reasons, notes = [], []
     seated, witness = friction["seated"], friction["witness"]
     if seated is not None:
@@ -309,7 +309,7 @@ def _recheck_friction(
 
 
 def _recheck_balance(program: Program, given: dict[str, Any]) -> tuple[float, list[str]]:
-    """Residual of forces that should balance every part, and objections."""
+    """Check forces that should balance every part: relative residual [-], and objections."""
     forces, across, reasons = _given_forces(program, given["forces"], given["joints"])
     judged = check_forces(program, forces, across)
     if not judged.holds or not _agree(judged.residual, given["residual"], 1.0):
@@ -318,7 +318,7 @@ def _recheck_balance(program: Program, given: dict[str, Any]) -> tuple[float, li
 
 
 def _recheck_tries(program: Program, tries: dict[str, Any], notes: list[str]) -> list[str]:
-    """Objections to the forces of the tries; appends a note on them."""
+    """Check the balanced forces of settling tries: objections; appends a note to `notes`."""
     reasons, worst = [], 0.0
     if tries["passed"] != len(tries["forces"]) or tries["passed"] > tries["of"]:
         return ["the proof does not have the forces of every try that it counts"]
@@ -337,7 +337,7 @@ def _recheck_tries(program: Program, tries: dict[str, Any], notes: list[str]) ->
 def _witness_check(
     program: Program, witness: dict[str, Any], assembly: Assembly
 ) -> LawProof | None:
-    """Check of the motion of a proof; None if its parts, contacts or joints are not the file's."""
+    """Check a proof's motion against the contact law; None if its parts or rows do not match."""
     free = {n for n, f in zip(program.names, program.free, strict=True) if f}
     kinds = {"forces": CONTACT, "joints": JOINT, "bonds": BONDED}
     rows = {key: program.kind == kind for key, kind in kinds.items()}
@@ -355,7 +355,7 @@ def _witness_check(
 
 
 def _open_pair_notes(pairs: list[Any]) -> list[str]:
-    """A note on the open pairs that the motion of a proof accounts for."""
+    """A note on the open (uncertain) pairs, whose contacts the motion of a proof respects."""
     if not pairs:
         return []
     return [f"the motion is possible whatever the {len(pairs)} open pairs do"]
@@ -364,7 +364,7 @@ def _open_pair_notes(pairs: list[Any]) -> list[str]:
 def _recheck_motion(
     assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]
 ) -> tuple[float, list[str]]:
-    """Power of the motion of a proof, and objections."""
+    """Check the motion of a proof of instability: its power, and objections."""
     program = build_program(assembly, contacts)
     if set(proof["motion"]) != {n for n, f in zip(program.names, program.free, strict=True) if f}:
         return float("nan"), ["its motion does not belong to the free parts"]

@@ -1,4 +1,4 @@
-"""The rows of a program: the possible forces, each a row with its label.
+"""Rows of a program: each possible force between two parts, with its label.
 
 A row is (a, b, x, n): the force f n acts on part b at the point x, and -f n on part a; the row of J
 is the opening along n. Its label is its `kind` and its `source`, the number of the patch, possible
@@ -49,7 +49,7 @@ KINDS = ("contact", "possible", "joint", "sticking", "bonded")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ForceRows(Rows):
-    """Rows as a struct of arrays; world frame, length unit of the assembly.
+    """Possible forces between parts, a row each, as arrays; world frame, assembly's length unit.
 
     Attributes
     ----------
@@ -97,7 +97,7 @@ class ForceRows(Rows):
 
     @property
     def certain(self) -> Mask:
-        """Mask of the rows with forces for every normal within its uncertainty, shape (K,).
+        """Mask of the rows that can push for every normal within its uncertainty, shape (K,).
 
         A contact whose normal is uncertain has such forces only by friction.
         """
@@ -108,7 +108,7 @@ class ForceRows(Rows):
 def _frictionless_rows(
     kind: int, a: Index, b: Index, point: Array, normal: Array, two_sided: Mask, source: Index
 ) -> ForceRows:
-    """Rows of a given kind, without friction and bonds."""
+    """Build rows of a given kind, without friction and bonds."""
     count, zeros = len(a), np.zeros(len(a))
     return ForceRows(
         a, b, point, normal, np.full(count, kind), two_sided, zeros > 0, zeros, source, zeros,
@@ -117,7 +117,7 @@ def _frictionless_rows(
 
 
 def contact_rows(contacts: ContactSet, geometry: Geometry) -> ForceRows:
-    """Rows of the contact points that touch a free part, with friction and bonds."""
+    """Rows of all contact points that touch a free part, with their friction and bonds."""
     patch = contacts.point_patch
     a, b = contacts.patch_parts[patch].T
     live = np.flatnonzero(~(geometry.grounded[a] & geometry.grounded[b]))
@@ -137,13 +137,13 @@ def contact_rows(contacts: ContactSet, geometry: Geometry) -> ForceRows:
 
 
 def bonded_rows(contacts: ForceRows) -> ForceRows:
-    """Tangential rows of the contact rows with bonds of any shear: along u, then along v."""
+    """Rows of tangential forces at bonds of unlimited shear strength: along u, then along v."""
     tied = contacts.take(np.flatnonzero(contacts.tied))
     return _tangential_rows(BONDED, tied.part_a, tied.part_b, tied.point, tied.normal, tied.source)
 
 
 def pushing_rows(pushes: PossibleContacts, number: Index | int = -1) -> ForceRows:
-    """Rows of forces that contacts outside the model could transmit, with their numbers."""
+    """Rows of pushes that contacts outside the model could exert, with their numbers."""
     source = np.broadcast_to(np.asarray(number, dtype=np.int64), len(pushes))
     return _frictionless_rows(
         POSSIBLE, pushes.part_a, pushes.part_b, pushes.points, pushes.normals, pushes.two_sided,
@@ -152,7 +152,7 @@ def pushing_rows(pushes: PossibleContacts, number: Index | int = -1) -> ForceRow
 
 
 def possible_rows(possible: PossibleContacts, geometry: Geometry) -> ForceRows:
-    """Rows of all forces that contacts outside the model could transmit, friction unlimited."""
+    """Rows of all forces that contacts outside the model could exert, with unlimited friction."""
     sharp = np.flatnonzero((possible.mu > 0) & ~possible.two_sided)
     points = possible.take(sharp)
     return ForceRows.join(
@@ -167,7 +167,7 @@ def possible_rows(possible: PossibleContacts, geometry: Geometry) -> ForceRows:
 
 
 def sticking_rows(contacts: ContactSet, geometry: Geometry) -> ForceRows:
-    """Rows of tangential forces of any size at the contact points with friction."""
+    """Rows of tangential forces of any size, at the contact points with friction."""
     patch = contacts.point_patch
     a, b = contacts.patch_parts[patch].T
     rough = (contacts.patch_mu[patch] > 0) & ~(geometry.grounded[a] & geometry.grounded[b])
@@ -189,7 +189,7 @@ def _tangential_rows(
 
 
 def _wrench_rows(possible: PossibleContacts, geometry: Geometry) -> ForceRows:
-    """Rows for any force and torque between parts that touch at a round surface with friction.
+    """Rows for any force and torque between parts that touch at round surfaces with friction.
 
     Six forces at shifted points are equivalent to every wrench.
     """
@@ -209,7 +209,7 @@ def _wrench_rows(possible: PossibleContacts, geometry: Geometry) -> ForceRows:
 
 
 def joint_rows(assembly: Assembly, geometry: Geometry) -> ForceRows:
-    """Rows of the joints that act on a free part."""
+    """Rows of the joints that constrain a free part."""
     blocks = []
     for number in range(len(assembly.joints)):
         (a, b), point, linear, angular = joint_constraints(assembly, number)

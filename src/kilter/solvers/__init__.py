@@ -1,1 +1,1 @@
-"""Solvers of linear, conic and quadratic programs; they do not verify their answers."""
+"""Solvers of linear, conic and quadratic programs; their answers are not verified here."""

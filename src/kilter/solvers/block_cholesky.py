@@ -30,12 +30,12 @@ Runs = tuple[tuple[int, int, int], ...]
 
 
 class NotPositive(ArithmeticError):
-    """The matrix is not positive definite to working precision."""
+    """Error: a matrix is not positive definite to working precision."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Plan:
-    """Layout of the entries of a front; rows are unknowns in the order of elimination.
+    """Layout of the matrix entries of a front: blocks that are eliminated together.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class _Plan:
 
 
 class BlockCholesky:
-    """Cholesky factorisation for matrices of a common block pattern.
+    """Cholesky factorisation of sparse symmetric matrices that share a pattern of small blocks.
 
     Parameters
     ----------
@@ -90,11 +90,11 @@ class BlockCholesky:
 
     @property
     def entries(self) -> int:
-        """Number of stored entries of the factors."""
+        """Number of entries that the Cholesky factors store."""
         return sum(plan.size * (plan.size // 2 + len(plan.border)) for plan in self._plans)
 
     def factorise(self, diagonal: Array, links: Array) -> None:
-        """Factorise a matrix of the pattern.
+        """Factorise a positive definite matrix, given by its diagonal blocks and its link blocks.
 
         Parameters
         ----------
@@ -137,7 +137,7 @@ class BlockCholesky:
         self._factors = factors
 
     def solve(self, right: Array) -> Array:
-        """Solutions for right-hand sides, shape (N, width, ...)."""
+        """Solve for right-hand sides of shape (N, width, ...), with the last factorised matrix."""
         unknowns = right[self._order].reshape(len(self._order) * self._width, -1)
         for column in range(unknowns.shape[1]):
             single = np.ascontiguousarray(unknowns[:, column])
@@ -148,7 +148,7 @@ class BlockCholesky:
         return result
 
     def _solve_in_place(self, unknowns: Array) -> None:
-        """Forward and backward substitution, front by front, for one right-hand side."""
+        """Forward and backward substitution, front by front; overwrites the right-hand side."""
         # for one right-hand side, dtrsv is faster than dtrsm
         from scipy.linalg.blas import dgemv, dtrsv
 
@@ -171,7 +171,7 @@ class BlockCholesky:
 def _plans(
     front_list: list[Front], first: Index, second: Index, order: Index, width: int
 ) -> list[_Plan]:
-    """The layout of every front, in the order of elimination."""
+    """Layout of every front, in the order of elimination."""
     count, links = len(order), len(first)
     rank, local = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
     rank[order] = np.arange(count)
@@ -203,7 +203,7 @@ def _plans(
 
 
 def _runs(positions: Index, pivots: int, width: int) -> Runs:
-    """Runs of consecutive blocks; a run never crosses from a front's pivots to its border.
+    """Runs of consecutive block positions; a run never crosses from pivots to the border.
 
     `positions` holds positions in the front, and `pivots` is the number of its pivot blocks.
     """
@@ -238,7 +238,7 @@ def _add_update(
 
 
 def _front_panels(plan: _Plan, blocks: Array, width: int) -> tuple[Array, Array, Array]:
-    """Pivot, sub-diagonal and border panel of a front, filled with the blocks of the matrix."""
+    """Pivot, sub-diagonal and border panels of a front, filled with blocks of the matrix."""
     size, border_size = plan.size, len(plan.border)
     pivot = np.zeros((size, size), order="F")
     below = np.zeros((border_size, size), order="F")

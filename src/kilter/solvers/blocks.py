@@ -1,4 +1,4 @@
-"""Many small equilibria, each with its own load factor, solved one after the other.
+"""Many small independent equilibria, each with its load factor, solved one after the other.
 
     max lambda:  A f - lambda b = 0,  0 <= lambda <= 1,  f >= 0 except for two-sided columns
 
@@ -24,7 +24,7 @@ __all__ = ["BlockAnswers", "Blocks", "solve_blocks"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Blocks:
-    """Independent equilibria A f = b in shared arrays.
+    """Independent equilibria A f = b, with the diagonal blocks of a matrix A.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class Blocks:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BlockAnswers:
-    """Solver results for each block, unverified.
+    """Load factor, forces and multipliers that the solver found for each block, unverified.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class BlockAnswers:
 
 
 def solve_blocks(blocks: Blocks, which: Index) -> BlockAnswers:
-    """Solve a subset of the blocks, each independently.
+    """Solve the load-factor program of each block in `which`, independently of the others.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def solve_blocks(blocks: Blocks, which: Index) -> BlockAnswers:
 
 
 def _pass_block(highs: Any, blocks: Blocks, rows: slice, columns: slice) -> None:
-    """Pass the load-factor program of a block to HiGHS, as plain arrays."""
+    """Pass the load-factor program of a block to the solver HiGHS."""
     matrix, right = blocks.matrix, blocks.right[rows]
     m, n = rows.stop - rows.start, columns.stop - columns.start
     start = matrix.indptr[columns.start : columns.stop + 1]

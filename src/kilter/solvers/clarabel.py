@@ -125,7 +125,7 @@ def solve_conic(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Answer:
-    """Result of Clarabel, as plain arrays."""
+    """Result of the solver Clarabel, as plain arrays."""
 
     status: str
     x: Array
@@ -163,7 +163,7 @@ def _call_clarabel(program: ConicProgram, tolerance: float, seconds: float | Non
 
 
 def _solve_interruptible(solver: Any, entries: int) -> Any:
-    """Run the solver; in a separate thread if the run may be long, so that Ctrl-C ends it."""
+    """Run Clarabel; a run that may be long is in a thread, so that Ctrl-C ends it at once."""
     if entries < LONG:
         return solver.solve()
     stopped, results = threading.Event(), []
@@ -175,7 +175,7 @@ def _solve_interruptible(solver: Any, entries: int) -> Any:
 def solve_quadratic(
     program: ConicProgram, *, tolerance: float = CONIC_FIRST, polish: bool = True
 ) -> Solution:
-    """Minimise a convex quadratic function under linear rows: a program without cones.
+    """Minimise a convex quadratic function under linear equations and inequalities.
 
     If the requested tolerance is finer than it can reach, the interior point stops far from the
     optimum. So the tolerance is relaxed until the residual after polishing is below
@@ -202,7 +202,7 @@ def solve_quadratic(
 
 
 def _polish(start: Solution) -> list[Solution]:
-    """Solutions for successive guesses of the active rows, beginning with those of `start`."""
+    """Solutions for successive guesses of the active rows, starting from a solution's guess."""
     program = start.problem
     assert isinstance(program, ConicProgram)
     one_sided = np.arange(len(program.bound)) >= program.equal
@@ -227,7 +227,7 @@ def _polish(start: Solution) -> list[Solution]:
 
 
 def _solve_active_set(program: ConicProgram, rows: Index, start: Solution) -> tuple[Array, Array]:
-    """Solution x and multipliers of the given rows held as equations, by regularised refinement."""
+    """Solution x and multipliers if `rows` hold as equations and all other rows are ignored."""
     from scipy.sparse.linalg import splu
 
     active_rows = csc_array(program.matrix.tocsr()[rows])
@@ -253,7 +253,7 @@ def _solve_active_set(program: ConicProgram, rows: Index, start: Solution) -> tu
 
 
 def solve_semidefinite(program: SemidefiniteProgram, *, work: Work) -> Multipliers | None:
-    """Multipliers of the rows of a semidefinite program; None if the solver breaks down."""
+    """Solve a semidefinite program for its multipliers; None if the solver breaks down."""
     size = program.dimension
     # rows of length 1, and cones of longest row 1, so that the regularisation suits all of them
     weights = [
@@ -301,7 +301,7 @@ def solve_semidefinite(program: SemidefiniteProgram, *, work: Work) -> Multiplie
 
 
 def _semidefinite_settings(work: Work) -> clarabel.DefaultSettings:
-    """Settings for degenerate programs: strong regularisation, no presolve, no decomposition."""
+    """Clarabel settings for degenerate programs: strong regularisation, no presolve."""
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = SEMIDEFINITE_GAP
@@ -323,12 +323,12 @@ def _lengths(rows: csr_array) -> Array:
 
 
 def _order(height: int) -> int:
-    """Order k of a matrix whose upper triangle has k (k + 1) / 2 entries."""
+    """Order k of a symmetric matrix whose upper triangle has k (k + 1) / 2 entries."""
     return round((float(np.sqrt(8.0 * height + 1.0)) - 1.0) / 2.0)
 
 
 def _matrix(triangle: Array, order: int) -> Array:
-    """Symmetric matrix from its upper triangle with off-diagonal entries times sqrt(2)."""
+    """Symmetric matrix from its upper triangle, with a factor sqrt(2) on off-diagonal entries."""
     column, row = np.tril_indices(order)
     values = triangle * np.where(row == column, 1.0, np.sqrt(0.5))
     matrix = np.zeros((order, order))

@@ -62,7 +62,7 @@ LEAST_CENTRE = 1e-8
 
 @dataclass(slots=True, eq=False)
 class Iterate:
-    """A step of the method; it is updated in place.
+    """State of the interior-point method after a step; each step overwrites it.
 
     Attributes
     ----------
@@ -100,17 +100,17 @@ class Iterate:
 
     @property
     def share(self) -> float:
-        """The share t of this step."""
+        """Load share t at this step of the interior-point method [-]."""
         return float(self.ends[0])
 
     @property
     def bound(self) -> float:
-        """Upper bound of the balanced shares if -A^T y lies in the cones; inf without a bound."""
+        """Upper bound of the balanced shares t if -A^T y lies in the cones; inf without gain."""
         gain = float((self.problem.along * self.y).sum())
         return -float((self.problem.right * self.y).sum()) / gain if gain > 0.0 else np.inf
 
     def balanced(self) -> Array | None:
-        """The nearest x, in the metric of the step, that balances at its share, shape (d, K).
+        """Nearest forces x, shape (d, K), that balance the share t; None if they leave the cones.
 
         None if it leaves its cones.
         """
@@ -126,7 +126,7 @@ class Iterate:
         return x if outside.max(initial=0.0) <= INSIDE * size else None
 
     def against(self) -> Array | None:
-        """The multipliers y, shape (N, n), if along.y > 0 and -A^T y lies in the cones, else None.
+        """Multipliers y, shape (N, n), if they prove that no positive share balances; else None.
 
         For homogeneous programs: y proves that no x balances a positive share.
         """
@@ -138,7 +138,7 @@ class Iterate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Start:
-    """Starting point: x and s inside the cones, shape (d, K), and y, shape (N, n).
+    """Starting point of the method: x and s inside the cones, shape (d, K), and y, shape (N, n).
 
     `mean` is the mean product of x and s.
     """
@@ -150,14 +150,14 @@ class Start:
 
 
 def _middle(problem: LinkedCones) -> Start:
-    """The central starting point: x = s, the axes of the cones."""
+    """Central starting point: x and s are the axes of the cones, y is 0."""
     x = np.zeros(problem.columns.shape[1:])
     x[0, ~problem.free] = 1.0
     return Start(x, x, np.zeros(problem.right.shape), 1.0)
 
 
 def _first_iterate(problem: LinkedCones, start: Start) -> Iterate:
-    """The iterate at a starting point, with t in the middle of its range."""
+    """Iterate at a starting point, with the load share t in the middle of its range."""
     half = min(problem.most, 1.0) / 2
     ends = np.array([half, problem.most - half])
     # so that t s_t equals the mean product of x and s, which is 1 at the central start
@@ -167,7 +167,7 @@ def _first_iterate(problem: LinkedCones, start: Start) -> Iterate:
 
 
 def common_start(problem: LinkedCones) -> Start:
-    """Starting point for programs that differ only in `along`: a few steps with along = 0.
+    """Starting point shared by programs that differ only in `along`: a few steps with along = 0.
 
     The start is the same for each program, so programs that are mirror images of one another have
     mirror-image answers. Each program then takes a third fewer steps.
@@ -188,7 +188,7 @@ def common_start(problem: LinkedCones) -> Start:
 def iterates(
     problem: LinkedCones, short_of: float = SHORT_OF, start: Start | None = None
 ) -> Iterator[Iterate]:
-    """Iterate over the steps from a start, until rounding prevents further progress.
+    """Yield the steps of the interior-point method, until rounding prevents further progress.
 
     The same object is yielded at each step, updated.
 
@@ -215,7 +215,7 @@ def iterates(
 
 @dataclass(slots=True, eq=False)
 class _Residuals:
-    """Residuals of the equations of x, of the span of t, of s, and of the slacks of t."""
+    """Residuals of the optimality equations: balance, span of t, dual slacks s and slacks of t."""
 
     x: Array
     span: float
@@ -224,7 +224,7 @@ class _Residuals:
 
 
 def _residuals(iterate: Iterate) -> _Residuals:
-    """Residuals at an iterate; also stores their largest entries in it."""
+    """Residuals of the optimality equations; also stores their largest entries in the iterate."""
     problem, t = iterate.problem, iterate.ends[0]
     gain = float((problem.along * iterate.y).sum())
     residuals = _Residuals(
@@ -239,7 +239,7 @@ def _residuals(iterate: Iterate) -> _Residuals:
 
 
 def _mean_product(x: Array, s: Array, ends: Array, slacks: Array, count: int) -> float:
-    """Mean of the products of x and s, and of t and its slacks."""
+    """Mean complementarity product of x and s, with those of t and its slacks."""
     return float(((x * s).sum() + ends @ slacks) / (count + 2))
 
 
@@ -257,7 +257,7 @@ def _step_scaling(iterate: Iterate) -> Scaling:
 
 
 def _factorise(problem: LinkedCones, scaling: Scaling) -> None:
-    """Factorise A W^2 A^T, with more regularisation if the first attempt fails."""
+    """Factorise A W^2 A^T of a scaling W, with more regularisation if the first attempt fails."""
     diagonal, links = problem.normal_matrix(scaling)
     size = diagonal.shape[1]
     mean = np.trace(diagonal, axis1=1, axis2=2) / size
@@ -291,7 +291,7 @@ def _advance(iterate: Iterate, short_of: float) -> None:
     solve = _direction(iterate, residuals, scaled_point)
 
     def lengths(step: _Step) -> tuple[float, float]:
-        """Largest step lengths that keep x and s in their cones."""
+        """Largest primal and dual step lengths that keep x and s in their cones."""
         return (
             min(
                 reach(iterate.x[:, coned], step.x[:, coned]), _largest_step(iterate.ends, step.ends)
@@ -326,7 +326,7 @@ def _advance(iterate: Iterate, short_of: float) -> None:
 
 @dataclass(slots=True, eq=False)
 class _Step:
-    """Changes of the members of an iterate."""
+    """Changes of the members of an iterate in a step."""
 
     x: Array
     s: Array
@@ -339,7 +339,7 @@ class _Step:
 def _direction(
     iterate: Iterate, residuals: _Residuals, scaled_point: Array
 ) -> Callable[[Array, Array], _Step]:
-    """Solver for the step that changes the products of x and s, and those of t, to given values.
+    """Make the solver for the step with given changes of the products of x and s, and of t's.
 
     The system is solved by eliminating x, s and the slacks; the last unknown is the change of t.
     """
@@ -356,7 +356,7 @@ def _direction(
         return both[..., 0]
 
     def solve(change: Array, flat: Array) -> _Step:
-        """Solve the Newton equations for a change of the complementarity."""
+        """Solve the Newton equations for given changes of the complementarity products."""
         change[:, free] = 0.0
         aimed = scaling.times(divided(scaled_point, change))
         ends = flat / iterate.slacks - weight * residuals.ends
@@ -380,6 +380,6 @@ def _direction(
 
 
 def _largest_step(values: Array, steps: Array) -> float:
-    """The largest t up to which all values + t steps stay positive."""
+    """Largest t up to which all values + t steps stay positive; inf if none decreases."""
     falls = steps < 0
     return float((-values[falls] / steps[falls]).min(initial=np.inf))

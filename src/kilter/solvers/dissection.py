@@ -1,4 +1,4 @@
-"""Nested dissection: an elimination order for the blocks of a sparse matrix.
+"""Nested dissection: an order of elimination for the blocks of a sparse matrix.
 
 Blocks have positions in space, and only neighbours are linked. A set of blocks is halved along the
 longest side of its bounding box. Those blocks of the first half that are linked to the second
@@ -32,7 +32,7 @@ denser fronts.
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Front:
-    """Blocks that are eliminated together.
+    """Blocks of a matrix that are eliminated together, and the later blocks that they change.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class Front:
 
 
 def fronts(place: Array, first: Index, second: Index, width: int) -> list[Front]:
-    """The fronts of a matrix of blocks, children before parents.
+    """Fronts of a matrix of blocks in the order of elimination: children before parents.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def fronts(place: Array, first: Index, second: Index, width: int) -> list[Front]
 
 
 def _dissect(place: Array, graph: csr_array, leaf: int) -> list[tuple[Index, tuple[int, ...]]]:
-    """Recursive halving of the blocks: separators, and the indices of the sets that each separates.
+    """Halve the blocks recursively; returns the separators and the sets that each separates.
 
     Children come before their parents. A set of at most `leaf` blocks is not divided.
     """
@@ -123,7 +123,7 @@ def _dissect(place: Array, graph: csr_array, leaf: int) -> list[tuple[Index, tup
 
 
 def _sorted_along(place: Array, which: Index) -> Index:
-    """Blocks sorted along their longest extent, so that a border has few runs of them."""
+    """Blocks sorted along the longest extent of their positions, for few runs on a border."""
     points = place[which]
     axes = np.argsort(np.ptp(points, axis=0), kind="stable") if len(which) else np.arange(3)
     ordered: Index = which[np.lexsort(points[:, axes].T)]

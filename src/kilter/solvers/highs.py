@@ -1,4 +1,4 @@
-"""Linear programs, by HiGHS: solved once, or kept and modified between solves.
+"""Solve linear programs by HiGHS, once or with changes between successive solves.
 
 Small programs use the simplex method, whose answers are exact to rounding. Large programs use the
 interior point HiPO. If HiPO's extra package is missing, HiGHS silently runs another solver, so the
@@ -82,7 +82,7 @@ _OUTCOMES: dict[highspy.HighsModelStatus, Outcome] = {
 
 
 def hipo_available() -> bool:
-    """True if the package that HiGHS needs to run HiPO is installed."""
+    """True if the package is installed that HiGHS needs for its interior-point method HiPO."""
     return importlib.util.find_spec("highspy_extras") is not None
 
 
@@ -95,7 +95,7 @@ def solve_linear(
     forces_only: bool = False,
     work: Work | None = None,
 ) -> Solution:
-    """Solve a linear program once, from a cold start.
+    """Solve a linear program once by HiGHS, from a cold start.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def solve_linear(
 def find_optimum(
     program: LinearProgram, *, method: Method = "simplex", work: Work | None = None
 ) -> Solution:
-    """A solution that the solver reports as optimal, by other methods if the first fails.
+    """Solve a linear program to a result that the solver reports as optimal, by several methods.
 
     The attempts are with and without presolve, by the other method, then with other scalings. The
     result serves figures beside a verdict; the certificates of verdicts do not rely on the solver's
@@ -160,13 +160,13 @@ def find_optimum(
 
 
 def near_its_bound(solution: Solution) -> bool:
-    """True if the safe bound is close to the objective."""
+    """True if the objective of a solution is close to its proved lower bound."""
     distance = NEAR_BOUND * (1.0 + abs(solution.objective))
     return solution.found and solution.objective - solution.bound <= distance
 
 
 class KeptProgram:
-    """A linear program whose cost, bounds, sides and entries may change between solves.
+    """A linear program kept in HiGHS, whose cost, bounds, sides and entries may change.
 
     Parameters
     ----------
@@ -220,7 +220,7 @@ class KeptProgram:
             self.load(program)
 
     def load(self, program: LinearProgram, basis: Any = None) -> None:
-        """Replace the program, and start from a basis of a program of the same shape if given."""
+        """Replace the kept program; start from a basis of a same-shaped program if given."""
         self.program = program
         _pass_program(self._highs, program)
         self._based = basis is not None
@@ -228,13 +228,13 @@ class KeptProgram:
             self._highs.setBasis(basis)
 
     def change_cost(self, columns: ArrayLike, values: ArrayLike) -> None:
-        """Set the costs of some columns."""
+        """Set the costs of some columns of the kept program."""
         index, cost = np.asarray(columns, dtype=np.int64), np.asarray(values, dtype=np.float64)
         self.program = replace(self.program, cost=_with_values(self.program.cost, index, cost))
         self._highs.changeColsCost(len(index), index.astype(np.int32), cost)
 
     def change_bounds(self, columns: ArrayLike, lower: ArrayLike, upper: ArrayLike) -> None:
-        """Set the bounds of some columns."""
+        """Set the bounds of some columns of the kept program."""
         index = np.asarray(columns, dtype=np.int64)
         low, high = (np.asarray(bound, dtype=np.float64) for bound in (lower, upper))
         old = self.program
@@ -246,7 +246,7 @@ class KeptProgram:
         self._highs.changeColsBounds(len(index), index.astype(np.int32), low, high)
 
     def change_sides(self, rows: Index, lower: Array, upper: Array) -> None:
-        """Set the lower and upper sides of some rows."""
+        """Set the lower and upper sides of some rows of the kept program."""
         old = self.program
         self.program = replace(
             old,
@@ -256,7 +256,7 @@ class KeptProgram:
         self._highs.changeRowsBounds(len(rows), rows.astype(np.int32), lower, upper)
 
     def change_row(self, row: int, columns: ArrayLike, values: ArrayLike) -> None:
-        """Set entries of a row, in columns with stored entries."""
+        """Set entries of a row of the kept program, in columns with stored entries."""
         matrix = csc_array(self.program.matrix.copy())
         for column, value in zip(np.asarray(columns), np.asarray(values), strict=True):
             start, stop = matrix.indptr[column : column + 2]
@@ -266,7 +266,7 @@ class KeptProgram:
         self.program = replace(self.program, matrix=matrix)
 
     def solve(self, cost: Array | None = None, *, work: Work | None = None) -> Solution:
-        """Solve the current program: from the last basis, then from cold starts if necessary.
+        """Solve the kept program from its last basis, then from cold starts if necessary.
 
         Parameters
         ----------
@@ -308,7 +308,7 @@ class KeptProgram:
         return best
 
     def _solve_by_interior(self, work: Work | None) -> Solution:
-        """Solve by the interior point, after every simplex attempt failed."""
+        """Solve the kept program by the interior point, after every simplex attempt failed."""
         if work is not None and work.over:
             return Solution(self.program, "failed", np.empty(0), np.empty(0), "none", 0)
         answer = solve_linear(self.program, method="interior", work=work)
@@ -317,13 +317,13 @@ class KeptProgram:
         return answer
 
     def _accepts(self, solution: Solution) -> bool:
-        """True if a solution meets the goal, so that no further attempt is needed."""
+        """True if a solution is good enough (optimal, or near its bound) to end the attempts."""
         if self._goal == "bound":
             return near_its_bound(solution)
         return solution.optimal if self._goal == "point" else solution.holds
 
     def _run_simplex(self, strategy: Warm, steps: int, work: Work | None) -> Solution:
-        """Run a simplex method on the loaded program, from its current basis."""
+        """Run a simplex method on the kept program, from its current basis."""
         entries = self.program.matrix.nnz
         self._set("simplex_strategy", STRATEGY[strategy])
         self._set("simplex_iteration_limit", steps if work is None else work.steps(steps, entries))
@@ -340,7 +340,7 @@ class KeptProgram:
             self._options[option] = value
 
     def sensitivity(self, costs: Array) -> Array:
-        """Dependence of the reduced costs of the last basis on the weights of a few costs.
+        """Reduced costs of the last basis for each of a few cost vectors, shape (m, k).
 
         This is equation (11) of the paper.
 
@@ -385,7 +385,7 @@ class KeptProgram:
 
 
 def bounding() -> KeptProgram:
-    """A `KeptProgram` for successive programs with boxed columns whose safe bounds matter."""
+    """Make a `KeptProgram` for successive programs with bounded columns, solved for safe bounds."""
     return KeptProgram(warm="dual", tolerance=BOUNDED_FEASIBLE, goal="bound")
 
 
@@ -397,7 +397,7 @@ def _with_values(values: Array, index: Index, new: Array) -> Array:
 
 
 def new_highs(tolerance: float) -> Any:
-    """HiGHS with the options common to all programs; its class has no type annotations."""
+    """A new HiGHS object with the options common to all programs."""
     highs = highspy.Highs()
     highs.setOptionValue("output_flag", False)
     highs.setOptionValue("parallel", "off")  # identical answers on every machine
@@ -409,7 +409,7 @@ def new_highs(tolerance: float) -> Any:
 
 
 def _pass_program(highs: Any, program: LinearProgram) -> None:
-    """Pass a program to HiGHS. If HiGHS rejects it, the run has no answer."""
+    """Pass a program to HiGHS; if HiGHS rejects it, the run has no answer."""
     rows, columns = program.matrix.shape
     start, index, value = program.matrix.indptr, program.matrix.indices, program.matrix.data
     colwise, minimise = int(highspy.MatrixFormat.kColwise), int(highspy.ObjSense.kMinimize)
@@ -423,7 +423,7 @@ def _pass_program(highs: Any, program: LinearProgram) -> None:
 
 
 def _run(highs: Any, program: LinearProgram) -> None:
-    """Solve the loaded program; a long run is in a separate thread, so that Ctrl-C ends it."""
+    """Solve the program in HiGHS; a long run is in a thread, so that Ctrl-C ends it."""
     if program.matrix.nnz < LONG:
         highs.run()
         return
@@ -433,12 +433,12 @@ def _run(highs: Any, program: LinearProgram) -> None:
 
 
 def _steps(program: LinearProgram) -> int:
-    """Step limit of the simplex method."""
+    """Largest number of simplex steps for a program."""
     return FEW + MANY * (len(program.row_lower) + len(program.cost))
 
 
 def _read_solution(highs: Any, program: LinearProgram, solver: str) -> Solution:
-    """The result of a HiGHS run as a `Solution`."""
+    """Read the result of a HiGHS run as a `Solution`."""
     status = highs.getModelStatus()
     outcome = _OUTCOMES.get(status, "failed")
     solution, info = highs.getSolution(), highs.getInfo()

@@ -1,4 +1,4 @@
-"""Solver calls beside the main thread, so that Ctrl-C ends them at once.
+"""Run solver calls outside the main thread, so that Ctrl-C ends them at once.
 
 Python handles a signal only between two of its own steps, and a solver call is a single step,
 however long it takes. So a long call runs in a separate thread while the main thread waits for it
@@ -69,7 +69,7 @@ def run_aside(run: Callable[[], None], stop: Callable[[], None]) -> None:
 
 
 def call_apart(function: Callable[..., Any], *given: Any) -> Any:
-    """Result of a module-level function, called in a separate process that an interruption ends.
+    """Call a module-level function in a separate process, which Ctrl-C ends; returns its result.
 
     Outside the main thread, and if Python cannot be started, the function is called directly.
 
@@ -109,7 +109,7 @@ def call_apart(function: Callable[..., Any], *given: Any) -> Any:
 
 
 def serve() -> None:
-    """Serve a single call in the child process: send the exception, or None, and the result."""
+    """Run a single call in the child process, and send its exception (or None) and result."""
     signal.signal(
         signal.SIGINT, signal.SIG_IGN
     )  # Ctrl-C reaches all processes of a terminal; the caller ends this process

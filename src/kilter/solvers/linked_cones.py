@@ -1,4 +1,4 @@
-"""Balance of blocks by forces in cones between them: a conic program with a graph structure.
+"""Balance of blocks (parts) by cone forces between them: a conic program on a graph.
 
     max t:  A x = right + t along,   0 <= t <= most,   x in second-order cones, or free
 
@@ -25,7 +25,7 @@ __all__ = ["LinkedCones"]
 
 @dataclass(frozen=True, eq=False)
 class LinkedCones:
-    """Columns, links and blocks of a balance problem.
+    """Data of a balance problem: force columns, links between blocks, and load.
 
     Attributes
     ----------
@@ -60,26 +60,26 @@ class LinkedCones:
     most: float
 
     def with_more(self, along: Array, most: float) -> LinkedCones:
-        """The same columns with another growing load; cached data of the columns are shared."""
+        """The same balance problem with another growing load `along`, for t up to `most`."""
         result = replace(self, along=along, most=most)
         result.__dict__.update({k: v for k, v in self.__dict__.items() if k not in result.__dict__})
         return result
 
     @cached_property
     def _link(self) -> Index:
-        """Link of each cone, shape (K,)."""
+        """Index of the link to which each cone belongs, shape (K,)."""
         count = np.diff(np.append(self.start, self.columns.shape[2]))
         link: Index = np.repeat(np.arange(len(self.start)), count)
         return link
 
     @cached_property
     def _shared_links(self) -> Index:
-        """Links between two blocks."""
+        """Indices of the links that join two blocks, not a block and the ground."""
         return np.flatnonzero(self.second >= 0)
 
     @cached_property
     def _gather(self) -> tuple[csr_array, csr_array]:
-        """Matrices that sum the contributions of links to their first and second blocks."""
+        """Sparse matrices that sum values of links at their first and at their second blocks."""
         shape, links = (len(self.place), len(self.start)), np.arange(len(self.start))
         first = csr_array((np.ones(len(links)), (self.first, links)), shape=shape)
         both = self._shared_links
@@ -88,14 +88,14 @@ class LinkedCones:
 
     @cached_property
     def factor(self) -> BlockCholesky:
-        """Factorisation for matrices of the pattern of A A^T."""
+        """Cholesky factorisation for matrices with the block pattern of A A^T."""
         both = self._shared_links
         ends = self.first[both], self.second[both]
         return BlockCholesky(self.place, *ends, self.columns.shape[0])
 
     @cached_property
     def sizes(self) -> Array:
-        """Largest length of the columns of a cone, in the rows of either block, shape (K,)."""
+        """Largest column length of each cone in the rows of either block, shape (K,)."""
         length = np.sqrt((self.columns**2).sum(axis=0).max(axis=0))
         stretch = np.sqrt((self.carried**2).sum(axis=(1, 2)))
         size: Array = length * np.maximum(stretch, 1.0)[self._link]
@@ -103,7 +103,7 @@ class LinkedCones:
 
     @cached_property
     def _squares(self) -> Array:
-        """C J C^T of the columns C of each cone, upper triangle, shape (n (n + 1) / 2, K)."""
+        """Upper triangle of C J C^T for each cone's columns C, J = diag(1, -1, ..); n(n+1)/2 rows."""
         c = self.columns
         i, j = np.triu_indices(len(c))
         squares = c[i, 0] * c[j, 0]
@@ -113,7 +113,7 @@ class LinkedCones:
         return result
 
     def balance(self, x: Array) -> Array:
-        """A x, shape (N, n), for x of shape (d, K)."""
+        """Forces on the blocks, A x, shape (N, n), from cone forces x, shape (d, K)."""
         pushed = np.einsum("idk,dk->ik", self.columns, x)
         links = np.add.reduceat(pushed, self.start, axis=1).T
         first, second = self._gather
@@ -121,7 +121,7 @@ class LinkedCones:
         return result
 
     def openings(self, y: Array) -> Array:
-        """A^T y, shape (d, K), for y of shape (N, n)."""
+        """Relative motions A^T y of the blocks at the cones, shape (d, K), for y, shape (N, n)."""
         links = y[self.first]
         both = self._shared_links
         links[both] += np.einsum("lji,lj->li", self.carried[both], y[self.second[both]])
@@ -129,7 +129,7 @@ class LinkedCones:
         return result
 
     def normal_matrix(self, scaling: Scaling) -> tuple[Array, Array]:
-        """Blocks of A W^2 A^T: diagonal, shape (N, n, n), and those of the links of two blocks.
+        """Blocks of A W^2 A^T: diagonal, shape (N, n, n), and the blocks of links of two blocks.
 
         W^2 = eta^2 (2 w w^T - J), and C J C^T is precomputed.
         """

@@ -1,4 +1,4 @@
-"""Weighted normal matrix of rows that each touch at most two blocks of unknowns.
+"""Normal matrix I + R^T D R of rows that each touch at most two blocks of unknowns.
 
     I + R^T D R
 
@@ -25,7 +25,7 @@ REGULAR = 1e-13
 
 
 class LinkedRows:
-    """Rows R, shape (K, N n), of N blocks of n unknowns; each row touches at most two blocks.
+    """Sparse rows R, shape (K, N n), over N blocks of n unknowns; each row touches at most two.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ class LinkedRows:
         self._to_second = csr_array((np.ones(len(ends)), (link_second, links)), shape=shape)
 
     def factorised(self, weights: Array) -> Callable[[Array], Array]:
-        """Solver of (I + R^T diag(weights) R) x = y, with refinement if rounding requires it.
+        """Make a solver of (I + R^T diag(weights) R) x = y, with refinement if necessary.
 
         The returned function is valid until the next call, which overwrites its factors.
 
@@ -103,7 +103,7 @@ class LinkedRows:
         return solve
 
     def _normal_matrix(self, weights: Array) -> tuple[Array, Array]:
-        """Diagonal blocks, shape (N, n, n), and blocks of the links, for weights sorted by link."""
+        """Diagonal blocks and link blocks of the normal matrix, for weights sorted by link."""
         block = self._block
         sides = slice(block), slice(block, 2 * block)
         links = np.empty((len(self._start), 2 * block, 2 * block))

@@ -1,4 +1,4 @@
-"""Second-order cones x_0 >= |x_1..| in arrays, and the scaling of Nesterov and Todd.
+"""Second-order cones x_0 >= |x_1..| as arrays, and their Nesterov-Todd scaling.
 
 Points are columns, shape (d, K), of K cones in d dimensions. With d = 1 they are half lines, and
 the same formulas hold. The scaling W of a pair x, s of inner points is the symmetric map with
@@ -23,13 +23,13 @@ __all__ = ["Scaling", "depth", "divided", "product", "reach"]
 
 
 def depth(x: Array) -> Array:
-    """Distance of each point inside its cone, x_0 - |x_1..|, shape (K,); negative outside."""
+    """Depth of each point in its second-order cone, x_0 - |x_1..|, shape (K,); negative outside."""
     within: Array = x[0] - np.sqrt((x[1:] ** 2).sum(axis=0))
     return within
 
 
 def _determinant(x: Array) -> Array:
-    """Jordan determinant x_0^2 - |x_1..|^2 of inner points, at least `TINY`, shape (K,).
+    """Jordan determinant x_0^2 - |x_1..|^2 of points inside cones, at least `TINY`, shape (K,).
 
     It is computed as a product, which avoids the cancellation of the squares near the boundary.
     """
@@ -39,14 +39,14 @@ def _determinant(x: Array) -> Array:
 
 
 def product(x: Array, y: Array) -> Array:
-    """Jordan product of points: (x.y, x_0 y_1.. + y_0 x_1..)."""
+    """Jordan product of points of second-order cones: (x.y, x_0 y_1.. + y_0 x_1..)."""
     result: Array = x[0] * y + y[0] * x
     result[0] = (x * y).sum(axis=0)
     return result
 
 
 def divided(x: Array, y: Array) -> Array:
-    """Jordan quotient: the z with product(x, z) = y.
+    """Jordan quotient in second-order cones: the z with product(x, z) = y.
 
     Examples
     --------
@@ -61,7 +61,7 @@ def divided(x: Array, y: Array) -> Array:
 
 
 def reach(x: Array, step: Array) -> float:
-    """Largest t up to which every x + t step stays in its cone, for inner points x.
+    """Largest t up to which every x + t step stays in its second-order cone, for x inside.
 
     Examples
     --------
@@ -83,7 +83,7 @@ def reach(x: Array, step: Array) -> float:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scaling:
-    """Nesterov-Todd scaling of pairs of inner points.
+    """Nesterov-Todd scaling W of pairs of points inside second-order cones: W s = W^-1 x.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ class Scaling:
 
     @classmethod
     def of(cls, x: Array, s: Array) -> Scaling:
-        """Scaling of inner points x and s, shape (d, K) each."""
+        """Scaling W of points x and s inside their cones, shape (d, K) each, with W s = W^-1 x."""
         x_size, s_size = np.sqrt(_determinant(x)), np.sqrt(_determinant(s))
         a, b = x / x_size, s / s_size
         half = np.sqrt((1 + (a * b).sum(axis=0)) / 2)
@@ -116,17 +116,17 @@ class Scaling:
         return cls(w / (2 * half), np.sqrt(x_size / s_size))
 
     def times(self, x: Array) -> Array:
-        """W x."""
+        """Product W x with the scaling matrix W, shape (d, K)."""
         return _boost(self.w, x) * self.eta
 
     def over(self, x: Array) -> Array:
-        """W^-1 x."""
+        """Product W^-1 x with the inverse of the scaling matrix W, shape (d, K)."""
         w = -self.w
         w[0] = self.w[0]
         return _boost(w, x) / self.eta
 
     def twice(self, x: Array) -> Array:
-        """W^2 x."""
+        """Product W^2 x with the square of the scaling matrix W, shape (d, K)."""
         result = 2 * (self.w * x).sum(axis=0) * self.w + x
         result[0] -= 2 * x[0]
         scaled: Array = result * self.eta**2
@@ -134,7 +134,7 @@ class Scaling:
 
 
 def _boost(w: Array, x: Array) -> Array:
-    """V x, the hyperbolic rotation by w."""
+    """Product V x with the hyperbolic rotation V that turns the axis of each cone to w."""
     tail = (w[1:] * x[1:]).sum(axis=0)
     result: Array = x + (x[0] + tail / (1 + w[0])) * w
     result[0] = w[0] * x[0] + tail

@@ -1,4 +1,4 @@
-"""Linear, conic and projection problems, as pure mathematics without physics.
+"""Linear, conic and projection problems as mathematics, without solvers and physics.
 
     LinearProgram    min c.x:  L <= A x <= U,  l <= x <= u
     ConicProgram     min 1/2 x.P x + c.x:  A x + s = b,  s in {0} x (s >= 0) x cones |s_1..| <= s_0
@@ -37,7 +37,7 @@ __all__ = ["ConeProjection", "ConicProgram", "LinearProgram", "quadratic_program
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LinearProgram:
-    """min cost.x: row_lower <= matrix x <= row_upper, lower <= x <= upper.
+    """Linear program: min cost.x with row_lower <= matrix x <= row_upper, lower <= x <= upper.
 
     Attributes
     ----------
@@ -56,11 +56,11 @@ class LinearProgram:
     upper: Array
 
     def objective(self, x: Array) -> float:
-        """Cost of a point."""
+        """Cost of a point x of a linear program."""
         return float(self.cost @ x)
 
     def residual(self, x: Array, multipliers: Array) -> float:
-        """Worst relative violation of optimality by a point and multipliers [-]; inf for NaN.
+        """Largest relative violation of optimality by a point and multipliers [-]; inf for NaN.
 
         It is the largest of three numbers: the violation of bounds and sides by x; multipliers of
         the wrong sign; and the gap between both objectives. With d = cost - matrix^T y, the gap is
@@ -85,7 +85,7 @@ class LinearProgram:
         return worst if np.isfinite(worst) else np.inf
 
     def safe_bound(self, multipliers: Array) -> float:
-        """Lower bound of the cost that the multipliers of the rows prove, rounding included.
+        """Lower bound of the optimal cost that multipliers of the rows prove, rounding included.
 
         Examples
         --------
@@ -125,26 +125,26 @@ class LinearProgram:
 
 
 def _transposed_product(matrix: csc_array, y: Array) -> Array:
-    """Product matrix^T y, without scipy's checks, which take longer than a small product."""
+    """Product matrix^T y, without scipy's argument checks, which dominate for small matrices."""
     owner = np.repeat(np.arange(matrix.shape[1]), np.diff(matrix.indptr))
     terms = matrix.data * y[matrix.indices]
     return np.asarray(np.bincount(owner, terms, minlength=matrix.shape[1]), dtype=np.float64)
 
 
 def _product(matrix: csc_array, x: Array) -> Array:
-    """Product matrix x, without scipy's checks."""
+    """Product matrix x, without scipy's argument checks."""
     terms = matrix.data * np.repeat(x, np.diff(matrix.indptr))
     total = np.bincount(matrix.indices, terms, minlength=matrix.shape[0])
     return np.asarray(total, dtype=np.float64)
 
 
 def _violation(values: Array, lower: Array, upper: Array) -> float:
-    """Largest amount by which values lie outside their bounds."""
+    """Largest amount by which values lie outside their bounds; 0 inside."""
     return float(np.maximum(lower - values, values - upper).max(initial=0.0))
 
 
 def _gap(slopes: Array, values: Array, lower: Array, upper: Array) -> tuple[float, float]:
-    """Sum of |slope| times the distance to the bound of its sign; largest slope without a bound.
+    """Duality gap, sum of |slope| times distance to its bound; and the largest unbounded slope.
 
     A positive slope belongs to the lower bound, a negative slope to the upper bound.
     """
@@ -158,7 +158,7 @@ def _gap(slopes: Array, values: Array, lower: Array, upper: Array) -> tuple[floa
 def _safe_bound(
     program: LinearProgram, cost: Array, multipliers: Array, lower: Array, upper: Array
 ) -> float:
-    """`LinearProgram.safe_bound` for another cost and other bounds of the columns."""
+    """Lower bound of the optimal cost, as `LinearProgram.safe_bound`, for other cost and bounds."""
     if len(multipliers) != len(program.row_lower) or not np.isfinite(multipliers).all():
         return -np.inf
     # a multiplier of a side that does not exist is set to 0
@@ -183,7 +183,7 @@ def _safe_bound(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ConicProgram:
-    """min 1/2 x.(quadratic x) + cost.x: matrix x + s = bound, s in a product of cones.
+    """Conic program: min 1/2 x.(quadratic x) + cost.x with matrix x + s = bound, s in cones.
 
     The first `equal` rows have s = 0, the next `positive` rows s >= 0. A second-order cone
     |s_1..| <= s_0 of each dimension in `cones` follows.
@@ -209,11 +209,11 @@ class ConicProgram:
     cones: Index
 
     def objective(self, x: Array) -> float:
-        """Cost of a point."""
+        """Cost of a point x of a conic program."""
         return float(0.5 * (x @ (self.quadratic @ x)) + self.cost @ x)
 
     def residual(self, x: Array, multipliers: Array) -> float:
-        """Largest residual of stationarity, feasibility and complementarity of a primal-dual pair.
+        """Largest violation of stationarity, feasibility and complementarity by x and multipliers.
 
         The multipliers y lie in the dual cones: 0 = quadratic x + cost + matrix^T y.
         """
@@ -270,7 +270,7 @@ class ConicProgram:
 
 
 def _cone_excess(values: Array, starts: Index) -> Array:
-    """By how much |v_1..| of each run of values exceeds its v_0; 0 inside the cone."""
+    """Amount by which |v_1..| exceeds v_0 in each cone's run of values; 0 inside the cone."""
     squares = np.add.reduceat(values * values, starts)
     first = values[starts]
     tail = np.sqrt(np.maximum(squares - first * first, 0.0))
@@ -280,7 +280,7 @@ def _cone_excess(values: Array, starts: Index) -> Array:
 def quadratic_program(
     quadratic: csc_array, cost: Array, matrix: csc_array, bound: Array, equal: int
 ) -> ConicProgram:
-    """A conic program without cones: `matrix` x = bound in the first `equal` rows, then >=.
+    """Quadratic program as a conic one: `matrix` x = bound in the first `equal` rows, >= below.
 
     Parameters
     ----------
@@ -297,7 +297,7 @@ def quadratic_program(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ConeProjection:
-    """min 1/2 |b|^2 - load.b: rows b = 0 in the first `equal` rows, then >= 0.
+    """Projection of a load onto a polyhedral cone: min 1/2 |b|^2 - load.b under rows b >= 0.
 
     Attributes
     ----------
@@ -324,7 +324,7 @@ class ConeProjection:
 
     @property
     def conic(self) -> ConicProgram:
-        """The same problem as a conic program."""
+        """The projection problem as a conic program."""
         count, bound = len(self.load), np.zeros(len(self.unit))
         identity = csc_array(eye_array(count, format="csc"))
         return quadratic_program(identity, -self.load, csc_array(self.rows), bound, self.equal)

@@ -1,4 +1,4 @@
-"""Projection onto a polyhedral cone: an interior point, then exact multipliers.
+"""Projection onto a polyhedral cone by an interior point, then by exact multipliers.
 
     min 1/2 |b|^2 - v.b,   R b = 0 in the first rows, then R b >= 0
 
@@ -88,7 +88,7 @@ EXACT = 3e-12
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ProjectionSolution:
-    """Unknowns b, multipliers f, and the number of factorisations; the solution is unverified."""
+    """Result of a projection: unknowns b, multipliers f, number of factorisations; unverified."""
 
     unknowns: Array
     multipliers: Array
@@ -97,7 +97,7 @@ class ProjectionSolution:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Data:
-    """The problem, divided by the largest load.
+    """The projection problem, divided by the largest load.
 
     Attributes
     ----------
@@ -115,18 +115,18 @@ class _Data:
     weight: Array
 
     def opening(self, b: Array) -> Array:
-        """Slacks R b."""
+        """Slacks R b of the rows for unknowns b."""
         result: Array = self.linked.rows @ b
         return result
 
     def push(self, f: Array) -> Array:
-        """R^T f."""
+        """Sum R^T f of the rows, weighted by multipliers f."""
         result: Array = self.linked.turned @ f
         return result
 
 
 def solve_projection(problem: ConeProjection, *, enough: float = 0.0) -> ProjectionSolution:
-    """Solve by an interior point, then by multipliers if the interior point is not accurate enough.
+    """Project a load onto a cone: an interior point, then multipliers if it is too inaccurate.
 
     Parameters
     ----------
@@ -159,7 +159,7 @@ def solve_projection(problem: ConeProjection, *, enough: float = 0.0) -> Project
 
 
 def _interior_point(data: _Data, enough: float) -> tuple[Array, Array, float, int]:
-    """Best iterate of the interior point: b, f, its violation, and the factorisations used."""
+    """Best iterate of the interior point: b, f, their violation, and number of factorisations."""
     two_sided = data.two_sided
     root = np.sqrt(data.weight)
     length = 0.0
@@ -216,13 +216,13 @@ def _interior_point(data: _Data, enough: float) -> tuple[Array, Array, float, in
 
 
 def _step_limit(v: Array, dv: Array) -> float:
-    """Largest step, at most 1, that keeps all values positive."""
+    """Largest step length, at most 1, that keeps all values v + t dv positive."""
     decreasing = dv < -LEAST * v
     return min(1.0, float((-v[decreasing] / dv[decreasing]).min(initial=np.inf)))
 
 
 def _admissible(data: _Data, f: Array) -> tuple[Array, Array, float]:
-    """Forces clipped to their signs, the b that they produce, and its violation."""
+    """Multipliers clipped to their signs, the b that they produce, and the violation of both."""
     two_sided = data.two_sided
     f = np.where(two_sided, f, np.maximum(f, 0.0))
     b = data.load + data.push(f)
@@ -234,7 +234,7 @@ def _admissible(data: _Data, f: Array) -> tuple[Array, Array, float]:
 def _search_direction(
     data: _Data, s: Array, f: Array, rd: Array, rp: Array, mu: float, look_ahead: bool
 ) -> tuple[Array, Array, Array, float, Array | None]:
-    """Direction of a step by predictor, corrector and centrality correctors.
+    """Search direction of the interior point, by predictor, corrector, centrality correctors.
 
     Returns the changes of b, s and f, the length of the step, and, if `look_ahead` is true, the
     forces at the end of the series that looks ahead.
@@ -287,7 +287,7 @@ def _search_direction(
 
 
 def _multiplier_steps(data: _Data, b: Array, f: Array, enough: float) -> tuple[Array, Array, int]:
-    """Steps of the method of multipliers, until violations are below `enough`.
+    """Improve b and f by the method of multipliers, until violations are below `enough`.
 
     Returns b, f, and the number of factorisations.
     """
@@ -305,7 +305,7 @@ def _multiplier_steps(data: _Data, b: Array, f: Array, enough: float) -> tuple[A
 
 
 def _minimise(data: _Data, b: Array, f: Array, enough: float) -> tuple[Array, int]:
-    """Newton's method on the piecewise quadratic function, with exact line searches."""
+    """Minimise the piecewise quadratic function of the multiplier method, by Newton's method."""
     last_active: Mask | None = None
     solve: Callable[[Array], Array] | None = None
     count, least_gradient = 0, np.inf
@@ -329,7 +329,7 @@ def _minimise(data: _Data, b: Array, f: Array, enough: float) -> tuple[Array, in
 
 
 def _line_minimum(data: _Data, b: Array, d: Array, pushed: Array) -> float:
-    """Minimiser along d: the root of an increasing, piecewise linear function."""
+    """Step length to the minimum along d: the root of an increasing, piecewise linear slope."""
     opening_rate = RHO * data.opening(d)
     square, start = float(d @ d), float((b - data.load) @ d)
     t, low, high = 1.0, 0.0, np.inf

@@ -1,4 +1,4 @@
-"""Semidefinite programs that are small and inherently degenerate.
+"""Data of small, degenerate semidefinite programs.
 
     max c.x:   A0 x = 0,  A1 x >= 0,  A2 x in second-order cones,  each matrix S_k(x) >= 0
 
@@ -28,7 +28,7 @@ __all__ = ["Multipliers", "SemidefiniteProgram"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SemidefiniteProgram:
-    """The program max gain.x over x with x[0] = 1, under rows, cones and semidefinite matrices.
+    """Semidefinite program: max gain.x with x[0] = 1, under rows, cones and matrices >= 0.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class SemidefiniteProgram:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Multipliers:
-    """Unverified multipliers of the rows, and the point x; squares have symmetric matrices."""
+    """Multipliers of a semidefinite program's rows and matrices, and its point x; unverified."""
 
     equal: Array
     positive: Array

@@ -1,4 +1,4 @@
-"""The common result type of all solvers; it checks itself against its problem.
+"""The result type of all solvers; it checks itself against its problem.
 
 A solver reports an outcome: "optimal"; "infeasible", no point is feasible; "unbounded"; or
 "failed", which states nothing about the problem: an iteration or time limit, rounding, a breakdown.
@@ -32,7 +32,7 @@ Outcome = Literal["optimal", "infeasible", "unbounded", "failed"]
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """A solver's answer to a problem.
+    """Result of a solver for a problem: status, point and multipliers, not yet verified.
 
     Attributes
     ----------
@@ -74,47 +74,47 @@ class Solution:
 
     @property
     def found(self) -> bool:
-        """True if there is a point, of any quality."""
+        """True if the solver returned a point, of any quality."""
         return len(self.x) == len(self.problem.cost)
 
     @property
     def optimal(self) -> bool:
-        """True if there is a point that the solver reports as optimal."""
+        """True if the solver returned a point that it reports as optimal."""
         return self.found and self.outcome == "optimal"
 
     @cached_property
     def objective(self) -> float:
-        """Cost of x; inf without a point."""
+        """Cost of the solver's point; inf without a point."""
         return self.problem.objective(self.x) if self.found else np.inf
 
     @cached_property
     def residual(self) -> float:
-        """Residual of optimality of x and the multipliers, as the problem measures it [-]."""
+        """Largest violation of optimality by the point and multipliers [-]; inf without a point."""
         if not self.found or len(self.multipliers) != self.problem.matrix.shape[0]:
             return np.inf
         return self.problem.residual(self.x, self.multipliers)
 
     @property
     def holds(self) -> bool:
-        """True if the multipliers prove that x is optimal, whatever the solver reports."""
+        """True if the multipliers prove that the point is optimal, whatever the solver reports."""
         return self.residual <= BELIEVED
 
     @cached_property
     def bound(self) -> float:
-        """Proved lower bound of the cost of feasible points; -inf without a proof."""
+        """Proved lower bound of the optimal cost; -inf without a proof."""
         if isinstance(self.problem, LinearProgram):
             return self.problem.safe_bound(self.multipliers)
         return -np.inf
 
     @property
     def proves_none(self) -> bool:
-        """True if the multipliers prove that no point up to `LARGEST_POINT` is feasible."""
+        """True if the multipliers prove the problem infeasible for points up to `LARGEST_POINT`."""
         if len(self.multipliers) != self.problem.matrix.shape[0]:
             return False
         return self.problem.excluded(self.multipliers) >= LARGEST_POINT
 
     def required(self, what: str) -> Solution:
-        """The solution itself if it is reported optimal; for figures that no verdict relies on.
+        """Return the solution itself if reported optimal, else raise; for figures outside proofs.
 
         Parameters
         ----------
