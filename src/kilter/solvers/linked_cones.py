@@ -103,7 +103,7 @@ class LinkedCones:
 
     @cached_property
     def _squares(self) -> Array:
-        """Upper triangle of C J C^T for each cone's columns C, J = diag(1, -1, ..); n(n+1)/2 rows."""
+        """Upper triangle of C J C^T of each cone's columns C, with J = diag(1, -1, ..)."""
         c = self.columns
         i, j = np.triu_indices(len(c))
         squares = c[i, 0] * c[j, 0]
