@@ -1,4 +1,4 @@
-"""Second order: do neutral motions lead down, along curved gaps?
+"""Second order: does the energy fall along motions that cost none to first order (neutral)?
 
 Folders, each of which uses only those before it:
 

@@ -1,4 +1,4 @@
-"""Tolerances of second order: relative [-] or angles [rad]; energies are over weight x length.
+"""Tolerances of second order: relative [-] or angles [rad]; energies over weight x length.
 
 CURVED, DROPS > FLAT > BALANCED        curved is well above flat, and flat well above rounding
 ACROSS > BALANCED,   CARRIES = BALANCED

@@ -1,4 +1,4 @@
-"""The answer of second order.
+"""Second-order answer for an assembly: minimum, free, balanced or open, with its evidence.
 
 - `whole`: the answer for an assembly, joined from its clusters
 - `one_cluster`: the answer for a single cluster

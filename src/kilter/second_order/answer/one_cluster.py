@@ -1,4 +1,4 @@
-"""The answer of second order for a single cluster.
+"""Second-order answer for a single cluster (free parts that touch each other).
 
 1  contacts without force, or whose gap has no form, are left out: if the rest is a minimum or free,
    so is the cluster
@@ -56,7 +56,7 @@ def answer_alone(
     work: Work,
     only_if_stays: bool = False,
 ) -> SecondOrder:
-    """The answer for a cluster in equilibrium.
+    """Second-order answer (minimum, free, balanced or open) for a cluster in equilibrium.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def answer_alone(
 def _decide_across_free(
     facts: ClusterFacts, critical: Critical | None, work: Work, only_if_stays: bool
 ) -> tuple[Decision, FreeMotions]:
-    """The decision across the free motions, and these.
+    """Decide across (orthogonal to) the free motions; returns the decision and these motions.
 
     If motions are left beside the free ones, only symmetries may be divided out.
     """
@@ -133,7 +133,7 @@ def _decide_across_free(
 def _minimum_or_free(
     facts: ClusterFacts, problem: Stationary, decision: Decision, free: FreeMotions
 ) -> SecondOrder:
-    """A minimum; free if a free motion moves a part visibly."""
+    """Answer for a proved minimum: "free" if a free motion moves a part visibly, else "minimum"."""
     answer = answer_of(facts.program, problem, decision)
     moving = moving_free(facts.assembly, free)
     if not len(moving):
@@ -145,7 +145,7 @@ def _minimum_or_free(
 
 
 def _beside_points(facts: ClusterFacts, critical: Critical | None, work: Work) -> SecondOrder:
-    """The answer for a cluster with edges and corners that have no unique normal.
+    """Answer for a cluster in which edges or corners touch without a unique normal.
 
     These only take motions away.
     """
@@ -160,7 +160,7 @@ def _beside_points(facts: ClusterFacts, critical: Critical | None, work: Work) -
 def _without_idle(
     facts: ClusterFacts, kept: Mask, critical: Critical | None, work: Work
 ) -> SecondOrder | None:
-    """The answer for a subset of the contacts, shape (K,), extended to all.
+    """Answer from the contacts `kept` alone, shape (K,), extended to all; None if it fails.
 
     Fewer contacts only admit more motions, so a minimum of the subset is a minimum of all. None
     if the subset is neither a minimum nor free, or no free motion opens the other contacts.
@@ -172,7 +172,7 @@ def _without_idle(
 def _opening_idle(
     facts: ClusterFacts, rows: Index, answer: SecondOrder, work: Work
 ) -> SecondOrder | None:
-    """Extend the answer for some rows to all, by a free motion that also opens the others.
+    """Extend an answer for the contacts `rows` to all contacts; None if that is not possible.
 
     The motion may also shift both parts of a contact alike. None if there is no such motion, or
     the rows are neither at a minimum nor free.
@@ -207,7 +207,7 @@ def _opening_idle(
 def _away(
     program: Program, idle: Mask, free: Array, points: SharpPoints, work: Work
 ) -> Array | None:
-    """Coefficients, shape (f,), of free motions (n, f) whose sum opens all idle contacts.
+    """Coefficients of free motions (n, f) whose sum opens all idle contacts, shape (f,), or None.
 
     The sum may also shift all parts alike, and open the idle contacts with held parts. None if no
     such sum was found.
@@ -236,7 +236,7 @@ def _away(
 
 
 def _sliding(facts: ClusterFacts, critical: Critical | None, work: Work) -> SecondOrder | None:
-    """Parts slide on faces, with all else locked; None if that was not proved."""
+    """Answer "free" for parts that slide on faces with all turns locked; None without a proof."""
     program, problem = facts.program, facts.problem
     critical = critical or find_critical(problem, work=work)
     if critical is None or program.planar:
@@ -254,7 +254,7 @@ def _sliding(facts: ClusterFacts, critical: Critical | None, work: Work) -> Seco
 
 
 def _stopped_or_none(facts: ClusterFacts, work: Work) -> SecondOrder | None:
-    """Parts slide level, also away from stops; None if that was not proved."""
+    """Answer "free" for parts that stops keep from sliding off; None without a proof."""
     question = stop_question(facts)
     proof = find_stopped(*question, work=work)
     if proof is None:
@@ -268,7 +268,7 @@ def _stopped_or_none(facts: ClusterFacts, work: Work) -> SecondOrder | None:
 def _sliding_by(
     program: Program, problem: Stationary, decision: Decision, motion: Array
 ) -> SecondOrder:
-    """Parts slide freely along a motion, shape (n,), in scaled unknowns."""
+    """Answer "free", for parts that slide along `motion`, shape (n,), in scaled unknowns."""
     assert problem.scale is not None
     moved = program.full(motion * problem.scale)
     sizes = np.linalg.norm(moved[:, :3], axis=1)
@@ -281,19 +281,19 @@ def _sliding_by(
 
 
 def _unknown(program: Program, known: Mask) -> str:
-    """Why a cluster is open if the gaps of some rows have no form."""
+    """Reason for an open answer: surfaces of unknown curvature meet; names their two parts."""
     pair = _first(program, ~known)
     return f"the curvature of the surfaces of {pair} at their contact is not known"
 
 
 def _sharp(program: Program) -> str:
-    """Why a cluster is open if a motion does not open its sharp points."""
+    """Reason for an open answer: edges or corners meet without a normal; names their two parts."""
     pair = _first(program, program.kind != CONTACT)
     return f"edges or corners of {pair} meet without a unique normal"
 
 
 def _first(program: Program, rows: Mask) -> str:
-    """The names of both parts of the first of these rows, shape (K,)."""
+    """Names of the two parts at the first row of a mask, shape (K,), joined by "and"."""
     k = int(np.flatnonzero(rows)[0])
     names = (*program.names, "the ground")
     return f"{names[program.part_a[k]]} and {names[program.part_b[k]]}"
@@ -302,7 +302,7 @@ def _first(program: Program, rows: Mask) -> str:
 def _falling(
     facts: ClusterFacts, whole: Program, problem: Stationary, decision: Decision, work: Work
 ) -> SecondOrder:
-    """A balanced cluster with an exact place on its path; open if none was found.
+    """Answer "balanced", with an exact lower place on the path down; "open" if none was found.
 
     Parameters
     ----------

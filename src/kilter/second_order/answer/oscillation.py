@@ -1,4 +1,4 @@
-"""Rates of oscillation about a minimum, and of growth of a push on a balanced assembly."""
+"""Oscillation rate about an energy minimum, and growth rate of a push on a balanced assembly."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["growth_rate", "least_frequency"]
 
 
 def least_frequency(program: Program, problem: Stationary, proof: object) -> float | None:
-    """The least angular frequency under the forces of a proof [rad/s].
+    """Least angular frequency of oscillations about a minimum [rad/s]; None if not proved.
 
     None if the proof has no neutral motions, or has forces for each of several cones.
     """
@@ -29,13 +29,13 @@ def least_frequency(program: Program, problem: Stationary, proof: object) -> flo
 
 
 def growth_rate(program: Program, problem: Stationary, path: Path) -> float:
-    """The exponential rate of growth along a path that leads down [1/s]."""
+    """Exponential growth rate of a small push along a path that leads down [1/s]."""
     growth = path.power / float(path.first @ _mass(program, problem) @ path.first)
     return float(np.sqrt(growth)) * _per_second(program)
 
 
 def _mass(program: Program, problem: Stationary) -> Array:
-    """Masses and inertias in scaled unknowns over weight x length, shape (n, n) [s^2]."""
+    """Mass matrix in scaled unknowns, over weight x length, shape (n, n) [s^2]."""
     assert problem.scale is not None
     free, per = np.flatnonzero(program.free), len(program.freedoms)
     total = np.zeros((len(problem.scale), len(problem.scale)))
@@ -49,5 +49,5 @@ def _mass(program: Program, problem: Stationary) -> Array:
 
 
 def _per_second(program: Program) -> float:
-    """The square root of 1 N / (kg x length unit) [1/s]."""
+    """Factor from scaled unknowns to time: square root of 1 N / (kg x length unit) [1/s]."""
     return float(1.0 / np.sqrt(metres_per_unit(program.units)))

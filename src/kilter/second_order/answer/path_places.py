@@ -1,4 +1,4 @@
-"""The fall of a balanced assembly as exact configurations, each apart and lower than the last.
+"""Fall of a balanced assembly as exact configurations, each free of penetration and lower.
 
 The fall starts at the exact configuration of an answer. Each step has the direction in which the
 parts would start to move from rest (Gauss's principle): the du of length h in the metric of the
@@ -67,7 +67,7 @@ ALLOWED = 4 * PER_EFFORT
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PathPlaces:
-    """Configurations along a fall: the start and k configurations after it.
+    """Configurations of the parts along a fall: the start, and k configurations after it.
 
     Attributes
     ----------
@@ -88,7 +88,7 @@ class PathPlaces:
 
     @property
     def half_way(self) -> int:
-        """Index of the first configuration at half of the whole length or beyond."""
+        """Index of the first configuration at or beyond half the length of the fall."""
         return int(np.searchsorted(self.lengths, self.lengths[-1] / 2))
 
 
@@ -96,7 +96,7 @@ class PathPlaces:
 def find_path_places(
     assembly: Assembly, answer: SecondOrder, *, work: Work | None = None
 ) -> PathPlaces | None:
-    """The fall of a balanced assembly without friction.
+    """Compute the fall of a balanced assembly without friction; None if it cannot be computed.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def find_path_places(
 
 
 def _joined_program(programs: list[Program]) -> Program:
-    """A single program with the free parts and rows of several clusters."""
+    """A single program with the free parts and contact rows of several clusters."""
     rows = ForceRows.join([program.force_rows for program in programs])
     free = np.any([program.free for program in programs], axis=0)
     return replace(programs[0].with_force_rows(rows), free=free)
@@ -138,7 +138,7 @@ def _joined_program(programs: list[Program]) -> Program:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Lower:
-    """A step, shape (N, 6), with the places and the least separation after it [length unit]."""
+    """A step of the fall, shape (N, 6), the places after it and their least separation."""
 
     motion: Array
     place: Places
@@ -146,7 +146,7 @@ class _Lower:
 
 
 class _Descent:
-    """The descent from configuration to configuration, in the metric of the masses."""
+    """Descent of the parts from configuration to configuration, steepest for their masses."""
 
     def __init__(self, assembly: Assembly, program: Program, work: Work) -> None:
         self.assembly, self.program, self.work = assembly, program, work
@@ -157,7 +157,7 @@ class _Descent:
         self.kept = np.zeros(len(program.part_a), dtype=bool)
 
     def keep(self, planes: Mask, start: Array) -> None:
-        """Keep contacts with planes, shape (K,), if the start is apart only by keeping them.
+        """Keep contacts with planes, shape (K,), as sliding contacts if the start needs them.
 
         Parts that are pressed between planes shift along them and do not turn.
         """
@@ -171,7 +171,7 @@ class _Descent:
         self.planes.kept = set(zip(a[self.kept].tolist(), b[self.kept].tolist(), strict=True))
 
     def follow(self, start: Array, first: Array) -> PathPlaces:
-        """The configurations from rest, given the first and its direction, shape (N, 6) each."""
+        """Configurations from rest down; the first displacement and direction are given, (N, 6)."""
         place, along, h = Places.of(start), first, STEP
         motions, steps, apart = [np.zeros_like(start), start], [start], [self._apart(start)]
         for _ in range(TRIES):
@@ -194,7 +194,7 @@ class _Descent:
         return PathPlaces(path, self._energy(path), lengths, np.array(apart))
 
     def _energy(self, motion: Array) -> Array:
-        """Energy of displacements (..., N, 6) under loads without torques [N x length unit]."""
+        """Energy of displacements (..., N, 6) under the loads' forces [N x length unit]."""
         return np.asarray(0.0 - (motion[..., :3] * self.load[:, :3]).sum(axis=(-2, -1)))
 
     def _length(self, step: Array) -> float:
@@ -203,17 +203,17 @@ class _Descent:
         return float(np.maximum(far, turned * self.program.radius).max())
 
     def _largest_move(self, step: Array) -> float:
-        """Largest displacement of a part in a step, over the radius of the part [-]."""
+        """Largest displacement of a part in a step, relative to the radius of the part [-]."""
         far, turned = (np.linalg.norm(rows, axis=1) for rows in (step[:, :3], step[:, 3:]))
         return float(np.maximum(far / self.program.radius, turned).max())
 
     def _ends(self, motion: Array) -> bool:
-        """Whether a part has moved far enough to end the path."""
+        """True if a part has moved far enough to end the fall."""
         far, turned = (np.linalg.norm(rows, axis=1) for rows in (motion[:, :3], motion[:, 3:]))
         return bool((far > FAR * self.program.radius).any() or (turned > TURNED).any())
 
     def _apart(self, motion: Array) -> float:
-        """Least separation [length unit], at most `BEYOND`; minus infinity if it is unknown."""
+        """Least separation of the parts, at most `BEYOND` [length unit]; -inf if it is unknown."""
         beyond = BEYOND * self.length
         least = least_separation(
             self.assembly, self.program, motion, beyond=beyond, planes=self.kept
@@ -221,7 +221,7 @@ class _Descent:
         return -np.inf if least is None else least
 
     def _step(self, place: Places, h: float, along: Array) -> _Lower | None:
-        """A step of length h to a configuration that is apart and lower; None if none was found.
+        """A step of length h to a lower configuration without penetration; None if none is found.
 
         Steepest descent is tried first, then the direction of the last step: near rest, the
         steepest direction may curve upward sooner.
@@ -237,14 +237,14 @@ class _Descent:
         return None
 
     def _gap(self, place: Places) -> float:
-        """The gap between bodies in the next step [length unit]."""
+        """Gap to leave between the bodies in the next step [length unit]."""
         fallen = -float(self._energy(place.motion)) / self.weight
         return min(GAP * self.length, SHARE * fallen)
 
     def _corrected_step(
         self, place: Places, basis: Array, h: float, direction: Array
     ) -> _Lower | None:
-        """The step of length h along a direction, corrected so that the bodies nearly touch.
+        """Step of length h along a direction, corrected to leave small gaps; None if it fails.
 
         None if the configuration after it is not apart, or not lower.
         """
@@ -264,7 +264,7 @@ class _Descent:
         return _Lower(step, after, apart) if apart > APART * self.length else None
 
     def _basis(self, place: Places) -> Array:
-        """Orthonormal motions of the free parts in the metric of the masses, shape (6 N, n)."""
+        """Motions of the free parts, orthonormal in the metric of the masses, shape (6 N, n)."""
         program, per = self.program, self.program.freedoms
         free = np.flatnonzero(program.free)
         mean = float(program.mass[free].mean())
@@ -279,7 +279,7 @@ class _Descent:
         return columns @ null_space(self._plane_conditions() @ columns, BLUR)
 
     def _plane_conditions(self) -> Array:
-        """Rows, shape (7 K, 6 N), that are zero for shifts along kept planes without turns."""
+        """Rows, shape (7 K, 6 N), that vanish if parts only shift along their kept planes."""
         rows = np.flatnonzero(self.kept)
         program, count = self.program, len(rows)
         across = np.zeros((count, 7, len(self.load), 6))
@@ -293,7 +293,7 @@ class _Descent:
     def _steepest_step(
         self, place: Places, basis: Array, h: float, gap: float, holds: float = 0.0
     ) -> Array | None:
-        """The step that loses most energy, in the basis and over h, of length up to 1, shape (n,).
+        """Step of most energy loss, over h and in the basis, shape (n,); None if not solved.
 
         `holds` is a stiffness: this times half the squared length is added to the cost. None if the
         program was not solved.

@@ -1,4 +1,4 @@
-"""The answer of second order for parts that are stable to first order, with its evidence.
+"""Second-order answer for parts that are stable to first order, with its evidence.
 
     minimum    a strict minimum of the energy, up to spins of parts of revolution: small pushes do
                not move the parts away, whatever the friction
@@ -37,7 +37,7 @@ NAMED = 3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SecondOrder:
-    """The answer of second order for a cluster or an assembly.
+    """Second-order answer (minimum, free, balanced or open) for a cluster or an assembly.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ class SecondOrder:
 
     @property
     def proof(self) -> Proof | None:
-        """The proof, if the answer is about a single cluster."""
+        """Proof of the answer for a single cluster; None for several clusters or an open answer."""
         proof = None if self.decision is None else self.decision.proof
         if isinstance(proof, Path):
             return Fall(proof, None if self.configuration is None else self.configuration.motion)
@@ -99,7 +99,7 @@ class SecondOrder:
 
     @property
     def strict(self) -> bool:
-        """Whether it is proved that no small push makes parts fall, with the given friction."""
+        """True if it is proved that no small push makes parts fall, under the given friction."""
         if self.clusters:
             return all(cluster.strict for cluster in self.clusters)
         held = self.rolling is not None and self.rolling.state == "holds"
@@ -107,13 +107,13 @@ class SecondOrder:
 
     @property
     def counted(self) -> bool:
-        """Whether the neutral motions were counted; otherwise counts of 0 have no meaning."""
+        """True if the neutral motions were counted; otherwise counts of 0 have no meaning."""
         if self.clusters:
             return all(cluster.counted for cluster in self.clusters)
         return self.decision is not None and (self.state != "open" or self.neutral > 0)
 
     def left_open(self, names: tuple[str, ...]) -> str:
-        """A short phrase with the open questions and the reason; empty if no question is open.
+        """Short phrase: the motions that are not decided, and why; empty if all are decided.
 
         Parameters
         ----------
@@ -133,7 +133,7 @@ class SecondOrder:
         return ""
 
     def to_dict(self, names: tuple[str, ...]) -> dict[str, Any]:
-        """The answer as JSON data of `kilter check --json`, with the motion by part."""
+        """JSON data of the answer for `kilter check --json`, with the motion by part."""
         by_part = None if self.motion is None else {
             names[k]: (self.motion[k] + 0.0).tolist() for k in self.moving.tolist()
         }  # fmt: skip
@@ -152,7 +152,7 @@ class SecondOrder:
 
 
 def _listed_names(names: tuple[str, ...], parts: Index) -> str:
-    """The first parts by name, and the number of the others."""
+    """Names of the first few of these parts, and the number of the others."""
     shown = [names[k] for k in parts[:NAMED].tolist()]
     if len(parts) > NAMED:
         return f"{', '.join(shown)} or {len(parts) - NAMED} more"
@@ -160,13 +160,13 @@ def _listed_names(names: tuple[str, ...], parts: Index) -> str:
 
 
 def open_answer(why: str, program: Program) -> SecondOrder:
-    """An open answer with its reason."""
+    """Make an answer "open" with its reason."""
     none = np.zeros(0, dtype=np.int64)
     return SecondOrder("open", 0, 0, 0, 0, None, None, none, why, program=program)
 
 
 def answer_of(program: Program, problem: Stationary, decision: Decision) -> SecondOrder:
-    """The answer with the state and the counts of a decision."""
+    """Make the answer that has the state and the motion counts of a decision."""
     none = np.zeros(0, dtype=np.int64)
     return SecondOrder(
         decision.state,

@@ -1,4 +1,4 @@
-"""The proof of second order as data of a proof file.
+"""Proof of a second-order answer as data of a proof file.
 
 Several clusters have a proof each, None for an open cluster. `proof_kinds` has the kinds of proof;
 `second_order_recheck` judges the data.
@@ -17,7 +17,7 @@ __all__ = ["second_order_data"]
 
 
 def second_order_data(answer: SecondOrder) -> dict[str, Any] | None:
-    """The proof of an answer; None if the answer is open."""
+    """Data for a proof file from a second-order answer; None if the answer is open."""
     if answer.state == "open":
         return None
     rolling = answer.rolling

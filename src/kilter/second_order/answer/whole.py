@@ -1,4 +1,4 @@
-"""The answer of second order for an assembly, joined from its clusters.
+"""Second-order answer for an assembly, joined from the answers of its clusters.
 
 1  parts that rest on level faces alone are free, at any size (`level_rest`)
 2  forces that leave no motion neutral hold a cluster to first order (`held`)
@@ -82,7 +82,7 @@ def find_second_order(
     work: Work | None = None,
     strict: bool = False,
 ) -> SecondOrder | None:
-    """The answer of second order for an assembly in equilibrium; None if no motion is neutral.
+    """Second-order answer for an assembly in equilibrium; None if no motion is neutral.
 
     Parameters
     ----------
@@ -126,14 +126,14 @@ def find_second_order(
 
 
 def _share(work: Work, program: Program, *, strict: bool) -> Work:
-    """The work that second order may take beside that of the first order."""
+    """Work that second order may take, separate from the work of the check."""
     few = min(FEW_ROWS / max(len(program.kind), 1), FEW_PARTS / int(program.free.sum()), 1.0)
     units = max(WORK * few, LEAST_WORK)
     return work.beside(units * (STRICT_WORK if strict else 1.0) * work.allowed / PER_EFFORT)
 
 
 def _of_parts(answer: SecondOrder, groups: RigidGroups) -> SecondOrder:
-    """The answer with the motions of all parts in place of those of their rigid groups."""
+    """Convert an answer about rigid groups to all parts, with a motion for each part."""
     if not groups.tied:
         return answer
     return replace(
@@ -147,7 +147,7 @@ def _of_parts(answer: SecondOrder, groups: RigidGroups) -> SecondOrder:
 def with_rolling(
     second_order: SecondOrder, assembly: Assembly, contacts: ContactSet, program: Program
 ) -> SecondOrder:
-    """A balanced answer with the result about rolling; other answers are returned as they are.
+    """Add the result about rolling to a balanced answer; other answers are returned unchanged.
 
     Parameters
     ----------
@@ -176,7 +176,7 @@ def with_rolling(
 
 
 class _ClusterSearch:
-    """The search for the answers of clusters, with the facts and the work that they share."""
+    """Search for the answers of all clusters, with facts and work that they share."""
 
     def __init__(
         self,
@@ -195,7 +195,7 @@ class _ClusterSearch:
         self.off, self.slanted = loads_off_centre(assembly, program)
 
     def answer(self, cluster: Cluster) -> SecondOrder:
-        """The answer for a cluster."""
+        """Second-order answer for a cluster."""
         program, count = cluster.program, int(cluster.program.free.sum())
         why = why_beyond(program)
         if why:
@@ -218,7 +218,7 @@ class _ClusterSearch:
         return answer
 
     def by_forces(self, program: Program, forces: Array | None) -> SecondOrder | None:
-        """Answer by level rests and held parts, without gaps; None if they do not decide."""
+        """Answer from contact forces alone (level rests, held parts); None if they are no proof."""
         count = int(program.free.sum())
         if count <= MOST_LEVEL and not self.slanted[program.free].any():
             level, sharp = level_rows(program, self.contacts), sharp_points(program, self.contacts)
@@ -233,7 +233,7 @@ class _ClusterSearch:
         return None
 
     def _by_gaps(self, cluster: Cluster) -> SecondOrder:
-        """Answer for a cluster by the second derivatives of its gaps."""
+        """Answer for a cluster from the second derivatives of its contact gaps."""
         program = cluster.program
         certain = program.taking(program.kind == CONTACT)
         first = stationary(certain, np.zeros((len(certain.part_a), 12, 12)))
@@ -249,7 +249,7 @@ class _ClusterSearch:
 
 
 def _on_level(program: Program, rest: LevelRest) -> SecondOrder:
-    """The answer for parts that slide and turn freely on level faces."""
+    """Answer "free" for parts that slide and turn freely on level faces."""
     parts = np.flatnonzero(program.free)
     free = len(parts) * (1 if program.planar else 3)
     decision = Decision("minimum", free, free, 0, 0, rest)
@@ -259,14 +259,14 @@ def _on_level(program: Program, rest: LevelRest) -> SecondOrder:
 
 
 def _without_neutral(program: Program, held: Held) -> SecondOrder:
-    """The answer for parts without neutral motions."""
+    """Answer "minimum" for parts whose contact forces leave no motion neutral."""
     none = np.zeros(0, dtype=np.int64)
     decision = Decision("minimum", 0, 0, 0, 0, held)
     return SecondOrder("minimum", 0, 0, 0, 0, None, None, none, "", decision, program=program)
 
 
 def _join_answers(answers: tuple[SecondOrder, ...]) -> SecondOrder:
-    """The answer for an assembly from those of its clusters."""
+    """Answer for an assembly from the answers for its clusters."""
     if len(answers) == 1:
         return answers[0]
     state = joined_state(answer.state for answer in answers)
@@ -288,7 +288,7 @@ def _join_answers(answers: tuple[SecondOrder, ...]) -> SecondOrder:
 
 
 def _rate(same: list[SecondOrder]) -> float | None:
-    """The fastest growth of balanced clusters, or the slowest oscillation of minima [1/s].
+    """Fastest growth of balanced clusters, or slowest oscillation of minima [1/s]; else None.
 
     None if the oscillation of a minimum is unknown.
     """

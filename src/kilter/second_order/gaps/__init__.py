@@ -1,4 +1,4 @@
-"""The gap of each contact to second order along the motions of both parts.
+"""Gap of each contact, to second order in the motions of its two parts.
 
 - `features`: the face, edge or vertex of each part at a contact point, and its curvature
 - `features_of`: the features at the contacts of a program

@@ -1,4 +1,4 @@
-"""The face, edge or vertex of both parts at each contact point, with its curvature.
+"""Feature (face, edge or vertex) of each part at each contact point, and its curvature.
 
 At a tangent offset u from the contact point, the surface of a part lies u . K u / 2 below its
 tangent plane. K is its curvature, positive if the part is convex; u runs over the directions in
@@ -24,7 +24,7 @@ FEATURES = {"open": OPEN, "vertex": VERTEX, "edge": EDGE, "face": FACE}
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Features(Rows):
-    """Features of K rows of a program, in their order; world frame, length unit of the assembly.
+    """Features (face, edge, vertex) of both parts at K contact rows, in arrays; world frame.
 
     Attributes
     ----------
@@ -73,11 +73,11 @@ class Features(Rows):
 
     @property
     def doubted(self) -> bool:
-        """Whether a curvature is only known within bounds."""
+        """True if a curvature is known only within bounds, as on a mesh."""
         return bool(self.doubt_a.any() or self.doubt_b.any())
 
     @property
     def open(self) -> Mask:
-        """Rows with an unknown feature, shape (K,)."""
+        """Mask of the rows at which a feature of either part is unknown, shape (K,)."""
         unknown: Mask = (self.kind_a == OPEN) | (self.kind_b == OPEN)
         return unknown

@@ -1,4 +1,4 @@
-"""The features at the contacts of a program: given in the assembly, or found from its geometry."""
+"""Features at the contacts of a program, as stated in the assembly or found from geometry."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = ["FLAT", "detected_rows", "features_of"]
 
 
 def features_of(program: Program, contacts: ContactSet, *, recognised: bool = False) -> Features:
-    """The features at the rows of a program.
+    """Features (face, edge, vertex) of both parts at each row of a program.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def features_of(program: Program, contacts: ContactSet, *, recognised: bool = Fa
 
 
 def _nothing_known(program: Program) -> dict[str, Any]:
-    """Columns of `Features` with every row open."""
+    """Columns of `Features` in which the features of every row are unknown."""
     count = len(program.part_a)
     return {
         "kind_a": np.full(count, OPEN),
@@ -85,7 +85,7 @@ def _set_given(columns: dict[str, Any], program: Program, contacts: ContactSet) 
 def _set_side(
     columns: dict[str, Any], side: str, rows: Index, feature: Feature, normal: Array
 ) -> None:
-    """Fill in the stated feature of a part at rows with the same normal.
+    """Fill in the stated feature of a part, at rows that share a normal.
 
     The component of an edge along the normal is removed.
     """
@@ -104,7 +104,7 @@ ROUND = ("sphere", "cylinder", "cone", "torus")
 
 
 def detected_rows(program: Program, contacts: ContactSet) -> Index:
-    """Rows of detected contacts with closed gaps and exact normals, shape (k,)."""
+    """Indices of the rows of detected contacts with closed gaps and exact normals, shape (k,)."""
     rows = np.flatnonzero((program.kind == CONTACT) & (program.doubt == 0))
     patch = program.source[rows]
     known = np.isin(contacts.patch_kind[patch], (*FLAT, *ROUND))
@@ -116,7 +116,7 @@ def detected_rows(program: Program, contacts: ContactSet) -> Index:
 def _set_detected(
     columns: dict[str, Any], program: Program, contacts: ContactSet, rows: Index, recognised: bool
 ) -> None:
-    """Fill in the features of both parts at detected contact points."""
+    """Fill in the features of both parts at contact points that were detected."""
     geometry = contacts.assembly.geometry
     reach = 2 * (contacts.tolerance.gap_of(geometry.size) + geometry.accuracy)
     parts = contacts.patch_parts[program.source[rows]]
@@ -135,7 +135,7 @@ def _set_detected(
 def _set_conformal(
     columns: dict[str, Any], program: Program, contacts: ContactSet, rows: Index
 ) -> None:
-    """Mark points of faces that fit each other, if the features give no form.
+    """Mark contact points of faces that fit each other (shaft in hole) as conformal.
 
     These are corners of a flat patch on an edge of both parts or within a rim, and points of round
     patches along which the surfaces touch everywhere. Lines of contact that end within both faces,

@@ -1,4 +1,4 @@
-"""The feature of a part at points of its surface, from its exact surfaces and its triangles.
+"""Feature (face, edge, vertex) of a part at points of its surface, with its curvature.
 
 The normals of the triangles at a point have the rank 3 minus the dimension of the feature: rank 1
 is a face, rank 2 an edge, rank 3 a vertex, if the part lies below the planes of all of them. On an
@@ -39,7 +39,7 @@ ROUGH = 0.5
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartFeatures(Rows):
-    """The features of a single part at n points; the columns are those of `Features`."""
+    """Features of single parts at n points of their surfaces, in the columns of `Features`."""
 
     kind: Index
     edge: Array = columns(3)
@@ -56,7 +56,7 @@ def part_features(
     region: Mask,
     recognised: Mask,
 ) -> PartFeatures:
-    """The features of parts at points of their surfaces.
+    """Features (face, edge, vertex) of parts at points of their surfaces.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def part_features(
 def _triangles_at(
     geometry: Geometry, part: Index, point: Array, reach: Array
 ) -> tuple[Index, Index]:
-    """Pairs of a point and a triangle of its part within reach of it, sorted by point."""
+    """Pairs of a point and a triangle of its part within `reach` of it, sorted by point."""
     corners = geometry.vertices[geometry.triangles]
     box = corners.min(axis=1), corners.max(axis=1)
     pairs = [(k, t) for _, k, t in joins(part, (point, point), geometry.triangle_part, box, reach)]
@@ -117,7 +117,7 @@ def _triangles_at(
 def _of_triangles(
     geometry: Geometry, near: Index, triangle: Index, point: Array, outward: Array, reach: Array
 ) -> PartFeatures:
-    """Features at points at which all triangles belong to flat faces; the other points are open."""
+    """Features at points whose near triangles are all of flat faces; unknown at other points."""
     count = len(point)
     p = geometry.vertices[geometry.triangles[triangle]]
     normal = unit_rows(cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]))
@@ -143,7 +143,7 @@ def _of_triangles(
 def _within_rim(
     geometry: Geometry, near: Index, triangle: Index, point: Array, outward: Array, reach: Array
 ) -> Mask:
-    """Points on a chord of the rim of a flat face: the true circle lies outside of the chord."""
+    """Mask of points on a chord of a round flat face, whose true rim lies farther outside."""
     s, surface = geometry.surfaces, geometry.triangle_surface[triangle]
     p = geometry.vertices[geometry.triangles[triangle]]
     normal = unit_rows(cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]))
@@ -159,7 +159,7 @@ def _within_rim(
 
 
 def _other_faces(geometry: Geometry, near: Index, triangle: Index, surface: Index) -> Mask:
-    """Points on a curved surface that are also within reach of a triangle of another face."""
+    """Mask of points on a curved surface that are also within reach of another face."""
     other = geometry.triangle_surface[triangle] != surface[near]
     return np.bincount(near, other, minlength=len(surface)) > 0
 
@@ -170,7 +170,7 @@ def _other_faces(geometry: Geometry, near: Index, triangle: Index, surface: Inde
 def _of_surfaces(
     geometry: Geometry, part: Index, point: Array, outward: Array, reach: Array, recognised: Mask
 ) -> tuple[tuple[PartFeatures, Index], Mask]:
-    """Features on exact surfaces, the surface of each point, and points on several surfaces."""
+    """Features on exact surfaces, the surface of each point, and a mask of points on several."""
     s, count = geometry.surfaces, len(part)
     row, surface = ragged(s.start, part)
     x, m, far = point[row], outward[row], reach[row]
@@ -204,7 +204,7 @@ def _of_surfaces(
 
 
 def _at_ends(geometry: Geometry, surface: Index, x: Array, reach: Array) -> Mask:
-    """Points at the flat end of a cylinder or cone that covers a full turn."""
+    """Mask of points at the flat end of a cylinder or cone that covers a full turn."""
     s = geometry.surfaces
     at_end = np.zeros(len(surface), dtype=bool)
     k = np.flatnonzero(np.isin(s.kind[surface], (CYLINDER, CONE)))

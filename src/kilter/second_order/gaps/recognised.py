@@ -1,4 +1,4 @@
-"""Gap forms that hold for every surface that a mesh may represent.
+"""Second derivatives of gaps that are valid for every surface that a mesh may represent.
 
 A surface that was recognised in a mesh is a sphere, cylinder, cone or torus through its contact
 points and across their normals. Its curvature there is only known within bounds. The form
@@ -32,7 +32,7 @@ __all__ = ["bounded", "formed_for_all"]
 
 
 def formed_for_all(program: Program, features: Features) -> Mask:
-    """Rows whose gap has a second derivative for all surfaces within their doubt, shape (K,)."""
+    """Mask of rows whose gap has a second derivative for all surfaces within their doubt, (K,)."""
     rows = formed(program, features)
     if features.doubted:
         rows &= formed(program, _bent(features, program.normal, -1.0))
@@ -40,13 +40,13 @@ def formed_for_all(program: Program, features: Features) -> Mask:
 
 
 def bounded(program: Program, features: Features, sense: float) -> Stationary:
-    """The problem at the upper (sense 1) or lower (-1) bounds of all curvatures."""
+    """Gaps and load to second order, at the upper (sense 1) or lower (-1) curvature bounds."""
     bent = _bent(features, program.normal, sense)
     return problem_of(program, bent)
 
 
 def _bent(features: Features, normal: Array, sense: float) -> Features:
-    """Features with every curvature changed by its doubt, in all tangent directions."""
+    """Features with every curvature shifted by its doubt, in all tangent directions."""
     plane = np.eye(3) - normal[:, :, None] * normal[:, None, :]
     return replace(
         features,

@@ -1,4 +1,4 @@
-"""Gaps and load of an assembly about its configuration, to second order, in scaled unknowns.
+"""Contact gaps and load about a configuration, to second order, in scaled unknowns.
 
 Part i moves by x -> c + r + exp(theta)(x - c). The energy is linear in these coordinates, and the
 gap of contact k is
@@ -26,7 +26,7 @@ __all__ = ["Stationary", "problem_of", "stationary"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stationary:
-    """Gaps and load to second order, with n scaled unknowns and K contact rows.
+    """Contact gaps and load to second order, for n scaled unknowns and K contact rows.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class Stationary:
         read_only(self)
 
     def taking(self, rows: Index | Mask) -> Stationary:
-        """The problem with a subset of the contact rows."""
+        """The same problem with a subset of its contact rows."""
         return Stationary(
             self.rows[rows],
             self.load,
@@ -81,35 +81,35 @@ class Stationary:
 
     @property
     def planes(self) -> Mask:
-        """Rows in which a part touches with a plane, shape (K,)."""
+        """Mask of rows at which at least one part touches with a plane, shape (K,)."""
         if self.on_plane is None:
             return np.zeros(len(self.rows), dtype=bool)
         return self.on_plane
 
     def _spread(self, vectors: Array) -> Array:
-        """Vectors (n, d) in the unknowns of the two parts of each row, shape (K, 12, d)."""
+        """Entries of vectors (n, d) for the two parts of each row, shape (K, 12, d)."""
         padded = np.vstack([vectors, np.zeros((1, vectors.shape[1]))])
         return padded[self.columns]
 
     def restricted(self, basis: Array) -> Array:
-        """The forms Z^T H_k Z, shape (K, d, d), for a basis Z, shape (n, d)."""
+        """Second derivatives Z^T H_k Z of the gaps in a basis Z, (n, d); shape (K, d, d)."""
         spread = self._spread(basis)
         return np.asarray(np.swapaxes(spread, 1, 2) @ self.forms @ spread)
 
     def bends(self, motion: Array) -> Array:
-        """The numbers z.H_k z, shape (K,), for a motion z, shape (n,)."""
+        """Second derivatives z.H_k z of the gaps along a motion z, shape (n,); result (K,)."""
         spread = self._spread(motion[:, None])[:, :, 0]
         return np.asarray(np.einsum("ki,kij,kj->k", spread, self.forms, spread))
 
     def sliding(self, motions: Array) -> Array:
-        """Slips of flush corners along motions (n, d), shape (2 K, d); empty if there are none."""
+        """Slips of flush corners along motions (n, d), shape (2 K, d); empty without corners."""
         if self.slips is None:
             return np.zeros((0, motions.shape[1]))
         slips = self.slips[:, 2:] @ self._spread(motions)
         return np.asarray(slips.reshape(2 * len(slips), motions.shape[1]))
 
     def slipped(self, forces: Array, basis: Array) -> Array:
-        """Change of the curvature, shape (d, d), if every flush corner has slipped off its edge."""
+        """Change of the energy's curvature, (d, d), if all flush corners have slipped off."""
         if self.slips is None:
             return np.zeros((basis.shape[1],) * 2)
         turn, slip = np.split(self.slips @ self._spread(basis), 2, axis=1)
@@ -117,7 +117,7 @@ class Stationary:
         return np.asarray(more + more.T)
 
     def one_form(self, motions: Array) -> Mask:
-        """Rows, shape (K,), at which no flush corner slips off along any of the motions (n, d).
+        """Mask of rows, (K,), where no flush corner slips off along any of the motions (n, d).
 
         The motions do not turn the parts there, or do not slip.
         """
@@ -128,12 +128,12 @@ class Stationary:
         return stays
 
     def curvature(self, forces: Array, basis: Array) -> Array:
-        """The curvature of the energy, -Z^T (sum of f_k H_k) Z, symmetric, shape (d, d)."""
+        """Curvature of the energy under contact forces in a basis Z, shape (d, d), symmetric."""
         weighted = np.tensordot(forces, self.restricted(basis), axes=1)
         return -(weighted + weighted.T) / 2
 
     def imbalance(self, forces: Array) -> float:
-        """Largest component of J^T f + w over that of the load [-].
+        """Largest imbalance component of contact forces, over that of the load [-].
 
         It is not relative to the forces: beside large forces the load would pass for rounding.
         """
@@ -142,14 +142,14 @@ class Stationary:
 
 
 def problem_of(program: Program, features: Features) -> Stationary:
-    """The problem for a program without friction; the form of a gap is 0 if it has none."""
+    """Contact gaps and load to second order, of a program without friction."""
     forms = np.nan_to_num(gap_forms(program, features))
     slips = corner_slips(program, features) if features.flush.any() else None
     return stationary(program, forms, slips)
 
 
 def stationary(program: Program, forms: Array, slips: Array | None = None) -> Stationary:
-    """The problem in scaled unknowns, from gap forms in physical units.
+    """Make the scaled second-order problem from gap second derivatives in physical units.
 
     Parameters
     ----------

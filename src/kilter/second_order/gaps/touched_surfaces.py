@@ -1,4 +1,4 @@
-"""The surface of each part at a contact, as far as it is known to all orders.
+"""Exact surface of each part at a contact: plane, sphere, cylinder, axis of revolution.
 
     PLANE      through a point, across a direction
     POINT      a sphere about it, or a corner
@@ -49,7 +49,7 @@ FACES = 1e-9
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Touched:
-    """The surfaces of one side of K rows in the world frame.
+    """Exact surfaces of the first, or of the second, part at K contact rows; world frame.
 
     `kind`, shape (K,); `point`, shape (K, 3) [length unit]; `direction`, unit, shape (K, 3).
     """
@@ -59,7 +59,7 @@ class Touched:
     direction: Array
 
     def conditions(self, origin: Array, length: float) -> list[Array]:
-        """For each row the conditions C, shape (c, 6), of screws that keep its surface in place.
+        """Conditions C, shape (c, 6), of the screws that keep the surface of each row in place.
 
         C (v, L omega) = 0, the velocity v at `origin`.
         """
@@ -80,7 +80,7 @@ class Touched:
         return [blocks[int(kind)][k] for k, kind in enumerate(self.kind)]
 
     def level(self, down: Array) -> Mask:
-        """Rows whose surface is a plane across gravity, shape (K,)."""
+        """Mask of the rows whose surface is a plane perpendicular to gravity, shape (K,)."""
         level: Mask = (self.kind == PLANE) & (np.abs(self.direction @ down) > 1 - FACES)
         return level
 
@@ -88,7 +88,7 @@ class Touched:
 def touched_surfaces(
     program: Program, features: Features, contacts: ContactSet
 ) -> tuple[Touched, Touched]:
-    """The surfaces of parts a and b at each row.
+    """Exact surfaces of parts a and of parts b at each contact row.
 
     A patch of kind "plane" is a plane. For a given contact, a face without curvature is a plane, a
     face with equal curvatures a sphere, and a face with a single nonzero curvature a cylinder; any
@@ -120,7 +120,7 @@ def touched_surfaces(
 
 
 def planes_of(touched: tuple[Touched, Touched]) -> Mask:
-    """Rows in which at least one part touches with a plane, shape (K,)."""
+    """Mask of rows in which at least one part touches with a plane, shape (K,)."""
     planes: Mask = (touched[0].kind == PLANE) | (touched[1].kind == PLANE)
     return planes
 
@@ -135,7 +135,7 @@ def _surfaces_of_side(
     geometry: Geometry,
     given: Mask,
 ) -> Touched:
-    """The surfaces of one side, from its points, parts, outward normals and features."""
+    """Exact surfaces of the parts on a side, from points, outward normals and features."""
     touched = Touched(np.full(len(at), UNKNOWN), at.copy(), out.copy())
     bent = np.abs(curvature).max(axis=(1, 2), initial=0.0)
     on_surface = np.zeros(len(at), dtype=bool)
@@ -154,7 +154,7 @@ def _surfaces_of_side(
 
 
 def _fill_stated_curvature(touched: Touched, row: int, curvature: Array) -> None:
-    """Fill in the plane, sphere or cylinder of a stated curvature, shape (3, 3)."""
+    """Replace a row's surface by the plane, sphere or cylinder of a stated curvature, (3, 3)."""
     frame = np.array(across(touched.direction[row][None]))[:, 0]
     values, vectors = np.linalg.eigh(frame @ curvature @ frame.T)
     size = np.abs(values).max()
@@ -173,7 +173,7 @@ def _fill_stated_curvature(touched: Touched, row: int, curvature: Array) -> None
 
 
 def _on_surfaces(touched: Touched, rows: Index, part: int, geometry: Geometry) -> None:
-    """Fill in the surfaces of a part that pass through the points of some rows.
+    """Fill in the surfaces of a part that pass through the contact points of some rows.
 
     A surface counts if its outward normal agrees with the direction of the row; a curved one goes
     before a plane.

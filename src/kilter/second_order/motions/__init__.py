@@ -1,4 +1,4 @@
-"""Motions that cost no energy to first order.
+"""Motions of parts that cost no energy to first order (neutral motions).
 
 - `null_space`: motions that keep contact rows closed
 - `free_motions`, `free_span`: motions that keep every gap and the energy

@@ -1,4 +1,4 @@
-"""Motions that keep every gap and the energy to all orders, each with its proof.
+"""Motions that keep every gap and the energy exactly, each with the kind of its proof.
 
     spin      a part turns about its centre of mass and keeps each of its touched surfaces in
               place: a ball, a top
@@ -50,7 +50,7 @@ ALL_SETS = 6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FreeMotions:
-    """F free motions of N parts, which may be linearly dependent.
+    """F motions of N parts that keep every gap and the energy; may be linearly dependent.
 
     `motions`, shape (F, N, 6): (r, theta) of each part [length unit, rad]; `kinds`: the proof of
     each (spin, level, slide, pivot or shift).
@@ -61,7 +61,7 @@ class FreeMotions:
 
     @property
     def symmetries(self) -> FreeMotions:
-        """The motions that may always be divided out: spins, level motions and pivots."""
+        """The free motions that may always be divided out: spins, level motions and pivots."""
         chosen = [k for k, kind in enumerate(self.kinds) if kind in ("spin", "level", "pivot")]
         return FreeMotions(self.motions[chosen], tuple(self.kinds[k] for k in chosen))
 
@@ -69,7 +69,7 @@ class FreeMotions:
 def find_free_motions(
     program: Program, features: Features, touched: tuple[Touched, Touched]
 ) -> FreeMotions:
-    """The motions that can be proved free.
+    """Motions proved to keep every gap and the energy (spin, level, slide, pivot, shift).
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def find_free_motions(
 
 
 class _FreeSearch:
-    """The search for free motions, with the surfaces at the contacts."""
+    """Search for free motions, from the exact surfaces at the contacts."""
 
     def __init__(
         self, program: Program, features: Features, touched: tuple[Touched, Touched]
@@ -110,7 +110,7 @@ class _FreeSearch:
         self.kinds: list[str] = []
 
     def _level_edges(self) -> Mask:
-        """Rows of a level straight edge across another, or across a level cylinder, shape (K,)."""
+        """Mask of rows at which a level straight edge crosses a level edge or cylinder, (K,)."""
         program, features = self.program, self.features
         level = np.linalg.norm(np.cross(program.normal, program.down), axis=1) < EXACT
         level &= formed(program, features) & (self.a.kind == LINE) & (self.b.kind == LINE)
@@ -118,7 +118,7 @@ class _FreeSearch:
         return np.asarray(level & edge)
 
     def all(self) -> FreeMotions:
-        """All free motions in space."""
+        """Free motions of an assembly in space, of all kinds."""
         for part in self.parts:
             self._add_screws_of_part(int(part))
             self._pivot(int(part))
@@ -128,18 +128,18 @@ class _FreeSearch:
         return self._known_motions()
 
     def planar(self) -> FreeMotions:
-        """All free motions in the plane: translations."""
+        """Free motions of an assembly in the plane: translations."""
         self._shifts()
         return self._known_motions()
 
     def _known_motions(self) -> FreeMotions:
-        """The motions found so far."""
+        """The free motions that the search has found so far."""
         shape = (0, len(self.program.names), 6)
         motions = np.array(self.motions) if self.motions else np.empty(shape)
         return FreeMotions(motions, tuple(self.kinds))
 
     def _add(self, parts: Index | list[int], screw: Array, kind: str) -> None:
-        """Add a screw (v, L omega) about the origin as a motion of given parts."""
+        """Add a screw motion (v, L omega) about the origin of the search, made by `parts` alike."""
         motion = np.zeros((len(self.program.names), 6))
         turn = screw[3:] / self.length
         arms = self.program.center[parts] - self.origin
@@ -149,7 +149,7 @@ class _FreeSearch:
         self.kinds.append(kind)
 
     def _add_screws_of_part(self, part: int) -> None:
-        """Add screws of a part that keep its touched surfaces in place, and its height.
+        """Add the screws of a part that keep its touched surfaces in place, and its height.
 
         A centre of mass keeps its height to all orders if it stays, or if the screw is level.
         """
@@ -163,14 +163,14 @@ class _FreeSearch:
                 self._add([part], screw, kind)
 
     def _upright(self) -> Array:
-        """Conditions of a level screw, shape (3, 6): no rise, and turns only about the vertical."""
+        """Conditions of a horizontal screw, shape (3, 6): no rise, turns only about verticals."""
         rows = np.zeros((3, 6))
         rows[0, :3] = self.down
         rows[1:, 3:] = null_space(self.down[None], EXACT).T
         return rows
 
     def _pivot(self, part: int) -> None:
-        """Add the turn about a contact normal that is vertical through the centre of mass."""
+        """Add the turn of a part about its only contact normal, if vertical through its centre."""
         program = self.program
         rows = np.flatnonzero((program.part_a == part) | (program.part_b == part))
         if len(rows) != 1:
@@ -183,12 +183,12 @@ class _FreeSearch:
             self._add([part], self._about(part, down), "pivot")
 
     def _about(self, part: int, axis: Array) -> Array:
-        """The screw of a turn about an axis through the centre of mass of a part, shape (6,)."""
+        """Screw of a turn about an axis through a part's centre of mass, shape (6,)."""
         arm = self.program.center[part] - self.origin
         return np.append(-np.cross(axis, arm), axis * self.length)
 
     def _sets(self) -> Iterator[Index]:
-        """Sets of free parts that are tried as a single body."""
+        """Yield sets of free parts that are tried as a single rigid body."""
         parts, count = self.parts, len(self.program.names)
         if len(parts) <= ALL_SETS:
             for size in range(1, len(parts) + 1):
@@ -208,7 +208,7 @@ class _FreeSearch:
                     yield chosen
 
     def _level(self, chosen: Index) -> None:
-        """Add level screws of a set of parts, relative to held surroundings or to another part."""
+        """Add horizontal screws of a set of parts, past held surroundings or past another part."""
         program = self.program
         across = np.isin(program.part_a, chosen) != np.isin(program.part_b, chosen)
         crossing = np.flatnonzero(across & ~self.level)
@@ -218,7 +218,7 @@ class _FreeSearch:
             self._level_across(chosen, across, without, "slide")
 
     def _level_across(self, chosen: Index, across: Mask, crossing: Index, kind: str) -> None:
-        """Add level screws of a set that keep the surfaces across its border in place.
+        """Add horizontal screws of a set of parts that keep the surfaces at its border in place.
 
         `across`, shape (K,): rows between the set and its surroundings; `crossing`: indices of the
         rows whose surfaces count.
@@ -232,7 +232,7 @@ class _FreeSearch:
                     self._add(chosen, screw, proof)
 
     def _frame_rows(self, crossing: Index, frame: int) -> list[Array] | None:
-        """Conditions that keep the surfaces of a frame in place; None if a contact has none of it.
+        """Conditions that keep a frame's surfaces in place; None if a contact does not touch it.
 
         The frame is a part, or the held surroundings (-1).
         """
@@ -249,7 +249,7 @@ class _FreeSearch:
         ]
 
     def _shifts(self) -> None:
-        """Add translations under which every gap is affine and stays closed."""
+        """Add translations in which every gap is an affine function of them and stays closed."""
         program, sharp = self.program, self._sharp()
         count = len(self.parts)
         place = np.full(len(program.names) + 1, -1)
@@ -273,7 +273,7 @@ class _FreeSearch:
             self.kinds.append("shift")
 
     def _sharp(self) -> Mask:
-        """Rows between planes, straight edges and corners, shape (K,)."""
+        """Mask of rows between planes, straight edges and corners (no curvature), shape (K,)."""
         features = self.features
         straight = np.ones(len(features), dtype=bool)
         for side, curvature in ((self.a, features.curvature_a), (self.b, features.curvature_b)):
@@ -282,7 +282,7 @@ class _FreeSearch:
         return straight
 
     def _turns_at_walls(self, sharp: Mask) -> bool:
-        """Whether a part that turns freely touches a face, edge or corner that is not level."""
+        """True if a part that turns freely touches a face, edge or corner that is not level."""
         program = self.program
         turning = np.zeros(len(program.names) + 1, dtype=bool)
         for motion in self.motions:

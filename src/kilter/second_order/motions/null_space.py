@@ -1,4 +1,4 @@
-"""Null spaces of contact rows, up to the rounding of their numbers."""
+"""Null spaces of matrices of contact rows, up to the rounding of their numbers."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ __all__ = ["null_space"]
 
 
 def null_space(rows: Array, blur: float) -> Array:
-    """An orthonormal basis, shape (n, d), of the null space of rows (K, n).
+    """Orthonormal basis, shape (n, d), of the null space of contact rows, shape (K, n).
 
     Singular values below `blur` times the largest count as zero.
 

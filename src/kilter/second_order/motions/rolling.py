@@ -1,4 +1,4 @@
-"""Rolling: whether friction holds a balanced assembly, or it rolls off.
+"""Rolling without slip: does friction hold a balanced assembly, or does it roll and fall?
 
 If no contact slips, all contact points are at rest relative to each other: G z = 0, with three rows
 for each contact (two in the plane). Differentiated along such a rolling z,
@@ -52,7 +52,7 @@ ORDER: tuple[Rolls, ...] = ("falls", "open", "holds")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rolling:
-    """The proved result about rolling.
+    """Proved result about rolling without slip: holds, falls or open.
 
     Attributes
     ----------
@@ -81,12 +81,12 @@ class Rolling:
 
 
 def worst_rolling(states: Iterable[Rolls]) -> Rolls:
-    """The result for an assembly from those of its balanced clusters."""
+    """Result about rolling for an assembly, from the results for its balanced clusters."""
     return min(states, key=ORDER.index, default="open")
 
 
 def find_rolling(program: Program, features: Features) -> Rolling:
-    """Whether friction holds a balanced cluster against rolling.
+    """Decide whether friction holds a balanced cluster against rolling without slip.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def find_rolling(program: Program, features: Features) -> Rolling:
 def _result(
     program: Program, basis: Array, stiffness: Array, forces: Array, *, unique: bool
 ) -> Rolling:
-    """The result from the stiffness on a basis of rollings; `unique`: whether the forces are."""
+    """Result about rolling, from the stiffness against each motion of a basis of rollings."""
     dimension = basis.shape[1]
     weight = float(program.weight[program.free].max())
     length = float(program.radius[program.free].max())
@@ -148,7 +148,7 @@ def _open(program: Program, why: str) -> Rolling:
 
 
 def _unmodelled_reason(program: Program, features: Features) -> str:
-    """Why rolling is not modelled; empty if it is."""
+    """Reason why rolling is not modelled for a cluster; empty if it is modelled."""
     if (program.kind != CONTACT).any() or program.pull.any() or program.tied.any():
         return "rolling is not modelled with joints and bonds"
     if not (program.mu > 0).all():
@@ -161,25 +161,25 @@ def _unmodelled_reason(program: Program, features: Features) -> str:
 
 
 def _scale(program: Program) -> Array:
-    """Displacement for a unit of each unknown, shape (n,): 1 for shifts, 1 / radius for turns."""
+    """Displacement per unit of each unknown, shape (n,): 1 for shifts, 1 / radius for turns."""
     units = np.where(np.arange(6) < 3, 1.0, 1 / program.radius[program.free, None])
     return np.asarray(units[:, program.freedoms].reshape(-1))
 
 
 def _directions(program: Program) -> Array:
-    """Unit directions in which contact points do not slip, as rows."""
+    """Unit directions in which contact points must not slip, as rows: three, or two planar."""
     return np.eye(3)[[0, 2]] if program.planar else np.eye(3)
 
 
 def _grip(program: Program) -> Array:
-    """The matrix G, shape (rows of all contacts, freedoms of free parts)."""
+    """Matrix G from motions of the free parts to slips at all contacts."""
     columns = np.eye(len(program.columns))
     slips = [_slip(program, program.full(column)) for column in columns]
     return np.array([(slip @ _directions(program).T).reshape(-1) for slip in slips]).T
 
 
 def _velocity(program: Program, motion: Array, part: Index) -> Array:
-    """Velocities of material points of the given parts at the contact points, shape (K, 3).
+    """Velocities at the contact points of the material of the given parts, shape (K, 3).
 
     Points of the ground have the velocity 0.
     """
@@ -189,13 +189,13 @@ def _velocity(program: Program, motion: Array, part: Index) -> Array:
 
 
 def _slip(program: Program, motion: Array) -> Array:
-    """Velocity of part b relative to part a at each contact, shape (K, 3)."""
+    """Velocity of part b relative to part a at each contact point, shape (K, 3)."""
     over = _velocity(program, motion, program.part_b)
     return over - _velocity(program, motion, program.part_a)
 
 
 def _all_inside_cones(program: Program, forces: Array) -> bool:
-    """Whether all forces, shape (K, 3), are strictly within their friction cones."""
+    """True if all contact forces, shape (K, 3), are strictly within their friction cones."""
     along = np.einsum("ki,ki->k", forces, program.normal)
     aside = np.linalg.norm(forces - along[:, None] * program.normal, axis=1)
     weight = float(program.weight[program.free].max())
@@ -203,7 +203,7 @@ def _all_inside_cones(program: Program, forces: Array) -> bool:
 
 
 def _stiffness(program: Program, features: Features, forces: Array, basis: Array) -> Array:
-    """The form E'' on the rollings of a basis, shape (d, d)."""
+    """Second derivative of the energy on a basis of rolling motions, shape (d, d)."""
     dimension = basis.shape[1]
     inverse = _rolls_over(program, features)
 
@@ -221,7 +221,7 @@ def _stiffness(program: Program, features: Features, forces: Array, basis: Array
 
 
 def _turning(program: Program, inverse: Array, motion: Array) -> Array:
-    """The term g of a rolling at each contact, shape (K, 3)."""
+    """Second-order slip term g of a rolling motion at each contact, shape (K, 3)."""
     padded = np.vstack([motion, np.zeros((1, 6))])
     a, b = padded[program.part_a], padded[program.part_b]
     turn = cross(program.normal, b[:, 3:] - a[:, 3:])
@@ -230,7 +230,7 @@ def _turning(program: Program, inverse: Array, motion: Array) -> Array:
 
 
 def _rolls_over(program: Program, features: Features) -> Array:
-    """(A + B)^-1 in the directions in which both features extend, shape (K, 3, 3), 0 in others."""
+    """Inverse sum of both curvatures, 0 off their common directions, shape (K, 3, 3)."""
     total = features.curvature_a + features.curvature_b
     inverse = np.zeros_like(total)
     for k in range(len(total)):
@@ -241,7 +241,7 @@ def _rolls_over(program: Program, features: Features) -> Array:
 
 
 def _common(program: Program, features: Features, k: int) -> Array:
-    """Unit directions in which both features of a contact extend, as rows."""
+    """Unit tangent directions in which both features of contact k extend, as rows."""
     away = [program.normal[k]]
     for kind, edge in (
         (features.kind_a[k], features.edge_a[k]),

@@ -1,4 +1,4 @@
-"""Sharp points: edges and corners in contact without a unique normal.
+"""Sharp points: edges and corners that touch without a unique normal.
 
 If four boxes meet in a line, two of them touch with their edges only. To first order they
 penetrate each other iff they approach along every extreme normal of the planes that separate them
@@ -38,13 +38,13 @@ SAME_NORMAL = 9
 
 
 def sharp_pushes(contacts: ContactSet) -> Mask:
-    """Possible contacts that are normals of sharp points, shape (k,)."""
+    """Mask of the possible contacts that are normals of sharp points (edges, corners), (k,)."""
     pushes: Mask = (contacts.possible.degenerate >= 0) & ~contacts.possible.two_sided
     return pushes
 
 
 def with_sharp(program: Program, contacts: ContactSet) -> Program:
-    """A program of contacts with additional rows for the normals of sharp points."""
+    """Add rows for the normals of sharp points (edges, corners) to a program of contacts."""
     possible = contacts.possible
     moves = program.free[possible.part_a] | program.free[possible.part_b]
     pushes = np.flatnonzero(sharp_pushes(contacts) & moves)
@@ -56,7 +56,7 @@ def with_sharp(program: Program, contacts: ContactSet) -> Program:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SharpPoints(Rows):
-    """Sharp points at the K rows of a program; -1 at other rows.
+    """Numbers of the sharp contacts (edges, corners) at K program rows; -1 at other rows.
 
     `pair`, shape (K,): number of the pair of parts. `along`, shape (K,): number of the pair and the
     normal, if every sharp point of the pair has that normal, else -1.
@@ -69,7 +69,7 @@ class SharpPoints(Rows):
         read_only(self)
 
     def opened(self, opens: Mask) -> Mask:
-        """Rows that open, or whose pair has a normal that opens at all its points, shape (K,)."""
+        """Rows that open, or whose pair of parts is separated at its sharp points, shape (K,)."""
         closed = np.isin(self.along, self.along[~opens])
         separated = np.isin(self.pair, self.pair[(self.along >= 0) & ~closed])
         opened: Mask = opens | ((self.pair >= 0) & separated)
@@ -77,7 +77,7 @@ class SharpPoints(Rows):
 
 
 def sharp_points(program: Program, contacts: ContactSet) -> SharpPoints:
-    """The sharp points at the rows of a program.
+    """Number the sharp contacts (edges, corners without a unique normal) in a program's rows.
 
     Points that are only sharp within tolerance have no number: a motion has to open each row.
     """
@@ -99,18 +99,18 @@ def sharp_points(program: Program, contacts: ContactSet) -> SharpPoints:
 
 
 def _number_rows(rows: Array | Index) -> Index:
-    """Numbers of rows (k, m), equal for equal rows, shape (k,)."""
+    """Number the rows of an array (k, m), with equal numbers for equal rows, shape (k,)."""
     return np.asarray(np.unique(rows, axis=0, return_inverse=True)[1]).reshape(-1)
 
 
 def _different(values: Index, group: Index) -> Index:
-    """Number of different values in the group of each row, shape (k,)."""
+    """For each entry, the number of different values in its group, shape (k,)."""
     first = np.unique(_number_rows(np.column_stack([group, values])), return_index=True)[1]
     return np.bincount(group[first])[group]
 
 
 def opens_points(program: Program, contacts: ContactSet, motion: Array) -> bool:
-    """Whether a motion of all parts, shape (N, 6), separates every pair at all its sharp points.
+    """True if a motion, shape (N, 6), separates every pair of parts at all its sharp points.
 
     `program` has the rows of the sharp points.
     """

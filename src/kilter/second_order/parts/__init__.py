@@ -1,4 +1,4 @@
-"""Parts in groups, on each other, and apart.
+"""Groups of parts: rigid groups, clusters, supports, and separation of bodies.
 
 - `rigid_groups`: parts that fixed joints tie, as a single body
 - `clusters`: free parts that contacts join

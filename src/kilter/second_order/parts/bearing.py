@@ -1,4 +1,4 @@
-"""Support of parts by other parts: contacts by which an upper part stands on a lower part."""
+"""Support of parts by each other: contacts at which an upper part stands on a lower part."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["Bearing", "bearing_of", "by_depth", "in_footing", "level_axes", "sum
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bearing:
-    """Supporting contact rows, and the depth of each part in the order of support.
+    """Contact rows at which a part stands on another, and each part's depth of support.
 
     `rows`, `upper`, `lower`, shape (k,): each row with its upper and its lower part. `depth`, shape
     (N + 1,): 0 for held parts, else 1 plus the largest depth of the supporting parts. The last
@@ -27,7 +27,7 @@ class Bearing:
     depth: Index
 
     def footings(self, program: Program) -> tuple[Array, Array]:
-        """Level coordinates (1, u, v) about the centres of upper and lower parts, (k, 2 or 3) each.
+        """Level coordinates (1, u, v) of contacts from upper and lower centres, (k, 2 or 3) each.
 
         u and v are over the radius of the part [-]. Those of the ground are not used.
         """
@@ -41,7 +41,7 @@ class Bearing:
 
 
 def bearing_of(program: Program, rows: Mask) -> Bearing | None:
-    """The support of parts by these rows, shape (K,); None if they form a ring."""
+    """Order of support of the parts by contacts, shape (K,); None if parts form a ring."""
     places = np.flatnonzero(rows)
     up = program.normal[places] @ program.down < 0  # part a supports part b
     a, b = program.part_a[places], program.part_b[places]
@@ -62,14 +62,14 @@ def bearing_of(program: Program, rows: Mask) -> Bearing | None:
 
 
 def by_depth(depth: Index) -> list[Index]:
-    """Indices of equal depth, from the largest depth to the smallest."""
+    """Groups of indices of equal depth, from the largest depth to the smallest."""
     order = np.argsort(depth, kind="stable")
     _, first = np.unique(depth[order], return_index=True)
     return np.split(order, first[1:])[::-1]
 
 
 def in_footing(program: Program, wrench: Array) -> Array:
-    """Upward forces with their moments in (1, u, v), shape (N, 3 or 2) [N].
+    """Upward force of wrenches, with its two moments, in the form (1, u, v), (N, 3 or 2) [N].
 
     From wrenches (N, 6) about the centres of mass; the moments are over the radius of the part.
     """
@@ -79,14 +79,14 @@ def in_footing(program: Program, wrench: Array) -> Array:
 
 
 def level_axes(program: Program) -> Array:
-    """Unit directions across gravity in which parts can move, as rows: two, or one in the plane."""
+    """Horizontal unit directions in which parts can move, as rows: two, or one in the plane."""
     if program.planar:
         return np.cross(program.down, [0.0, 1.0, 0.0])[None]
     return np.array(across(program.down))
 
 
 def sums_by_part(part: Index, values: Array, count: int) -> Array:
-    """Sums of values (k, ...) by part, shape (count, ...)."""
+    """Sums of values (k, ...) over the rows of each part, shape (count, ...)."""
     flat = values.reshape(len(part), int(np.prod(values.shape[1:])))
     total = np.empty((count, flat.shape[1]))
     for k, column in enumerate(flat.T):

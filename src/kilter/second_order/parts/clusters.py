@@ -1,4 +1,4 @@
-"""Clusters of an assembly: sets of free parts that contacts connect.
+"""Clusters of an assembly: sets of free parts that touch each other.
 
 Parts of different clusters do not touch, and their energies add up, so clusters move independently
 of each other. Hence the assembly is at a minimum iff each cluster is, and a path that leads a
@@ -25,7 +25,7 @@ ORDER: tuple[State, ...] = ("balanced", "open", "free", "minimum")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cluster:
-    """The program of a cluster: parts outside of it are not free.
+    """Program of a cluster, in which only the cluster's parts are free, and its row indices.
 
     `rows`, shape (k,): indices of its rows in the program of the assembly.
     """
@@ -35,7 +35,7 @@ class Cluster:
 
 
 def clusters(program: Program) -> list[Cluster]:
-    """The clusters of a program, in the order of their first parts.
+    """Clusters (free parts that touch each other) of a program, ordered by first part.
 
     Rows between held parts belong to no cluster.
     """
@@ -58,7 +58,7 @@ def clusters(program: Program) -> list[Cluster]:
 
 
 def joined_state(states: Iterable[State]) -> State:
-    """The state of an assembly from the states of its clusters.
+    """State of an assembly (minimum, free, balanced, open) from the states of its clusters.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Separating planes of neighbouring bodies, and the bounds that they set on small motions.
+"""Separating planes of neighbouring bodies, and the bounds they set on small motions.
 
 A plane n.x = o separates two bodies if n.x <= o for every point of the first, and n.x >= o for
 every point of the second. Bodies and plane move together: the part of the second body moves by
@@ -43,29 +43,29 @@ Pair = tuple[int, int, int, int]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Places:
-    """Displacements: shifts of the centres of mass, (N, 3), and rotation matrices, (N, 3, 3)."""
+    """Displacements of parts: shifts of the centres of mass, (N, 3), and rotations, (N, 3, 3)."""
 
     shifts: Array
     turns: Array
 
     @classmethod
     def of(cls, motion: Array) -> Places:
-        """The displacements by shifts and rotation vectors, shape (N, 6) [length unit, rad]."""
+        """Make displacements from shifts and rotation vectors, shape (N, 6) [length unit, rad]."""
         return cls(motion[:, :3].copy(), np.array([turn_of(vector) for vector in motion[:, 3:]]))
 
     @property
     def motion(self) -> Array:
-        """Shifts and rotation vectors, shape (N, 6) [length unit, rad]."""
+        """Shifts and rotation vectors of the displacements, shape (N, 6) [length unit, rad]."""
         return np.hstack([self.shifts, np.array([_rotation_of(turn) for turn in self.turns])])
 
     def after(self, step: Array) -> Places:
-        """The displacements after a further step of shifts and turns about the centres, (N, 6)."""
+        """Displacements after a further step of shifts and turns about the centres, (N, 6)."""
         turns = np.array([turn_of(vector) for vector in step[:, 3:]])
         return Places(self.shifts + step[:, :3], turns @ self.turns)
 
 
 def _rotation_of(turn: Array) -> Array:
-    """The rotation vector of a rotation matrix, shape (3,) [rad], of at most half a turn."""
+    """Rotation vector of a rotation matrix, shape (3,) [rad], at most half a turn."""
     q = matrix_to_quaternion(turn)
     size = float(np.linalg.norm(q[1:]))
     if size == 0.0:
@@ -87,7 +87,7 @@ class PartingPlanes:
         """Normals from which the search for a plane starts, shape (k, 3)."""
 
     def rows(self, places: Places, reach: Array, gap: float) -> tuple[Array, Array]:
-        """Rows A x <= b that keep bodies apart by a gap to first order; x are steps and planes.
+        """Linear conditions A x <= b that keep bodies apart by `gap`; x are part steps and planes.
 
         Parameters
         ----------
@@ -129,7 +129,7 @@ class PartingPlanes:
         return np.vstack(blocks), np.concatenate(bounds)
 
     def _near_pairs(self, places: Places, reach: Array) -> list[tuple[Pair, Body, Body]]:
-        """Pairs of displaced bodies within reach of each other, of which at least one is free."""
+        """Pairs of displaced bodies within reach of each other, at least one of them free."""
         program, count = self._program, len(self._bodies)
         middles = [
             (middle - program.center[k]) @ places.turns[k].T + program.center[k] + places.shifts[k]
@@ -162,7 +162,7 @@ class PartingPlanes:
         return self._bodies[part][body].moved(center, shift, turn)
 
     def _normal(self, pair: Pair, a: Body, b: Body) -> Array:
-        """The unit normal of the best separating plane of two bodies, from first to second."""
+        """Unit normal of the best separating plane of two bodies, from first to second."""
         if _is_ball(a) and b.radius == 0:
             return -parting_point(b, a.corners[0])[1]
         if _is_ball(b) and a.radius == 0:
@@ -200,7 +200,7 @@ def _box_distance(a: Body, b: Body) -> float:
 
 
 def _farthest(body: Body, toward: Array) -> Array:
-    """Points of a body that are farthest along a direction, sorted, shape (m, 3).
+    """Points of a body that are farthest in a direction, the farthest first, shape (m, 3).
 
     For a ball its centre, for a cylinder points of its rims.
     """

@@ -1,4 +1,4 @@
-"""Rigid groups: parts that fixed joints tie, merged into one body.
+"""Rigid groups: parts tied by fixed joints, each group treated as a single body.
 
 The first part of a group represents it. Centre of mass C, mass, inertia and loads of the group are
 those of all its parts, and contacts within it are removed. If the group moves by (r, theta), a part
@@ -24,7 +24,7 @@ __all__ = ["RigidGroups"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RigidGroups:
-    """The groups of N parts.
+    """Groups of parts that fixed joints tie into rigid bodies; a lone part is a group.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class RigidGroups:
 
     @classmethod
     def of(cls, assembly: Assembly) -> RigidGroups:
-        """The groups of an assembly.
+        """Rigid groups of an assembly: parts that fixed joints connect.
 
         A group is held if a part of it is held or tied to the ground.
         """
@@ -67,11 +67,11 @@ class RigidGroups:
 
     @property
     def tied(self) -> bool:
-        """Whether any group has several parts."""
+        """True if any rigid group has several parts."""
         return bool((self.first != np.arange(len(self.first))).any())
 
     def merged(self, program: Program, assembly: Assembly) -> Program:
-        """The program with each group merged into its first part, and only rows between groups."""
+        """The program with each rigid group merged into its first part, and rows between groups."""
         if not self.tied:
             return program
         first, arms = self.first, self.arms
@@ -99,11 +99,11 @@ class RigidGroups:
         return whole.taking(self.between(program, assembly))
 
     def of_rows(self, part: Index) -> Index:
-        """The first parts of the groups of given parts; -1, the ground, is kept."""
+        """Replace each part by the first part of its rigid group; -1 (the ground) is kept."""
         return np.where(part >= 0, self.first[part], part)
 
     def between(self, program: Program, assembly: Assembly) -> Mask:
-        """Mask of the rows, in a program of single parts, that join two groups; shape (K,)."""
+        """Mask of the program's rows that join two different rigid groups, shape (K,)."""
         free = np.append(~self.held, False)
         joint = program.kind == JOINT
         fixed = np.array([joint.kind == "fixed" for joint in assembly.joints] or [False])
@@ -113,7 +113,7 @@ class RigidGroups:
         return between
 
     def apart(self, program: Program, assembly: Assembly, contacts: ContactSet) -> Program:
-        """A merged program of contacts with the single parts in place of their groups."""
+        """A merged program of contacts with single parts in place of their rigid groups."""
         parts, geometry = contacts.patch_parts[program.source], assembly.geometry
         return replace(
             program,
@@ -125,13 +125,13 @@ class RigidGroups:
         )
 
     def spread(self, motions: Array) -> Array:
-        """Velocities of all parts from those of their groups, shape (..., N, 6)."""
+        """Velocities of all parts from the velocities of their rigid groups, shape (..., N, 6)."""
         velocities = motions[..., self.first, :].copy()
         velocities[..., :3] += np.cross(velocities[..., 3:], self.arms)
         return velocities
 
     def placed(self, motion: Array) -> Array:
-        """Displacements of all parts from those of their groups, shape (N, 6)."""
+        """Displacements of all parts from those of their rigid groups, shape (N, 6)."""
         displacements = motion[self.first].copy()
         for k in np.flatnonzero(np.abs(self.arms).max(axis=1) > 0):
             displacements[k, :3] += (turn_of(displacements[k, 3:]) - np.eye(3)) @ self.arms[k]
@@ -139,5 +139,5 @@ class RigidGroups:
 
 
 def _sums(first: Index, values: Array) -> Array:
-    """Sums of values by group, in the row of its first part; 0 in other rows."""
+    """Sums of values over each group, stored in the row of its first part; other rows are 0."""
     return group_sums(first, values, len(values))

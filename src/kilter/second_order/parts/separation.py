@@ -1,4 +1,4 @@
-"""Exact separation of displaced parts, pair by pair, by separating planes and distances.
+"""Exact separation of displaced parts, by separating planes and distances of their bodies.
 
 Two convex bodies are apart iff a plane separates them,
 
@@ -78,7 +78,7 @@ class Body:
         return Body(corners, self.radius, axis, normals, edges)
 
     def reach(self, directions: Array) -> Array:
-        """Largest n.x over points x of the body, shape (k,), for unit directions n (k, 3)."""
+        """Support function of the body: largest n.x over its points x, for directions n; (k,)."""
         most: Array = (self.corners @ directions.T).max(axis=0)
         if self.radius == 0:
             return most
@@ -137,7 +137,7 @@ def _round_pieces(geometry: Geometry, part: int) -> list[Body] | None:
 
 
 def _is_within(body: Body, points: Array, near: float) -> Mask:
-    """Whether points (n, 3) are inside a ball or a cylinder, up to `near`, shape (n,)."""
+    """Mask of points (n, 3) inside a ball or a cylinder, up to the distance `near`, (n,)."""
     off = points - body.corners[0]
     if body.axis is None:
         return np.asarray(np.linalg.norm(off, axis=1) <= body.radius + near)
@@ -152,7 +152,7 @@ def _normals(triangles: Array) -> Array:
 
 
 def _hull(triangles: Array, corners: Array) -> Body:
-    """A convex polyhedron, or a single triangle, with its candidates for separating directions."""
+    """Convex polyhedron (or a triangle) with its candidate directions for separating planes."""
     edges = np.concatenate([triangles[:, k] - triangles[:, k - 1] for k in range(3)])
     normals = unit_rows(_normals(triangles))
     if len(triangles) == 1:
@@ -165,12 +165,12 @@ def _hull(triangles: Array, corners: Array) -> Body:
 
 
 def separation(a: Body, b: Body, hints: Array) -> float:
-    """The greatest s(n) found from a to b; the search starts at `hints`, shape (k, 3)."""
+    """Greatest gap between bodies a and b that was found over directions [length unit]."""
     return parting(a, b, hints)[0]
 
 
 def parting(a: Body, b: Body, hints: Array, tries: int = 1000) -> tuple[float, Array]:
-    """The greatest s(n) found from a to b, with its n; `tries` limits the search for cylinders."""
+    """Greatest gap between bodies a and b over directions, and the best direction from a to b."""
     if a.radius == 0 and b.radius == 0:
         assert a.normals is not None
         assert b.normals is not None
@@ -204,7 +204,7 @@ def parting(a: Body, b: Body, hints: Array, tries: int = 1000) -> tuple[float, A
 
 
 def _across_axes(a: Body, b: Body, near: Array) -> list[Array]:
-    """Candidates for the direction that separates cylinders.
+    """Candidates for the direction that separates two bodies, at least one a cylinder.
 
     Along an axis, across both axes, and the best direction across each axis.
     """
@@ -226,7 +226,7 @@ def _across_axes(a: Body, b: Body, near: Array) -> list[Array]:
 
 
 def _gaps_along(a: Body, b: Body, directions: Array) -> Array:
-    """The gap s(n) from a to b along each direction n, shape (k,)."""
+    """Gap between bodies a and b along each of several directions, shape (k,)."""
     return np.asarray(-b.reach(-directions) - a.reach(directions))
 
 
@@ -239,7 +239,7 @@ def least_separation(
     planes: Mask | None = None,
     tied: Index | None = None,
 ) -> float | None:
-    """The least separation of two displaced parts, at most `beyond` [length unit].
+    """Least separation of displaced parts, at most `beyond` [length unit]; None if unknown.
 
     Parameters
     ----------
@@ -299,7 +299,7 @@ Pieces = list[Body] | None
 def _parted_as_before(
     before: tuple[Pieces, Pieces], now: tuple[Pieces, Pieces], normals: Array, size: float
 ) -> bool:
-    """Whether a plane across a contact normal separates two parts no less than before."""
+    """True if a plane across a contact normal separates two parts as well as before."""
     was, is_ = (
         np.min([_gaps_along(a, b, normals) for a in first or () for b in second or ()], axis=0)
         for first, second in (before, now)
@@ -308,7 +308,7 @@ def _parted_as_before(
 
 
 def _far(assembly: Assembly, motion: Array, pair: tuple[int, int], beyond: float) -> bool:
-    """Whether two parts stay farther apart than `beyond`, by their boxes before they moved."""
+    """True if the boxes of two parts prove that they stay farther apart than `beyond`."""
     geometry = assembly.geometry
     low, high = geometry.part_boxes
     i, j = pair
@@ -320,7 +320,7 @@ def _far(assembly: Assembly, motion: Array, pair: tuple[int, int], beyond: float
 
 
 def _pair_separation(first: list[Body], second: list[Body], hints: Array, least: float) -> float:
-    """The least separation of the bodies of two parts, at most `least` [length unit]."""
+    """Least separation of the bodies of two parts, at most `least` [length unit]."""
     for a in first:
         for b in second:
             gap = np.maximum(
@@ -347,7 +347,7 @@ def _ball_separation(ball: Body, other: Body) -> float:
 
 
 def separation_of_point(body: Body, point: Array) -> float:
-    """Distance of a point from a convex polyhedron; if inside, minus that to the nearest face."""
+    """Distance of a point from a convex polyhedron [length unit]; negative inside."""
     return parting_point(body, point)[0]
 
 
@@ -368,7 +368,7 @@ def parting_point(body: Body, point: Array) -> tuple[float, Array]:
 
 
 def turn_of(rotation: Array) -> Array:
-    """The rotation matrix of a rotation vector, shape (3,) [rad]."""
+    """Rotation matrix of a rotation vector, shape (3,) [rad]."""
     angle = float(np.linalg.norm(rotation))
     if angle == 0.0:
         return np.eye(3)

@@ -1,4 +1,4 @@
-"""Contacts that carry force beyond rounding.
+"""Contacts whose force in an equilibrium is larger than rounding.
 
 Forces f > 0 on rows J leave a residual r of the load. Let M = sum of f_k J_k J_k^T, positive
 definite across the neutral motions with the least eigenvalue m there, and M y = -r. Then the forces
@@ -26,7 +26,7 @@ ROUNDING = 1e-13
 
 
 def carrying_rows(problem: Stationary, forces: Array) -> Mask:
-    """Rows whose forces, shape (K,) over the weight, exceed the imbalance that is tolerated."""
+    """Mask of the contact rows whose forces, shape (K,), exceed the tolerated imbalance."""
     limit = max(BALANCED, problem.blur)
     return np.asarray(forces > BEARS * limit * forces.max(initial=TINY))
 
@@ -34,7 +34,7 @@ def carrying_rows(problem: Stationary, forces: Array) -> Mask:
 def carry_beyond_doubt(
     problem: Stationary, forces: Array, carries: Mask, neutral: Array, load: Array
 ) -> bool:
-    """Whether forces that balance a load exactly are positive on given rows.
+    """True if the forces on given rows stay positive once they balance the load exactly.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def carry_beyond_doubt(
 
 
 def all_carry(rows: csr_array, forces: Array, missing: float, neutral: Array | None = None) -> bool:
-    """Whether forces (k,) on rows (k, n) stay positive if they are corrected by a residual.
+    """True if forces (k,) on rows (k, n) stay positive after any correction of their residual.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Facts of a cluster, computed from the assembly and never from a proof.
+"""Facts of a cluster, computed from the assembly and never read from a proof.
 
 Judges and searches use the same facts; each is computed when it is first used.
 """
@@ -33,7 +33,7 @@ The counts of a balanced cluster are None: a path that leads down does not prove
 
 
 class ClusterFacts:
-    """Geometry and gaps of a cluster.
+    """Geometry and contact gaps of a cluster, each computed when first used.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class ClusterFacts:
         self._find_features = find_features
 
     def taking(self, rows: Index | Mask) -> ClusterFacts:
-        """The facts of a subset of the contacts."""
+        """The facts of the cluster with a subset of its contacts."""
         chosen = np.arange(len(self.program.kind))[rows]
         return ClusterFacts(
             self.assembly,
@@ -67,7 +67,7 @@ class ClusterFacts:
         )
 
     def of_cluster(self, cluster: Cluster) -> ClusterFacts:
-        """The facts of a cluster of this program."""
+        """The facts of a cluster that belongs to the program of these facts."""
         return ClusterFacts(
             self.assembly,
             self.contacts,
@@ -77,38 +77,38 @@ class ClusterFacts:
 
     @cached_property
     def certain(self) -> ClusterFacts:
-        """The facts without edges and corners that have no unique normal."""
+        """The facts without contacts of edges and corners that have no unique normal."""
         rows = self.program.kind == CONTACT
         return self if rows.all() else self.taking(rows)
 
     @cached_property
     def features(self) -> Features:
-        """Features of the contact rows."""
+        """Features (face, edge, vertex) of both parts at the cluster's contact rows."""
         return self._find_features()
 
     @cached_property
     def known(self) -> Mask:
-        """Contact rows whose gap has a second derivative, shape (K,)."""
+        """Mask of the contact rows whose gap has a second derivative, shape (K,)."""
         return formed_for_all(self.program, self.features)
 
     @cached_property
     def touched(self) -> tuple[Touched, Touched]:
-        """Surfaces of both parts at each contact row."""
+        """Exact surfaces of parts a and of parts b at the cluster's contact rows."""
         return touched_surfaces(self.program, self.features, self.contacts)
 
     @cached_property
     def free_motions(self) -> FreeMotions:
-        """Motions that keep every gap and the energy to all orders."""
+        """Motions of the cluster's parts that keep every gap and the energy exactly."""
         return find_free_motions(self.program, self.features, self.touched)
 
     @cached_property
     def problem(self) -> Stationary:
-        """Gaps and load to second order."""
+        """Contact gaps and load of the cluster, to second order."""
         problem = problem_of(self.program, self.features)
         return replace(problem, on_plane=planes_of(self.touched))
 
     def bounded(self, sense: float) -> Stationary:
-        """Gaps at the upper (1) or lower (-1) bounds of all curvatures."""
+        """Contact gaps to second order, at the upper (1) or lower (-1) bounds of all curvatures."""
         if not self.features.doubted:
             return self.problem
         problem = bounded(self.program, self.features, sense)

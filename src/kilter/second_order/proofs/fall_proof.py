@@ -41,7 +41,7 @@ BENT = 0.5
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Configuration:
-    """An exact configuration with less energy, in which the parts are apart.
+    """Exact configuration on a path: the energy is lower and no parts penetrate.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class Configuration:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fall:
-    """A path of decreasing energy, and the motion of all parts to a configuration on it.
+    """Proof that parts fall: a path of decreasing energy, and a lower place on it.
 
     The motion has shape (N, 6). It is None if the path alone is the proof (`by_path_alone`).
     """
@@ -74,7 +74,7 @@ class Fall:
     place: Array | None
 
     def to_data(self, program: Program, problem: Stationary | None) -> dict[str, Any]:
-        """Data of a proof file."""
+        """JSON data of this proof of a fall, for a proof file."""
         assert problem is not None
         return {
             "first": by_part(program, problem, self.path.first),
@@ -84,7 +84,7 @@ class Fall:
 
     @classmethod
     def from_data(cls, facts: ClusterFacts, data: dict[str, Any]) -> Fall:
-        """The proof from its data; the path is judged at the lower bounds of all curvatures."""
+        """Read a proof of a fall from JSON data; its path is judged at the least curvatures."""
         program, problem = facts.program, facts.certain.bounded(-1.0)
         first, second = (read_columns(program, problem, data[key]) for key in ("first", "second"))
         place = data["configuration"]
@@ -94,7 +94,7 @@ class Fall:
         )
 
     def judge(self, facts: ClusterFacts) -> Judged:
-        """Why the proof does not hold, or what it proves."""
+        """Check the proof of a fall: reason why it fails, or the state and counts it proves."""
         path, wrong = self.path, []
         if abs(float(np.linalg.norm(path.first)) - 1) > ACROSS or not path.falls:
             wrong.append("its path does not lead down")
@@ -108,7 +108,7 @@ class Fall:
         return "; ".join(wrong) or ("balanced", None, None)
 
     def _wrong_place(self, facts: ClusterFacts) -> list[str]:
-        """Why the place is not on the path, apart and lower; empty if it is."""
+        """Reasons why the place is not on the path, lower and without penetration; else empty."""
         program, problem = facts.program, facts.bounded(-1.0)
         if self.place is None:
             if by_path_alone(facts) and self.path.one_form:
@@ -127,7 +127,7 @@ class Fall:
 
 
 def by_path_alone(facts: ClusterFacts) -> bool:
-    """Whether the bodies are not known exactly, so that the path alone is the proof.
+    """True if the bodies are not known exactly, so that the path alone is the proof.
 
     So it is for given contacts, and for surfaces that were recognised in meshes.
     """
@@ -138,7 +138,7 @@ def by_path_alone(facts: ClusterFacts) -> bool:
 def separation_at(
     assembly: Assembly, contacts: ContactSet, program: Program, problem: Stationary, motion: Array
 ) -> float | None:
-    """The least separation of neighbouring parts after a motion, shape (N, 6) [length unit].
+    """Least separation of neighbouring parts after a motion [length unit]; None if unknown.
 
     Rigid groups move as their first parts. None if the separation of some surfaces is unknown.
     """
@@ -154,7 +154,7 @@ def separation_at(
 
 
 def is_on(path: Path, columns: Array) -> bool:
-    """Whether a configuration, shape (n,) in scaled unknowns, is on a path near its start."""
+    """True if a configuration, shape (n,) in scaled unknowns, is on a path near its start."""
     along, bend = columns @ path.first, path.second @ path.first
     if not (along > 0 and 1 + 2 * along * bend >= 0):
         return False
@@ -168,7 +168,7 @@ def is_on(path: Path, columns: Array) -> bool:
 def find_configuration(
     assembly: Assembly, contacts: ContactSet, program: Program, problem: Stationary, path: Path
 ) -> tuple[Configuration | None, str]:
-    """Find a configuration on a path of lower energy at which no parts penetrate.
+    """Find a configuration on a falling path where no parts penetrate; else None and a reason.
 
     Returns
     -------

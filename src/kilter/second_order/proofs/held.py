@@ -1,4 +1,4 @@
-"""Proof of a hold to first order: forces of equilibrium that leave no motion neutral.
+"""Proof that parts are held to first order: equilibrium forces leave no motion neutral.
 
 With f >= 0 and J^T f + w = 0, the neutral motions are those that keep every contact with f > 0
 closed. If the rows of these contacts have full rank, there are none: the energy rises to first
@@ -27,7 +27,7 @@ __all__ = ["Held", "judge_held", "scaled_rows", "unbalanced"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Held:
-    """Forces of equilibrium, shape (K,) [N], that leave no motion neutral."""
+    """Equilibrium forces, shape (K,) [N], as a proof that no motion is neutral."""
 
     FORM: ClassVar[Form] = keys(held=list_of(NUMBER))
     SURFACES: ClassVar[str] = "none"
@@ -37,22 +37,22 @@ class Held:
         read_only(self)
 
     def to_data(self, program: Program, problem: Stationary | None) -> dict[str, Any]:
-        """Data of a proof file."""
+        """JSON data of this proof of held parts, for a proof file."""
         return {"held": self.forces.tolist()}
 
     @classmethod
     def from_data(cls, facts: ClusterFacts, data: dict[str, Any]) -> Held:
-        """The proof from its data."""
+        """Read a proof of held parts from JSON data."""
         return cls(np.array(data["held"], dtype=float))
 
     def judge(self, facts: ClusterFacts) -> Judged:
-        """Why the proof does not hold, or what it proves."""
+        """Check the proof of held parts: reason why it fails, or the state and counts it proves."""
         certain = facts.program.taking(facts.program.kind == CONTACT)
         return judge_held(certain, self) or ("minimum", 0, 0)
 
 
 def judge_held(program: Program, proof: Held) -> str:
-    """Why a proof about contacts without friction does not hold; empty if it holds."""
+    """Reason why a proof of held parts (without friction) fails; empty if it is valid."""
     forces = proof.forces
     if forces.shape != program.part_a.shape or not np.isfinite(forces).all():
         return "its forces are not those of the contacts"
@@ -72,7 +72,7 @@ def judge_held(program: Program, proof: Held) -> str:
 
 
 def unbalanced(program: Program, forces: Array) -> float:
-    """Largest imbalance |J^T f + w| of a part, over its load and forces [-]."""
+    """Largest imbalance |J^T f + w| of a part, relative to its load and forces [-]."""
     left = np.abs(program.wrenches(forces) + program.load)
     left[:, 3:] /= program.radius[:, None]
     size = np.maximum(program.weight, program.force_sums(forces))
@@ -81,6 +81,6 @@ def unbalanced(program: Program, forces: Array) -> float:
 
 
 def scaled_rows(program: Program) -> csr_array:
-    """The rows J, with turns in units of 1 / radius of the part, shape (K, n)."""
+    """Matrix J of the contact rows, with turns in units of 1 / part radius, shape (K, n)."""
     units = np.where(np.arange(6) < 3, 1.0, 1 / program.radius[program.free, None])
     return csr_array(program.jacobian() @ diags_array(units[:, program.freedoms].reshape(-1)))

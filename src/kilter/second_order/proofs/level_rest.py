@@ -1,4 +1,4 @@
-"""Proof that parts on level faces are free, at any size and without forms of gaps.
+"""Proof that parts on level faces can move freely, however far, without losing height.
 
 A level motion shifts a part across gravity and turns it about the vertical. At a contact of a level
 face with a face, an edge or a corner, no level motion changes the gap or the energy. Let f be
@@ -61,7 +61,7 @@ OPEN_TILT = "its forces leave the tilt of a part open"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LevelRest:
-    """A proof that exactly the level motions are neutral, and that they are free.
+    """Proof that the neutral motions are exactly the level (horizontal) ones, and are free.
 
     `forces`, shape (K,) [N], of equilibrium on level contacts; `motion`, shape (N, 6): a level
     motion that opens all other contacts, by up to 1 length unit.
@@ -76,17 +76,17 @@ class LevelRest:
         read_only(self)
 
     def to_data(self, program: Program, problem: Stationary | None) -> dict[str, Any]:
-        """Data of a proof file."""
+        """JSON data of this proof of level rest, for a proof file."""
         return {"level": self.forces.tolist(), "motion": named_motion(program, self.motion)}
 
     @classmethod
     def from_data(cls, facts: ClusterFacts, data: dict[str, Any]) -> LevelRest:
-        """The proof from its data."""
+        """Read a proof of level rest from JSON data."""
         motion = read_motion(facts.program, data["motion"])
         return cls(np.array(data["level"], dtype=float), motion)
 
     def judge(self, facts: ClusterFacts) -> Judged:
-        """Why the proof does not hold, or what it proves."""
+        """Check the proof of level rest: reason why it fails, or the state and counts it proves."""
         program, contacts = facts.program, facts.contacts
         level, sharp = level_rows(program, contacts), sharp_points(program, contacts)
         free = int(program.free.sum()) * (1 if program.planar else 3)
@@ -94,7 +94,7 @@ class LevelRest:
 
 
 def level_rows(program: Program, contacts: ContactSet) -> Mask:
-    """Detected contact rows with a level face, shape (K,)."""
+    """Mask of the detected contact rows with a level (horizontal) face, shape (K,)."""
     flat = [kind for kind in FLAT if kind != "edge-edge"]
     level = np.zeros(len(program.part_a), dtype=bool)
     rows = detected_rows(program, contacts)
@@ -106,7 +106,7 @@ def level_rows(program: Program, contacts: ContactSet) -> Mask:
 def judge_level_rest(
     program: Program, level: Mask, proof: LevelRest, sharp: SharpPoints | None = None
 ) -> str:
-    """Why a proof does not hold; empty if it holds.
+    """Reason why a proof of rest on level faces fails; empty if it is valid.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def judge_level_rest(
 
 
 def wrong_forces(program: Program, level: Mask, forces: Array) -> str:
-    """Why forces, shape (K,) [N], do not prove a rest on level faces; empty if they do."""
+    """Reason why forces, shape (K,) [N], do not prove a rest on level faces; else empty."""
     if not (forces >= 0).all() or forces[~level].any():
         return "a force acts off the level faces"
     if not unbalanced(program, forces) <= BALANCED:
@@ -139,7 +139,7 @@ def wrong_forces(program: Program, level: Mask, forces: Array) -> str:
 
 
 def _wrong_tilts(program: Program, bearing: Bearing, forces: Array) -> str:
-    """Why the exactly balanced forces f (1 + y . (1, u, v)) do not all push; empty if they do.
+    """Reason why exactly balanced forces near the given ones may not all push; else empty.
 
     The y of each part corrects the balance of its load and of the parts above it, the highest part
     first. The imbalance that the tolerance allows changes no force by more than half, either.
@@ -174,7 +174,7 @@ def _wrong_tilts(program: Program, bearing: Bearing, forces: Array) -> str:
 def wrong_motion(
     program: Program, level: Mask, motion: Array, sharp: SharpPoints | None = None
 ) -> str:
-    """Why a motion, shape (N, 6), is no level motion that opens the other contacts; else empty."""
+    """Reason why a motion, (N, 6), is not level or does not open other contacts; else empty."""
     if motion[~program.free].any():
         return "its motion moves held parts"
     moved = np.vstack([motion[:, :3], np.zeros(3)])  # the ground is the last

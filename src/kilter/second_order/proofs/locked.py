@@ -1,4 +1,4 @@
-"""Proof that parts only slide: self-stress locks every turn of parts with faces on faces.
+"""Proof that parts only slide: self-stress locks every turn of parts that touch in faces.
 
 If faces touch at points that are not collinear, a motion that costs no energy to first order turns
 both parts alike, except for a relative turn about the normal. To first order this turn is the same
@@ -43,7 +43,7 @@ __all__ = ["Faces", "LockedTurns", "faces_of", "judge_locked", "shifts"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Faces:
-    """Contacts of faces on faces.
+    """Contacts of a face on a face: their patches, a mask, and the contact points.
 
     `patch`, shape (K,): patch of each row; `flat`, shape (K,): rows of faces on faces; `point`,
     shape (K, 3): contact points over L [-].
@@ -56,7 +56,7 @@ class Faces:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LockedTurns:
-    """Forces of equilibrium over the weight, and self-stress, shape (K,) each [-]."""
+    """Equilibrium forces and self-stress, shape (K,) each [-], that lock every turn of parts."""
 
     FORM: ClassVar[Form] = keys(locked=list_of(NUMBER), stress=list_of(NUMBER))
     SURFACES: ClassVar[str] = "exact"
@@ -67,19 +67,19 @@ class LockedTurns:
         read_only(self)
 
     def to_data(self, program: Program, problem: Stationary | None) -> dict[str, Any]:
-        """Data of a proof file."""
+        """JSON data of this proof of locked turns, for a proof file."""
         assert problem is not None
         forces = (self.forces * problem.weight).tolist()
         return {"locked": forces, "stress": self.stress.tolist()}
 
     @classmethod
     def from_data(cls, facts: ClusterFacts, data: dict[str, Any]) -> LockedTurns:
-        """The proof from its data."""
+        """Read a proof of locked turns from JSON data."""
         forces = np.array(data["locked"], dtype=float) / facts.problem.weight
         return cls(forces, np.array(data["stress"], dtype=float))
 
     def judge(self, facts: ClusterFacts) -> Judged:
-        """Why the proof does not hold, or what it proves."""
+        """Check the proof of locked turns: why it fails, or the state and counts it proves."""
         if facts.program.planar:
             return "parts in a plane have no turns to lock"
         faces = faces_of(facts.program, facts.contacts, facts.problem)
@@ -88,7 +88,7 @@ class LockedTurns:
 
 
 def faces_of(program: Program, contacts: ContactSet, problem: Stationary) -> Faces:
-    """The detected contacts of faces on faces."""
+    """Contacts of a face on a face among the detected contacts of a program."""
     flat = np.zeros(len(program.source), dtype=bool)
     rows = detected_rows(program, contacts)
     flat[rows] = contacts.patch_kind[program.source[rows]] == "plane"
@@ -96,7 +96,7 @@ def faces_of(program: Program, contacts: ContactSet, problem: Stationary) -> Fac
 
 
 def shifts(problem: Stationary) -> tuple[Array, Array]:
-    """Orthonormal bases of the neutral motions without turns, (n, f), and of their complement."""
+    """Orthonormal bases of the neutral motions without turns, (n, f), and of the other ones."""
     neutral = null_space(problem.rows, problem.blur)
     turns = np.arange(neutral.shape[0]) % 6 >= 3
     free = neutral @ null_space(neutral[turns], ACROSS)
@@ -104,7 +104,7 @@ def shifts(problem: Stationary) -> tuple[Array, Array]:
 
 
 def judge_locked(problem: Stationary, faces: Faces, proof: LockedTurns) -> str:
-    """Why a proof does not hold; empty if it holds."""
+    """Reason why a proof of locked turns fails; empty if it is valid."""
     count = len(problem.rows)
     if proof.forces.shape != (count,) or proof.stress.shape != (count,):
         return "its forces are not those of the contacts"
@@ -133,7 +133,7 @@ def judge_locked(problem: Stationary, faces: Faces, proof: LockedTurns) -> str:
 
 
 def _wide(faces: Faces) -> bool:
-    """Whether the contact points of each face are not collinear."""
+    """True if the contact points of each face are not collinear."""
     points = [faces.point[faces.patch == patch] for patch in np.unique(faces.patch)]
     arms = [point - point.mean(axis=0) for point in points]
     return all(np.linalg.eigvalsh(arm.T @ arm)[1] > SPREAD for arm in arms)

@@ -1,4 +1,4 @@
-"""Proof of a strict minimum of the energy, judged without a solver.
+"""Proof of a strict minimum of the energy, checked without a solver.
 
 Forces f >= 0 with J^T f + w = 0 put every critical motion into the null space Z of the carrying
 rows, because the terms f_k J_k z >= 0 sum to -w.z = 0. For cones {z = Z y, R y >= 0} that together
@@ -50,7 +50,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Leaf:
-    """Forces of a cone, shape (K,), and weights N for its rows R and the sides, shape (m, m)."""
+    """Proof on a cone of motions: forces, shape (K,), and side weights N, shape (m, m)."""
 
     forces: Array
     weights: Array
@@ -58,7 +58,7 @@ class Leaf:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MinimumProof:
-    """A proof of a strict minimum across free motions, in scaled unknowns.
+    """Proof of a strict energy minimum across (orthogonal to) the free motions, scaled.
 
     Attributes
     ----------
@@ -90,7 +90,7 @@ class MinimumProof:
     leaves: tuple[Leaf, ...]
 
     def to_data(self, program: Program, problem: Stationary | None) -> dict[str, Any]:
-        """Data of a proof file."""
+        """JSON data of this proof of a minimum, for a proof file."""
         assert problem is not None
         return {
             "basis": [by_part(program, problem, motion) for motion in self.basis.T],
@@ -103,7 +103,7 @@ class MinimumProof:
 
     @classmethod
     def from_data(cls, facts: ClusterFacts, data: dict[str, Any]) -> MinimumProof:
-        """The proof from its data."""
+        """Read a proof of a minimum from JSON data."""
         program, problem, sides = facts.program, facts.problem, data["sides"]
         basis, free = (stacked(program, problem, data[key]) for key in ("basis", "across"))
         size = basis.shape[1]
@@ -126,7 +126,7 @@ class MinimumProof:
         )
 
     def judge(self, facts: ClusterFacts) -> Judged:
-        """Why the proof does not hold, or what it proves."""
+        """Check the proof of a minimum: reason why it fails, or the state and counts it proves."""
         known = facts.known
         if not known.all() and self.free.shape[1]:
             return "motions count as free past contacts whose second order is not known"
@@ -148,14 +148,14 @@ class MinimumProof:
 
 
 def orthants(dimension: int, *, half: bool) -> list[Array]:
-    """Rays, as columns, of all orthants, or of the half of them with y_0 >= 0."""
+    """All orthants of a space, or the half of them with y_0 >= 0, each by its rays as columns."""
     signs = itertools.product((1.0, -1.0), repeat=dimension - 1)
     first = [np.diag([1.0, *rest]) for rest in signs]
     return first if half else [*first, *(-rays for rays in first)]
 
 
 def split(rays: Array, i: int, j: int) -> tuple[Array, Array]:
-    """The two cones that result if a cone is split in the middle of its rays i and j."""
+    """Split a cone in the middle of its rays i and j into two cones."""
     middle = rays[:, i] + rays[:, j]
     middle = middle / np.linalg.norm(middle)
     first, second = rays.copy(), rays.copy()
@@ -164,14 +164,14 @@ def split(rays: Array, i: int, j: int) -> tuple[Array, Array]:
 
 
 def sides_of_cone(rays: Array) -> Array:
-    """Unit rows R of the cone {y: R y >= 0} spanned by linearly independent rays (columns)."""
+    """Unit rows R such that the cone spanned by independent rays (columns) is R y >= 0."""
     return unit_rows(np.asarray(np.linalg.inv(rays), dtype=np.float64))
 
 
 def leaf_cones(
     dimension: int, splits: Sequence[tuple[int, int] | None], *, half: bool
 ) -> Iterator[Array | None]:
-    """The rays of each leaf in turn; None for the whole space.
+    """Yield the rays of each leaf of a tree of cones; None stands for the whole space.
 
     Raises
     ------
@@ -198,7 +198,7 @@ def leaf_cones(
 
 
 def judge_minimum(problem: Stationary, proof: MinimumProof, worst: Stationary | None = None) -> str:
-    """Why a proof does not hold; empty if it holds.
+    """Reason why a proof of a strict minimum fails; empty if it is valid.
 
     Only the numbers of problem and proof are used: signs, balance, null space, Cholesky.
 
@@ -246,7 +246,7 @@ def _positive(weights: Array) -> bool:
 
 
 def _wrong_forces(problem: Stationary, forces: Array) -> str:
-    """Why forces, shape (K,), are no equilibrium of pushing contacts; empty if they are."""
+    """Reason why forces, shape (K,), are no equilibrium of pushing contacts; else empty."""
     if forces.shape != (len(problem.rows),) or not np.isfinite(forces).all():
         return "its forces are not those of the contacts"
     if (forces < 0).any():
@@ -285,7 +285,7 @@ def _wrong_spaces(problem: Stationary, proof: MinimumProof, carries: Mask, neutr
 
 
 def _wrong_free(problem: Stationary, proof: MinimumProof, forces: Array) -> str:
-    """Why the energy is not level to second order along the free motions; empty if it is."""
+    """Reason why the energy is not level to second order along free motions; else empty."""
     both = np.hstack([proof.basis, proof.free])
     curvature = problem.curvature(forces, both)
     size = max(1.0, float(np.abs(curvature).max(initial=0.0)))
@@ -297,7 +297,7 @@ def _wrong_free(problem: Stationary, proof: MinimumProof, forces: Array) -> str:
 
 
 def definite(matrix: Array) -> bool:
-    """Whether the symmetric part of a matrix is positive definite by more than rounding.
+    """True if the symmetric part of a matrix is positive definite by more than rounding.
 
     Cholesky itself reads only one triangle of a matrix, and accepts infinite numbers.
     """

@@ -1,4 +1,4 @@
-"""Contacts, joints, bonds and loads that second order does not model.
+"""Contacts, joints, bonds and loads for which second order has no model.
 
 Open pairs and contacts that are not modelled may exert forces without a gap, so the answer is open.
 Two kinds of possible contacts are exceptions:
@@ -36,7 +36,7 @@ OFF_CENTRE = "second order does not model loads beside a centre of mass"
 
 
 def why_unmodelled(assembly: Assembly, contacts: ContactSet) -> str:
-    """Why second order does not model these contacts; empty if it does."""
+    """Reason why second order cannot model the contacts of an assembly; empty if it can."""
     sharp = sharp_pushes(contacts)
     known = _on_rims(contacts) | _within_groups(assembly, contacts) | sharp
     ends = np.column_stack([contacts.possible.part_a, contacts.possible.part_b])[sharp]
@@ -49,7 +49,7 @@ def why_unmodelled(assembly: Assembly, contacts: ContactSet) -> str:
 
 
 def why_beyond(program: Program) -> str:
-    """Why second order does not model joints, bonds or loads of a cluster; empty if it does."""
+    """Reason why second order cannot model a cluster's joints, bonds or loads; else empty."""
     if not np.isin(program.kind, (CONTACT, POSSIBLE)).all():
         return "second order does not model joints"
     if program.has_strength:
@@ -60,7 +60,7 @@ def why_beyond(program: Program) -> str:
 
 
 def loads_off_centre(assembly: Assembly, program: Program) -> tuple[Mask, Mask]:
-    """Parts with a load off their centre of mass, and with an inclined such load, (N,) each.
+    """Masks of parts with a load off their centre, and with an inclined such load, (N,) each.
 
     Parameters
     ----------
@@ -81,14 +81,14 @@ def loads_off_centre(assembly: Assembly, program: Program) -> tuple[Mask, Mask]:
 
 
 def _within_groups(assembly: Assembly, contacts: ContactSet) -> Mask:
-    """Possible contacts between parts of the same rigid group, shape (k,)."""
+    """Mask of possible contacts between parts of the same rigid group, shape (k,)."""
     first = RigidGroups.of(assembly).first
     within: Mask = first[contacts.possible.part_a] == first[contacts.possible.part_b]
     return within
 
 
 def _on_rims(contacts: ContactSet) -> Mask:
-    """Possible contacts in the plane of a flat patch of their pair, shape (k,)."""
+    """Mask of possible contacts in the plane of a flat patch of the same parts, shape (k,)."""
     possible, count = contacts.possible, len(contacts.assembly.parts)
     flat = np.flatnonzero(contacts.patch_kind == "plane")
     parts = contacts.patch_parts[flat]

@@ -1,4 +1,4 @@
-"""Paths that lead down: z(t) = t dp + t^2 d2 / 2 with all gaps open and less energy.
+"""Paths that lead down: z(t) = t dp + t^2 d2 / 2, with all gaps open and less energy.
 
     J_k dp >= 0, w.dp = 0;   J_k d2 + dp.H_k dp >= m for rows with J_k dp = 0;   w.d2 >= m,   m > 0
 
@@ -39,7 +39,7 @@ FARTHEST = REACHES[-1] * (1 + ACROSS)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Path:
-    """A path in scaled unknowns, with the numbers that judge it.
+    """A path of the parts in scaled unknowns, with the numbers by which it is judged.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class Path:
 
     @property
     def falls(self) -> bool:
-        """Whether the path proves that the configuration is no minimum."""
+        """True if the path proves that the configuration is no energy minimum."""
         least = min(self.opens, self.power)
         straight = float(np.linalg.norm(self.second)) <= FARTHEST * np.sqrt(len(self.second))
         begins = min(self.slack, SLIPS * least, self.lasts * least / (2 * LASTS))
@@ -79,7 +79,7 @@ class Path:
 
 
 def judge_path(problem: Stationary, first: Array, second: Array) -> Path:
-    """The path with its judging numbers, from the numbers of the problem alone."""
+    """Make a path from its two derivatives, with the numbers by which it is judged."""
     first_opens = problem.rows @ first
     second_opens = problem.rows @ second + problem.bends(first)
     kept, later = _kept(problem, first, second), first_opens <= DROPS
@@ -96,7 +96,7 @@ def judge_path(problem: Stationary, first: Array, second: Array) -> Path:
 
 
 def _kept(problem: Stationary, first: Array, second: Array) -> Mask:
-    """Rows with a plane along which both parts shift without turns, shape (K,)."""
+    """Mask of rows with a plane along which both parts shift without turns, shape (K,)."""
     path = np.column_stack([first, second])
     moved = np.abs(problem.rows @ path).max(axis=1, initial=0.0)
     turned = np.append(np.abs(path).max(axis=1), 0.0)[problem.columns[:, [3, 4, 5, 9, 10, 11]]]

@@ -1,4 +1,4 @@
-"""The six kinds of proof of second order, behind a common protocol.
+"""The six kinds of second-order proof, behind a common protocol.
 
 Each kind is named in a proof file by a key that no other kind has.
 """
@@ -22,7 +22,7 @@ __all__ = ["KINDS", "Proof"]
 
 
 class Proof(Protocol):
-    """A proof of the state of a cluster.
+    """Second-order proof of the state of a cluster.
 
     Attributes
     ----------
@@ -37,11 +37,11 @@ class Proof(Protocol):
     SURFACES: ClassVar[str]
 
     def to_data(self, program: Program, problem: Stationary | None) -> dict[str, Any]:
-        """Data of a proof file."""
+        """JSON data of this proof, for a proof file."""
 
     @classmethod
     def from_data(cls, facts: ClusterFacts, data: dict[str, Any]) -> Proof:
-        """The proof from data of this form.
+        """Read a proof from JSON data of the form `FORM`.
 
         Raises
         ------
@@ -50,7 +50,7 @@ class Proof(Protocol):
         """
 
     def judge(self, facts: ClusterFacts) -> Judged:
-        """Why the proof does not hold, or what it proves."""
+        """Check the proof against facts: why it fails, or the state and counts it proves."""
 
 
 KINDS: dict[str, type[Proof]] = {

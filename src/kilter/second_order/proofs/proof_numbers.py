@@ -1,4 +1,4 @@
-"""Numbers of a proof file as arrays, and motions by the names of the parts."""
+"""Numbers of a proof file as arrays, and motions by the names of their parts."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ __all__ = [
 
 
 def counts(entries: Iterable[dict[str, Any] | None]) -> dict[str, int]:
-    """Sums of the counts of motions of several clusters; empty if any of them falls."""
+    """Sums of the motion counts of several clusters' proofs; empty if any cluster falls."""
     given = [entry for entry in entries if entry is not None]
     if any(entry["state"] == "balanced" for entry in given):
         return {}
@@ -34,7 +34,7 @@ def counts(entries: Iterable[dict[str, Any] | None]) -> dict[str, int]:
 
 
 def square(weights: list[Any]) -> Array:
-    """Rows of numbers as a square matrix, shape (n, n)."""
+    """Square matrix from its list of rows, shape (n, n)."""
     size = len(weights)
     if any(len(row) != size for row in weights):
         raise MalformedProof("weights are not square")
@@ -42,24 +42,24 @@ def square(weights: list[Any]) -> Array:
 
 
 def stacked(program: Program, problem: Stationary, motions: Iterable[Any]) -> Array:
-    """Motions as columns of scaled unknowns, shape (n, d)."""
+    """Motions from proof data as columns of scaled unknowns, shape (n, d)."""
     columns = [read_columns(program, problem, motion) for motion in motions]
     return np.array(columns).T if columns else np.zeros((len(problem.load), 0))
 
 
 def by_part(program: Program, problem: Stationary, columns: Array) -> dict[str, list[float]]:
-    """A motion in scaled unknowns, shape (n,), by the names of the free parts."""
+    """Convert a motion in scaled unknowns, shape (n,), to data by names of the free parts."""
     assert problem.scale is not None
     return named_motion(program, program.full(columns * problem.scale))
 
 
 def named_motion(program: Program, motion: Array) -> dict[str, list[float]]:
-    """A motion of all parts, shape (N, 6), by the names of the free parts."""
+    """Motion of all parts, shape (N, 6), as data by names of the free parts."""
     return {program.names[k]: motion[k].tolist() for k in np.flatnonzero(program.free)}
 
 
 def read_motion(program: Program, named: dict[str, Any]) -> Array:
-    """A motion of all parts, shape (N, 6), from six numbers for each free part.
+    """Read a motion of all parts, shape (N, 6), from six numbers for each free part.
 
     Raises
     ------
@@ -77,5 +77,5 @@ def read_motion(program: Program, named: dict[str, Any]) -> Array:
 
 
 def read_columns(program: Program, problem: Stationary, named: dict[str, Any]) -> Array:
-    """A motion in scaled unknowns, shape (n,)."""
+    """Read a motion by part names, and convert it to scaled unknowns, shape (n,)."""
     return scaled_columns(program, problem, read_motion(program, named)[None])[:, 0]

@@ -1,4 +1,4 @@
-"""Recheck of the proof of second order in a proof file, without a solver.
+"""Recheck, without a solver, of the second-order proof in a proof file.
 
 Clusters, features, forms, free motions and separations are computed from the assembly. Only forces,
 motions, weights and places are taken from the file, after its form has been verified.
@@ -70,7 +70,7 @@ JOINED = every(
 def recheck_second_order(
     assembly: Assembly, contacts: ContactSet, program: Program, data: Any
 ) -> list[str]:
-    """Reasons why the proof of second order in a proof file does not hold; empty if it holds.
+    """Reasons why the second-order proof in a proof file is not valid; empty if it is.
 
     Parameters
     ----------
@@ -90,12 +90,12 @@ def recheck_second_order(
 
 
 def _entries(data: dict[str, Any]) -> list[dict[str, Any]]:
-    """The proofs of the clusters that are not open."""
+    """The cluster proofs in the data of a second-order proof, without open clusters."""
     return [entry for entry in data.get("clusters", [data]) if entry is not None]
 
 
 def _kind_of(entry: Any) -> type[Proof]:
-    """The kind of the proof of a cluster, whose form it verifies.
+    """Class of a cluster's proof, found by its key; raises if the data do not have its form.
 
     Raises
     ------
@@ -114,7 +114,7 @@ def _kind_of(entry: Any) -> type[Proof]:
 def _wrong(
     assembly: Assembly, contacts: ContactSet, program: Program, data: dict[str, Any]
 ) -> list[str]:
-    """Reasons why the proof of an assembly, of verified form, does not hold."""
+    """Reasons why a second-order proof of valid form fails; empty if it is valid."""
     if unmodelled := why_unmodelled(assembly, contacts):
         return [f"its second order: {unmodelled}"]
     for entry in (data, *_entries(data)):
@@ -145,7 +145,7 @@ def _wrong(
 
 
 def _wrong_entry(facts: ClusterFacts, entry: dict[str, Any], off: Mask, slanted: Mask) -> str:
-    """Why the proof of a cluster does not hold; empty if it holds.
+    """Reason why the proof of a cluster fails; empty if it is valid.
 
     Parameters
     ----------
@@ -165,7 +165,7 @@ def _wrong_entry(facts: ClusterFacts, entry: dict[str, Any], off: Mask, slanted:
 
 
 def _wrong_proof(facts: ClusterFacts, entry: dict[str, Any]) -> str:
-    """Why a proof about all contacts of a cluster does not hold; empty if it holds."""
+    """Reason why a proof about all contacts of a cluster fails; empty if it is valid."""
     kind = _kind_of(entry)
     if word := _wrong_surfaces(kind.SURFACES, facts):
         return word
@@ -177,7 +177,7 @@ def _wrong_proof(facts: ClusterFacts, entry: dict[str, Any]) -> str:
 
 
 def _wrong_surfaces(surfaces: str, facts: ClusterFacts) -> str:
-    """Why the surfaces are not known well enough for a kind of proof (`Proof.SURFACES`)."""
+    """Reason why surfaces are not known well enough for a kind of proof; empty if they are."""
     if surfaces == "none":
         return ""
     if surfaces == "all":
@@ -191,7 +191,7 @@ def _wrong_surfaces(surfaces: str, facts: ClusterFacts) -> str:
 
 
 def _wrong_without_idle(facts: ClusterFacts, entry: dict[str, Any]) -> str:
-    """Why a proof without the idle contacts of a cluster does not hold; empty if it holds.
+    """Reason why a proof that omits idle (forceless) contacts fails; empty if it is valid.
 
     Fewer contacts only admit more motions, so a minimum stays a minimum with them. A free state
     stays free with them if a free motion opens them all.
@@ -225,7 +225,7 @@ def _wrong_without_idle(facts: ClusterFacts, entry: dict[str, Any]) -> str:
 
 
 def _alike(program: Program, motion: Array) -> Mask:
-    """Rows between free parts that a motion shifts alike without turns, shape (K,)."""
+    """Mask of rows between free parts that a motion shifts alike without turns, shape (K,)."""
     a, b, free = program.part_a, program.part_b, program.free
     most = KEEPS * float(np.abs(motion[:, :3]).max())
     shifts = np.abs(motion[a, :3] - motion[b, :3]).max(axis=1)
@@ -236,7 +236,7 @@ def _alike(program: Program, motion: Array) -> Mask:
 
 
 def _wrong_joined(data: dict[str, Any]) -> list[str]:
-    """A reason if state and counts of an assembly are not those of its clusters."""
+    """Objection if the state and counts of an assembly do not follow from its clusters."""
     given = _entries(data)
     states = [entry["state"] for entry in given]
     states += ["open"] * (len(data["clusters"]) - len(given))
@@ -248,7 +248,7 @@ def _wrong_joined(data: dict[str, Any]) -> list[str]:
 def _wrong_rolling(
     assembly: Assembly, contacts: ContactSet, data: dict[str, Any], entries: list[Any]
 ) -> list[str]:
-    """A reason if the result about rolling is not the claimed one."""
+    """Objection if the stated result about rolling is not the recomputed result."""
     program = with_sharp(build_program(assembly, contacts), contacts)
     program = RigidGroups.of(assembly).merged(program, assembly)
     parted, features = clusters(program), features_of(program, contacts)

@@ -1,4 +1,4 @@
-"""Proof that stops keep parts on level faces and edges from sliding to where they would fall.
+"""Proof that stops keep parts on level faces and edges from sliding to a fall.
 
 Level motions F shift parts across gravity and turn them about the vertical. At level contacts,
 between a level plane and any feature or between level edges and corners, they keep every gap and
@@ -61,7 +61,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stopped:
-    """Forces, weights and a level motion that prove that stops prevent the fall.
+    """Forces, weights and a level motion that prove: stops keep sliding parts from falling.
 
     `forces`, shape (K,), on level contacts, over the weight [-]; `weights`, shape (s, m): W for s
     stops and m level contacts without force; `opening`, shape (n,): a level motion that opens all
@@ -80,7 +80,7 @@ class Stopped:
         read_only(self)
 
     def to_data(self, program: Program, problem: Stationary | None) -> dict[str, Any]:
-        """Data of a proof file."""
+        """JSON data of this proof by stops, for a proof file."""
         assert problem is not None
         return {
             "stopped": (self.forces * problem.weight).tolist(),
@@ -90,7 +90,7 @@ class Stopped:
 
     @classmethod
     def from_data(cls, facts: ClusterFacts, data: dict[str, Any]) -> Stopped:
-        """The proof from its data."""
+        """Read a proof by stops from JSON data."""
         problem, weights = facts.problem, data["weights"]
         if len({len(row) for row in weights}) > 1:
             raise MalformedProof("rows of weights differ in length")
@@ -101,7 +101,7 @@ class Stopped:
         )
 
     def judge(self, facts: ClusterFacts) -> Judged:
-        """Why the proof does not hold, or what it proves."""
+        """Check the proof by stops: reason why it fails, or the state and counts it proves."""
         question = stop_question(facts)
         if word := judge_stopped(*question, self):
             return word
@@ -111,7 +111,7 @@ class Stopped:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StopForms:
-    """The numbers that a proof combines.
+    """Quadratic and linear forms of energy and stops that a proof by stops combines.
 
     Attributes
     ----------
@@ -157,7 +157,7 @@ class StopForms:
 
 
 def level_contacts(program: Program, features: Features, touched: tuple[Touched, Touched]) -> Mask:
-    """Rows whose gap no level motion changes, shape (K,).
+    """Mask of contact rows whose gap no horizontal motion changes, shape (K,).
 
     Their normal is upright. Either a side is a level plane, or both sides are planes, straight
     edges or corners.
@@ -173,7 +173,7 @@ def level_contacts(program: Program, features: Features, touched: tuple[Touched,
 
 
 def level_motions(program: Program) -> Array:
-    """An orthonormal basis of the level motions of free parts, shape (n, f), scaled unknowns."""
+    """Basis of horizontal shifts, and turns about verticals, of free parts, (n, f), scaled."""
     axes = level_axes(program)
     six = np.zeros((len(axes) + (not program.planar), 6))
     six[: len(axes), :3], six[len(axes) :, 3:] = axes, program.down
@@ -182,7 +182,7 @@ def level_motions(program: Program) -> Array:
 
 
 def stop_question(facts: ClusterFacts) -> tuple[Stationary, Mask, Array, Array]:
-    """The problem, its level contacts, its level motions and the span of its symmetries."""
+    """Gaps to second order, level contacts, level motions and symmetries for a proof by stops."""
     program, problem = facts.program, facts.problem
     level = level_contacts(program, facts.features, facts.touched)
     span = free_span(program, problem, facts.free_motions.symmetries)
@@ -192,7 +192,7 @@ def stop_question(facts: ClusterFacts) -> tuple[Stationary, Mask, Array, Array]:
 def stop_forms(
     problem: Stationary, level: Mask, motions: Array, free: Array, forces: Array
 ) -> StopForms:
-    """The forms for given forces, shape (K,).
+    """Forms of energy and stops for a proof by stops, under given forces, shape (K,).
 
     The other arguments are those of `judge_stopped`.
     """
@@ -224,7 +224,7 @@ def stop_forms(
 def judge_stopped(
     problem: Stationary, level: Mask, motions: Array, free: Array, proof: Stopped
 ) -> str:
-    """Why a proof does not hold; empty if it holds.
+    """Reason why a proof by stops fails; empty if it is valid.
 
     Parameters
     ----------
@@ -260,7 +260,7 @@ def judge_stopped(
 
 
 def _wrong_forms(forms: StopForms, weights: Array) -> str:
-    """Why forms and weights do not prove the minimum; empty if they do."""
+    """Reason why forms and weights do not prove the minimum; empty if they do."""
     if not forms.carried:
         return "its forces carry by rounding"
     if not forms.one_form:

@@ -1,4 +1,4 @@
-"""Searches for proofs of second order, by linear, conic and semidefinite programs.
+"""Searches for second-order proofs, by linear, conic and semidefinite programs.
 
 - `critical`: motions that cost nothing to first order
 - `curved_energy`: forces under which the energy curves upward

@@ -1,4 +1,4 @@
-"""Linear programs whose work is counted, and that are not solved once the work is over."""
+"""Linear programs whose work is counted; none is solved once the work is over."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["optimum"]
 
 
 def optimum(program: LinearProgram, work: Work | None) -> Array | None:
-    """An optimal solution, shape (n,); None if there is none, or the work is over."""
+    """Optimal solution of a linear program, shape (n,); None without one, or if work is over."""
     if work is None:
         work = Work()
     if work.over:

@@ -1,4 +1,4 @@
-"""Decision between a strict minimum of the energy and a path that leads down.
+"""Decide between a strict minimum of the energy and a path that leads down.
 
 1  find the critical motions C (`critical`)
 2  divide out the motions that are proved free; motions that no contact curves stay undecided
@@ -59,7 +59,7 @@ ROUNDS = 4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Decision:
-    """The decision about a configuration in equilibrium, with its proof.
+    """Decision about an equilibrium (minimum, balanced or open), with its proof.
 
     Attributes
     ----------
@@ -96,7 +96,7 @@ def decide(
     only_if_stays: bool = False,
     work: Work | None = None,
 ) -> Decision:
-    """Decide between minimum, balanced and open.
+    """Decide if an equilibrium is an energy minimum, balanced (a path leads down) or open.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def decide(
 
 
 def _even(problem: Stationary, critical: Critical, free: Array) -> Array:
-    """The free motions along which the energy under the forces stays level to second order.
+    """Free motions along which the energy stays level to second order, shape (n, f').
 
     This excludes sliding past the edge of a table. The energy must stay level both if flush corners
     stay on their edges and if they slip off.
@@ -134,7 +134,7 @@ def _even(problem: Stationary, critical: Critical, free: Array) -> Array:
 
 
 class _Question:
-    """A configuration, and its critical motions orthogonal to the free motions."""
+    """An equilibrium and its critical motions orthogonal to the free motions, to be decided."""
 
     def __init__(
         self,
@@ -155,7 +155,7 @@ class _Question:
         self.flat = 0
 
     def answer(self) -> Decision:
-        """Decide by the critical motions: a minimum, a path that leads down, or open."""
+        """Decide by the critical motions: minimum, balanced by a path that leads down, or open."""
         if not self.across.shape[1]:
             return self._minimum((), (Leaf(self.critical.forces, self._no_weights()),))
         if self.across.shape[1] > MOST_MOTIONS:
@@ -175,11 +175,11 @@ class _Question:
         )
 
     def _no_weights(self) -> Array:
-        """Zero weights of the sides."""
+        """Zero matrix of weights for the sides (inequalities) of the critical motions."""
         return np.zeros((len(self.sides), len(self.sides)))
 
     def _without_flat(self) -> Array:
-        """Basis of the critical motions across the motions that no contact curves."""
+        """Basis of the critical motions, without motions on which no contact has curvature."""
         forms = self.carrying.restricted(self.across)
         stacked = forms.reshape(-1, forms.shape[2])
         size = float(np.abs(forms).max(initial=0.0))
@@ -232,17 +232,17 @@ class _Question:
         return self._open("neither forces that prove a minimum nor a path down were found")
 
     def _only_forces(self) -> bool:
-        """Whether the forces of equilibrium are unique, and no side needs a weight."""
+        """True if the equilibrium forces are unique and no side (inequality) needs a weight."""
         rows = self.carrying.rows
         rank = int(np.linalg.matrix_rank(rows, tol=self.problem.blur))
         return not len(self.sides) and rank == len(rows)
 
     def sides_of(self, basis: Array) -> Array:
-        """The sides in coordinates of a basis within `across`."""
+        """Sides (inequality rows) of the critical motions, in coordinates of a basis of them."""
         return self.sides @ (self.across.T @ basis)
 
     def _from_forces(self, basis: Array) -> list[Array]:
-        """Two motions along which the critical forces curve the energy least."""
+        """Two motions along which the energy curves least under the critical forces."""
         forces = self.critical.forces[self.critical.carries]
         _, vectors = np.linalg.eigh(self.carrying.curvature(forces, basis))
         return [basis @ vectors[:, k] for k in range(min(2, vectors.shape[1]))]
@@ -257,7 +257,7 @@ class _Question:
         return single + [basis @ (axes[:, :most] @ np.array([1.0, *rest])) for rest in signs]
 
     def _paths(self, candidates: list[Array]) -> list[Path]:
-        """Falling paths along critical motions near to given motions, the steepest first."""
+        """Falling paths along critical motions near the candidates, the steepest path first."""
         paths = []
         about = self._about_edges(np.hstack([self.across, self.free]))
         for motion in candidates:
@@ -272,17 +272,17 @@ class _Question:
         return self._steepest(paths)
 
     def _path(self, critical: Array) -> Path | None:
-        """The path along a critical motion, unless known forces exclude it."""
+        """Path along a critical motion; None without one, or if known forces exclude it."""
         return find_path(self.problem, critical, balancing=self.balancing, work=self.work)
 
     def _note(self, forces: Array) -> None:
-        """Keep balanced forces on the carrying rows, because they exclude paths."""
+        """Store forces of the carrying rows if they balance: such forces exclude falling paths."""
         forces = self._nearest_balanced_forces(forces)
         if self.carrying.imbalance(forces) < EXACT:
             self.balancing = np.vstack([self.balancing, self._spread(forces)])
 
     def _paths_alone(self) -> list[Path]:
-        """Falling paths of a single part, the steepest first."""
+        """Falling paths on which a single part moves, the steepest path first."""
         paths = []
         for motion in self._motions_of_part():
             path = self._path(motion)
@@ -293,11 +293,11 @@ class _Question:
         return self._steepest(paths)
 
     def _steepest(self, paths: Iterable[Path]) -> list[Path]:
-        """The paths in order, the steepest first."""
+        """Sort paths by steepness, the steepest first."""
         return sorted(paths, key=lambda path: -min(path.opens, path.power))
 
     def _motions_of_part(self) -> list[Array]:
-        """Critical motions of a single part that curve least: parts pressed between others stay."""
+        """Critical motions of a single part along which the energy curves least."""
         whole = np.hstack([self.across, self.free])
         columns = self.problem.columns.reshape(-1, 6)
         motions: list[Array | None] = []
@@ -320,7 +320,7 @@ class _Question:
         return basis @ null_space(self.carrying.sliding(basis), self.problem.blur)
 
     def _pivots(self, about: Array, critical: list[Array | None]) -> list[Array]:
-        """Critical motions near to given motions along which no flush corner slips off."""
+        """Critical motions near given motions along which no flush corner slips off its edge."""
         if not about.shape[1]:
             return []
         near = [about @ (about.T @ motion) for motion in critical if motion is not None]
@@ -332,7 +332,7 @@ class _Question:
         ]
 
     def _critical(self, motion: Array, basis: Array | None = None) -> Array | None:
-        """The nearest critical motion in an orthonormal basis, of length 1; None if it is zero."""
+        """Nearest critical motion of length 1 in an orthonormal basis; None if it is zero."""
         basis = self.across if basis is None else basis
         y, sides = basis.T @ motion, self.sides_of(basis)
         sides = sides[np.linalg.norm(sides, axis=1) > FLAT]  # the basis does not open the others
@@ -347,7 +347,7 @@ class _Question:
     def _strengthened_minimum(
         self, forces: Array, stress: Array, weights: Array | None = None
     ) -> Decision | None:
-        """A minimum proved by given forces plus enough self-stress; None if no share suffices."""
+        """Minimum proved by forces plus enough self-stress; None if no amount suffices."""
         forces = self._nearest_balanced_forces(forces)
         weights = self._no_weights() if weights is None else weights
         for share in (0.0, *np.geomspace(1.0, 1e6, 13)) if stress.any() else (0.0,):
@@ -360,7 +360,7 @@ class _Question:
         return None
 
     def _nearest_balanced_forces(self, forces: Array) -> Array:
-        """The nearest forces that balance the load, with negative forces set to 0."""
+        """Nearest forces that balance the load; negative forces become 0 first."""
         rows = self.carrying.rows
         miss = rows.T @ forces + self.carrying.load
         nearest = np.linalg.lstsq(rows.T, miss, rcond=None)[0]
@@ -373,7 +373,7 @@ class _Question:
         return total
 
     def _by_cones(self, basis: Array) -> Decision:
-        """Split the motions into cones, and prove each by its own forces or find a path in it."""
+        """Split the critical motions into cones; prove each by its own forces, or find a path."""
         dimension, sides = basis.shape[1], self.sides_of(basis)
         todo = orthants(dimension, half=not len(sides))[::-1]
         splits: list[tuple[int, int] | None] = []
@@ -411,7 +411,7 @@ class _Question:
         return self._open("it is too near a limit, or of a higher order")
 
     def _curves(self, basis: Array, forces: Array, sides: Array, weights: Array) -> bool:
-        """Whether balanced forces curve the energy upward by more than the weighted sides."""
+        """True if forces curve the energy upward by more than the weighted sides (inequalities)."""
         matrix = (
             self.carrying.curvature(self._nearest_balanced_forces(forces), basis)
             - sides.T @ weights @ sides
@@ -422,7 +422,7 @@ class _Question:
     def _minimum(
         self, splits: tuple[tuple[int, int] | None, ...], leaves: tuple[Leaf, ...]
     ) -> Decision:
-        """A minimum by the forces of all cones; open if the judge rejects the proof."""
+        """Decision "minimum" by the forces of all cones; "open" if the judge rejects the proof."""
         proof = MinimumProof(self.across, self.sides, self.free, splits, leaves)
         wrong = judge_minimum(self.problem, proof)
         return self._open(wrong) if wrong else self._decision("minimum", proof)
@@ -430,13 +430,13 @@ class _Question:
     def _decision(
         self, state: Literal["minimum", "balanced"], proof: MinimumProof | Path, *others: Path
     ) -> Decision:
-        """A proved decision with the counts of motions."""
+        """A proved decision with the counts of neutral, free and blocked motions."""
         free = self.free.shape[1]
         blocked = self.neutral - free - self.flat
         return Decision(state, self.neutral, free, blocked, self.flat, proof, others=others)
 
     def _open(self, why: str) -> Decision:
-        """An open decision; motions that the critical forces curve upward count as blocked."""
+        """Decision "open"; motions that the critical forces curve upward count as blocked."""
         free = self.free.shape[1]
         forces = self._nearest_balanced_forces(self.critical.forces[self.critical.carries])
         values = np.linalg.eigvalsh(self.carrying.curvature(forces, self.across))

@@ -1,4 +1,4 @@
-"""Decisions that hold for every surface that a mesh may represent."""
+"""Decisions that are valid for every surface that a mesh may represent."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def decided_for_all(
     decision: Decision,
     work: Work,
 ) -> tuple[Stationary, Decision]:
-    """The decision if it holds for all surfaces within their doubt, else an open decision.
+    """The decision if valid for all surfaces within their doubt, else "open"; and its problem.
 
     Parameters
     ----------

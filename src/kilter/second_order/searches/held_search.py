@@ -1,4 +1,4 @@
-"""The search for forces of equilibrium that leave no motion neutral."""
+"""Search for equilibrium forces that leave no motion neutral."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ SHARE = 0.02
 
 
 def find_held(program: Program, forces: Array) -> Held | None:
-    """A proof from forces of equilibrium, shape (K,) [N]; None if none was found."""
+    """Make a proof of held parts from equilibrium forces, (K,) [N]; None if it would fail."""
     if not judge_held(program, Held(forces)):
         return Held(forces)
     if not forces.any():
@@ -29,7 +29,7 @@ def find_held(program: Program, forces: Array) -> Held | None:
 
 
 def _spread_out(program: Program, forces: Array) -> Array | None:
-    """Positive forces of equilibrium near to given ones, by alternate projection and cutting."""
+    """Equilibrium forces near given ones that push on every contact; None if not found."""
     rows = scaled_rows(program)
     gram = (rows.T @ rows).toarray()
     try:

@@ -1,4 +1,4 @@
-"""The search for proofs that parts rest on level faces (`level_rest`).
+"""Search for proofs that parts rest on level (horizontal) faces.
 
 The load of each part is spread over its supports, from the highest part down. If that leaves a part
 without a footing, the forces of the verdict are tried, then those of a linear program. The motion
@@ -53,7 +53,7 @@ def find_level_rest(
     *,
     work: Work | None = None,
 ) -> LevelRest | None:
-    """A proof for a program of contacts without friction; None if none was found.
+    """Search for a proof that parts rest on level faces; None if none was found.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def find_level_rest(
 
 
 def rests_level(program: Program, level: Mask, forces: Array) -> bool:
-    """Whether forces on level faces alone fix the height and the tilts of every part.
+    """True if forces on level faces alone fix the height and tilts of every part.
 
     Then no motion lowers the energy to second order, so that the assembly is not only balanced.
     The condition is that of `level_rest`, without the motion that opens the other contacts.
@@ -102,7 +102,7 @@ def _candidate_forces(
     *,
     programs: bool = True,
 ) -> Iterator[Array]:
-    """Forces of equilibrium [N], the cheapest first; none if a part has no footing.
+    """Yield equilibrium forces [N] on level faces, those of the cheapest method first.
 
     `programs`: whether a linear program is the last candidate.
     """
@@ -125,7 +125,7 @@ def _candidate_forces(
 
 
 def _from_program(program: Program, level: Mask, work: Work | None) -> Array | None:
-    """Forces on every level row that can carry [N], by a linear program and refinement."""
+    """Forces [N] on every level row that can carry, by a linear program; None if it fails."""
     units = np.where(np.arange(6) < 3, 1.0, 1 / program.radius[program.free, None])
     units = units[:, program.freedoms].reshape(-1)
     weight = float(program.weight[program.free].max())
@@ -146,19 +146,19 @@ def _from_program(program: Program, level: Mask, work: Work | None) -> Array | N
 
 
 def _grams(program: Program, part: Index, footing: Array) -> Array:
-    """Sums by part of the outer products of its footing, shape (N, 3, 3) or (N, 2, 2)."""
+    """Sum over each part of the outer products of its footing, (N, 3, 3) or (N, 2, 2)."""
     return sums_by_part(part, footing[:, :, None] * footing[:, None, :], len(program.names))
 
 
 def _on_no_line(grams: Array) -> bool:
-    """Whether the support points of each part are not collinear."""
+    """True if the support points of each part are not collinear."""
     return bool((np.linalg.eigvalsh(grams)[:, 0] > SPREAD).all())
 
 
 def _from_above(
     program: Program, bearing: Bearing, footings: tuple[Array, Array], grams: Array
 ) -> Array | None:
-    """Forces [N] that spread the load of each part over its supports, the highest part first.
+    """Forces [N] that spread each part's load over its supports, from above; None if it fails.
 
     They are the forces of least squares, or of the largest entropy if a least-squares force pulls.
     None if a part is lifted by its load.
@@ -186,7 +186,7 @@ def _from_above(
 
 
 def _pushing_forces(part: Index, footing: Array, need: Array) -> Array:
-    """Forces exp(y . (1, u, v)) [N], with a y for each part, that balance what each part needs.
+    """Forces exp(y . (1, u, v)) [N], with a vector y for each part, that carry the load `need`.
 
     Newton's method minimises the sum of exp(y . (1, u, v)) minus y . need for each part; a step
     changes no force by more than a factor of e.
@@ -217,7 +217,7 @@ def _pushing_forces(part: Index, footing: Array, need: Array) -> Array:
 def find_parting(
     program: Program, level: Mask, sharp: SharpPoints | None, work: Work | None
 ) -> Array | None:
-    """Level shifts of all parts that open every row that is not level, shape (N, 6).
+    """Level shifts of all parts that open every row that is not level, (N, 6); else None.
 
     All parts move away from a common point, or as a linear program finds. The largest shift is 1
     length unit. None if no such motion was found.

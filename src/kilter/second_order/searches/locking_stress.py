@@ -1,4 +1,4 @@
-"""The search for self-stress that locks every turn between faces (`locked` has the theory)."""
+"""Search for self-stress that locks every turn of parts that touch in faces."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SHARES = (0.5, 0.1, 0.9, 0.01)
 def find_locked(
     problem: Stationary, faces: Faces, critical: Critical, *, work: Work
 ) -> LockedTurns | None:
-    """A proof that neutral motions are shifts or locked turns; None if none was found."""
+    """Search for a proof that neutral motions are shifts or locked turns; None without one."""
     if not faces.flat.all() or not critical.carries.all() or problem.rows.shape[1] % 6:
         return None
     free, across = shifts(problem)
@@ -40,7 +40,7 @@ def find_locked(
 
 
 def _pressing(problem: Stationary, work: Work) -> Array | None:
-    """Self-stress that presses on all contacts.  Max t:  J^T s = 0,  sum of s = 1,  s >= t."""
+    """Self-stress that presses on all contacts, shape (K,); None if there is none."""
     count, freedoms = problem.rows.shape
     x = optimum(
         LinearProgram(

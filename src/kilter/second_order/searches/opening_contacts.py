@@ -1,4 +1,4 @@
-"""The search for motions that open contacts, by a linear program."""
+"""Search for motions that open contacts, by a linear program."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MOST_CHOICES = 64
 
 
 def opening_motion(rows: Array, work: Work | None) -> Array | None:
-    """The motion, shape (f,), that opens rows (s, f) most; None if no motion opens all rows.
+    """Motion, shape (f,), that opens all rows (s, f), the least as far as possible; else None.
 
     Max t:  rows x >= t,  |x| <= 1.
     """
@@ -41,7 +41,7 @@ def opening_motion(rows: Array, work: Work | None) -> Array | None:
 
 
 def enough_to_open(points: SharpPoints, rows: Mask) -> Iterator[Mask]:
-    """Subsets of given rows, shape (K,), whose opening separates every pair.
+    """Yield subsets of the given rows, shape (K,), whose opening separates every pair of parts.
 
     For a pair with sharp points the rows of a single normal suffice. There are at most
     `MOST_CHOICES` subsets.

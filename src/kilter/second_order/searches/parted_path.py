@@ -1,4 +1,4 @@
-"""Paths that lead down and separate the falling parts from their neighbours.
+"""Paths that lead down and also separate the falling parts from their neighbours.
 
 While they fall, all parts also move level, away from a common point or in a common direction. Parts
 on level faces keep their height, while sharp points and contacts that stay closed along the path
@@ -40,7 +40,7 @@ def parted_paths(
     paths: tuple[Path, ...],
     work: Work,
 ) -> Iterator[Path]:
-    """Descending paths near to given paths along which the remaining contacts open.
+    """Yield falling paths near given paths, varied by level shifts that open other contacts.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def parted_paths(
 def _level_shifts(
     program: Program, contacts: ContactSet, problem: Stationary, work: Work
 ) -> list[Array]:
-    """Level motions (n,): away from a common point if that opens the steep contacts, and alike."""
+    """Level motions (n,) of parts: away from a common point, if that opens contacts, and alike."""
     points = sharp_points(program, contacts)
     parting = find_parting(program, level_rows(program, contacts), points, work)
     motions = [] if parting is None else [parting]

@@ -1,4 +1,4 @@
-"""The search for a path that leads down along a critical motion dp, by its second derivative d2.
+"""Search for a path that leads down along a critical motion, by its second derivative.
 
     max m:   J_k d2 + dp.H_k dp >= m for rows with J_k dp = 0,   w.d2 >= m,   |d2| <= reach
 
@@ -36,7 +36,7 @@ def find_path(
     balancing: Array | None = None,
     work: Work | None = None,
 ) -> Path | None:
-    """The path along a critical motion, shape (n,), that opens and falls most.
+    """Path along a critical motion, (n,), with the fastest opening and fall; None if unsolved.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def find_path(
 
 
 def _held_up(problem: Stationary, motion: Array, balancing: Array | None) -> bool:
-    """Whether known forces of equilibrium f exclude a path that falls along a motion z.
+    """True if known equilibrium forces exclude a falling path along a motion, shape (n,).
 
     w.d2 = -f.J d2 <= sum of f_k z.H_k z: the power is at most the curvature of the energy, negated.
     """
@@ -67,7 +67,7 @@ def _held_up(problem: Stationary, motion: Array, balancing: Array | None) -> boo
 def _along_planes(
     problem: Stationary, motion: Array, balancing: Array | None, work: Work | None
 ) -> Path | None:
-    """The path that keeps every plane along which the motion only shifts the parts."""
+    """Path that keeps every plane along which the motion only shifts parts; None without one."""
     turned = np.append(np.abs(motion), 0.0)[problem.columns[:, TURNS]].max(axis=1, initial=0.0)
     keep = problem.planes & (np.abs(problem.rows @ motion) < ACROSS) & (turned < ACROSS)
     if not keep.any():
@@ -102,7 +102,7 @@ def _along_planes(
 
 
 def _turns_of(problem: Stationary, rows: Mask) -> Index:
-    """Indices of the unknowns that turn the parts of given rows, shape (K,)."""
+    """Indices of the unknowns that turn the parts at given rows, shape (K,)."""
     places = np.unique(problem.columns[rows][:, TURNS])
     return np.asarray(places[places >= 0], dtype=np.int64)
 
@@ -114,7 +114,7 @@ def _second_derivative(
     work: Work | None,
     bends: Array | None = None,
 ) -> Array | None:
-    """The d2 of largest m, shape (n,); None if the program is not solved.
+    """Second derivative of a path with the fastest opening and fall, shape (n,), or None.
 
     J d2 + dp.H dp >= m for rows that dp keeps closed,  w.d2 >= m,  |d2| <= reach.
     """

@@ -1,4 +1,4 @@
-"""The search for weights of stops that limit level motions (`stopped` has the theory)."""
+"""Search for weights of stops that limit level motions, for proofs by stops."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ MOST_WEIGHTS = 2_000
 def find_stopped(
     problem: Stationary, level: Mask, motions: Array, free: Array, *, work: Work | None = None
 ) -> Stopped | None:
-    """A proof that the energy is least on the level motions; None if none was found.
+    """Search for a proof by stops that level motions have the least energy; None without one.
 
     The arguments are those of `judge_stopped`.
     """
@@ -49,7 +49,7 @@ def find_stopped(
 
 
 def _candidate_weights(forms: StopForms, work: Work | None) -> Iterator[Array]:
-    """Weights, shape (s, m): the most even first, then those that leave the most curvature."""
+    """Weights for a proof by stops, shape (s, m): the most even first, then the most useful."""
     if not len(forms.stops_level) * len(forms.rises):
         yield np.zeros((len(forms.stops_level), len(forms.rises)))
         return
@@ -64,7 +64,7 @@ def _candidate_weights(forms: StopForms, work: Work | None) -> Iterator[Array]:
 
 
 def _weights(forms: StopForms, least: float | None, work: Work | None) -> Array | None:
-    """Weights W with  sum of W_ij R_i R_j = coupling  and  W >= t, shape (s, m).
+    """Stop weights that reproduce the energy's coupling, each >= t, shape (s, m); else None.
 
     Without `least`, t is maximised; otherwise t = `least`, and the trace of S is maximised. None if
     the program is not solved.
