@@ -1,4 +1,4 @@
-"""Array types and operations on arrays of rows, used by all packages; no physics.
+"""Array types and operations on rows of arrays, used by all packages; no physics.
 
     across:  u = e x n / |e x n|,   v = n x u,   e = the axis on which |n| is least
     ragged:  rows start[w] ... start[w + 1] - 1 of each w, one after the other
@@ -135,7 +135,7 @@ def starts(count: ArrayLike) -> Index:
 
 
 def counted(count: ArrayLike) -> tuple[Index, Index]:
-    """For runs of `count` rows: the run of each row, and the position of the row in its run.
+    """Number the run of each row, and the row's position in its run, for runs of `count` rows.
 
     Examples
     --------
@@ -168,7 +168,7 @@ def group_sums(group: Index, values: Array, count: int) -> Array:
 
 
 def ragged(start: Index, which: Index) -> tuple[Index, Index]:
-    """Rows ``start[w]`` to ``start[w + 1]`` for each w of `which`: position in `which`, and row.
+    """Rows of the runs `which`: for each row, the position of its run in `which`, and its index.
 
     Examples
     --------
@@ -186,7 +186,7 @@ FEW = 50_000
 
 
 def nearest(among: Array, points: Array, count: int = 1) -> tuple[Array, Index]:
-    """The `count` nearest neighbours of each point among other points, the nearest first.
+    """Find the `count` nearest of the points `among` to each point: distances and indices.
 
     Parameters
     ----------
@@ -236,7 +236,7 @@ def connected(count: int, first: Index, second: Index) -> Index:
 
 
 def _components_by_least(count: int, first: Index, second: Index) -> Index:
-    """Labels as `connected`, by propagating the least node number of each component."""
+    """Component labels as in `connected`, found by propagating the least node number."""
     least: Index = np.arange(count)
     while True:
         a, b = least[first], least[second]
@@ -250,7 +250,7 @@ def _components_by_least(count: int, first: Index, second: Index) -> Index:
 
 
 def read_only(arrays: Any) -> None:
-    """Replace the array fields of a frozen dataclass by read-only views."""
+    """Replace the array fields of a frozen dataclass by read-only views of the arrays."""
     for f in fields(arrays):
         value = getattr(arrays, f.name)
         if isinstance(value, np.ndarray) and value.flags.writeable:
@@ -264,7 +264,7 @@ SCALAR = str | int | float
 
 
 def sealed(value: Held) -> Held:
-    """Make all arrays inside a value read-only, and return the value.
+    """Make all arrays inside a value read-only, and return the same value.
 
     Arrays in nested dataclasses, tuples and lists are included.
 
@@ -300,7 +300,7 @@ _KINDS: dict[Any, type | str] = {
 
 
 def columns(*shape: int) -> Any:
-    """Declare a field of `Rows` whose rows have this shape; ``columns()``: one number per row."""
+    """Declare a field of a `Rows` class, with this shape of each row; ``columns()``: a number."""
     return field(metadata={"row": shape})
 
 
@@ -348,12 +348,12 @@ class Rows:
         return len(getattr(self, _names(type(self))[0]))
 
     def take(self, rows: Any) -> Self:
-        """Select rows by indices, a mask or a slice."""
+        """The same class with only the rows of an index array, mask or slice."""
         return type(self)(*(getattr(self, name)[rows] for name in _names(type(self))))
 
     @classmethod
     def join(cls, blocks: Iterable[Self]) -> Self:
-        """Concatenate the rows of all blocks in order; without blocks, the result has no rows."""
+        """Concatenate instances of a `Rows` class in order; without blocks, there are no rows."""
         blocks = list(blocks)
         if not blocks:
             return cls.none()
@@ -363,7 +363,7 @@ class Rows:
 
     @classmethod
     def none(cls) -> Self:
-        """An instance without rows."""
+        """An instance of the class without rows."""
         return cls(
             *(
                 np.empty((0, *f.metadata.get("row", ())), dtype=_KINDS[f.type])

@@ -34,7 +34,7 @@ class KilterError(Exception):
 
 
 class TimeLimitReached(KilterError):
-    """The time limit ended a computation before its answer was complete.
+    """Error: the time limit ended a computation before its answer was complete.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ class TimeLimitReached(KilterError):
 
 
 class InputError(KilterError):
-    """Wrong input; the message states the problem, its place and the remedy.
+    """Error: wrong input; the message states the problem, its place and the remedy.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ class InputError(KilterError):
 
     @property
     def for_command(self) -> str:
-        """Message for the command line: it names options instead of Python arguments."""
+        """Message for the command line, with command-line options in place of Python arguments."""
         return self._message(self.option or self.hint)
 
     def _message(self, hint: str | None) -> str:
@@ -100,7 +100,7 @@ class InputError(KilterError):
         return f"{message}; {hint}" if hint else message
 
     def located(self, *, file: str | None = None, part: str | None = None) -> InputError:
-        """Copy of the error with a file and a part, unless it has them already."""
+        """Copy of the error that also names a file and a part, unless it has them already."""
         return type(self)(
             self.what,
             file=self.file or file,
@@ -110,14 +110,14 @@ class InputError(KilterError):
         )
 
     def about(self, what: str, *, part: str | None = None) -> InputError:
-        """Copy of the error with another description of the problem and the same remedy."""
+        """Copy of the error with another statement of the problem and the same remedy."""
         return type(self)(
             what, file=self.file, part=self.part or part, hint=self.hint, option=self.option
         )
 
 
 class SolverError(KilterError):
-    """A solver failed to finish; `status` is its return status. Infeasibility is no failure."""
+    """Error: a solver failed to finish; `status` is its return status. Not for infeasibility."""
 
     def __init__(self, what: str, *, status: str = "") -> None:
         super().__init__(what)
@@ -125,7 +125,7 @@ class SolverError(KilterError):
 
 
 def nearest_name(name: str, names: Iterable[str]) -> str | None:
-    """The known name most similar to `name`; None if no name is similar or two are equally so.
+    """The known name most similar to `name`; None if none is similar, or two equally so.
 
     Examples
     --------
@@ -146,7 +146,7 @@ def nearest_name(name: str, names: Iterable[str]) -> str | None:
 
 
 def some_names(names: Sequence[str], limit: int = 5) -> str:
-    """The first `limit` names for a message, and the number of further names.
+    """Text with the first `limit` names in quotes, and the number of further names.
 
     Examples
     --------
@@ -157,19 +157,19 @@ def some_names(names: Sequence[str], limit: int = 5) -> str:
 
 
 def some(words: Sequence[str], limit: int = 5, total: int | None = None) -> str:
-    """The first `limit` words, joined by commas, and the number of further words of `total`."""
+    """Text with the first `limit` words, and the number of the others among `total`."""
     total = len(words) if total is None else total
     shown = ", ".join(words[:limit])
     return f"{shown} and {total - limit} more" if total > limit else shown
 
 
 def _short(name: str, limit: int = 60) -> str:
-    """A quoted name, cut to `limit` characters."""
+    """A name in quotes, cut to `limit` characters."""
     return repr(name if len(name) <= limit else name[: limit - 3] + "...")
 
 
 def visible(text: str) -> str:
-    """Escape the characters of a text that do not print, so that it stays a single harmless line.
+    """Escape the characters of a text that do not print, such as line breaks and terminal codes.
 
     Examples
     --------
@@ -180,7 +180,7 @@ def visible(text: str) -> str:
 
 
 def shell_words(words: Iterable[str]) -> str:
-    """Quote the words of a command for a shell; double quotes also work on Windows.
+    """Join words to a shell command, with quotes if needed; double quotes suit Windows, too.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Functions that an upper package defines and a lower package calls.
+"""Registry of functions that upper packages define and lower packages call by name.
 
 A method such as `Assembly.to_mjcf` needs a function of an upper package, but an import of that
 package would close a circle. The lower package therefore calls the function by a name that
@@ -19,7 +19,7 @@ _LOADERS: dict[str, Callable[[], Function]] = {}
 
 
 def register(name: str, loader: Callable[[], Function]) -> None:
-    """Register a function under a name.
+    """Register the loader of a function, for calls by name from lower packages.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def register(name: str, loader: Callable[[], Function]) -> None:
 
 
 def hook(name: str) -> Function:
-    """The function that is registered under a name.
+    """Return the function that is registered under a name.
 
     Raises
     ------

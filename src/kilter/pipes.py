@@ -1,4 +1,4 @@
-"""Worker processes: start, exchange of values through pipes, and end with the parent process."""
+"""Worker processes: their start, values through pipes, and their end with the parent process."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ _SERVE = "import sys; sys.path[:] = {path!r}; from {module} import serve; serve(
 
 
 def can_start() -> bool:
-    """Whether a Python process can be started; False inside a frozen program."""
+    """True if a Python process can be started; False inside a frozen program."""
     return bool(sys.executable) and not getattr(sys, "frozen", False)
 
 
 def start_process(module: str) -> subprocess.Popen[bytes]:
-    """Start a process that runs `serve` of a module, with pipes to its input and output."""
+    """Start a Python process that runs `serve` of a module, connected by pipes."""
     command = [sys.executable, "-c", _SERVE.format(path=sys.path, module=module)]
     pipe = subprocess.PIPE
     return subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL)
 
 
 def end_process(process: subprocess.Popen[bytes]) -> None:
-    """Kill a process, close its pipes and wait for its end."""
+    """Kill a worker process, close its pipes and wait for its end."""
     process.kill()
     for stream in (process.stdin, process.stdout):
         with contextlib.suppress(OSError):
@@ -37,7 +37,7 @@ def end_process(process: subprocess.Popen[bytes]) -> None:
 
 
 def end_with_parent() -> None:
-    """Let Linux kill this process when its parent ends, even if the parent is killed."""
+    """On Linux, have this process killed when its parent ends, even if the parent is killed."""
     if sys.platform != "linux":
         return
     import ctypes
@@ -46,14 +46,14 @@ def end_with_parent() -> None:
 
 
 def send(stream: IO[bytes], value: Any) -> None:
-    """Write a value to a pipe, pickled with its length."""
+    """Write a pickled value with its length to a pipe."""
     data = pickle.dumps(value, protocol=pickle.HIGHEST_PROTOCOL)
     stream.write(len(data).to_bytes(8, "little") + data)
     stream.flush()
 
 
 def receive(stream: IO[bytes]) -> Any:
-    """Read the next value from a pipe.
+    """Read the next pickled value from a pipe.
 
     Raises
     ------

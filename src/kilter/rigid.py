@@ -1,4 +1,4 @@
-"""Rotations and poses.
+"""Rotations (matrices, quaternions), poses of parts, and common frames of normals.
 
     x_world = R x_part + t,     R from the unit quaternion (w, x, y, z)
 
@@ -64,7 +64,7 @@ def skew(v: ArrayLike) -> Array:
 
 
 def unit(v: ArrayLike, what: str = "direction") -> Array:
-    """Normalise a vector to length 1, shape (3,).
+    """Normalise a vector to length 1, shape (3,); a zero vector raises an error.
 
     Raises
     ------
@@ -169,7 +169,7 @@ def matrix_to_quaternion(matrix: ArrayLike) -> Array:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pose(Value):
-    """Position and orientation of a part: its shape is rotated about its origin, then shifted.
+    """Pose of a part: the shape is rotated about its own origin, then shifted; x -> R x + p.
 
     Parameters
     ----------
@@ -212,7 +212,7 @@ class Pose(Value):
 
     @classmethod
     def of(cls, pose: Any) -> Pose:
-        """Convert a pose, a position (3 numbers) or a matrix of `from_matrix` to a pose.
+        """Convert a pose, a position (3 numbers) or a matrix (3 x 3 or 4 x 4) to a `Pose`.
 
         Raises
         ------
@@ -233,7 +233,7 @@ class Pose(Value):
 
     @classmethod
     def from_matrix(cls, matrix: ArrayLike) -> Pose:
-        """The pose of a rotation matrix (3 x 3) or of a rigid transform (4 x 4).
+        """Make a pose from a rotation matrix (3 x 3) or a rigid transform (4 x 4).
 
         Raises
         ------
@@ -250,7 +250,7 @@ class Pose(Value):
         return cls(position, matrix_to_quaternion(rows[:3, :3]))
 
     def __matmul__(self, other: Pose) -> Pose:
-        """The pose that applies `other` first, then this pose."""
+        """Combined pose, which applies `other` first and then this pose."""
         if not isinstance(other, Pose):
             return NotImplemented
         p, q = (pose.rotation / np.linalg.norm(pose.rotation) for pose in (self, other))
@@ -259,17 +259,17 @@ class Pose(Value):
         return Pose(self.apply(other.position), rotation / np.linalg.norm(rotation))
 
     def inverse(self) -> Pose:
-        """The pose that takes points of the world frame to the frame of the part."""
+        """Inverse pose, which takes points of the world frame to the frame of the part."""
         back = self.rotation * [1.0, -1.0, -1.0, -1.0] / np.linalg.norm(self.rotation)
         return Pose(-self.position @ self.matrix, back)
 
     @property
     def matrix(self) -> Array:
-        """Rotation matrix, shape (3, 3)."""
+        """Rotation matrix of the pose, shape (3, 3)."""
         return quaternion_to_matrix(self.rotation)
 
     def apply(self, points: ArrayLike) -> Array:
-        """Transform points of the part, shape (n, 3), to the world frame."""
+        """Transform points from the frame of the part to the world frame, shape (n, 3)."""
         world: Array = np.asarray(points, dtype=np.float64) @ self.matrix.T + self.position
         return world
 
@@ -278,7 +278,7 @@ class Pose(Value):
 
 
 def common_frame(normals: Array, areas: Array) -> Array:
-    """Rotation matrix whose rows are the most common normals, weighted by area, shape (3, 3).
+    """Frame (rotation matrix) whose rows are the most common normals by area, shape (3, 3).
 
     The second row is the most common normal perpendicular to the first.
 
@@ -308,7 +308,7 @@ def common_frame(normals: Array, areas: Array) -> Array:
 
 
 def common_frames(normals: Array, areas: Array, start: Index) -> Array:
-    """The common frame of each of M runs of normals, shape (M, 3, 3); see `common_frame`.
+    """Frame of the most common normals for each of M runs of normals, shape (M, 3, 3).
 
     Normals that agree to about five digits count as equal.
 
@@ -367,7 +367,7 @@ def _direction_keys(normals: Array) -> Index:
 
 
 def _most_common(normals: Array, areas: Array) -> Array:
-    """The normal with the largest total area, shape (3,); normals n and -n count together."""
+    """Normal with the largest total area, shape (3,); n and -n count as the same normal."""
     if len(normals) <= ALL_PAIRS:
         alike = np.abs(normals @ normals.T) > 1 - FRAME_ALIKE
         total = np.where(alike, areas, 0.0).sum(axis=1)
@@ -380,7 +380,7 @@ def _most_common(normals: Array, areas: Array) -> Array:
 
 
 def screwed(screw: ArrayLike, amounts: ArrayLike) -> tuple[Array, Array]:
-    """Rotations and shifts of the centre of a body that moves by amounts `a` of a screw.
+    """Rotations and centre shifts of a body that moves along a screw by several `amounts`.
 
         shift = a v + (1 - cos t)/t^2 a^2 w x v + (t - sin t)/t^3 a^3 w x (w x v),    t = a |w|
 

@@ -44,7 +44,7 @@ def make_no_threads() -> None:
 
 
 def on_one_thread(function: Callable[Given, Result]) -> Callable[Given, Result]:
-    """Decorate a function so that linear algebra uses a single thread while the function runs.
+    """Decorate a function so that its linear algebra runs on a single thread.
 
     A nested call on the same thread costs nothing. The setting applies to the whole process: among
     calls on several threads, the first call sets it and the last call restores the former value.
@@ -52,7 +52,7 @@ def on_one_thread(function: Callable[Given, Result]) -> Callable[Given, Result]:
 
     @wraps(function)
     def limited(*given: Given.args, **named: Given.kwargs) -> Result:
-        """Call the function on a single thread of linear algebra."""
+        """Call the decorated function with linear algebra on a single thread."""
         # a nested call on the same thread finds the limit in place
         if _running.inside:
             return function(*given, **named)
@@ -70,7 +70,7 @@ def on_one_thread(function: Callable[Given, Result]) -> Callable[Given, Result]:
 
 
 class _Limit:
-    """Sets a single thread at the first call and restores the former numbers after the last.
+    """Limit of linear algebra to a single thread while any decorated function runs.
 
     Libraries on OpenMP have a separate number for each calling thread, so that every call sets and
     restores it.
@@ -82,7 +82,7 @@ class _Limit:
         self._shared: Numbers = []
 
     def begin(self) -> Numbers:
-        """Set a single thread; returns the numbers that this caller must restore."""
+        """Set a single thread at the start of a call; returns the numbers that it restores."""
         with self._lock:
             libraries = _libraries().lib_controllers
             per_thread = [
@@ -99,13 +99,16 @@ class _Limit:
             return per_thread
 
     def end(self, per_thread: Numbers) -> None:
-        """Restore the numbers of this caller, and after the last call those of the process."""
+        """Restore the thread numbers of a call, and those of the process after the last call."""
         with self._lock:
             self._calls -= 1
             _set(per_thread + ([] if self._calls else self._shared))
 
     def begin_anew(self) -> None:
-        """Correct the count in a forked process: only the call that forked can still be running."""
+        """Correct the number of running calls in a forked process.
+
+        Only the call that forked can still be running there.
+        """
         self._lock = threading.Lock()
         if self._calls and not _running.inside:
             _set(self._shared)
@@ -113,12 +116,12 @@ class _Limit:
 
 
 def _is_per_thread(library: Any) -> bool:
-    """Whether a library has a separate number of threads for each calling thread."""
+    """True if a library has a separate number of threads for each calling thread."""
     return "openmp" in (library.user_api, getattr(library, "threading_layer", None))
 
 
 def _set(numbers: Numbers) -> None:
-    """Set the number of threads of each library."""
+    """Set the numbers of threads of libraries."""
     for library, number in numbers:
         # newer versions of threadpoolctl accept changes only from the thread of the first change
         release = getattr(library, "clear_controlling_thread", None)
@@ -135,7 +138,7 @@ if hasattr(os, "register_at_fork"):
 
 
 class _Running(threading.local):
-    """Whether the current thread is inside a call of a decorated function."""
+    """Flag of each thread: True inside a call of a decorated function."""
 
     inside = False
 
@@ -145,7 +148,7 @@ _running = _Running()
 
 @cache
 def _libraries() -> threadpoolctl.ThreadpoolController:
-    """The libraries of linear algebra that numpy and scipy have loaded."""
+    """Controller of the linear algebra libraries that numpy and scipy have loaded."""
     import threadpoolctl
 
     if not all(os.environ.get(name) == "1" for name in VARIABLES):

@@ -1,4 +1,4 @@
-"""Units of length: metres in one unit of a file.
+"""Units of length, in metres.
 
 Lengths, areas and volumes keep the unit of the file. Everything else is in SI units. A gravity of
 9.81 m/s^2 is therefore ``9.81 / metres_per_unit`` file units per second squared.
@@ -15,7 +15,7 @@ METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 
 
 def metres_per_unit(units: str) -> float:
-    """Length of a unit [m].
+    """Length of a unit of length such as "mm" [m].
 
     Raises
     ------

@@ -17,7 +17,7 @@ LARGEST = 1e100
 
 
 def number(value: Any, what: str, *, lowest: float = -np.inf, above: bool = False) -> float:
-    """Convert a value to a finite float that is at least `lowest` and in range.
+    """Convert a value to a finite float that is at least `lowest`; raises if it is not.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def number(value: Any, what: str, *, lowest: float = -np.inf, above: bool = Fals
 
 
 def in_range(values: Any, what: str, *, tiny: bool = False) -> None:
-    """Reject numbers of a size at which float64 computations lose all digits.
+    """Raise an error for numbers so large or small that float64 computations lose all digits.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def in_range(values: Any, what: str, *, tiny: bool = False) -> None:
 
 
 def frozen(values: ArrayLike, shape: tuple[int, ...] | None = None, what: str = "") -> Array:
-    """Copy values to a read-only float64 array.
+    """Copy values to a read-only float64 array, and check its shape.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def frozen(values: ArrayLike, shape: tuple[int, ...] | None = None, what: str = 
 
 
 def finite(values: ArrayLike, shape: tuple[int, ...], what: str) -> Array:
-    """Copy values to a read-only float64 array, as `frozen`, and require finite numbers.
+    """Copy values to a read-only float64 array, and check its shape and that it is finite.
 
     Raises
     ------
@@ -117,7 +117,7 @@ def finite(values: ArrayLike, shape: tuple[int, ...], what: str) -> Array:
 
 
 def _fits(shape: tuple[int, ...], wanted: tuple[int, ...]) -> bool:
-    """Whether a shape equals the wanted shape, in which -1 allows any length."""
+    """True if a shape equals the wanted shape, in which -1 allows any length."""
     return len(shape) == len(wanted) and all(
         n in (-1, m) for n, m in zip(wanted, shape, strict=True)
     )

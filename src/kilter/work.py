@@ -1,4 +1,4 @@
-"""Work budget of a computation, counted instead of timed, time limits, and progress messages.
+"""Work budgets of computations (counted operations), time limits and progress messages.
 
 A `Work` object is passed from a public function down to the steps of its computation. A step that
 may use only a fraction gets a share. Every solver call and every factorisation is *charged* by
@@ -67,7 +67,7 @@ WEIGHED, WEIGHED_POINT = 150.0, 0.6
 
 
 def units_of(effort: float) -> float:
-    """Units of an effort: 0 for effort 0, `PER_EFFORT` for 1, about ten times more per step.
+    """Units of work of an effort: 0 for 0, `PER_EFFORT` for 1, about tenfold for each step.
 
     Examples
     --------
@@ -79,7 +79,7 @@ def units_of(effort: float) -> float:
 
 @dataclass(slots=True)
 class _Clock:
-    """Deadline [s], time of the last message [s], and whether the deadline cut anything short."""
+    """Deadline [s], time of the last progress message [s], and True once the deadline cut work."""
 
     deadline: float
     said: float
@@ -87,7 +87,7 @@ class _Clock:
 
 
 class Work:
-    """Work budget of a computation, shared with its steps.
+    """Work budget of a computation, in counted operations; its steps charge the same budget.
 
     Parameters
     ----------
@@ -128,34 +128,34 @@ class Work:
 
     @classmethod
     def of(cls, given: Work | float) -> Work:
-        """Return a `Work` unchanged, or create the budget of an effort."""
+        """Return `given` if it is a `Work`, else make the work budget of that effort."""
         return given if isinstance(given, Work) else cls(units_of(given))
 
     @property
     def spent(self) -> float:
-        """Units charged since the start, including those of shares."""
+        """Units of work charged so far, including those of parts of this budget."""
         return self._count[0] - self._from
 
     @property
     def left(self) -> float:
-        """Units left."""
+        """Units of work that are left; 0 if the budget is spent."""
         return max(self.allowed - self.spent, 0.0)
 
     @property
     def late(self) -> bool:
-        """Whether the time limit is reached; once True, it stays True. A caller then stops."""
+        """True if the time limit is reached, from then on for ever; a caller then stops."""
         if isfinite(self._clock.deadline) and perf_counter() >= self._clock.deadline:
             self._clock.cut = True
         return self._clock.cut
 
     @property
     def cut(self) -> bool:
-        """Whether the time limit ended any step."""
+        """True if the time limit ended any step of the computation."""
         return self._clock.cut
 
     @property
     def over(self) -> bool:
-        """Whether no units are left, or the time limit is reached."""
+        """True if no units of work are left, or the time limit is reached."""
         return self.spent >= self.allowed or self.late
 
     @property
@@ -165,23 +165,23 @@ class Work:
         return max(deadline - perf_counter(), LEAST) if isfinite(deadline) else None
 
     def charge(self, units: float) -> None:
-        """Add units to the work that is spent."""
+        """Add units of work to those that are spent."""
         self._count[0] += units
 
     def conic(self, iterations: int, entries: int) -> None:
-        """Charge a solved conic program."""
+        """Charge the work of a solved conic program."""
         self.charge(CONIC + CONIC_ENTRY * iterations * entries)
 
     def semidefinite(self, iterations: int, entries: int) -> None:
-        """Charge a solved semidefinite program."""
+        """Charge the work of a solved semidefinite program."""
         self.charge(SEMIDEFINITE + SEMIDEFINITE_ENTRY * iterations * entries)
 
     def loaded(self, entries: int) -> None:
-        """Charge a linear program that was passed to the solver."""
+        """Charge the work of passing a linear program to the solver."""
         self.charge(LOADED + LOADED_ENTRY * entries)
 
     def linear(self, steps: int, entries: int) -> None:
-        """Charge a solved linear program."""
+        """Charge the work of solving a linear program."""
         self.charge(LINEAR + LINEAR_ENTRY * steps * entries)
 
     def steps(self, most: int, entries: int) -> int:
@@ -189,11 +189,11 @@ class Work:
         return int(min(most, max(self.left / max(LINEAR_ENTRY * entries, LINEAR_ENTRY), 1.0)))
 
     def dense(self, unknowns: int) -> None:
-        """Charge a solved dense system."""
+        """Charge the work of a solved dense linear system."""
         self.charge(DENSE + DENSE_ENTRY * unknowns**2 * (1.0 + unknowns / DENSE_WIDE))
 
     def sparse(self, unknowns: int, entries: int) -> None:
-        """Charge a sparse factorisation; `entries`: entries of its factors."""
+        """Charge a sparse factorisation; `entries` is the number of entries of its factors."""
         self.charge(SPARSE + SPARSE_ENTRY * entries * (1.0 + entries / unknowns / SPARSE_WIDE))
 
     def band(self, unknowns: int, width: int, points: int) -> None:
@@ -201,31 +201,31 @@ class Work:
         self.charge(BAND + BAND_POINT * points + BAND_ENTRY * unknowns * width * (1 + width / 30))
 
     def symmetric_band(self, unknowns: int, width: int) -> None:
-        """Charge a symmetric positive definite band system that was solved."""
+        """Charge a solved band system with a symmetric positive definite matrix."""
         self.charge(BAND + HALF_BAND_ENTRY * unknowns * width * (1 + width / 30))
 
     def dissected(self, unknowns: int, entries: int) -> None:
-        """Charge a factorisation by nested dissection; `entries`: entries of its factor."""
+        """Charge a factorisation by nested dissection; `entries` are those of its factor."""
         self.charge(BAND + DISSECTED_ENTRY * entries * (1 + entries / unknowns / DISSECTED_WIDE))
 
     def judged(self, points: int) -> None:
-        """Charge a test of a candidate against the contact law."""
+        """Charge a full check of a candidate motion against the contact law."""
         self.charge(JUDGED + JUDGED_POINT * points)
 
     def weighed(self, points: int) -> None:
-        """Charge a cheap test whether a candidate is worth the full test."""
+        """Charge a cheap test that decides whether a candidate motion gets the full check."""
         self.charge(WEIGHED + WEIGHED_POINT * points)
 
     def until(self, fraction: float) -> Work:
-        """Share that is over when this fraction of the whole budget is spent."""
+        """Part of the budget that ends when this fraction of the whole budget is spent."""
         return self._share(fraction * self.allowed if fraction else 0.0, self._from)
 
     def fraction_left(self, fraction: float) -> Work:
-        """Share of this fraction of the remaining units, counted from now."""
+        """Part of the budget: this fraction of the units left now."""
         return self._share(fraction * self.left if fraction else 0.0, self._count[0])
 
     def beside(self, allowed: float = inf) -> Work:
-        """Separate budget with the same time limit; charges to it do not count here."""
+        """Separate budget with the same time limit; its charges do not count in this budget."""
         part = Work(allowed, self._progress)
         part._clock = self._clock
         return part
@@ -236,12 +236,12 @@ class Work:
         return part
 
     def stage(self, word: str) -> None:
-        """Report the stage that begins now."""
+        """Send a progress message about the stage that begins now."""
         if self._progress is not None:
             self._progress(word)
 
     def tell(self, word: str) -> None:
-        """Report progress, unless the last message is more recent than `BETWEEN_WORDS`."""
+        """Send a progress message, unless the last is more recent than `BETWEEN_WORDS`."""
         now = perf_counter()
         if self._progress is not None and now - self._clock.said >= BETWEEN_WORDS:
             self._clock.said = now
@@ -253,7 +253,7 @@ _DEADLINE: ContextVar[float] = ContextVar("deadline", default=inf)
 
 @contextmanager
 def stop_after(time_limit: float | None) -> Iterator[None]:
-    """Limit the time of every computation in this context.
+    """Context manager: limit the time of every computation inside [s].
 
     Parameters
     ----------
