@@ -1,4 +1,4 @@
-"""Self-test of the installation: the checks of `kilter doctor`.
+"""Self-test of the installation, for `kilter doctor`.
 
 Each check solves a problem with a known answer: a linear program with a known vertex, a scene of
 the paper, a ball of radius 1 in a STEP file. A check that fails reports the failure, and the other
@@ -99,7 +99,7 @@ END-ISO-10303-21;
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """Result of one check: its name, its state, the finding, and the remedy for a problem."""
+    """Result of one check: its name, state and finding, and the remedy for a problem."""
 
     name: str
     state: State
@@ -109,7 +109,7 @@ class Look:
 
 @dataclass(frozen=True, slots=True)
 class Health:
-    """Result of `doctor`.
+    """Result of `doctor`: all checks of the installation.
 
     Attributes
     ----------
@@ -125,18 +125,18 @@ class Health:
         return all(look.state != "broken" for look in self.looks)
 
     def to_dict(self) -> dict[str, Any]:
-        """JSON data of all checks."""
+        """The results of all checks as JSON data."""
         keys = ("name", "state", "found", "remedy")
         looks = [{key: getattr(look, key) for key in keys} for look in self.looks]
         return {"kind": "doctor", "kilter": kilter.__version__, "works": self.works, "looks": looks}
 
 
 class _WrongAnswer(Exception):
-    """An answer differs from the known answer."""
+    """Error if a computed answer differs from the known answer."""
 
 
 def doctor() -> Health:
-    """Test whether kilter works on this machine.
+    """Check whether kilter works on this machine: solvers, packages, verdicts and the page.
 
     The checks cover versions, solvers, verdicts with their proofs, the packages of extras, a page
     served on this machine, temporary files and the terminal. They use no network and take about
@@ -155,7 +155,7 @@ def doctor() -> Health:
 
 
 def _look(name: str, check: Callable[[], str], remedy: str = "") -> Look:
-    """Run a check and return its result; an exception becomes the finding of a broken component."""
+    """Run a check and return its result; an exception means that the component is broken."""
     try:
         return Look(name, "works", check())
     except Exception as error:
@@ -176,7 +176,7 @@ def _versions() -> str:
 
 
 def _packages() -> str:
-    """Versions of the required packages; raises if one cannot be imported."""
+    """Versions of the required packages; raises an error if one cannot be imported."""
     missing = []
     for name in NEEDED:
         try:
@@ -236,7 +236,7 @@ def _clarabel() -> str:
 
 
 def _verdicts() -> str:
-    """Check the verdicts of scenes with known answers, and verify their proofs."""
+    """Check the verdicts of built-in scenes with known answers, and verify their proofs."""
     from kilter.analysis.check import check
     from kilter.scenes import SCENES, scene
 
@@ -253,7 +253,7 @@ def _verdicts() -> str:
 
 
 def _verify_proof(folder: Path, name: str, proof: dict[str, Any]) -> None:
-    """Write a scene and its proof to files and verify them; raises if the proof does not hold."""
+    """Write a scene and its proof to files, and verify them; an error if the proof fails."""
     import json
 
     from kilter.analysis.verification import verify
@@ -301,7 +301,7 @@ _CHECKS: dict[str, Callable[[], str]] = {
 
 
 def _extra(name: str) -> Look:
-    """Check an extra: its version, or the command that installs it."""
+    """Check an optional dependency: its version, or the command that installs it."""
     module, package, purpose = EXTRAS[name]
     install = f"pip install 'kilter[{name}]'"
     if importlib.util.find_spec(module) is None:
@@ -310,7 +310,7 @@ def _extra(name: str) -> Look:
 
 
 def _try_extra(name: str, module: str, package: str) -> str:
-    """Import the module of an extra and return its version; for STEP, also read a solid."""
+    """Import an optional dependency and return its version; for STEP, also read a solid."""
     if name == "step":
         _read_ball()
     else:
@@ -332,7 +332,7 @@ def _read_ball() -> None:
 
 
 def _terminal() -> str:
-    """Kind, encoding and colours of the standard output."""
+    """Describe the standard output: its kind, encoding and colours."""
     stream = sys.stdout
     kind = "a terminal" if stream is not None and stream.isatty() else "not a terminal"
     encoding = (getattr(stream, "encoding", None) or "utf-8").lower()

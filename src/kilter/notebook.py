@@ -29,7 +29,7 @@ FRAME = (
 
 
 class Shown:
-    """An answer with its page, for the output of a notebook cell.
+    """An answer with its page, for display in a notebook cell.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Shown:
         return FRAME.format(title=title, height=self.height, page=page)
 
     def _repr_svg_(self) -> str | None:
-        """The figure as SVG, or None without matplotlib or without anything to draw."""
+        """Figure of the answer as SVG; None without matplotlib or without anything to draw."""
         if self._figure is None:
             try:
                 figure = draw(self.answer)

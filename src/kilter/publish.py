@@ -1,4 +1,4 @@
-"""Pages, figures and films: `report`, `view`, `draw`, `animate`.
+"""Pages, figures and films of answers: `report`, `view`, `draw`, `animate`.
 
 The answers are computed first (`kilter.analysis.everything`) and then passed to the drawing
 functions (`kilter.show`), which compute nothing.
@@ -48,7 +48,7 @@ Given = tuple["Assembly", "ContactSet | None"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Report:
-    """One offline page.
+    """One offline HTML page about an assembly or a plan.
 
     Attributes
     ----------
@@ -130,7 +130,7 @@ def report(
 
 
 def _plan_page(subject: Any, title: str, command: str, progress: Tell | None) -> Report | None:
-    """Build the page of a plan; None if the subject is not an `Order`."""
+    """Build the page of a plan; None if `subject` is not a plan."""
     from kilter.analysis.planning.order.order import Order
 
     if not isinstance(subject, Order):
@@ -157,7 +157,7 @@ def _page(
     margins: bool = False,
     progress: Tell | None,
 ) -> Report:
-    """Build the page of an assembly; the arguments are those of `report` and `view`."""
+    """Build the page of an assembly, with the arguments of `report` and `view`."""
     from kilter.analysis.everything import everything
     from kilter.assembly.assembly import require_assembly
     from kilter.show.page import render
@@ -232,7 +232,7 @@ def view(
     path = os.fspath(source) if isinstance(source, str | os.PathLike) else None
 
     def build() -> Report:
-        """Read the source and build its page."""
+        """Read the source of `view` and build its page."""
         if progress is not None:
             progress("reading")
         assembly, contacts = read() if read is not None else _read(source)
@@ -267,7 +267,7 @@ def view(
 
 
 def _read(source: Any) -> Given:
-    """Load an assembly from a path, or return an assembly unchanged; contacts are None."""
+    """Load an assembly from a path, or return a given assembly; contacts are None."""
     if not isinstance(source, str | os.PathLike):
         return source, None
     from kilter.files import load
@@ -276,7 +276,7 @@ def _read(source: Any) -> Given:
 
 
 class _FileWatch:
-    """Watches a file and publishes a new page when the file has changed."""
+    """Watch of a file that publishes a new page when the file has changed."""
 
     def __init__(self, path: str, build: Callable[[], Report], tell: Tell, command: str) -> None:
         self.path, self.build, self.tell, self.command = path, build, tell, command
@@ -364,7 +364,7 @@ def animate(subject: Order | Region | Verdict, out: str | Path | None = None) ->
 
 
 def _film_of(verdict: Verdict) -> bytes:
-    """Film of the impending motion, or of the fall of a balanced assembly."""
+    """GLB film of the impending motion, or of the fall of a balanced assembly."""
     from kilter.analysis.verdict.free_travel import free_travel
     from kilter.show.motion_film import film_of_fall, film_of_motion
 
@@ -478,7 +478,7 @@ def draw(
 
 
 def _draw_transport(answer: Transport) -> Figure:
-    """The polar figure of an answer, if it has all horizontal accelerations."""
+    """Draw the polar figure of a transport answer; an error if it was computed without it."""
     from kilter.show.polar import draw_polar
 
     if answer.polar is None:
@@ -533,14 +533,14 @@ def answer_to_draw(
 
 
 def require_ending(out: str | Path, endings: tuple[str, ...], what: str) -> None:
-    """Reject an output name with another ending, so that no input file is overwritten."""
+    """Reject an output name with a wrong ending, so that no input file is overwritten."""
     if Path(out).suffix.lower() not in endings:
         hint = f"use a name that ends in {', '.join(endings)}"
         raise InputError(f"not a file name for a {what}", file=str(out), hint=hint)
 
 
 def require_film(what: str, view: tuple[float, float] | None) -> None:
-    """Reject options that a film does not have, before anything is computed."""
+    """Reject options that do not apply to a film, before any computation."""
     if what != "assembly":
         raise InputError(
             f"a {what} has no motion", hint="write a figure: out.svg, out.png or out.pdf"
@@ -550,7 +550,7 @@ def require_film(what: str, view: tuple[float, float] | None) -> None:
 
 
 def require_figure(out: str | Path | None, view: tuple[float, float] | None) -> None:
-    """Reject a file ending or a view that cannot be drawn, before anything is computed."""
+    """Reject a file ending or a view that cannot be drawn, before any computation."""
     from kilter.show.canvas import SUFFIXES, require
 
     if out is not None:
@@ -565,7 +565,7 @@ def require_figure(out: str | Path | None, view: tuple[float, float] | None) -> 
 
 
 def title_of(source: str) -> str:
-    """The name of a file, without its folders and endings."""
+    """Name of a file without its folders and endings, as a title."""
     if source == "-":
         return "standard input"
     return Path(source).resolve().name.removesuffix(".json").removesuffix(".kilter")

@@ -1,4 +1,4 @@
-"""Time limits of the analyses of all directions of gravity: what is known if the time ends."""
+"""Time limit of an analysis over all directions of gravity, with a partial answer on expiry."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ AFTERWARDS = 0.4
 def given_direction_known(
     assembly: Assembly, contacts: ContactSet, time_limit: float | None
 ) -> Iterator[None]:
-    """Limit the time of an analysis, whose error then states the verdict of the given direction.
+    """Limit the time of an analysis; its error then states the verdict of the given direction.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Every tolerance of regions, orientations and margins, and how each relates to the others.
+"""Numerical tolerances of regions, orientations and margins, and how they depend on each other.
 
 Four kinds, and none means another's:
 

@@ -1,4 +1,4 @@
-"""Verification of proof files from the assembly, without any solver.
+"""Verify proof files against the assembly, without any solver.
 
 The assembly is read and its contacts are detected anew, and both are compared with the proof number
 by number. Forces and motions of the proof are tested again (`kilter.mechanics.recheck`). The steps
@@ -38,7 +38,7 @@ __all__ = ["Verification", "proof_tolerance", "verify", "verify_proof"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Verification(Answer):
-    """Result of the verification of a proof.
+    """Result of the verification of a proof: whether it holds, its errors, and the verdict.
 
     Attributes
     ----------
@@ -79,7 +79,7 @@ class Verification(Answer):
     tolerance: Mapping[str, Any]
 
     def to_dict(self) -> dict[str, Any]:
-        """The answer of `kilter verify --json`."""
+        """The verification result as JSON data, as ``kilter verify --json`` prints it."""
         return {
             "holds": self.holds,
             "verdict": self.verdict,
@@ -107,7 +107,7 @@ def verify(
     *,
     progress: Callable[[str], None] | None = None,
 ) -> Verification:
-    """Verify a proof from the assembly, without any solver.
+    """Verify a proof against the assembly, without any solver.
 
     Parameters
     ----------
@@ -173,12 +173,12 @@ def verify(
 
 
 def _digest(path: Path) -> str | None:
-    """Digest of a file; None if it does not exist, for the error of its reader."""
+    """Digest of a file; None if it does not exist, so that reading it reports the error."""
     return digest(path) if path.exists() else None
 
 
 def _of_another_file(proof: Mapping[str, Any], path: Path) -> Verification:
-    """The verification of a proof about an older version of the file, which is not read."""
+    """The result for a proof about an older version of the file, which is not read."""
     reason = f"the proof is about another version of {path.name} (its sha256 differs)"
     return Verification(
         False,
@@ -196,7 +196,7 @@ def _of_another_file(proof: Mapping[str, Any], path: Path) -> Verification:
 
 
 def proof_tolerance(proof: dict[str, Any]) -> Tolerance:
-    """The contact tolerance with which a proof was made.
+    """The contact tolerance with which a proof was made, from the proof's data.
 
     Raises
     ------
@@ -214,7 +214,7 @@ def proof_tolerance(proof: dict[str, Any]) -> Tolerance:
 
 
 def verify_bundle(assembly: Assembly, contacts: ContactSet, bundle: dict[str, Any]) -> Verification:
-    """Recompute every proof of a region, a margin, a plan or a fixture.
+    """Recompute every proof in the file of a region, a margin, a plan or a fixture.
 
     The residual is the largest of all proofs, the power is the least.
 
@@ -329,7 +329,9 @@ def verify_proof(assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]
 
 
 def _wrong_word(verdict: str, second: Mapping[str, Any] | None, *, rubs: bool) -> list[str]:
-    """Compare a verdict that needs no friction with the verdict that its second order proves.
+    """Errors if the verdict without friction differs from the one that second order proves.
+
+    As sentences; empty if both agree.
 
     `rubs`: whether a contact has friction. Then a fall counts only if rolling falls, too.
     """

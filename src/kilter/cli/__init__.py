@@ -1,4 +1,4 @@
-"""The command line, the only package that prints.
+"""The command line of kilter, the only package that prints.
 
 `main` converts every end of a command into an exit code and at most one message: see
 `kilter.cli.exit_codes`.
@@ -21,7 +21,7 @@ __all__ = ["main"]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command and return its exit code.
+    """Run a kilter command, given as words, and return its exit code.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _read_ahead(words: list[str]) -> None:
-    """Start reading the first STEP file of a command while kilter is being loaded."""
+    """Start reading the first STEP file of a command while kilter is still being loaded."""
     from kilter.files.step_process import begin_early
 
     named = [word for word in words if word.lower().endswith((".step", ".stp"))]
@@ -71,7 +71,7 @@ def _read_ahead(words: list[str]) -> None:
 
 
 def _run(words: list[str]) -> int:
-    """Run a command, and return its exit code after wrong usage, too."""
+    """Run a command given as words; return its exit code, or that of wrong usage."""
     with suppress(OSError):
         _read_ahead(words)
     import typer
@@ -117,7 +117,7 @@ def _run(words: list[str]) -> int:
 
 
 def _print_error(message: str) -> None:
-    """Print a message of a single line on the error stream."""
+    """Print an error message as a single line on the error stream."""
     from kilter.errors import visible
 
     with suppress(OSError):  # without an error stream the exit code remains

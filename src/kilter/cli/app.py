@@ -55,7 +55,7 @@ PURPOSE = "Does an assembly of rigid parts stay together under gravity? With a p
 
 
 def _untyped(params: list[Any]) -> list[Any]:
-    """Hide the type in the help of flags and arguments: no `<bool>` after a flag."""
+    """Hide type names such as `<bool>` in the help of flags and arguments."""
     for param in params:
         if param.param_type_name == "argument" or getattr(param, "is_flag", False):
             param.display_type_rich = lambda ctx: None
@@ -72,12 +72,12 @@ class _Group(typer.core.TyperGroup):
         return _untyped(super().get_params(ctx))
 
     def format_help(self, ctx: Any, formatter: Any) -> None:
-        """Write the commands in groups, on a single screen of 80 x 24 characters."""
+        """Write the commands in groups, on a screen of 80 x 24 characters."""
         formatter.write(overview())
 
 
 def overview() -> str:
-    """Return the help of the program: its purpose, and its commands in groups."""
+    """Help text of the program: its purpose, and its commands in groups."""
     lines = [PURPOSE, ""]
     for group, entries in GROUPS.items():
         for k, (entry, summary) in enumerate(entries.items()):
@@ -105,7 +105,7 @@ app = typer.Typer(
 
 
 def command() -> Any:
-    """Return the program with all its commands and their help texts."""
+    """Create the program with all its commands and their help texts."""
     program = typer.main.get_command(app)
     for entry in (program, *getattr(program, "commands", {}).values()):
         entry.help = _help_text(entry.help)
@@ -115,7 +115,7 @@ def command() -> Any:
 
 
 def _help_text(text: str | None) -> str | None:
-    """Return a help text whose brackets are no markup and whose paragraphs are single lines."""
+    """Help text with brackets protected from markup, and each paragraph in a single line."""
     paragraphs = inspect.cleandoc(text or "").split("\n\n")
     joined = "\n\n".join(" ".join(paragraph.split()) for paragraph in paragraphs)
     return joined.replace("[", "\\[") or None

@@ -1,4 +1,4 @@
-"""Conversion of the words of a command line to a `Reading` and a `Tolerance`."""
+"""Convert the words of a command line to reading options and a contact tolerance."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def reading_of(
     brick_sides: str | None = None,
     bond: list[str] | None = None,
 ) -> Reading:
-    """Return the reading for the values of the options of a command."""
+    """Create the reading options from the values of the options of a command."""
     # imported late: the help needs no reader
     from kilter.files.reading import Reading
 
@@ -82,7 +82,7 @@ def reading_of(
 
 
 def pair_of(option: str, words: str) -> tuple[str, str]:
-    """Return the two names in a value of an option of `PAIRS`, as `with_two_names` wrote it.
+    """The two names in an option value that `with_two_names` joined.
 
     Raises
     ------
@@ -101,7 +101,7 @@ def pair_of(option: str, words: str) -> tuple[str, str]:
 
 
 def triple_of(option: str, words: str) -> tuple[str, str, str]:
-    """Return the three words of a value of an option of `THIRD`.
+    """The three words in an option value that was joined into a single word.
 
     Raises
     ------
@@ -118,7 +118,7 @@ def triple_of(option: str, words: str) -> tuple[str, str, str]:
 
 
 def _bond_of(words: str) -> tuple[str, str, float]:
-    """Return the two names and the pull of each point [N], as `with_two_names` wrote them."""
+    """The two names and the pull of each point [N] in a `--bond` value that was joined."""
     try:
         first, second, pull = json.loads(words)
         pull = float(pull)
@@ -132,7 +132,7 @@ def _bond_of(words: str) -> tuple[str, str, float]:
 
 
 def with_two_names(words: list[str]) -> list[str]:
-    """Join each ``--fasten A B`` into a single word, since the option parser repeats only these.
+    """Join each ``--fasten A B`` into a single word, since the parser repeats only single words.
 
     The same holds for every option of `PAIRS`, for ``--bond A B T`` and for ``--open A B WORD``.
 
@@ -201,7 +201,7 @@ def with_several_names(words: list[str]) -> list[str]:
 
 
 def _is_file(word: str) -> bool:
-    """Whether a word exists as a path or has the ending of a file that kilter reads."""
+    """Whether a word exists as a path, or ends like a file that kilter reads."""
     from kilter.files.file_content import ENDINGS
 
     try:
@@ -211,7 +211,7 @@ def _is_file(word: str) -> bool:
 
 
 def with_floor_value(words: list[str]) -> list[str]:
-    """Add the default value to each ``--floor`` without a height.
+    """Insert the default value after each ``--floor`` without a height.
 
     Examples
     --------
@@ -244,12 +244,12 @@ def _is_number(word: str) -> bool:
 
 
 def _number_or_word(word: str | None) -> float | str | None:
-    """Return a word as a number, if it is a number."""
+    """A word as a number, if it is a number; else the word itself."""
     return float(word) if word is not None and _is_number(word) else word
 
 
 def _height(floor: str) -> float | str:
-    """Return the height of the floor, or the word for the lowest point."""
+    """Height of the floor as a number, or the word for the lowest point."""
     try:
         return floor if floor == _lowest() else float(floor)
     except ValueError:
@@ -260,7 +260,7 @@ def _height(floor: str) -> float | str:
 
 @dataclass(frozen=True, slots=True)
 class ToleranceOptions:
-    """Values of the options of the contact tolerance; None or False if they are not given."""
+    """Values of the tolerance options of a command; None or False for options not given."""
 
     gap: float | None = None
     angle: float | None = None
@@ -268,7 +268,7 @@ class ToleranceOptions:
     loose: bool = False
 
     def tolerance(self) -> Tolerance:
-        """Return the tolerance of contacts.
+        """The contact tolerance for these option values.
 
         Raises
         ------
@@ -294,7 +294,7 @@ class ToleranceOptions:
         )
 
     def words(self) -> list[str]:
-        """Return the options as they are typed."""
+        """The tolerance options as words of a command line."""
         words = [
             word
             for name in ("gap", "angle", "clearance")
@@ -304,12 +304,12 @@ class ToleranceOptions:
         return [*words, "--loose"] if self.loose else words
 
     def saved(self) -> dict[str, Any]:
-        """Return the keys of choices with these values."""
+        """The tolerance options as keys of a file of choices."""
         values = {"gap": self.gap, "angle_deg": self.angle, "clearance": self.clearance}
         return {"tolerance": values, "loose": self.loose}
 
     def over(self, choices: Choices) -> tuple[ToleranceOptions, list[str]]:
-        """Return these options in addition to choices, and a sentence for each replaced value."""
+        """These options completed by a file of choices, and a sentence for each replaced value."""
         kept = dict(choices.tolerance or {})
         kept["angle"] = kept.pop("angle_deg", None)
         replaced = []
@@ -324,7 +324,7 @@ class ToleranceOptions:
 
 
 def _lowest() -> str:
-    """The word for a floor under the lowest point."""
+    """The word that puts a floor under the lowest point."""
     from kilter.files.choices import LOWEST
 
     return LOWEST

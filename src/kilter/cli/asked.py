@@ -1,4 +1,4 @@
-"""The values of the options that commands share: file, reading, tolerance, limits, output."""
+"""Values of the options that commands share: input file, reading, limits, output."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ WORDS_SHARE, MOST_WORDS = 0.2, 1.0
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """Values of the options that commands share.
+    """Values of the options that commands share: file, reading, tolerance, limits, output.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class Asked:
 
     @classmethod
     def of(cls, given: Mapping[str, Any]) -> Asked:
-        """Build the request from the values of the options by name.
+        """Collect the shared options from the values of all options by name.
 
         Raises
         ------
@@ -120,7 +120,7 @@ class Asked:
 
     @property
     def time_limit(self) -> float | None:
-        """Time that is left to the computation [s]; None without a limit.
+        """Remaining time for the computation [s]; None without a time limit.
 
         A share of the limit remains for the words of the answer.
         """
@@ -130,7 +130,7 @@ class Asked:
         return max(computing - (perf_counter() - self.begun), 0.0)
 
     def tell_cut(self, reached: TimeLimitReached) -> int:
-        """Print the facts that are known at the time limit, and return the exit code.
+        """Print the facts known when the time limit was reached; return the exit code.
 
         Parameters
         ----------
@@ -151,7 +151,7 @@ class Asked:
         return VERDICT["undecided"]
 
     def of_file(self, file: str) -> Asked:
-        """Return the same request for another file, whose time begins now.
+        """Copy of these options for another file, whose time limit starts now.
 
         If the file has choices, the request is about the file that they name, with their options.
         """
@@ -180,11 +180,11 @@ class Asked:
         )
 
     def apart(self, *outputs: Path | None) -> None:
-        """Reject outputs that would overwrite the file or each other."""
+        """Reject output files that would overwrite the input file or each other."""
         keep_apart(self.file or "-", self.output, self.proof, *outputs)
 
     def read(self, progress: Callable[[str], None]) -> tuple[Assembly, ContactSet | None]:
-        """Return the assembly, and its contacts if reading it needed them."""
+        """Read the assembly; return it, and its contacts if reading needed them."""
         from kilter.contact.fits.fastening import fasten_as_read
         from kilter.files.formats import EXACT
 
@@ -204,7 +204,7 @@ class Asked:
         return fasten_as_read(assembly, self.reading, tolerance=self.tolerance, progress=progress)
 
     def keep_proof(self, make: Callable[..., dict[str, Any]] | None, answer: dict[str, Any]) -> str:
-        """Write the proof if `--proof` requires it, and return a line about it.
+        """Write the proof file if `--proof` requires it; return a line about it for users.
 
         Parameters
         ----------
@@ -231,7 +231,7 @@ class Asked:
         typed: Sequence[str] = (),
         bricks: bool = False,
     ) -> None:
-        """Print the warnings on the error stream, and the answer as JSON or as text.
+        """Print warnings on the error stream, and the answer as JSON or as text.
 
         Parameters
         ----------
@@ -261,7 +261,7 @@ class Asked:
         tell_written(self.output, content, self.quiet)
 
     def _next(self, answer: Mapping[str, Any], typed: Sequence[str], bricks: bool) -> str:
-        """Return the next step as a command to type, or nothing for standard input."""
+        """The suggested next command to type; empty if the input is standard input."""
         from kilter.tell.facts import kind_of
         from kilter.tell.next_step import next_step
 
@@ -280,7 +280,7 @@ class Asked:
         return f"\n\nnext: {words}\n      {step.why}"
 
     def command(self, name: str, *rest: str) -> str:
-        """Return the command `name` with the options of this request, as it is typed."""
+        """The command `name` with the options of this call, as a user types it."""
         from kilter.files.choices import LOWEST
 
         words: list[str] = []
@@ -304,7 +304,7 @@ class Asked:
 
 
 def _not_negative(value: float, option: str, unit: str) -> float:
-    """Return the value of an option.
+    """Validate that an option value is not negative, and return it.
 
     Raises
     ------

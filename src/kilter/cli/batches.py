@@ -1,4 +1,4 @@
-"""The command batch: verdicts of many files."""
+"""The command `batch`: verdicts of many files."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ def batch(
 
 
 def _error_lines(errors: Sequence[tuple[str, str]], total: int) -> list[str]:
-    """Return a line for all errors with the same beginning, the most frequent first.
+    """Lines that count errors with the same beginning, the most frequent first.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def _error_lines(errors: Sequence[tuple[str, str]], total: int) -> list[str]:
 
 
 class _RateLine:
-    """Prints how many rows are written, the rate, and the time left, at most once a second."""
+    """Progress line of a batch: rows written, rate and time left, at most once a second."""
 
     def __init__(self) -> None:
         self._started = self._printed = time.perf_counter()
@@ -152,7 +152,7 @@ class _RateLine:
 
 
 def _duration(seconds: float) -> str:
-    """Return a duration in words.
+    """Describe a duration [s] in words.
 
     Examples
     --------

@@ -24,7 +24,7 @@ TERMINAL = {"stable": "1;34", "unstable": "1;33"}
 
 
 def coloured() -> bool:
-    """Return whether standard output shows colours."""
+    """Whether standard output is a terminal that shows colours."""
     if os.environ.get("NO_COLOR"):
         return False
     if os.environ.get("FORCE_COLOR"):
@@ -33,7 +33,7 @@ def coloured() -> bool:
 
 
 def in_colour(text: str, answer: Mapping[str, Any]) -> str:
-    """Return the text with its first line in the colour of its verdict, if colours are shown."""
+    """A text with its first line in the colour of its verdict, if the terminal shows colours."""
     code = TERMINAL.get(VERDICT_ROLE.get(str(answer.get("verdict")), ""))
     if code is None or not coloured():
         return text

@@ -1,4 +1,4 @@
-"""The commands orient, region and margin: directions of gravity, and limits."""
+"""The commands `orient`, `region` and `margin`: directions of gravity, and limits of loads."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ UNSURE = "Worst case of tilt and load factor for uncertain data"
 
 
 class Method(StrEnum):
-    """Methods for the direction nearest to stable."""
+    """Methods to find the direction of gravity nearest to stable."""
 
     JOINT = "joint"
     WALK = "walk"
@@ -43,7 +43,7 @@ def orient(
         ),
     ] = Method.JOINT,
 ) -> int:
-    """Find the stable orientation with the widest tilt margin.
+    """Find the stable orientation of an assembly with the widest tilt margin.
 
     With friction: the middle of the directions for which forces that hold it exist. 'kilter check
     --down' reports what friction guarantees there.
@@ -91,7 +91,7 @@ def region(
         ),
     ] = False,
 ) -> int:
-    """Find every stable direction of gravity exactly, with a proof of each boundary.
+    """Find every stable direction of gravity of an assembly, with a proof of each boundary.
 
     With friction: every direction for which forces that hold it exist, bounded by rays inside and
     facets outside. --common ignores friction.
@@ -240,7 +240,7 @@ def margin(
         ),
     ] = None,
 ) -> int:
-    """Find the limits up to which it holds: tilt, least friction, load factor and pushes.
+    """Find the limits up to which an assembly holds: tilt, friction, load factor and pushes.
 
     Up to each limit forces that hold it exist (level equilibrium). Beyond it no such forces exist,
     and the answer names the parts that start to move. --require settles or proved adds the value of
@@ -279,7 +279,7 @@ def _ranges(
     mu: tuple[float, float] | None,
     normal_deg: float | None,
 ) -> Ranges | None:
-    """Return the intervals of uncertain data, or None if no option gives an interval."""
+    """Intervals of uncertain data from four options; None if no option is given."""
     from kilter.analysis.margins.uncertainty import Ranges
 
     if mass is None and com is None and mu is None and normal_deg is None:

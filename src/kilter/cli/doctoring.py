@@ -1,4 +1,4 @@
-"""The command doctor: the state of the installation."""
+"""The command `doctor`: test of the installation."""
 
 from __future__ import annotations
 

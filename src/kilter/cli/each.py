@@ -1,4 +1,4 @@
-"""Check of several files: a line for each file, and the worst exit code."""
+"""The command `check` for several files: a line for each file, and the worst exit code."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ WIDE = 100
 
 
 def code_of(answer: Answer) -> int:
-    """Return the exit code of an answer of `check`."""
+    """Exit code of an answer of `check`: a verdict, or data with a verdict."""
     if answer["level"] is None:
         return VERDICT[answer["verdict"]]
     return HOLDS if answer["holds"] else LOWER
 
 
 def check_each(asked: Asked, files: Sequence[str], judge: Callable[[Asked], Answer]) -> int:
-    """Print the verdict of each file, and the errors of the files that cannot be checked.
+    """Print the verdict of each file, or the error that prevented it; return the worst code.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def check_each(asked: Asked, files: Sequence[str], judge: Callable[[Asked], Answ
 
 
 def _answer(asked: Asked, judge: Callable[[Asked], Answer]) -> tuple[Answer, int]:
-    """Return the answer about a file and its exit code, or its error as the answer."""
+    """Check a file; return its answer and exit code, with an error as the answer if it fails."""
     try:
         answer = judge(asked)
     except InputError as error:

@@ -1,4 +1,4 @@
-"""Exit codes of all commands."""
+"""Exit codes of all commands, and their order from harmless to worst."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command hold: the fewest supports."""
+"""The command `hold`: the fewest supports that hold an assembly."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def hold(
     ] = None,
     require: Require = REQUIRE,
 ) -> int:
-    """Find the fewest supports with which it stays together, and prove that fewer are not enough.
+    """Find the fewest supports that hold an assembly together, and prove that fewer do not.
 
     For a half-built assembly, leave out the missing parts with --without.
 
@@ -85,7 +85,7 @@ def hold(
 
 
 def _candidates(word: str) -> list[str | Support]:
-    """Return the candidates of a word, or the supports of a file."""
+    """Candidate supports for a word of the option `--candidates`: a keyword, or those in a file."""
     from kilter.analysis.planning.hold.support_candidates import WORDS
     from kilter.contact.supports import Support
     from kilter.files.file_content import read_json

@@ -1,4 +1,4 @@
-"""The command improve: a brick to add or to remove."""
+"""The command `improve`: a brick to add to a model or to remove from it."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def improve(
         ),
     ] = None,
 ) -> int:
-    """Find a brick to add or to remove so that a model of bricks stands, or needs less strength.
+    """Find a brick to add or to remove so that a brick model stands, or needs weaker studs.
 
     The tried places follow from the fall, or from the first motion beyond the strength of the
     studs. For every change the needed strength is computed again.

@@ -1,4 +1,4 @@
-"""Interruption by Ctrl-C or by the system: a line and exit code 130 within a second.
+"""End a command on Ctrl-C or a signal, with a message and exit code 130 within a second.
 
 Python raises `KeyboardInterrupt` only between two bytecodes, and a long call of a solver is a
 single bytecode. Solvers of large programs receive a request to stop (`kilter.solvers.interrupts`).
@@ -36,7 +36,7 @@ REPLACED = (signal.SIG_DFL, signal.SIG_IGN, signal.default_int_handler)
 
 @contextmanager
 def interruptible(*, alone: bool) -> Iterator[Callable[[], bool]]:
-    """Handle signals while a command runs, also if the calling script ignores them.
+    """Handle signals while a command runs, even if the calling script ignores them.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def interruptible(*, alone: bool) -> Iterator[Callable[[], bool]]:
 
 
 def _is_loading(frame: FrameType | None) -> bool:
-    """Return whether a module is being loaded in the frame or in its callers."""
+    """Whether a Python module is being imported in a stack frame or its callers."""
     while frame is not None:
         if frame.f_code.co_filename.startswith("<frozen importlib."):
             return True
@@ -89,7 +89,7 @@ def _is_loading(frame: FrameType | None) -> bool:
 
 
 def _end_if_dropped(dropped: sys.UnraisableHookArgs) -> None:
-    """End the process if Python dropped an interruption in a callback."""
+    """End the process if Python dropped a KeyboardInterrupt in a callback."""
     if issubclass(dropped.exc_type, KeyboardInterrupt):
         end_interrupted()
     sys.__unraisablehook__(dropped)
@@ -125,7 +125,7 @@ def _watch(heard: list[float]) -> int:
 
 
 def end_interrupted() -> NoReturn:
-    """Print a message, remove unfinished files, and end the process without waiting for threads."""
+    """Print a message, remove unfinished files, and end the process at once."""
     for number in SIGNALS:
         with suppress(ValueError):  # only the main thread may set handlers
             signal.signal(number, signal.SIG_IGN)

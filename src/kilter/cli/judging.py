@@ -1,4 +1,4 @@
-"""The commands check, contacts, verify and example."""
+"""The commands `check`, `contacts`, `verify` and `example`."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def check(
         ),
     ] = False,
 ) -> int:
-    """Decide whether it stays together under gravity, and if not, which parts move and how.
+    """Decide whether an assembly stays together under gravity, and if not, which parts move.
 
     The verdict is of first order. If motions without any first-order change of energy remain (see
     'neutral'), they are also decided to second order: a ball on top of a ball is balanced.
@@ -100,7 +100,7 @@ def check(
 
 
 def _check_file(asked: Asked, require: str, measures: bool) -> tuple[Verdict, dict[str, Any]]:
-    """Return the verdict of a file, and its data with the time of reading."""
+    """Check a single file; return its verdict, and the answer with the reading time."""
     from kilter.analysis.check import check as decide
 
     with Progress(asked.quiet) as progress:
@@ -125,7 +125,7 @@ def _check_file(asked: Asked, require: str, measures: bool) -> tuple[Verdict, di
 
 
 def _joint_hint(verdict: Verdict) -> str:
-    """Return a paragraph about pairs that look fastened.
+    """Paragraph about pairs of parts that look fastened; empty if none does.
 
     For unstable CAD solids without such pairs and without joints, the paragraph names the data that
     their file lacks.
@@ -144,7 +144,7 @@ def _joint_hint(verdict: Verdict) -> str:
 
 @asks()
 def contacts(asked: Asked) -> int:
-    """List the contact patches with area, gap and normal, and the near pairs with their reasons."""
+    """List the contact patches with area, gap and normal, and near pairs that do not count."""
     from kilter.contact import contacts as find
 
     with Progress(asked.quiet) as progress:
@@ -163,7 +163,7 @@ def verify(
     output: Output = None,
     quiet: Quiet = False,
 ) -> int:
-    """Recompute a proof from the file, without any solver. Exit code: 0 it holds, 1 it does not.
+    """Recompute a proof from the file, without any solver. Exit code 0: it holds, 1: it does not.
 
     The file is read with the options of the proof (held parts, parts left out, direction of
     gravity). The answer lists these options.
@@ -249,7 +249,7 @@ def example(
 
 
 def _size(words: str) -> tuple[int, int]:
-    """Return the two whole numbers of a size such as 40x25."""
+    """Parse a size such as 40x25 into two whole numbers."""
     match = re.fullmatch(r"(\d{1,4})x(\d{1,4})", words)
     if match is None:
         raise InputError(f"--size is {words!r:.40}", hint="give it as 40x25")

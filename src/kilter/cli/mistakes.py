@@ -1,4 +1,4 @@
-"""Error messages of a single line: wrong usage, and faults of kilter itself."""
+"""Single-line error messages about wrong usage, and about faults of kilter itself."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ NO_MEMORY = "not enough memory; leave parts out, or use coarser meshes"
 
 
 def usage_words(error: Any) -> str:
-    """Return the message of an error of the option parser, with a reference to the help."""
+    """Message for a usage error of the option parser, with a reference to the help."""
     context = getattr(error, "ctx", None)
     path = context.command_path if context is not None else "kilter"
     message = " ".join(error.format_message().split()).rstrip(".")
@@ -33,7 +33,7 @@ def usage_words(error: Any) -> str:
 
 
 def fault_words(error: Exception, words: Sequence[str]) -> str:
-    """Return the message of a fault of kilter: the error, its place, and how to report it."""
+    """Message for a fault of kilter: the error, its place, and how to report it."""
     import traceback
 
     import kilter

@@ -378,7 +378,7 @@ FORMS: dict[str, tuple[Any, Any]] = {
 def asks(
     *, searches: bool = False, timed: bool = False, proves: bool = False, answers: bool = True
 ) -> Callable[[Callable[..., int]], Callable[..., int]]:
-    """Return a decorator that adds the shared options to a command ``act(asked, **own)``.
+    """Create a decorator that adds the shared options to a command ``act(asked, **own)``.
 
     A parameter whose annotation is a dataclass stands for the options that are its fields.
 
@@ -396,7 +396,7 @@ def asks(
     """
 
     def decorate(act: Callable[..., int]) -> Callable[..., int]:
-        """The command with the shared options in its signature."""
+        """Wrap a command so that its signature contains the shared options."""
         _, *declared = inspect.signature(act, eval_str=True).parameters.values()
         declared_options = [field for parameter in declared for field in _own_options(parameter)]
         limits = {"time_limit": (TimeLimit, None)} if timed else {}
@@ -440,7 +440,7 @@ def asks(
 
 
 def _own_options(parameter: inspect.Parameter) -> list[inspect.Parameter]:
-    """Return the options for which a parameter of a command stands."""
+    """The shared options that a parameter of a command stands for, or the parameter itself."""
     if not is_dataclass(parameter.annotation):
         return [parameter]
     kinds = get_type_hints(parameter.annotation, include_extras=True)
@@ -449,7 +449,7 @@ def _own_options(parameter: inspect.Parameter) -> list[inspect.Parameter]:
 
 
 def _value(parameter: inspect.Parameter, given: dict[str, Any]) -> Any:
-    """Return the value of a parameter of a command from the values of all options."""
+    """Value of a parameter of a command, from the values of all options by name."""
     build: Callable[..., Any] = parameter.annotation
     if not is_dataclass(parameter.annotation):
         return given[parameter.name]
@@ -457,7 +457,7 @@ def _value(parameter: inspect.Parameter, given: dict[str, Any]) -> Any:
 
 
 def _parameter(name: str, kind: Any, default: Any = inspect.Parameter.empty) -> inspect.Parameter:
-    """Return a parameter of a command with its annotation and its default."""
+    """Create a parameter of a command from name, annotation and default."""
     return inspect.Parameter(
         name, inspect.Parameter.POSITIONAL_OR_KEYWORD, default=default, annotation=kind
     )

@@ -1,4 +1,4 @@
-"""Files of a plan by their suffix: a page, a film, a figure or a table."""
+"""Write a plan as a page, a film, a figure or a table, by the suffix of the output file."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["as_typed", "written"]
 
 
 def written(order: Order, answer: dict[str, Any], asked: Asked, typed: list[str]) -> bool:
-    """Write a plan by the suffix of the output file, and return whether this was possible.
+    """Write a plan in the format of the output suffix; False if the suffix is no plan format.
 
     With any other suffix nothing is written: the caller writes text or JSON.
 
@@ -60,14 +60,14 @@ def written(order: Order, answer: dict[str, Any], asked: Asked, typed: list[str]
 
 
 def _report(asked: Asked, words: str) -> bool:
-    """Print a line about the output file on the error stream, and return True."""
+    """Print a line about the output file on the error stream; always returns True."""
     if not asked.quiet:
         print(f"{asked.output}: {words}", file=sys.stderr)
     return True
 
 
 def as_typed(**given: Any) -> list[str]:
-    """Return the options of a command as words; None and False are left out.
+    """Options of a command as the words that a user types; None and False are left out.
 
     Examples
     --------

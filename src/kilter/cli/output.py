@@ -1,4 +1,4 @@
-"""Output of answers to standard output or to a file, warnings, and progress."""
+"""Print answers to standard output or a file, print warnings, and show progress."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ Escape sequences of colours do not match, since only kilter writes them.
 
 
 def as_json(data: Any) -> str:
-    """Return JSON text with exact numbers and with escaped control characters."""
+    """Data as JSON text with exact numbers and escaped control characters."""
     text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     return CONTROLS.sub(lambda match: f"\\u{ord(match[0]):04x}", text)
 
@@ -52,13 +52,13 @@ def emit(text: str, output: Path | None) -> None:
 
 
 def tell_written(output: Path | None, content: str, quiet: bool) -> None:
-    """Print the path and the content of a written file on the error stream, unless `quiet`."""
+    """Report the path and content of a written file on the error stream, unless `quiet`."""
     if output is not None and not quiet:
         print(f"{visible(str(output))}: {content}", file=sys.stderr)
 
 
 def keep_apart(file: str, *outputs: Path | None) -> None:
-    """Reject outputs that would overwrite the file that is read, or each other.
+    """Reject output files that would overwrite the input file or each other.
 
     Raises
     ------
@@ -75,7 +75,7 @@ def keep_apart(file: str, *outputs: Path | None) -> None:
 
 
 def write_whole(path: Path, text: str) -> None:
-    """Write a file completely or not at all.
+    """Write text to a file completely, or leave the file as it was.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def tell_warnings(warnings: Sequence[str], quiet: bool, limit: int = 20) -> None
 
 
 class Progress:
-    """A line on the error stream with the current step and the elapsed time.
+    """Progress line on the error stream with the current step and the elapsed time.
 
     The line appears after a second, only on a terminal, and not if `quiet`.
     """
@@ -111,7 +111,7 @@ class Progress:
         self._clock: threading.Thread | None = None
 
     def __call__(self, stage: str) -> None:
-        """Begin a step."""
+        """Begin a step, whose name the progress line shows from now on."""
         self._step = stage
         if self._on and self._clock is None:
             self._clock = threading.Thread(target=self._tell, daemon=True)
@@ -133,7 +133,7 @@ class Progress:
         self.done()
 
     def done(self) -> None:
-        """Remove the line until the next step."""
+        """Remove the progress line until the next step."""
         if self._clock is not None:
             self._ended.set()
             self._clock.join()

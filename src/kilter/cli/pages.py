@@ -1,4 +1,4 @@
-"""The commands report, view and draw: pages and figures."""
+"""The commands `report`, `view` and `draw`: pages and figures."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["draw", "report", "view"]
 
 
 class What(StrEnum):
-    """Kinds of figures."""
+    """Kinds of figures that the command `draw` makes."""
 
     ASSEMBLY = "assembly"
     REGION = "region"
@@ -42,7 +42,7 @@ def report(
         ),
     ] = False,
 ) -> int:
-    """Write one offline page: the assembly in 3D, its motion, its forces and the gravity ball.
+    """Write an offline page: the assembly in 3D, its motion and forces, and the gravity ball.
 
     The page is one file that needs no network.
 
@@ -122,7 +122,7 @@ def view(
 
 
 def _say(line: str, *, quiet: bool) -> None:
-    """Print the address of the page on standard output, and other lines on the error stream."""
+    """Print the address of the served page on standard output, other lines on the error stream."""
     if line.startswith("http"):
         print(line, flush=True)
     elif not quiet:

@@ -1,4 +1,4 @@
-"""Options of the command plan about the order of assembly."""
+"""Options of the command `plan` about the order of assembly."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ ORDER = "Allowed orders"
 
 @dataclass(frozen=True, slots=True)
 class PlanOptions:
-    """Values of the options, each with its help text."""
+    """Values of the options of `plan` about the order, each with its help text."""
 
     hold: Annotated[
         int | None,
@@ -148,7 +148,7 @@ class PlanOptions:
     ] = "equilibrium"
 
     def typed(self) -> list[str]:
-        """Return the options as they are typed, without those that have their default."""
+        """The options of `plan` as words of a command line, without default values."""
         return as_typed(
             hold=self.hold,
             directions=self.directions,
@@ -165,7 +165,7 @@ class PlanOptions:
         )
 
     def rules(self) -> PlanRules:
-        """Return the options about the order as rules of `kilter.plan`.
+        """The options about the order as rules of `kilter.plan`.
 
         Raises
         ------
@@ -191,7 +191,7 @@ class PlanOptions:
 
 
 def _direction(word: str) -> str | list[float]:
-    """Return a named direction, or a direction of three numbers.
+    """Parse the value of a direction: a name, or three numbers.
 
     Raises
     ------

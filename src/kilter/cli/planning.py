@@ -1,4 +1,4 @@
-"""The command plan: orders of assembly."""
+"""The command `plan`: orders of assembly."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["plan"]
 
 @asks(searches=True, proves=True)
 def plan(asked: Asked, options: PlanOptions) -> int:
-    """Find an order in which it can be put together, and the parts to hold at each step.
+    """Find an order in which an assembly can be put together, and the parts to hold at each step.
 
     Grounded parts stand from the start. Every step is proved: forces hold the standing parts while
     the next part comes in along a free path of one or two straight pieces.

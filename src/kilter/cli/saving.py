@@ -1,4 +1,4 @@
-"""The command save: the choices about a file."""
+"""The command `save`: write the options for an input file to a file of choices."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def save(
     ] = None,
     json: Json = False,
 ) -> int:
-    """Save the options about a file, so that no later command needs them again.
+    """Save the options for an input file, so that later commands do not need them again.
 
     Every command and kilter.load read X.kilter.json as FILE with the saved options. Options on the
     command line win over saved options, and the answer names what they replace.
@@ -100,7 +100,7 @@ def save(
 
 
 def _material(words: str) -> dict[str, Any]:
-    """Return the material of a value of ``--material``."""
+    """Parse a value of ``--material`` into the material entry of a file of choices."""
     parts, _, density = words.rpartition("=")
     try:
         value = float(density)
@@ -114,7 +114,7 @@ def _material(words: str) -> dict[str, Any]:
 
 
 def _decision(words: str) -> dict[str, Any]:
-    """Return the decision of a value of ``--open``."""
+    """Parse a value of ``--open`` into the entry of an open pair in a file of choices."""
     first, second, state = triple_of("--open", words)
     if state not in ("joined", "touching", "apart"):
         raise InputError(f"--open has {state!r:.60}", hint="give joined, touching or apart")
@@ -122,7 +122,7 @@ def _decision(words: str) -> dict[str, Any]:
 
 
 def _words(choices: Choices, output: Path, replaces: bool) -> str:
-    """Return the text about written choices: their keys, and the next command."""
+    """Text about the written choices for users: their keys, and the next command."""
     from kilter.tell.text import aligned
 
     rows = [

@@ -1,4 +1,4 @@
-"""Standard streams: closed streams become empty streams, and full streams are recognised."""
+"""Standard streams: replace closed streams by empty ones, and recognise full ones."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 
 
 def open_closed_streams() -> None:
-    """Open the standard streams that are closed at the start of the process as empty streams.
+    """Replace standard streams that are closed at the start of the process by empty streams.
 
     Otherwise the first opened file would get the number of a closed stream, and the output of
     libraries.
@@ -24,7 +24,7 @@ def open_closed_streams() -> None:
 
 
 def is_full(error: OSError) -> bool:
-    """Return whether an error comes from a stream that accepts no more data.
+    """Whether an error comes from a full disk or another stream that accepts no more data.
 
     Such an error names no file.
     """

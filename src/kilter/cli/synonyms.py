@@ -1,4 +1,4 @@
-"""Options that users guess, with the option that they mean."""
+"""Option names that users guess, with the real option for each."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ MEANT = {word: option for option, words in GUESSES.items() for word in words}
 
 
 def meant_option(typed: str, known: Collection[str]) -> str | None:
-    """The option of a command that an unknown option means; None if the table has no such word.
+    """The real option for a guessed option name; None if the table of guesses lacks the name.
 
     Parameters
     ----------

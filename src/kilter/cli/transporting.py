@@ -1,4 +1,4 @@
-"""The command transport: accelerations of a carrier."""
+"""The command `transport`: accelerations of a carrier under which an assembly stays in place."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ def transport(
     ] = None,
     require: Require = REQUIRE,
 ) -> int:
-    """Find how hard its carrier may accelerate, brake and turn before a part moves.
+    """Find how hard a carrier may accelerate, brake and turn before a part on it moves.
 
     The frame of the file is fixed in the carrier: a truck, a trolley, a robot's wrist. Held parts
     belong to the carrier. Without a question: the largest acceleration along each axis, and the
@@ -155,7 +155,7 @@ def transport(
 
 
 def _exit_code(answer: Transport) -> int:
-    """Return the exit code of an answer."""
+    """Exit code of `transport` for its answer."""
     if not answer.cases and answer.path is None and "path" not in answer.missing:
         return WRITTEN
     if answer.carried is None:
@@ -167,12 +167,12 @@ def _exit_code(answer: Transport) -> int:
 
 
 def _has_proof(answer: Transport) -> bool:
-    """Return whether any limit of an answer has proofs."""
+    """Whether any limit of a transport answer has proofs."""
     return answer.least is not None or any(case.factor is not None for case in answer.cases)
 
 
 def _require_figure(figure: Path, question: list[object]) -> None:
-    """Reject a figure of a wrong ending, or of an answer that has no figure."""
+    """Reject a figure file with a wrong ending, or options whose answer has no figure."""
     from kilter import publish
 
     publish.require_figure(figure, None)
@@ -188,7 +188,7 @@ def _motion(
     turn_faster: tuple[float, float, float] | None,
     about: tuple[float, float, float],
 ) -> Callable[[Assembly], CarrierMotion] | None:
-    """Return a function that builds the motion of the options, or None without such options."""
+    """Function from an assembly to the carrier motion of the options; None without such options."""
     if accelerate is None and turn is None and turn_faster is None:
         return None
     parts = [_acceleration(text) for text in accelerate or ("0", "0", "0")]
@@ -205,7 +205,7 @@ def _motion(
 
 
 def _acceleration(text: str) -> tuple[float, bool]:
-    """Return the number of a component of an acceleration, and whether its unit is g.
+    """Parse a component of an acceleration: its number, and whether its unit is g.
 
     Examples
     --------

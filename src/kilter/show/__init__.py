@@ -1,1 +1,1 @@
-"""Pictures of an assembly and its answers: figures, films and one offline HTML page; no physics."""
+"""Pictures of an assembly and of answers about it: figures, films and one offline HTML page."""

@@ -1,4 +1,4 @@
-"""Appearance of bricks: studs on their boxes, and the colours of LDraw.
+"""Appearance of toy bricks: studs on top of their boxes, and their LDraw colours.
 
 References
 ----------
@@ -43,7 +43,7 @@ COLORS = {int(k): int(v, 16) for k, v in (entry.split(":") for entry in _LISTED.
 
 
 def brick_rgb(brick: Brick | None) -> tuple[int, int, int] | None:
-    """Red, green and blue of a brick, or None if it has no colour code or no solid colour.
+    """Red, green and blue of a brick, 0 to 255; None without a colour code or a solid colour.
 
     Examples
     --------
@@ -58,7 +58,7 @@ def brick_rgb(brick: Brick | None) -> tuple[int, int, int] | None:
 
 
 def studded_surface(box: Box, brick: Brick) -> tuple[Array, Index]:
-    """Surface of a brick: its box with a stud in the middle of each cell of the top.
+    """Surface of a brick as vertices and triangles: a box with a stud on each cell of its top.
 
     Returns the vertices, shape (n, 3), and the triangles, shape (m, 3).
     """

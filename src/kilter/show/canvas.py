@@ -1,4 +1,4 @@
-"""matplotlib figures without pyplot, a display or a settings file.
+"""Figures of matplotlib without pyplot, a display or a settings file.
 
 Words from a file are never read as formulas, and are cut so that they fit (`label`).
 """
@@ -36,7 +36,7 @@ PAPER = ROLES["surface"].light
 
 
 def require() -> None:
-    """Check that matplotlib is installed.
+    """Raise an error with installation advice if matplotlib is missing.
 
     Raises
     ------
@@ -48,7 +48,7 @@ def require() -> None:
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """Return an empty figure of a width and height in inches; a notebook displays it."""
+    """Create an empty figure with a width and height in inches; a notebook displays it."""
     require()
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -99,7 +99,7 @@ def encode_figure(figure: Figure, suffix: str) -> bytes:
 
 
 def label(name: str, length: int = SHORT) -> str:
-    """Cut a name to `length` printable characters on one line.
+    """Cut a name for a figure to `length` printable characters on one line.
 
     Examples
     --------
@@ -112,7 +112,7 @@ def label(name: str, length: int = SHORT) -> str:
 
 
 def title(figure: Figure, sentence: str, verdict: str = "") -> None:
-    """Write the sentence above the picture, in the colour of its verdict."""
+    """Write a sentence above the picture, in the colour of its verdict."""
     text = " ".join(label(word, LINE) for word in sentence[: LINE * (LINES + 1)].split())
     lines = textwrap.wrap(text, LINE, max_lines=LINES, placeholder=" …")
     figure.text(
@@ -128,7 +128,7 @@ def title(figure: Figure, sentence: str, verdict: str = "") -> None:
 
 
 def legend(figure: Figure, entries: Sequence[tuple[Any, str]], columns: int = 2) -> None:
-    """Add the legend below the picture: pairs of a sign and its words."""
+    """Add a legend below the picture, with an entry for each pair (drawn sign, words)."""
     if not entries:
         return
     box = figure.legend(

@@ -1,4 +1,4 @@
-"""Colours of parts, from `kilter.tell.palette`: one hue per shape, shades for its copies."""
+"""Colours of parts: one hue for each shape, shades for its copies, grey for held parts."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SHADES = (0.0, 0.10, -0.08, 0.05, -0.04, 0.13, -0.11)
 
 
 def assembly_colours(assembly: Assembly, shape: ArrayLike) -> NDArray[np.uint8]:
-    """Colours of the parts of an assembly, shape (N, 3), from 0 to 255.
+    """Colours of the parts of an assembly, shape (N, 3), from 0 to 255; grey for held parts.
 
     `shape` (N,): index of the shape of each part. A brick with a stated colour keeps that colour.
     """
@@ -33,7 +33,7 @@ def assembly_colours(assembly: Assembly, shape: ArrayLike) -> NDArray[np.uint8]:
 
 
 def part_colours(shape: ArrayLike, grounded: ArrayLike) -> NDArray[np.uint8]:
-    """Colours of parts, shape (N, 3): one hue per shape, shades for its copies, grey if held.
+    """Colours of parts, (N, 3), from 0 to 255: a hue per shape, a shade per copy, grey if held.
 
     With few free parts, each part has a hue of its own, whatever its shape.
 

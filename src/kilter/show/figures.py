@@ -117,7 +117,7 @@ def draw_assembly(
 
 
 def camera_of(assembly: Assembly, view: tuple[float, float] | None) -> Camera:
-    """Camera of a view; it turns the assembly so that gravity points down on the page."""
+    """Camera for a view; it turns the assembly so that gravity points down on the page."""
     azimuth, elevation = view or (FRONT if assembly.planar else VIEW)
     turn = quaternion_to_matrix(rotation_between(assembly.down, [0.0, 0.0, -1.0]))
     if np.allclose(assembly.down[:2], 0.0) and assembly.down[2] > 0:
@@ -127,7 +127,7 @@ def camera_of(assembly: Assembly, view: tuple[float, float] | None) -> Camera:
 
 
 def _limits(assembly: Assembly, camera: Camera, figure: Figure) -> tuple[Array, Array]:
-    """Lower left and upper right corner of the picture: the free parts and nearby held parts."""
+    """Lower left and upper right corner of the picture: free parts and nearby held parts."""
     geometry = assembly.geometry
     flat = camera.flat(geometry.vertices)
     free = ~geometry.grounded[geometry.vertex_part]

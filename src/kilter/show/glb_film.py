@@ -1,4 +1,4 @@
-"""Animated GLB files (binary glTF 2.0): the parts of an assembly as nodes, moved by tracks.
+"""Animated GLB files (binary glTF 2.0) of an assembly: a node for each part, moved by tracks.
 
 Lengths are metres and y is up, as the standard requires. The meshes have no normals, so that
 viewers shade the faces flat.
@@ -38,7 +38,7 @@ VERTICES, CORNERS = 34962, 34963
 
 
 class _BufferBuilder:
-    """The buffer of a GLB with its views and accessors."""
+    """Binary buffer of a GLB file, with its views and accessors."""
 
     def __init__(self) -> None:
         self.data = bytearray()
@@ -46,7 +46,7 @@ class _BufferBuilder:
         self.accessors: list[dict[str, Any]] = []
 
     def put(self, values: ArrayLike, kind: str, target: int | None = None) -> int:
-        """Append values and return the index of their accessor.
+        """Append values to the buffer and return the index of their accessor.
 
         `kind` is the element type, as "VEC3". Accessors of floats get the bounds of their values.
         """
@@ -75,7 +75,7 @@ class _BufferBuilder:
 
 
 class Film:
-    """An assembly at rest as glTF nodes, with animation tracks.
+    """Animated GLB file of an assembly: its parts at rest as nodes, with animation tracks.
 
     Attributes
     ----------
@@ -106,7 +106,10 @@ class Film:
         self._samplers: list[dict[str, Any]] = []
 
     def add_mark(self, name: str, at: Array) -> int:
-        """Add a mark of scale zero at a world point and return its node."""
+        """Add a mark of size zero at a point in the world, and return its node.
+
+        An animation scales it up.
+        """
         self._nodes.append(
             {
                 "name": readable(name),
@@ -120,7 +123,7 @@ class Film:
     def animate(
         self, node: int, path: str, times: ArrayLike, values: ArrayLike, way: str = "LINEAR"
     ) -> None:
-        """Add a track to a node.
+        """Add an animation track to a node, for its position, rotation or scale.
 
         Parameters
         ----------
@@ -145,7 +148,7 @@ class Film:
         self._channels.append({"sampler": len(self._samplers) - 1, "target": target})
 
     def to_bytes(self, name: str) -> bytes:
-        """Encode the file; `name` is the name of its animation."""
+        """Encode the film as a GLB file; `name` is the name of its animation."""
         assembly = self._assembly
         root = {
             "name": "assembly",
@@ -173,7 +176,7 @@ class Film:
 def _meshes(
     assembly: Assembly, binary: _BufferBuilder
 ) -> tuple[list[dict[str, Any]], list[dict[str, Any]], list[int]]:
-    """Meshes, materials, and the mesh index of each part; the last mesh is the mark of held parts.
+    """Meshes, materials, and the mesh index of each part; the last mesh marks held parts.
 
     Parts with equal shape and colour share a mesh.
     """
@@ -212,14 +215,17 @@ def _meshes(
 
 
 def _mesh(surface: tuple[int, int], material: int) -> dict[str, Any]:
-    """A mesh with a single surface, given by its accessors of positions and of corners."""
+    """Mesh entry of a glTF file with a single surface.
+
+    `surface` holds its accessors of positions and of corners.
+    """
     positions, corners = surface
     primitive = {"attributes": {"POSITION": positions}, "indices": corners, "material": material}
     return {"primitives": [primitive]}
 
 
 def _material(colour: Array) -> dict[str, Any]:
-    """A matt material; converts an sRGB colour, from 0 to 1, to the linear values of glTF."""
+    """Matt glTF material; converts an sRGB colour, 0 to 1, to the linear values of glTF."""
     linear = np.where(colour <= 0.04045, colour / 12.92, ((colour + 0.055) / 1.055) ** 2.4)
     surface = {
         "baseColorFactor": [*linear.round(6).tolist(), 1.0],
@@ -236,7 +242,7 @@ def xyzw(quaternion: Array) -> list[float]:
 
 
 def _glb(header: dict[str, Any], data: bytes) -> bytes:
-    """Join the JSON header and the buffer to a file; chunks are padded to four bytes."""
+    """Join the JSON header and the buffer into a GLB file; chunks are padded to four bytes."""
     text = json.dumps(header, separators=(",", ":"), allow_nan=False).encode("ascii")
     text += b" " * (-len(text) % 4)
     data += b"\0" * (-len(data) % 4)

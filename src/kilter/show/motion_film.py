@@ -22,7 +22,7 @@ KEYS = 25
 
 
 def film_of_motion(assembly: Assembly, travel: Array) -> bytes:
-    """Encode the start of a motion as a GLB file: accelerating, then a pause.
+    """Encode the start of a motion as a GLB film: the parts accelerate, then pause.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def film_of_motion(assembly: Assembly, travel: Array) -> bytes:
 
 
 def film_of_fall(assembly: Assembly, motions: Array, lengths: Array) -> bytes:
-    """Encode the fall of parts along a path as a GLB file: accelerating, then a pause.
+    """Encode the fall of parts along a path as a GLB film: the parts accelerate, then pause.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def film_of_fall(assembly: Assembly, motions: Array, lengths: Array) -> bytes:
 def _move(
     film: Film, assembly: Assembly, part: int, times: Array, turns: Array, shifts: Array
 ) -> None:
-    """Add the tracks of a part.
+    """Add tracks of rotation and position to the node of a part.
 
     `turns`, shape (k, 3, 3), rotate about the centre of mass; `shifts`, shape (k, 3), move it.
     """
@@ -75,7 +75,7 @@ def _move(
 
 
 def _continuous(quaternions: Array) -> Array:
-    """Choose the signs of quaternions, (k, 4), so that interpolation takes the short way."""
+    """Choose the signs of quaternions, (k, 4), so that interpolation turns the shorter way."""
     agree = np.einsum("ij,ij->i", quaternions[1:], quaternions[:-1])
     signs = np.cumprod(np.append(1.0, np.where(agree < 0, -1.0, 1.0)))
     return quaternions * signs[:, None]

@@ -1,4 +1,4 @@
-"""Drawings over the parts: contact patches, arrows of motion and of forces, names, gravity.
+"""Drawings over the parts of a figure: contact patches, arrows of motion and force, names, gravity.
 
 Arrows are in proportion to each other; the legend states the value of the longest.
 """
@@ -57,7 +57,7 @@ HALO = 2.6
 
 
 def draw_patches(axes: Axes, verdict: Verdict, camera: Camera) -> list[tuple[Any, str]]:
-    """Draw the contact patches, visible through the parts, and return their legend entry."""
+    """Draw the contact patches over the parts; return the legend entry."""
     from matplotlib.collections import PolyCollection
     from matplotlib.patches import Patch
 
@@ -73,7 +73,7 @@ def draw_patches(axes: Axes, verdict: Verdict, camera: Camera) -> list[tuple[Any
 
 
 def _outline_order(flat: Array) -> Array:
-    """Corners of a convex patch, sorted by angle around its middle on the page."""
+    """Order of the corners of a convex patch by angle around its middle on the page."""
     apart = flat - flat.mean(axis=0)
     return flat[np.argsort(np.arctan2(apart[:, 1], apart[:, 0]), kind="stable")]
 
@@ -81,7 +81,7 @@ def _outline_order(flat: Array) -> Array:
 def draw_motion(
     axes: Axes, verdict: Verdict, camera: Camera, longest: float
 ) -> list[tuple[Any, str]]:
-    """Draw arrows of the first accelerations and outlines of the displaced parts, enlarged.
+    """Draw arrows of the impending motion, and enlarged outlines of the displaced parts.
 
     `longest`: length of the longest arrow [length unit]. Returns the legend entries.
     """
@@ -114,7 +114,7 @@ def draw_motion(
 
 
 def _ghosts(axes: Axes, verdict: Verdict, camera: Camera, farthest: float) -> list[tuple[Any, str]]:
-    """Draw the edges of the moving parts, displaced along their first accelerations.
+    """Draw the edges of the moving parts, displaced along their impending motion.
 
     `farthest`: largest displacement of a point [length unit].
     """
@@ -135,7 +135,7 @@ def _ghosts(axes: Axes, verdict: Verdict, camera: Camera, farthest: float) -> li
 
 
 def draw_fall(axes: Axes, verdict: Verdict, camera: Camera, end: Array) -> list[tuple[Any, str]]:
-    """Draw the edges of the parts at the end of their fall.
+    """Draw the edges of the parts in the positions at the end of their fall.
 
     `end`, shape (N, 6): shift [length unit] and rotation vector [rad] of each part.
     """
@@ -155,7 +155,7 @@ def draw_fall(axes: Axes, verdict: Verdict, camera: Camera, end: Array) -> list[
 
 
 def _corners(assembly: Assembly, parts: Index) -> list[tuple[int, Array, Index]]:
-    """For each part: its index, its vertices (m, 3) in the world, its feature edges (e, 2)."""
+    """Index, vertices (m, 3) in the world, and feature edges (e, 2) of each of the given parts."""
     places = place_shapes(assembly)
     rows = []
     for k in parts.tolist():
@@ -166,7 +166,7 @@ def _corners(assembly: Assembly, parts: Index) -> list[tuple[int, Array, Index]]
 
 
 def _outlines(axes: Axes, lines: Array, words: str) -> list[tuple[Any, str]]:
-    """Draw the dashed lines of displaced parts and return their legend entry."""
+    """Draw the outlines of displaced parts as dashed lines; return the legend entry."""
     from matplotlib.collections import LineCollection
     from matplotlib.lines import Line2D
 
@@ -179,7 +179,7 @@ def _outlines(axes: Axes, lines: Array, words: str) -> list[tuple[Any, str]]:
 def draw_forces(
     axes: Axes, verdict: Verdict, camera: Camera, longest: float
 ) -> list[tuple[Any, str]]:
-    """Draw the resultants of the patches as lines through their centres of pressure.
+    """Draw the contact force of each patch as a line through its centre of pressure.
 
     `longest`: length of the longest line [length unit]. Returns the legend entry.
     """
@@ -210,7 +210,7 @@ def draw_forces(
 
 
 def draw_names(axes: Axes, assembly: Assembly, faces: list[tuple[int, Array]]) -> None:
-    """Write the names on visible faces of the parts, as plain text."""
+    """Write the names of the parts on their visible faces, as plain text."""
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     style: dict[str, Any] = {"fontsize": 8.5, "color": INK, "ha": "center", "va": "center"}
     for k, place in name_places(faces, len(assembly.parts)).items():
@@ -222,7 +222,7 @@ def draw_names(axes: Axes, assembly: Assembly, faces: list[tuple[int, Array]]) -
 
 
 def name_places(faces: list[tuple[int, Array]], count: int) -> dict[int, Array]:
-    """Position of each part's name: the middle of its largest face whose middle is visible.
+    """Position of each part's name: the middle of its largest visible face.
 
     `faces` lists the drawn faces as (part, corners), the farthest first. A part without such a
     face is not in the result.
@@ -267,7 +267,7 @@ def _is_within_polygon(point: Array, corners: Array) -> bool:
 
 
 def draw_gravity(axes: Axes, camera: Camera) -> None:
-    """Draw an arrow down with a g, and the axes of the assembly's frame."""
+    """Draw a downward arrow with a g for gravity, and the axes of the assembly's frame."""
     x, y = GRAVITY_AT
     place: dict[str, Any] = {"xycoords": "figure fraction", "textcoords": "figure fraction"}
     bold: dict[str, Any] = {"arrowstyle": HEAD.format(0.22, 0.5), "lw": 1.6, "shrinkA": 0}
@@ -287,7 +287,7 @@ def draw_gravity(axes: Axes, camera: Camera) -> None:
 
 
 def _arrow(axes: Axes, ends: Array, colour: str, share: float) -> None:
-    """Draw an arrow; `share`: its length over that of the longest, for the size of its head."""
+    """Draw an arrow; `share` is its length over the longest arrow, and sizes its head."""
     from matplotlib.patches import FancyArrowPatch
     from matplotlib.patheffects import Normal, withStroke
 
@@ -310,7 +310,7 @@ def _arrow(axes: Axes, ends: Array, colour: str, share: float) -> None:
 def _rotation_arrow(
     axes: Axes, camera: Camera, center: Array, angular: Array, radius: float
 ) -> None:
-    """Draw an arrow along three quarters of a circle about the axis of a rotation."""
+    """Draw an arrow along three quarters of a circle around the axis of a rotation."""
     from matplotlib.patches import FancyArrowPatch
     from matplotlib.path import Path
     from matplotlib.patheffects import Normal, withStroke

@@ -1,4 +1,4 @@
-"""Data inside a page: arrays as base64, and JSON that cannot close its script element."""
+"""Data inside an HTML page: arrays as base64, and JSON that cannot end its script element."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def pack(values: ArrayLike, code: str = "f4") -> dict[str, Any]:
 
 
 def as_json(data: Any) -> str:
-    """Encode as ASCII JSON without ``<``, ``>`` and ``&``; it cannot close a script element.
+    """Encode data as ASCII JSON without ``<``, ``>`` and ``&``, safe in a script element.
 
     Examples
     --------
@@ -54,7 +54,7 @@ def as_json(data: Any) -> str:
 
 
 def readable(name: str) -> str:
-    """Replace the characters of a name that cannot be shown by U+FFFD.
+    """Replace the characters of a name that cannot be displayed by U+FFFD.
 
     These are line breaks, control characters, lone surrogates and characters that change the
     direction of the text.

@@ -1,4 +1,4 @@
-"""The offline page: template, style, program and data in a file that makes no request.
+"""The offline HTML page: template, style, program and data in a single file.
 
 The Content-Security-Policy of the page forbids every connection and allows only the programs
 whose digests it lists. Words from a file therefore cannot run as a program.
@@ -38,7 +38,7 @@ PACKAGES = ("kilter", "numpy", "scipy", "highspy", "clarabel")
 
 
 def render(answers: Everything, title: str, *, command: str = "", live: bool = False) -> str:
-    """HTML page of an assembly and its answers.
+    """Build the HTML page of an assembly and its answers.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def render(answers: Everything, title: str, *, command: str = "", live: bool = F
 
 
 def render_plan(order: Order, explained: Explained, title: str, *, command: str = "") -> str:
-    """HTML page of a plan: its steps as a film and as a strip of pictures, with their facts.
+    """Build the HTML page of a plan: its steps as a film and as pictures, with facts.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def render_plan(order: Order, explained: Explained, title: str, *, command: str 
 
 
 def error_page(message: str, last: str) -> str:
-    """The last page with an error message above; `kilter view` shows it for an invalid file."""
+    """The previous page with an error message above it, for `kilter view` of an invalid file."""
     problem = (
         f'<p class="problem" role="alert">{text(message)}<br>'
         "The page below shows the last valid version of the file.</p>"
@@ -93,7 +93,7 @@ def _fill_template(
     margins: str = "",
     pieces: dict[str, str] | None = None,
 ) -> str:
-    """Fill the template; `pieces` maps its slots to asset files, by default `REPORT`."""
+    """Fill the page template; `pieces` maps its slots to asset files, by default `REPORT`."""
     style, program = as_css() + _asset("page.css"), _asset("page.js")
     scripts = [program, _asset("reload.js")] if live else [program]
     policy = "; ".join(
@@ -122,7 +122,7 @@ def _fill_template(
 
 
 def _versions() -> dict[str, str]:
-    """Versions of kilter and of the packages it computes with."""
+    """Versions of kilter and of the packages it computes with, by name."""
     versions = {}
     for package in PACKAGES:
         try:

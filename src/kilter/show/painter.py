@@ -1,4 +1,4 @@
-"""Painter's algorithm: convex polygons ordered from back to front.
+"""Painter's algorithm: convex polygons in space, sorted from back to front for drawing.
 
 A binary space partition orders polygons that do not intersect exactly. It cuts polygons that
 are crossed by the plane of another polygon. The largest polygons are used as planes first. After
@@ -34,7 +34,7 @@ TRIED = 5
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Camera:
-    """A parallel projection: unit vectors to the right, up, and towards the eye.
+    """A parallel projection, as unit vectors to the right, up, and towards the eye.
 
     Examples
     --------
@@ -48,7 +48,7 @@ class Camera:
 
     @classmethod
     def at(cls, azimuth: float, elevation: float, turn: Array | None = None) -> Camera:
-        """Camera at `azimuth` to the right of -y and `elevation` above the ground [deg].
+        """Camera to the right of -y by `azimuth`, and above the ground by `elevation` [deg].
 
         `turn`, shape (3, 3), rotates directions of the scene to a frame in which z is up.
         """
@@ -60,13 +60,13 @@ class Camera:
         return cls(right @ turn, up @ turn, towards @ turn)
 
     def flat(self, points: Array) -> Array:
-        """Project points, shape (..., 3), to the page, shape (..., 2)."""
+        """Project points in space, shape (..., 3), to the page, shape (..., 2)."""
         return np.stack([points @ self.right, points @ self.up], axis=-1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Polygon:
-    """A convex polygon in space.
+    """A convex polygon in space, with the part it belongs to and the sides to draw.
 
     `corners` (n, 3), unit `normal` (3,), index of its `part`; `drawn` (n,): whether the side
     from each corner to the next is drawn as an edge.
@@ -79,7 +79,7 @@ class Polygon:
 
 
 def visible_triangles(vertices: Array, triangles: Index, edges: Index, part: int) -> list[Polygon]:
-    """Triangles (m, 3) of a part as polygons; sides that are in `edges` (k, 2) are drawn.
+    """Triangles (m, 3) of a part as polygons; only sides in `edges` (k, 2) are drawn.
 
     Triangles of zero area are left out.
     """
@@ -96,7 +96,7 @@ def visible_triangles(vertices: Array, triangles: Index, edges: Index, part: int
 
 
 def back_to_front(polygons: list[Polygon], camera: Camera) -> list[Polygon]:
-    """Polygons that face the eye, the farthest first; some are cut in two.
+    """Polygons that face the eye, the farthest first; some polygons are cut in two.
 
     Examples
     --------
@@ -116,7 +116,7 @@ def back_to_front(polygons: list[Polygon], camera: Camera) -> list[Polygon]:
 
 
 def _partition_order(polygons: list[Polygon], towards: Array, thick: float) -> list[Polygon]:
-    """Sort polygons by binary space partition, with a stack instead of recursion."""
+    """Sort polygons from back to front by binary space partition."""
     result: list[Polygon] = []
     waiting: list[tuple[list[Polygon], bool]] = [(polygons, False)]
     work = 0
@@ -140,7 +140,7 @@ def _partition_order(polygons: list[Polygon], towards: Array, thick: float) -> l
 def _partition(
     group: list[Polygon], thick: float
 ) -> tuple[list[Polygon], list[Polygon], list[Polygon]]:
-    """Split a group by the plane of one of its polygons: those behind, in, and in front of it.
+    """Split polygons by the plane of one of them: polygons behind, in, and in front of it.
 
     The plane is the candidate with the lowest cost, 8 per cut polygon plus the imbalance.
     """
@@ -184,7 +184,7 @@ def _area(polygon: Polygon) -> float:
 
 
 def _clip(polygon: Polygon, height: Array) -> Polygon:
-    """The piece of a convex polygon with positive `height` (n,); the cut is no drawn edge."""
+    """Cut a convex polygon to its part with positive `height` (n,); the cut is not drawn."""
     corners: list[Array] = []
     drawn: list[bool] = []
     count = len(height)

@@ -1,4 +1,4 @@
-"""The steps of a plan as a sheet of small pictures for print, one per step.
+"""The steps of a plan as a sheet for print, with a small picture for each step.
 
 Each picture shows the new part at a distance from its seat, with an arrow along its path. Parts
 that are held by a hand have blue stripes and edges. The colours are those of the page.
@@ -53,7 +53,7 @@ def draw_plan(
     *,
     view: tuple[float, float] | None = None,
 ) -> Figure:
-    """Draw the steps of a plan, one picture per step, in rows from left to right.
+    """Draw the steps of a plan in rows from left to right, with a picture for each step.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def _draw_step(
     colours: Any,
     size: float,
 ) -> list[tuple[Any, str]]:
-    """Draw the present parts, the new part at a distance, and the arrow along its path.
+    """Draw a step: the present parts, the new part pulled away, and an arrow along its path.
 
     `size`: size of the picture [length unit]. Returns the legend entries of the parts.
     """
@@ -144,7 +144,9 @@ def _draw_step(
 def _displacement_before(
     assembly: Assembly, group: list[int], step: Mapping[str, Any]
 ) -> tuple[Array, Array]:
-    """Displacement of the new parts on the last segment of their path, and the unit direction.
+    """Displacement of the new parts before the last segment of their path, and its direction.
+
+    The direction is a unit vector.
 
     `group` lists the indices of the parts. Both results have shape (3,).
     """
@@ -157,7 +159,7 @@ def _displacement_before(
 def _limits(
     assembly: Assembly, camera: Camera, steps: Sequence[Mapping[str, Any]]
 ) -> tuple[Array, Array]:
-    """Lower left and upper right corner of every picture: the free parts, also before insertion."""
+    """Lower left and upper right corner of every picture: free parts, also before insertion."""
     geometry, index = assembly.geometry, assembly.index
     corners = [geometry.vertices[~geometry.grounded[geometry.vertex_part]]]
     for step in steps:
@@ -174,7 +176,7 @@ def _limits(
 
 
 def _write_words(axes: Axes, k: int, step: Mapping[str, Any]) -> None:
-    """Write the number, the names of the new parts and the held parts below a picture."""
+    """Write the number of a step, its new parts and its held parts below the picture."""
     lines: list[tuple[str, Any, str]] = [
         (f"{k + 1}  {label(', '.join(step['parts']), 20)}", INK, "bold")
     ]
@@ -197,7 +199,7 @@ def _write_words(axes: Axes, k: int, step: Mapping[str, Any]) -> None:
 
 
 def _signs(entries: list[tuple[Any, str]], steps: list[Any]) -> list[tuple[Any, str]]:
-    """Legend entries: parts held from the start, the arrow, parts held by a hand."""
+    """Legend entries of a plan: parts held from the start, arrow, parts held by a hand."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 

@@ -1,4 +1,4 @@
-"""A plan as an animated GLB: each part is inserted along its path.
+"""A plan as an animated GLB film: each part is inserted along its path.
 
 A part has scale zero before its step, because core glTF cannot hide nodes. A small octahedron
 marks a part while a hand holds it. Without animation, a viewer shows the complete assembly.
@@ -33,7 +33,7 @@ MARK = 0.28
 
 
 def film_of_plan(assembly: Assembly, answer: Mapping[str, Any]) -> bytes:
-    """Encode the steps of a plan as a GLB file.
+    """Encode the steps of a plan as a GLB film.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def film_of_plan(assembly: Assembly, answer: Mapping[str, Any]) -> bytes:
 
 
 def _sampled_path(path: Array, reach: float) -> Array:
-    """Points of a path at even times, slow at both ends, shape (KEYS, 3).
+    """Points of an insertion path at equal times, slow at both ends, shape (KEYS, 3).
 
     `path`, shape (k, 3), ends at the seat; its first segment is cut to `reach` [length unit].
     """
@@ -79,7 +79,7 @@ def _sampled_path(path: Array, reach: float) -> Array:
 
 
 def _nut_rotations(along: Array, rest: Array) -> Array:
-    """Quaternions x, y, z, w of a nut that advances on a right-handed thread, shape (k, 4).
+    """Quaternions x, y, z, w, (k, 4), of a nut that moves along a right-handed thread.
 
     `along`, shape (3,), is the direction of insertion; `rest` is the quaternion in the seat.
     """
@@ -90,7 +90,7 @@ def _nut_rotations(along: Array, rest: Array) -> Array:
 
 
 def _held_times(steps: list[dict[str, Any]]) -> dict[str, list[tuple[float, int]]]:
-    """For each part that is ever held, the times [s] at which that changes, with 1 or 0.
+    """Times [s] at which each part is gripped (1) or released (0), for parts that are ever held.
 
     Each list begins at the time 0.
     """

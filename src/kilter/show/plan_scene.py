@@ -42,7 +42,7 @@ FARTHEST = 1.1
 
 
 def build_plan_scene(order: Order, explained: Explained) -> dict[str, Any]:
-    """JSON data of the page of a plan."""
+    """JSON data of a plan's page: shapes, steps with paths, hands and forces."""
     states = order.states
     assembly, answer = states.assembly, order.to_dict()
     things = build_things(assembly, states.contacts)
@@ -73,7 +73,7 @@ def build_plan_scene(order: Order, explained: Explained) -> dict[str, Any]:
 def _step(
     assembly: Assembly, step: dict[str, Any], support: StepForces, center: Array
 ) -> dict[str, Any]:
-    """JSON data of a step.
+    """JSON data of a step of a plan, for the page.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def _step(
 
 
 def _hand(assembly: Assembly, hand: Hand) -> dict[str, Any]:
-    """JSON data of a hand: its part, its force [N], and the motion without the hand."""
+    """JSON data of a hand that holds a part: its force [N], and the motion without the hand."""
     index = assembly.index
     return {
         "part": index[hand.part],
@@ -128,7 +128,7 @@ def _hand(assembly: Assembly, hand: Hand) -> dict[str, Any]:
 
 
 def _falls(order: Order) -> list[dict[str, Any]]:
-    """Groups of parts that fall in every reachable state, if no order was found."""
+    """Groups of parts that fall in every reachable state, if no order was found; else empty."""
     if order.steps:
         return []
     groups = []
@@ -140,7 +140,7 @@ def _falls(order: Order) -> list[dict[str, Any]]:
 
 
 def _thread(assembly: Assembly, step: dict[str, Any], over: str) -> float:
-    """Length of the path of a nut on its bolt, `over` [length unit]."""
+    """Length of the path of a step's nut on the bolt named `over` [length unit]."""
     along = np.array(step["direction"])
     nut, bolt = (
         assembly.geometry.corners_of(assembly.index[name]).reshape(-1, 3) @ along
@@ -150,13 +150,13 @@ def _thread(assembly: Assembly, step: dict[str, Any], over: str) -> float:
 
 
 def _in_view(apart: Array, radius: float) -> Array:
-    """Scale displacements, shape (N, 3), so that none exceeds `FARTHEST`."""
+    """Scale displacements of parts, shape (N, 3), so that none exceeds `FARTHEST`."""
     farthest = float(np.linalg.norm(apart, axis=1).max(initial=0.0))
     return apart * min(1.0, FARTHEST * radius / farthest) if farthest > 0 else apart
 
 
 def pulled_apart(assembly: Assembly, steps: list[dict[str, Any]]) -> Array:
-    """Displacement of each part from its seat in the exploded view, shape (N, 3).
+    """Displacement of each part in the exploded view, shape (N, 3), from its final position.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The text of a plan's page: result, steps, precedence graph, warnings, how to reproduce."""
+"""Text sections of a plan's page: result, steps, precedence graph, warnings, reproduction."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ PLAYED = (
 def plan_sections(
     order: Order, explained: Explained, *, command: str, versions: dict[str, str]
 ) -> str:
-    """HTML of the sections below the picture.
+    """HTML of all text sections of a plan's page, below the picture.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def _result(answer: dict[str, Any]) -> str:
 
 
 def _steps(answer: dict[str, Any]) -> str:
-    """Section with a table of the steps; empty without steps."""
+    """HTML section with a table of the steps of a plan; empty without steps."""
     if not answer["steps"]:
         return ""
 
@@ -79,7 +79,10 @@ def _steps(answer: dict[str, Any]) -> str:
 
 
 def _graph(answer: dict[str, Any], explained: Explained) -> str:
-    """Section with the precedence graph; empty without steps or with more than `DRAWN`."""
+    """HTML section with the precedence graph of a plan.
+
+    Empty without steps or with more than `DRAWN` steps.
+    """
     if not answer["steps"] or len(answer["steps"]) > DRAWN:
         return ""
     needs = [(need.before, need.after) for need in explained.needs]

@@ -1,4 +1,4 @@
-"""Polar figure of the horizontal accelerations that an assembly carries."""
+"""Polar figure of the horizontal carrier accelerations under which an assembly stays in place."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ ROOM = 1.15
 
 
 def draw_polar(answer: Mapping[str, Any]) -> Figure:
-    """Draw the boundary of the carried horizontal accelerations, seen against gravity.
+    """Draw the boundary of the carried horizontal accelerations, seen from above.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def draw_polar(answer: Mapping[str, Any]) -> Figure:
 
 
 def _rings(radius: float) -> list[float]:
-    """Radii of rings at round numbers."""
+    """Radii of the rings of the figure, at round numbers."""
     step = 10.0 ** np.floor(np.log10(radius / RINGS))
     for factor in (1.0, 2.0, 5.0, 10.0):
         if radius / (factor * step) <= RINGS:
@@ -92,7 +92,7 @@ def _rings(radius: float) -> list[float]:
 
 
 def _axis_name(axis: list[float]) -> str:
-    """Name of an axis of the frame, or the direction."""
+    """Name of a coordinate axis of the frame; the components of any other direction."""
     largest = int(np.abs(axis).argmax())
     if abs(axis[largest]) > 1 - 1e-9:
         return ("" if axis[largest] > 0 else "-") + "xyz"[largest]

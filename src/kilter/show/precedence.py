@@ -1,4 +1,4 @@
-"""The precedence graph of a plan as SVG: required orders and touching parts.
+"""The precedence graph of a plan as SVG: required successions, and parts that touch.
 
 A row contains the steps of equal depth. The depth of a step is 1 plus the largest depth of its
 predecessors. Edges that follow from others are left out. Within a row, a step is near the
@@ -30,7 +30,7 @@ Edge = tuple[int, int]
 
 
 def graph_svg(answer: Mapping[str, Any], needs: Sequence[tuple[str, str]]) -> str:
-    """Draw the graph as SVG; node 0 is the base, node k is step k.
+    """Draw the precedence graph as SVG; node 0 is the base, node k is step k.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def graph_svg(answer: Mapping[str, Any], needs: Sequence[tuple[str, str]]) -> st
 
 
 def _transitive_reduction(count: int, edges: set[Edge]) -> set[Edge]:
-    """The edges (a, b), a < b, that do not follow from a path of other edges."""
+    """Edges (a, b), a < b, of a graph that do not follow from a path of other edges."""
     above = [0] * count
     kept: set[Edge] = set()
     for b in range(count):
@@ -63,7 +63,7 @@ def _transitive_reduction(count: int, edges: set[Edge]) -> set[Edge]:
 
 
 def _rows(count: int, edges: set[Edge]) -> list[list[int]]:
-    """The nodes by depth; each row is sorted so that few edges cross."""
+    """Nodes of a graph in rows by depth; each row is sorted so that few edges cross."""
     depth = [0] * count
     for a, b in sorted(edges, key=lambda edge: edge[1]):
         depth[b] = max(depth[b], depth[a] + 1)
@@ -124,7 +124,10 @@ def _to_svg(
 
 
 def _line(start: tuple[float, float], end: tuple[float, float], must: bool) -> str:
-    """A curve from the lower side of a node to the upper side of another; `must` adds a head."""
+    """SVG curve from the lower side of a node to the upper side of another.
+
+    With `must`, it ends in an arrow head.
+    """
     (x, y), (u, v) = (start[0], start[1] + HIGH), end
     bend = (v - y) / 2
     kind = "must" if must else "touch"

@@ -1,4 +1,4 @@
-"""Contact patches of round faces as rings, and the surfaces between the rings.
+"""Contact patches on round faces, drawn as rings with surfaces between them.
 
 The contact points of a cylinder or cone lie on circles about a common axis a, and their normals
 have a constant inclination, n.a = const. With m the normalised component of n across the axis, a
@@ -33,7 +33,7 @@ ALIKE = 1e-3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RoundPatches:
-    """Rings of all round patches, as arrays to draw.
+    """Rings along all contact patches on round faces, as arrays to draw.
 
     `points` (M, 3); `patch` (M,), the patch of each point; `lines` (L, 2) and `triangles` (T, 3),
     indices of points.
@@ -46,7 +46,10 @@ class RoundPatches:
 
 
 def round_patches(contacts: ContactSet) -> RoundPatches:
-    """Rings and surfaces of all round patches, without those whose points lie on no circle."""
+    """Rings and surfaces of all contact patches on round faces.
+
+    Patches whose points are on no circle are left out.
+    """
     points, patch, lines, triangles = [np.zeros((0, 3))], [], [np.zeros((0, 2), int)], []
     count = 0
     starts = contacts.patch_start
@@ -78,7 +81,7 @@ def round_patches(contacts: ContactSet) -> RoundPatches:
 
 
 def _rings(points: Array, normals: Array) -> list[Array]:
-    """Polygons along the circles of a patch, from one end of its axis to the other.
+    """Polygons along the circles of a round patch, from one end of its axis to the other.
 
     Returns an empty list if the patch is not round: fewer than three points, normals of varying
     inclination, or points off their circle.
@@ -114,7 +117,7 @@ def _rings(points: Array, normals: Array) -> list[Array]:
 
 
 def _ring(points: Array, across: Array, angle: Array, axes: Array) -> Array | None:
-    """The polygon along a circle, shape (k, 3), or None if the points lie on no common circle.
+    """Polygon along a circle, shape (k, 3); None if the points are on no common circle.
 
     `across`: unit normals across the axis; `angle`: angles of the points about it [rad]; `axes`:
     the two directions across the axis, and the axis.

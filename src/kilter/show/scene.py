@@ -1,4 +1,4 @@
-"""The data of a report's page: an assembly and its answers as arrays to draw.
+"""Data of a report's page: an assembly and the answers about it, as arrays to draw.
 
 Nothing is computed here that an answer does not contain. Motions are arranged by part, forces by
 contact point. Positions are float32 relative to `center`, so that an assembly far from the origin
@@ -40,7 +40,7 @@ HELD_IN_VIEW = 1.5
 
 
 def build_scene(answers: Everything) -> dict[str, Any]:
-    """JSON data of the page of an assembly and its answers."""
+    """JSON data of the page of an assembly: shapes, and the answers about it."""
     things = build_things(answers.assembly, answers.contacts)
     center, recommended = np.array(things["center"]), answers.recommended
     same = coincide(answers)
@@ -60,7 +60,7 @@ def build_scene(answers: Everything) -> dict[str, Any]:
 
 
 def coincide(answers: Everything) -> bool:
-    """Whether the recommended direction is that of gravity as given."""
+    """Whether the recommended direction of gravity equals the given direction."""
     best = answers.recommended
     return best is not None and float(np.linalg.norm(best.down - answers.given.down)) < SAME_DOWN
 
@@ -92,7 +92,7 @@ def build_things(assembly: Assembly, contacts: ContactSet) -> dict[str, Any]:
 
 
 def _view(assembly: Assembly) -> tuple[Array, Array]:
-    """Middle and half lengths of the box of the first view [length unit].
+    """Middle and half lengths of the box that the first view shows [length unit].
 
     The box contains the free parts and the held parts near them. A table extends beyond it.
     """
@@ -122,7 +122,10 @@ def _shape(shape: ShapeMesh) -> dict[str, Any]:
 
 
 def _change(answers: Everything, center: Array) -> dict[str, Any] | None:
-    """JSON data of the best change: the brick to remove, or shape and place of a new brick."""
+    """JSON data of the best change of a brick model: brick to remove, or shape of a new brick.
+
+    None without a change.
+    """
     best = None if answers.change is None else answers.change.best
     if best is None:
         return None
@@ -176,7 +179,7 @@ def _patches(contacts: ContactSet, center: Array) -> dict[str, Any]:
 
 
 def _has_varying_normals(contacts: ContactSet) -> bool:
-    """Whether the normals of a patch differ from each other."""
+    """Whether the normals within any contact patch differ from each other."""
     start = contacts.patch_start
     return not np.array_equal(
         contacts.normals, np.repeat(contacts.patch_normal, np.diff(start), axis=0)
@@ -184,7 +187,7 @@ def _has_varying_normals(contacts: ContactSet) -> bool:
 
 
 def _open_pairs(contacts: ContactSet, center: Array) -> dict[str, Any]:
-    """JSON data of the open pairs: their parts, and the middle between their bounding boxes."""
+    """JSON data of the open pairs (uncertain contacts): parts, and a point between them."""
     geometry = contacts.assembly.geometry
     parts = np.array([pair.parts for pair in contacts.open_pairs], dtype=np.int64)
     low, high = geometry.part_boxes
@@ -194,7 +197,7 @@ def _open_pairs(contacts: ContactSet, center: Array) -> dict[str, Any]:
 
 
 def _orientation(answers: Everything, answer: Answered, center: Array) -> dict[str, Any]:
-    """JSON data of a direction of gravity: words, figures, motion by part, forces by point."""
+    """JSON data of the answer for a direction of gravity: words, motions, and forces."""
     check, units = answer.check, answers.assembly.units
     count = len(answers.assembly.parts)
     motion = np.zeros((count, 6))
@@ -224,7 +227,7 @@ def _orientation(answers: Everything, answer: Answered, center: Array) -> dict[s
 
 
 def _fall(answer: Answered, assembly: Assembly) -> dict[str, Any] | None:
-    """JSON data of the fall of a balanced assembly; None in any other state.
+    """JSON data of the fall of a balanced assembly; None for any other verdict.
 
     `begins` is the first derivative of the path. `places` has the poses, lengths [length unit] and
     energies [J] along the path, or is None if the path was not computed.
@@ -258,7 +261,7 @@ def _balance(balance: Balance, contacts: ContactSet, center: Array) -> dict[str,
 
 
 def _points(balance: Balance, contacts: ContactSet, center: Array) -> dict[str, Any]:
-    """JSON data of the points of forces: position, pair of parts, and patch.
+    """JSON data of the points at which contact forces act: position, parts, and patch.
 
     `patch` is None if the points are not those of the contact set.
     """
@@ -275,7 +278,10 @@ def _points(balance: Balance, contacts: ContactSet, center: Array) -> dict[str, 
 
 
 def _rays(answers: Everything, center: Array) -> dict[str, Any] | None:
-    """JSON data of the forces for the rays of the cone; None without rays or common points."""
+    """JSON data of forces for gravity along each ray of the stable region; None without rays.
+
+    None also if the rays have no common points.
+    """
     rays = answers.rays
     if not rays or any(len(ray.points) != len(rays[0].points) for ray in rays):
         return None
@@ -287,7 +293,7 @@ def _rays(answers: Everything, center: Array) -> dict[str, Any] | None:
 
 
 def _region(answers: Everything) -> dict[str, Any] | None:
-    """JSON data of the stable region, with the verdicts inside and outside it.
+    """JSON data of the stable region, with the verdicts inside and outside; None without it.
 
     If friction makes the region round, it lies between two cones: holding is proved within
     `inner` and excluded outside `facets`. If some forces are not modelled, directions outside the
@@ -322,7 +328,7 @@ def _region(answers: Everything) -> dict[str, Any] | None:
 
 
 def _map(stability_map: MapMotions | None) -> dict[str, Any] | None:
-    """JSON data of the stability map: its vertices, the mass [kg] and the motion of each vertex."""
+    """JSON data of the stability map: vertices, mass [kg], motion of each vertex; else None."""
     if stability_map is None:
         return None
     return {

@@ -1,4 +1,4 @@
-"""The text of a report's page: verdict, facts, parts, contacts, warnings, how to reproduce.
+"""Text sections of a report's page: verdict, facts, parts, contacts, warnings, reproduction.
 
 The words come from `kilter.tell` and the data of the answers. Every word from a file is escaped
 by `text` or `name_html`, so that it is never read as HTML.
@@ -55,7 +55,7 @@ LIVE = (
 
 
 def text(value: object) -> str:
-    """Escape any text for HTML.
+    """Escape a value as text for HTML.
 
     Examples
     --------
@@ -66,12 +66,12 @@ def text(value: object) -> str:
 
 
 def name_html(name: str) -> str:
-    """A name as HTML, isolated so that its writing direction does not affect the text around it."""
+    """A name as HTML, isolated so that its writing direction does not affect other text."""
     return f'<bdi class="name">{text(name)}</bdi>'
 
 
 def sections(answers: Everything, *, command: str, versions: dict[str, str]) -> str:
-    """HTML of the sections below the picture.
+    """HTML of all text sections of a report's page, below the picture.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def sections(answers: Everything, *, command: str, versions: dict[str, str]) -> 
 
 
 def section(title: str, *body: str, rows: int = 0) -> str:
-    """A collapsible section of the page; it is closed at first if it has many rows."""
+    """HTML of a collapsible section of the page; it is closed at first if it has many rows."""
     state = " open" if rows <= OPEN else ""
     inner = "\n".join(body)
     return f"<details{state}><summary><h2>{text(title)}</h2></summary>\n{inner}\n</details>"
@@ -112,7 +112,7 @@ def _cell(cell: str) -> str:
 
 
 def rows_html(head: Sequence[str], rows: Iterable[Sequence[str]], of: int) -> str:
-    """HTML of a table whose cells are HTML; `of`: number of rows of the whole table."""
+    """HTML table from cells that are HTML; `of` is the number of rows before any cut."""
     lines = ["<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>" for row in rows]
     more = of - len(lines)
     note = f"<p>{more} more rows; the command with --json lists all.</p>" if more > 0 else ""
@@ -125,12 +125,12 @@ def rows_html(head: Sequence[str], rows: Iterable[Sequence[str]], of: int) -> st
 
 
 def facts_html(rows: Iterable[tuple[str, str]]) -> str:
-    """HTML of terms and values; the values are HTML already."""
+    """HTML list of terms and values; the values are HTML already."""
     return "<dl>" + "".join(f"<dt>{text(k)}</dt><dd>{v}</dd>" for k, v in rows) + "</dl>"
 
 
 def _verdict(answers: Everything) -> str:
-    """Section with the facts, notes and contact forces for gravity as given."""
+    """HTML section with facts, notes and contact forces for the given direction of gravity."""
     check, region, best = answers.given.check, answers.region, answers.recommended
     rows = [(term, text(words)) for term, words in facts(check) if term not in ABOVE]
     if region is not None:
@@ -146,7 +146,7 @@ def _verdict(answers: Everything) -> str:
 
 
 def margin_card(answers: Everything) -> str:
-    """Card with the margins for gravity as given; empty if they were not computed."""
+    """HTML card with the margins for the given gravity; empty if they were not computed."""
     margin = answers.margin
     if margin is None:
         return ""
@@ -166,7 +166,7 @@ def margin_card(answers: Everything) -> str:
 
 
 def change_card(answers: Everything) -> str:
-    """Card with the brick to add or to remove, and a button; empty if no change was computed."""
+    """HTML card with the brick to add or to remove, and a button; empty without a change."""
     change = answers.change
     if change is None:
         return ""
@@ -187,7 +187,7 @@ def change_card(answers: Everything) -> str:
 
 
 def _rests(answers: Everything) -> str:
-    """Section with the places of rest of the region; empty without places of rest."""
+    """HTML section with the directions of gravity at which the assembly rests; else empty."""
     if answers.region is None or not answers.region["rests"]:
         return ""
     table = rest_table(answers.region)
@@ -195,7 +195,7 @@ def _rests(answers: Everything) -> str:
 
 
 def _changes(answers: Everything) -> str:
-    """Section with the changes that were tried; empty without changes."""
+    """HTML section with the options that were tried to change the verdict; else empty."""
     if answers.change is None or not answers.change.tried:
         return ""
     [table] = tables(answers.change.to_dict())
@@ -203,7 +203,7 @@ def _changes(answers: Everything) -> str:
 
 
 def _loads(answers: Everything) -> str:
-    """Section with the load capacity of each part; empty if it was not computed."""
+    """HTML section with the load capacity of each part; empty if it was not computed."""
     table = None if answers.margin is None else load_table(answers.margin)
     if table is None or not table.items:
         return ""
@@ -212,7 +212,7 @@ def _loads(answers: Everything) -> str:
 
 
 def _pushes(answers: Everything) -> str:
-    """Section with the weakest push of each part; empty for fewer than two parts."""
+    """HTML section with the weakest push of each part; empty for fewer than two parts."""
     table = None if answers.margin is None else push_table(answers.margin)
     if table is None or len(table.items) < 2:
         return ""
@@ -220,7 +220,7 @@ def _pushes(answers: Everything) -> str:
 
 
 def _parts(answers: Everything) -> str:
-    """Section with a table of the parts: moving parts first, otherwise in the order of the file."""
+    """HTML section with a table of the parts, the moving parts first."""
     parts, geometry = answers.given.check["parts"], answers.assembly.geometry
     order = sorted(range(len(parts)), key=lambda k: not parts[k]["moves"])
 
@@ -244,7 +244,7 @@ def _parts(answers: Everything) -> str:
 
 
 def _open_pairs(answers: Everything) -> str:
-    """Section with the open pairs; empty without open pairs."""
+    """HTML section with the open pairs (pairs whose contact is uncertain); else empty."""
     table = open_table(answers.contacts.to_dict())
     if not len(table.items):
         return ""
@@ -252,7 +252,7 @@ def _open_pairs(answers: Everything) -> str:
 
 
 def _contacts(answers: Everything) -> str:
-    """Section with the facts and tables of the contacts."""
+    """HTML section with the facts and tables of the contacts."""
     touching = answers.contacts.to_dict()
     body = [facts_html((term, text(words)) for term, words in facts(touching))]
     for table in tables(touching):
@@ -264,14 +264,14 @@ def _contacts(answers: Everything) -> str:
 
 
 def warnings_section(warnings: Iterable[str]) -> str:
-    """Section with the warnings, without repetitions."""
+    """HTML section with the warnings, without repetitions."""
     listed = [f"<li>{text(warning)}</li>" for warning in dict.fromkeys(warnings)]
     body = f"<ul>{''.join(listed)}</ul>" if listed else "<p>None.</p>"
     return section(f"Warnings ({len(listed)})", body)
 
 
 def made_section(command: str, versions: dict[str, str], *more: tuple[str, str]) -> str:
-    """Section with the command and the versions that reproduce the page, and further notes.
+    """HTML section with the command and the versions that reproduce the page, and notes.
 
     `more` lists further terms and their values.
     """

@@ -21,7 +21,7 @@ HTTP = 80
 
 
 class PageServer:
-    """Serves a page on the loopback interface, in a separate thread.
+    """Server of a single page, for this machine only, in a separate thread.
 
     Parameters
     ----------
@@ -51,28 +51,28 @@ class PageServer:
 
     @property
     def port(self) -> int:
-        """Port on which the server listens."""
+        """Port on which the page server listens."""
         return int(self._server.server_address[1])
 
     @property
     def url(self) -> str:
-        """URL of the page."""
+        """URL of the served page."""
         return f"http://{LOOPBACK}:{self.port}/"
 
     @property
     def hosts(self) -> list[list[str]]:
-        """Accepted values of the Host headers of a request."""
+        """Accepted values of the Host headers of a request, as lists of headers."""
         hosts = [[f"{name}:{self.port}"] for name in NAMES]
         return hosts + [[name] for name in NAMES] if self.port == HTTP else hosts
 
     def publish(self, page: str) -> None:
-        """Replace the page and increase its version."""
+        """Replace the served page and increase its version."""
         with self._lock:
             self._page = page.encode("utf-8")
             self._version += 1
 
     def now(self) -> tuple[bytes, int]:
-        """Return the page and its version."""
+        """The served page and its version."""
         with self._lock:
             return self._page, self._version
 
@@ -91,17 +91,17 @@ class PageServer:
 
 
 def _handler(server: PageServer) -> type[BaseHTTPRequestHandler]:
-    """Request handler class for a server; it answers only GET / and GET /version."""
+    """Create the request handler class for a server; it answers GET / and GET /version only."""
 
     class Handler(BaseHTTPRequestHandler):
-        """Answers GET / and GET /version."""
+        """Request handler that answers GET / and GET /version only."""
 
         server_version = "kilter"
         sys_version = ""
         timeout = 30
 
         def do_GET(self) -> None:
-            """Answer a request; a foreign host name is refused before the path is looked at."""
+            """Answer a request, but first refuse a request with a foreign host name."""
             page, version = server.now()
             if self.headers.get_all("Host") not in server.hosts:
                 self._reply(
@@ -129,6 +129,6 @@ def _handler(server: PageServer) -> type[BaseHTTPRequestHandler]:
             self.wfile.write(body)
 
         def log_message(self, format: str, *args: object) -> None:
-            """Print nothing; by default each request would be logged."""
+            """Suppress the log line that would be printed for each request."""
 
     return Handler

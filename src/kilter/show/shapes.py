@@ -31,7 +31,7 @@ CREASE = 25.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ShapeMesh:
-    """A shape to draw: `positions` (n, 3) float32, `triangles` (m, 3), feature `edges` (k, 2)."""
+    """A shape to draw: vertices (n, 3) float32, triangles (m, 3), feature edges (k, 2)."""
 
     positions: NDArray[np.float32]
     triangles: Index
@@ -40,7 +40,7 @@ class ShapeMesh:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlacedShapes:
-    """The shapes of an assembly, and the shape and pose of each part.
+    """The distinct shapes of an assembly, and the shape and pose of each part.
 
     `shape` (N,): index of the shape of each part; `rotation` (N, 4): quaternion w, x, y, z;
     `position` (N, 3): middle of the shape in the world [length unit].
@@ -91,7 +91,7 @@ def place_shapes(assembly: Assembly) -> PlacedShapes:
 
 
 def shape_mesh(vertices: Array, triangles: Index) -> tuple[ShapeMesh, Array]:
-    """A surface as a shape relative to its middle, and that middle, shape (3,)."""
+    """Shape of a surface relative to its middle, and that middle, shape (3,)."""
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     middle = (low + high) / 2
     step = GRID * max(float((high - low).max()), 1e-300)
@@ -104,7 +104,7 @@ def shape_mesh(vertices: Array, triangles: Index) -> tuple[ShapeMesh, Array]:
 
 
 def feature_edges(vertices: Array, triangles: Index, crease: float = CREASE) -> Index:
-    """Edges between faces that meet at an angle, and edges of a single face, shape (k, 2).
+    """Edges of a surface between faces at an angle, or of a single face, shape (k, 2).
 
     Parameters
     ----------

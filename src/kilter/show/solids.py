@@ -49,7 +49,7 @@ def draw_parts(
     gripped: Collection[int] = (),
     line_width: float = 0.8,
 ) -> tuple[list[tuple[Any, str]], list[tuple[int, Array]]]:
-    """Draw the parts.
+    """Draw the parts of an assembly as solids; return legend entries and the drawn faces.
 
     Parameters
     ----------
@@ -148,7 +148,7 @@ def _polygons(assembly: Assembly) -> list[Polygon]:
 
 
 def _stripes(flat: Array, apart: float) -> list[Array]:
-    """Slanted lines within a convex polygon of the page, on one grid for the whole page.
+    """Slanted lines within a convex polygon of the page, aligned over the whole page.
 
     `flat`, shape (n, 2); `apart`: distance of the lines, up to the factor sqrt(2) of the slant.
     Returns the ends of each line, shape (2, 2).

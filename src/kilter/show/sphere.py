@@ -86,7 +86,10 @@ def draw_region(region: Region) -> Figure:
 
 
 def _halves(middle: Array) -> list[tuple[Camera, str]]:
-    """Two opposite cameras with captions; the first sees `middle` slightly from the side."""
+    """Two cameras on opposite sides of the sphere, with captions.
+
+    The first sees `middle` slightly from the side.
+    """
     azimuth = float(np.degrees(np.arctan2(middle[0], -middle[1])))
     if np.hypot(middle[0], middle[1]) < ON:
         azimuth = 0.0
@@ -113,7 +116,7 @@ def _draw_ball(axes: Axes, camera: Camera) -> None:
 
 
 def _line(axes: Axes, points: Array, camera: Camera, colour: str, width: float) -> bool:
-    """Draw the near side of a curve on the sphere; return whether any of it is on the near side."""
+    """Draw the near side of a curve on the sphere; return whether anything was drawn."""
     flat = camera.flat(points)
     near = points @ camera.towards >= -ON
     flat[~near] = np.nan
@@ -122,7 +125,7 @@ def _line(axes: Axes, points: Array, camera: Camera, colour: str, width: float) 
 
 
 def _fill(axes: Axes, region: Region, camera: Camera) -> dict[str, Any]:
-    """Fill a region of full dimension; return its legend entry."""
+    """Fill a region of full dimension on the sphere; return its legend entry."""
     from matplotlib.patches import Circle, Patch
 
     if region.dimension < 3:
@@ -146,7 +149,10 @@ def _fill(axes: Axes, region: Region, camera: Camera) -> dict[str, Any]:
 
 
 def _border(axes: Axes, region: Region, camera: Camera) -> dict[str, Any]:
-    """Draw the boundary of the region as great circles, or the region itself if it is flat."""
+    """Draw the boundary of the region as great circles, or a flat region itself.
+
+    Return its legend entry.
+    """
     from matplotlib.lines import Line2D
 
     if region.dimension < 2:
@@ -162,7 +168,7 @@ def _border(axes: Axes, region: Region, camera: Camera) -> dict[str, Any]:
 
 
 def _arc(normal: Array, facets: Array) -> Array:
-    """Points of the great circle about `normal` that satisfy all facets; other points are NaN."""
+    """Points of the great circle about `normal` that satisfy all facets; NaN elsewhere."""
     first = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
     first /= np.linalg.norm(first)
     second = np.cross(normal, first)
@@ -175,7 +181,10 @@ def _arc(normal: Array, facets: Array) -> Array:
 
 
 def _marks(axes: Axes, region: Region, camera: Camera, given: Array) -> dict[str, Any]:
-    """Draw single stable directions, the recommended direction, rests, and gravity as given."""
+    """Draw single stable directions, the recommended direction, rests, and given gravity.
+
+    Return their legend entries.
+    """
     single = np.vstack([region.rays, region.lines, -region.lines])
     entries: dict[str, Any] = {}
     if region.dimension == 1:
@@ -194,7 +203,7 @@ def _marks(axes: Axes, region: Region, camera: Camera, given: Array) -> dict[str
 
 
 def _dots(axes: Axes, points: Array, camera: Camera, sign: str, colour: str, size: float) -> Any:
-    """Draw the directions of the near side with a marker, and return the legend sign."""
+    """Draw directions on the near side as markers, and return the marker for the legend."""
     from matplotlib.lines import Line2D
 
     style: dict[str, Any] = {
@@ -211,7 +220,7 @@ def _dots(axes: Axes, points: Array, camera: Camera, sign: str, colour: str, siz
 
 
 def _axes_of_frame(axes: Axes, camera: Camera) -> None:
-    """Write the names of the axes where they leave the sphere, on the near side."""
+    """Write the names of the axes at the points where they leave the near side of the sphere."""
     for name, axis in zip("xyz", np.eye(3), strict=True):
         for sign, word in ((1.0, f"+{name}"), (-1.0, f"\N{MINUS SIGN}{name}")):
             point = sign * axis

@@ -280,8 +280,6 @@ def _middle(low: float, high: float) -> float:
 def _balances_without_slip(program: Program) -> bool | None:
     """True if unlimited friction balances the parts, even at contacts without normal force.
 
-    None if this is undecided.
-
     None if it is undecided.
     """
     wide = cone_problem(program.with_friction(LARGEST)).problem.program

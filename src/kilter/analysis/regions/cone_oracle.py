@@ -157,7 +157,7 @@ class ConeOracle:
         )
 
     def _jams(self, solution: Solution) -> bool:
-        """Whether the forces are so large that only the rounding of the data holds them."""
+        """Whether forces of a solution are so large that only rounding of the data allows them."""
         size = float(np.linalg.norm(solution.x[self._columns]))
         largest = float(np.abs(solution.x[: self._forces]).max(initial=0.0))
         return largest > size * self._jam

@@ -1,4 +1,4 @@
-"""A cone found through an oracle: first its span, then the hull inside it.
+"""Compute a cone from queries to an oracle: first its span, then a hull inside it with its facets.
 
 An oracle answers "how far does the cone reach in the direction c?" with a point of the cone
 or with a witness that it does not reach there at all. The span grows by a dimension
@@ -41,15 +41,15 @@ class Reach:
 
 
 class Oracle(Protocol):
-    """The support of a cone in R^d."""
+    """Oracle that describes a cone in R^d by its farthest points in given directions."""
 
     dimension: int
 
     def support(self, direction: Array) -> Reach:
-        """Largest cosine of a direction of the cone with a unit direction, and that direction."""
+        """Farthest direction of the cone along a unit direction, and the cosine between them."""
 
     def focus(self, axis: Array) -> None:
-        """Truncate the cone by a plane across this axis, so that optima are extreme rays."""
+        """Truncate the cone by a plane across an axis; then farthest points are extreme rays."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,7 +75,7 @@ class Grown:
 
 
 def grow(oracle: Oracle, first: Array, blur: float, tell: Callable[[], None]) -> Grown:
-    """Compute a cone from the answers of its oracle.
+    """Compute the span and the facets of a cone from queries to its oracle.
 
     Parameters
     ----------
@@ -95,7 +95,10 @@ def grow(oracle: Oracle, first: Array, blur: float, tell: Callable[[], None]) ->
 def _span(
     oracle: Oracle, first: Array, blur: float, tell: Callable[[], None]
 ) -> tuple[Array, list[Reach], list[tuple[Array, Reach, Reach]]]:
-    """Orthonormal basis of the span, points that span it, and the equations."""
+    """Orthonormal basis of a cone's span, points of the cone that span it, and its equations.
+
+    The equations come with their proofs.
+    """
     span = np.empty((0, oracle.dimension))
     points: list[Reach] = []
     equations: list[tuple[Array, Reach, Reach]] = []
@@ -117,7 +120,7 @@ def _span(
 
 
 def _orthogonal_unit(known: Array, first: Array) -> Array:
-    """A unit vector orthogonal to orthonormal rows, near `first` if that is not among them."""
+    """A unit vector orthogonal to the rows `known`, near `first` if it is outside their span."""
     rest = first - known.T @ (known @ first)
     if np.linalg.norm(rest) > 0.1:
         return _orthogonal_part(known, rest)
@@ -126,7 +129,7 @@ def _orthogonal_unit(known: Array, first: Array) -> Array:
 
 
 def _orthogonal_part(known: Array, vector: Array) -> Array:
-    """Component of a vector orthogonal to orthonormal rows, unit."""
+    """Component of a vector orthogonal to the orthonormal rows `known`, scaled to length 1."""
     for _ in range(2):
         vector = vector - known.T @ (known @ vector)
         vector = vector / np.linalg.norm(vector)
@@ -140,7 +143,7 @@ def _is_new(reach: Reach, points: list[Reach], blur: float) -> bool:
 def _close(
     oracle: Oracle, span: Array, points: list[Reach], blur: float, tell: Callable[[], None]
 ) -> list[tuple[Array, Reach]]:
-    """The facets within the span; `points` grows until it holds every ray."""
+    """Facets of a cone within its span, with proofs; every extreme ray is added to `points`."""
     if not len(span):
         return []
     _focus(oracle, points)
@@ -169,12 +172,12 @@ def _close(
 
 
 def _match(normal: Array, proved: list[tuple[Array, Reach]]) -> Reach:
-    """The answer of the proved facet nearest to a normal."""
+    """The oracle's answer for the proved facet whose normal is nearest to a normal."""
     return max(proved, key=lambda entry: float(entry[0] @ normal))[1]
 
 
 def _focus(oracle: Oracle, points: list[Reach]) -> None:
-    """Truncate the cone across the mean of its points, if all points lie close to the mean."""
+    """Truncate the cone across the mean of its points, if all points are near the mean."""
     rows = np.array([reach.point for reach in points])
     mean = rows.mean(axis=0)
     length = float(np.linalg.norm(mean))
@@ -183,5 +186,5 @@ def _focus(oracle: Oracle, points: list[Reach]) -> None:
 
 
 def _span_coordinates(span: Array, points: list[Reach]) -> Array:
-    """Points in coordinates of the span, unit, shape (n, D)."""
+    """Unit coordinates, shape (n, D), of points in the basis of the cone's span."""
     return unit_rows(np.array([reach.point for reach in points]) @ span.T)

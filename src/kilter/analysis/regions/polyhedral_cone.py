@@ -1,4 +1,4 @@
-"""Polyhedral cones in R^3: kind, lines, rays, equations, facets, axis, membership.
+"""Polyhedral cones in R^3: kind, lines, rays, equations, facets, axis, and membership test.
 
     C = {g : e.g = 0 for the equations e,  q.g >= 0 for the facets q}
       = lines + {sums of rays, not negative}
@@ -81,24 +81,24 @@ class Cone:
 
     @property
     def dimension(self) -> int:
-        """Dimension of the span, 0 to 3."""
+        """Dimension of the span of the cone, 0 to 3."""
         return 3 - len(self.equations)
 
     @property
     def kind(self) -> str:
-        """Kind of the cone: a word of `KINDS`."""
+        """Kind of the cone, a word of `KINDS` such as "fan" or "wedge"."""
         return KINDS[self.dimension, len(self.lines)]
 
     @property
     def center(self) -> Array | None:
-        """Axis of the widest circular cone inside, within the span, shape (3,); or None."""
+        """Axis of the widest circular cone within this cone, unit, shape (3,); None without one."""
         if not len(self.facets):
             return None
         return self.rays[0] if len(self.rays) == 1 else widest_axis(self.facets)
 
     @property
     def half_angle_deg(self) -> float | None:
-        """Half angle of the widest circular cone inside, within the span [deg]."""
+        """Half angle of the widest circular cone within this cone [deg]; None without one."""
         fixed = {"none": None, "ray": 0.0, "line": 0.0, "plane": 180.0, "all": 180.0}
         if self.kind in fixed:
             return fixed[self.kind]
@@ -113,11 +113,11 @@ class Cone:
 
     @property
     def inwards(self) -> float:
-        """Least angle to every facet at which a direction counts as stable [rad]."""
+        """Angle from every facet within which a direction does not yet count as inside [rad]."""
         return self.blur if self.strict and self.dimension == 3 else 0.0
 
     def candidates(self, down: Array) -> Iterator[Array]:
-        """Directions in it, that with the widest margin first, else the nearest to `down`."""
+        """Yield directions in the cone: the axis if it has one, else those nearest to `down`."""
         if self.center is not None:
             yield self.center
         elif len(self.lines):  # a line, a plane, all: as near to gravity as it goes
@@ -130,7 +130,7 @@ class Cone:
         yield from self.rays
 
     def contains(self, directions: ArrayLike, margin: float = 0.0) -> Mask:
-        """Whether directions are in the cone.
+        """Whether given directions are in the cone, at least `margin` from its facets.
 
         Parameters
         ----------
@@ -155,12 +155,12 @@ class Cone:
         return stable
 
     def depth(self, direction: Array) -> float:
-        """Least angle from a unit direction within the cone to a facet [rad]; 0 outside."""
+        """Least angle from a unit direction in the cone to a facet [rad]; 0 outside the cone."""
         sine = float((self.facets @ direction).min(initial=1.0))
         return max(float(np.arcsin(np.clip(sine, 0.0, 1.0))) - self.inwards, 0.0)
 
     def boundary_angle(self, directions: ArrayLike) -> Array:
-        """Least angle to a facet or, outside the span, to the span [rad], shape (...).
+        """Least angle from directions to a facet or, outside the span, to the span [rad], (...).
 
         A lower bound of the distance to the boundary, for directions of any length.
         """
@@ -172,7 +172,7 @@ class Cone:
 
 
 def make_cone(equations: ArrayLike, facets: ArrayLike, points: ArrayLike, blur: float) -> Cone:
-    """A cone from its equations, its facets and points of it among which are its rays.
+    """Create a cone from its equations, its facets, and points that include its extreme rays.
 
     Parameters
     ----------
@@ -208,7 +208,7 @@ def _units(rows: Array) -> Array:
 
 
 def _rays(equations: Array, facets: Array, lines: Array, points: Array, blur: float) -> Array:
-    """Extreme rays, orthogonal to the lines."""
+    """Extreme rays of a cone, orthogonal to its lines, from points that include them."""
     rank = 3 - len(equations) - len(lines)
     if rank <= 1:
         return facets[:rank]
@@ -223,7 +223,7 @@ def _rays(equations: Array, facets: Array, lines: Array, points: Array, blur: fl
 
 
 def _extreme(tight: Mask, facets: Array, blur: float) -> Mask:
-    """Points that lie on two facets with different planes."""
+    """Mask of the points that lie on two facets with different planes: extreme rays."""
     extreme = np.zeros(len(tight), dtype=bool)
     for k, row in enumerate(tight):
         normals = facets[row]
@@ -233,7 +233,7 @@ def _extreme(tight: Mask, facets: Array, blur: float) -> Mask:
 
 
 def _sort_around_axis(rays: Array, facets: Array) -> Array:
-    """Sort rays by their angle around the axis; the ray with the largest entries is first."""
+    """Sort rays by angle around the axis of the cone; the ray with the largest entries is first."""
     axis = widest_axis(facets)
     side = np.cross(axis, np.eye(3)[np.abs(axis).argmin()])
     angle = np.arctan2(rays @ np.cross(axis, side), rays @ side)
@@ -242,7 +242,9 @@ def _sort_around_axis(rays: Array, facets: Array) -> Array:
 
 
 def widest_axis(facets: ArrayLike) -> Array:
-    """Axis u of the widest circular cone inside: the unit u with the largest min q.u.
+    """Axis of the widest circular cone within given facets: the unit u with the largest min q.u.
+
+    The q are the facet normals.
 
     Parameters
     ----------
@@ -272,7 +274,7 @@ def widest_axis(facets: ArrayLike) -> Array:
 
 
 def _axis_of(candidates: list[int], q: Array) -> tuple[list[int], Array]:
-    """Axis of the widest circular cone inside up to four facets, and the facets that touch it."""
+    """Axis of the widest circular cone within up to four facets, and the facets that it touches."""
     best: tuple[float, list[int], Array] | None = None
     for size in (1, 2, 3):
         for chosen in itertools.combinations(candidates, size):
@@ -287,7 +289,7 @@ def _axis_of(candidates: list[int], q: Array) -> tuple[list[int], Array]:
 
 
 def _equidistant(q: Array) -> Array | None:
-    """The unit vector with the same product with up to three normals, nearest to them."""
+    """Unit vector with the same angle to each of up to three facet normals; None if degenerate."""
     if len(q) < 3:
         axis = q.sum(axis=0)
     else:

@@ -1,4 +1,4 @@
-"""Every stable orientation of an assembly, or of several at once.
+"""`kilter.region`: every direction of gravity for which one or several assemblies stay together.
 
 The directions of gravity with forces that hold the assembly: without friction those for which
 it is stable, found exactly (`kilter.analysis.regions.stable_cone`); with friction those that
@@ -57,7 +57,7 @@ SAME_REGION = 1e-6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Region(InCells, Answer):
-    """Every stable direction of gravity, in the frame of the assembly.
+    """Every direction of gravity for which an assembly holds, in the frame of the assembly.
 
     Without friction (`friction` is False) a direction in it is stable. With friction a
     direction in it has forces that hold it.
@@ -109,12 +109,12 @@ class Region(InCells, Answer):
 
     @property
     def level(self) -> str:
-        """The level that each direction of the region reaches to first order."""
+        """Verdict level of the assembly in each direction of the region, to first order."""
         return "equilibrium" if self.friction else "proved"
 
     @property
     def pairs_decide(self) -> bool:
-        """Whether the region changes if the parts of the open pairs are joined."""
+        """Whether the region changes if the parts of pairs with uncertain contact are joined."""
         other = self.joined
         if other is None:
             return False
@@ -125,42 +125,42 @@ class Region(InCells, Answer):
 
     @property
     def kind(self) -> str:
-        """Kind of the cone: a word of `polyhedral_cone.KINDS`."""
+        """Kind of the region's cone, a word of `polyhedral_cone.KINDS` such as "fan"."""
         return self.cone.kind
 
     @property
     def dimension(self) -> int:
-        """Dimension of the span, 0 to 3."""
+        """Dimension of the span of the region, 0 to 3."""
         return self.cone.dimension
 
     @property
     def lines(self) -> Array:
-        """Directions both of whose signs are stable: an orthonormal basis, shape (l, 3)."""
+        """Directions that are stable with either sign: an orthonormal basis, shape (l, 3)."""
         return self.cone.lines
 
     @property
     def rays(self) -> Array:
-        """Extreme rays, unit, orthogonal to the lines, shape (r, 3)."""
+        """Extreme rays of the region, unit, orthogonal to its lines, shape (r, 3)."""
         return self.cone.rays
 
     @property
     def equations(self) -> Array:
-        """Orthonormal normals of the span, shape (e, 3)."""
+        """Orthonormal normals of the planes that contain the region, shape (e, 3)."""
         return self.cone.equations
 
     @property
     def half_angle_deg(self) -> float | None:
-        """Half angle of the widest circular cone inside, within the span [deg]."""
+        """Half angle of the widest circular cone in the region [deg]; None if there is none."""
         return self.cone.half_angle_deg
 
     @property
     def center(self) -> Array | None:
-        """The recommended direction: the axis of the widest circular cone inside; or None."""
+        """Recommended direction: axis of the widest circular cone in the region; else None."""
         return self.cone.center
 
     @property
     def exact(self) -> bool:
-        """Whether rays and facets are of the same cone, the true cone.
+        """Whether rays and facets bound the same cone, which is then exactly the stable region.
 
         If False, every direction in it is still held, and more may be.
         """
@@ -168,22 +168,22 @@ class Region(InCells, Answer):
 
     @property
     def gap_deg(self) -> float | None:
-        """Angle between the inner and the outer cone [deg]; None if they are the same."""
+        """Largest angle between inner and outer bound of the region [deg]; None if it is exact."""
         gaps = [part.gap for part in self.found if not part.exact]
         return float(np.degrees(max(gaps))) if gaps else None
 
     @property
     def none(self) -> bool:
-        """Whether it is proved that no direction is held."""
+        """Whether it is proved that no direction of gravity holds the assembly."""
         return self.kind == "none" and self.complete and not self.gap_deg and self.proved
 
     @property
     def proved(self) -> bool:
-        """Whether every ray, line, facet and equation has a proof that holds."""
+        """Whether every ray, line, facet and equation of the region has a proof that holds."""
         return all(part.proved for part in self.found)
 
     def contains(self, directions: ArrayLike, margin: float = 0.0) -> Mask:
-        """Whether directions of gravity, shape (..., 3), are stable; see `Cone.contains`.
+        """Whether given directions of gravity are in the region, at least `margin` inside.
 
         Parameters
         ----------
@@ -194,7 +194,7 @@ class Region(InCells, Answer):
         return self.cone.contains(directions, margin)
 
     def proofs(self, *, options: dict[str, Any] | None = None) -> list[RegionProof]:
-        """A proof for every ray, line, facet and equation, as data.
+        """Proofs of every ray, line, facet and equation of the region, as data.
 
         Facets and equations are left out if forces that were not counted might hold directions
         beyond them. For several assemblies a ray has a proof in each, a facet in the
@@ -218,7 +218,7 @@ class Region(InCells, Answer):
         return [proof for proof in proofs if proof is not None]
 
     def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
-        """All of `proofs` in a single bundle, for `kilter.verify`, as JSON data.
+        """All proofs of the region in a single bundle for `kilter.verify`, as JSON data.
 
         Raises
         ------
@@ -237,7 +237,7 @@ class Region(InCells, Answer):
         return make_bundle("region", proofs)
 
     def to_dict(self) -> dict[str, Any]:
-        """The answer as JSON data, that of ``kilter region --json``.
+        """The region as JSON data, as ``kilter region --json`` prints it.
 
         Examples
         --------
@@ -288,7 +288,7 @@ class Region(InCells, Answer):
         }
 
     def _repr_html_(self) -> str:
-        """HTML for a notebook."""
+        """The region as HTML for a notebook."""
         return html_of(self.to_dict())
 
     def __str__(self) -> str:
@@ -313,7 +313,7 @@ def region(
     time_limit: float | None = None,
     progress: Tell | None = None,
 ) -> Region:
-    """Every direction of gravity for which the assembly stays together.
+    """Find every direction of gravity for which an assembly stays together.
 
     Parameters
     ----------
@@ -388,7 +388,7 @@ def _region(
     started: float,
     progress: Tell | None,
 ) -> Region:
-    """The region of a single assembly, with friction or without it."""
+    """Find the region of a single assembly, with or without friction."""
     require_apart(assembly, contacts)
     program = build_program(assembly, contacts)
     program = program if rubs else program.frictionless
@@ -420,7 +420,7 @@ def common_region(
     tolerance: Tolerance | None = None,
     progress: Tell | None = None,
 ) -> Region:
-    """Every direction of gravity that is stable for all of a list of assemblies.
+    """Find every direction of gravity for which all of several assemblies hold.
 
     Friction is left out: the answer is on the safe side.
 
@@ -476,7 +476,7 @@ def common_region(
 
 
 def _common_warnings(cone: Cone, regions: Sequence[Region]) -> list[str]:
-    """Warnings of each, and that nothing is left."""
+    """Warnings of each region, and of an empty intersection."""
     warnings = [
         f"{member.assemblies[0].source or f'assembly {k + 1}'}: {text}"
         for k, member in enumerate(regions)

@@ -1,4 +1,4 @@
-"""Proofs of a region, as data that anyone can verify.
+"""Proofs of the rays and facets of a region, as data that anyone can verify.
 
 Forces hold every ray and both signs of every line; a motion starts for a direction just outside
 of every facet and on both sides of every equation. For several assemblies a ray has forces in
@@ -29,7 +29,7 @@ __all__ = ["RegionProof", "common_proofs", "region_proof"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RegionProof:
-    """A proof about a ray, line, facet or equation of a region.
+    """Proof of a ray, line, facet or equation of a region: an assembly with forces or a motion.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ def region_proof(
     friction: bool,
     options: dict[str, Any],
 ) -> RegionProof | None:
-    """A proof as data, judged again on the program that a stranger will build; None: it fails.
+    """Convert a proof to data and verify it on a newly built program; None if it fails.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def region_proof(
 def _certified(
     program: Program, turned: Assembly, contacts: ContactSet, proof: Proof, friction: bool
 ) -> ForceProof | MotionProof:
-    """The certificate of a proof, recomputed from the program."""
+    """The forces or motion of a proof, recomputed on a program."""
     given = proof.certificate
     if isinstance(given, ForceProof):
         return check_forces(program, given.forces, given.friction)
@@ -102,7 +102,7 @@ def _certified(
 def common_proofs(
     cone: Cone, assemblies: Sequence[Assembly], contacts: Sequence[ContactSet]
 ) -> list[tuple[Proof, int]]:
-    """Proofs of a common region, each with the position of its assembly.
+    """Proofs of the region of several assemblies, each with the index of its assembly.
 
     Forces in every assembly for each ray and both signs of each line; for each facet and
     both sides of each equation, a motion in some assembly.
@@ -131,7 +131,10 @@ def _unstable(
     assemblies: Sequence[Assembly],
     contacts: Sequence[ContactSet],
 ) -> list[tuple[Proof, int]]:
-    """A motion in the first assembly that does not hold just beyond the boundary, if any."""
+    """Motion of the first assembly that falls just beyond a boundary of the common region.
+
+    Empty list if no assembly is proved to fall.
+    """
     if assemblies[0].planar and not outward[[0, 2]].any():
         return []
     for angle in BEYOND_CONE[2:]:

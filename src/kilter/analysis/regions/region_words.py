@@ -1,4 +1,4 @@
-"""Warnings about a region: knife edges, loose parts, forces left out."""
+"""Warnings about a stable region: thin regions, loose parts, and forces that were left out."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ NAMED = 0.01
 def warnings_of(
     assembly: Assembly, contacts: ContactSet, program: Program, stable: StableCone, gap_deg: float
 ) -> list[str]:
-    """Warnings about a stable cone and its assembly, in words.
+    """Warnings about a stable region and its assembly, as sentences for users.
 
     Parameters
     ----------
@@ -71,13 +71,13 @@ def warnings_of(
 
 
 def further_forces(contacts: ContactSet, rubs: bool) -> bool:
-    """Whether contacts not modelled, or friction unless it is counted (`rubs`), may hold more."""
+    """Whether forces that the region leaves out may hold the assembly in more directions."""
     friction = not rubs and bool((contacts.patch_mu > 0).any())
     return friction or doubts_of(contacts.assembly, contacts).further_forces
 
 
 def _inner(assembly: Assembly, contacts: ContactSet, rubs: bool) -> list[str]:
-    """Forces that could make the region larger."""
+    """Sentences about forces that the region leaves out, and that could make it larger."""
     why = []
     if not rubs and (contacts.patch_mu > 0).any():
         why.append("friction")
@@ -93,7 +93,7 @@ def _inner(assembly: Assembly, contacts: ContactSet, rubs: bool) -> list[str]:
 
 
 def _knife_edge(program: Program, stable: StableCone) -> str:
-    """Meaning of a cone thinner than space, and the parts to hold."""
+    """Sentence about a region with zero area on the sphere, and the parts to hold."""
     cone = stable.cone
     tilts = [
         proof
@@ -118,7 +118,10 @@ def _knife_edge(program: Program, stable: StableCone) -> str:
 
 
 def _starts(program: Program, proof: Proof) -> Mask:
-    """Parts that start to move for the direction of a proof; for many, those of its motion."""
+    """Mask of the parts that start to move for the direction of a proof.
+
+    For many parts, those that move in the proof.
+    """
     if int(program.free.sum()) <= LIMIT:
         side = np.sign(proof.vector @ proof.down)
         down = proof.down + TILT * side * proof.vector
@@ -132,7 +135,7 @@ def _starts(program: Program, proof: Proof) -> Mask:
 
 
 def _direction(axis: Array) -> str:
-    """An axis in words: x, y or z if it is a coordinate axis, else its numbers."""
+    """Describe a direction by the name of its coordinate axis, else by its numbers."""
     for k, name in enumerate("xyz"):
         if abs(axis[k]) > 1 - 1e-9:
             return name

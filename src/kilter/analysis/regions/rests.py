@@ -1,4 +1,4 @@
-"""States of rest in the directions of a region: largest tilt, and swing.
+"""Places of rest of an assembly in its stable region: largest tilt, and period of a small swing.
 
 A place of rest is a well of energy. Its width to first order is the angle to the nearest
 unstable direction: within it the walls of the well are V-shaped, as those of a box in a corner.
@@ -36,7 +36,7 @@ MOST_RESTS = 20
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlaceOfRest:
-    """State of rest of an assembly in a direction of gravity, without friction.
+    """A direction of gravity at which an assembly rests without friction, and how firmly it rests.
 
     Attributes
     ----------
@@ -71,11 +71,11 @@ class PlaceOfRest:
 
     @property
     def strict(self) -> bool:
-        """Whether the energy of the assembly has a strict minimum here."""
+        """Whether the energy of the assembly has a strict minimum at this place of rest."""
         return self.state == "minimum"
 
     def to_dict(self) -> dict[str, Any]:
-        """The answer as JSON data."""
+        """The place of rest as JSON data."""
         return {
             "down": (self.down + 0.0).tolist(),
             "on": list(self.on),
@@ -89,7 +89,7 @@ class PlaceOfRest:
 
 
 def find_rests(cone: Cone, assembly: Assembly, contacts: ContactSet) -> tuple[PlaceOfRest, ...]:
-    """Classify the rest of an assembly in the axis, the lines and the rays of its region.
+    """Classify how an assembly rests for gravity along the axis, lines and rays of its region.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def find_rests(cone: Cone, assembly: Assembly, contacts: ContactSet) -> tuple[Pl
 
 
 def _directions(cone: Cone) -> Array:
-    """The distinct directions whose rest is classified, shape (d, 3)."""
+    """The distinct directions of gravity to classify: axis, lines and rays, shape (d, 3)."""
     center = np.zeros((0, 3)) if cone.center is None else cone.center[None]
     listed = np.vstack([center, cone.lines, -cone.lines, cone.rays])
     same = np.linalg.norm(listed[:, None] - listed, axis=-1) <= cone.blur
@@ -120,7 +120,7 @@ def _directions(cone: Cone) -> Array:
 def _classify_rest(
     down: Array, cone: Cone, assembly: Assembly, contacts: ContactSet
 ) -> PlaceOfRest:
-    """State of rest of an assembly with gravity along a direction of its region."""
+    """Classify how an assembly rests with gravity along a direction of its region."""
     tilt = _tilt(down, cone)
     turned = assembly.with_down(down)
     verdict = check(turned, contacts=contacts)
@@ -136,7 +136,7 @@ def _classify_rest(
 
 
 def _bearing(verdict: Verdict) -> tuple[str, ...]:
-    """Held parts that press on free parts, by the forces of a verdict."""
+    """Names of held parts that press on free parts, by the forces of a verdict."""
     proof, program = verdict.judgement.forces, verdict.program
     if proof is None:
         return ()
@@ -148,7 +148,10 @@ def _bearing(verdict: Verdict) -> tuple[str, ...]:
 
 
 def _tilt(down: Array, cone: Cone) -> float | None:
-    """The angle to the nearest direction outside [deg]."""
+    """Angle from a direction of gravity to the nearest direction outside its region [deg].
+
+    None if every direction is inside.
+    """
     if len(cone.equations):
         return 0.0
     if not len(cone.facets):

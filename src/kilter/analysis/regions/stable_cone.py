@@ -1,4 +1,4 @@
-"""Every stable direction of gravity of a program, exactly, with its proofs.
+"""Every stable direction of gravity of an assembly without friction, exactly, with proofs.
 
     C = {g : exists f, f >= 0 on one-sided rows:  J^T f + W g = 0},   W g = (m_i g, 0)_i
 
@@ -52,7 +52,7 @@ PRICES = (1e2, 1e3, 1e4, 1e5)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Proof:
-    """A direction of gravity, unit, shape (3,), and the proof that it is stable or unstable.
+    """Proof that a direction of gravity, unit, shape (3,), holds or fells the assembly.
 
     `about` is "ray", "line", "facet" or "equation", `vector` the ray, line or normal.
     """
@@ -65,7 +65,7 @@ class Proof:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StableCone:
-    """The directions of gravity that hold a program, enclosed; world frame.
+    """The cone of stable directions of gravity, or an inner and an outer bound; world frame.
 
     Attributes
     ----------
@@ -97,12 +97,12 @@ class StableCone:
 
     @property
     def proved(self) -> bool:
-        """Whether every proof holds."""
+        """Whether every proof of the stable cone holds."""
         return all(proof.certificate.holds for proof in self.proofs)
 
 
 def stable_cone(program: Program, *, progress: Callable[[str], None] | None = None) -> StableCone:
-    """Every stable direction of gravity of a program, without friction.
+    """Compute every stable direction of gravity of a program without friction.
 
     Parameters
     ----------
@@ -159,7 +159,7 @@ def stable_cone(program: Program, *, progress: Callable[[str], None] | None = No
 
 
 def _proved_fraction(cone: StableCone) -> float:
-    """The fraction of the proofs that hold."""
+    """Fraction of the proofs of a stable cone that hold [-]."""
     holds = [float(proof.certificate.holds) for proof in cone.proofs]
     return float(np.mean(holds or [1.0]))
 
@@ -167,7 +167,7 @@ def _proved_fraction(cone: StableCone) -> float:
 def _at_price(
     problem: ScaledProblem, price: float | None, blur: float, progress: Callable[[str], None] | None
 ) -> StableCone:
-    """The cone and its proofs, at a given price of imbalance."""
+    """The stable cone with proofs, if imbalance of a part costs `price` in the oracle's program."""
     program = problem.program
     loads, axes = _loads(problem)
     mass = program.mass[program.free]
@@ -194,7 +194,9 @@ def _at_price(
 
 
 def _loads(problem: ScaledProblem) -> tuple[csc_array, Array]:
-    """B, shape (rows, d), and the axes of g in the world, shape (d, 3): g_world = g @ axes.
+    """Load of a unit gravity on each row (B), shape (rows, d), and the axes of g, shape (d, 3).
+
+    Gravity in the world is g @ axes.
 
     Unit gravity is as long as the program's; the scaled load of a part is then g itself.
     """
@@ -208,7 +210,7 @@ def _loads(problem: ScaledProblem) -> tuple[csc_array, Array]:
 
 
 def _stable(problem: ScaledProblem, cone: Cone, grown: Grown, oracle: ConeOracle) -> list[Proof]:
-    """Forces for every ray and both signs of every line."""
+    """Proofs by forces for every ray and for both directions of every line of the cone."""
     _, axes = _loads(problem)
     asked = [("ray", ray, ray) for ray in cone.rays]
     asked += [("line", line, sign * line) for line in cone.lines for sign in (1.0, -1.0)]
@@ -221,7 +223,7 @@ def _stable(problem: ScaledProblem, cone: Cone, grown: Grown, oracle: ConeOracle
 def _forces(
     problem: ScaledProblem, axes: Array, down: Array, grown: Grown, oracle: ConeOracle
 ) -> ForceProof:
-    """Forces for a direction: those with which it was found, or new ones."""
+    """Forces for a direction of gravity: the known forces of that direction, or new ones."""
     program = problem.program.turned(down)
     for reach in grown.points:
         if np.linalg.norm(reach.point @ axes - down) <= SAME_POINT:
@@ -236,7 +238,7 @@ def _forces(
 
 
 def _unstable(problem: ScaledProblem, cone: Cone, grown: Grown) -> list[Proof]:
-    """Motions for a direction just outside each facet, and on both sides of each equation."""
+    """Proofs by motions just outside each facet, and on both sides of each equation."""
     _, axes = _loads(problem)
     proofs = []
     for normal, reach in grown.facets:
@@ -254,7 +256,7 @@ def _unstable(problem: ScaledProblem, cone: Cone, grown: Grown) -> list[Proof]:
 def _motion(
     problem: ScaledProblem, about: str, vector: Array, outward: Array, on: Array, reach: Reach
 ) -> Proof:
-    """A direction just outside and the motion that proves it, as near as the proof holds.
+    """The nearest direction outside a facet for which a motion proves that the assembly falls.
 
     The power of gravity along a direction grows with its angle to the boundary; the proof
     needs a power above the tolerance and above 1e6 times the violation.

@@ -1,4 +1,4 @@
-"""Tipping of a body that stands on an endless level table: its largest tilt, and the energy needed.
+"""Tipping of a body on an endless horizontal table: its largest tilt, and the energy needed.
 
 Its energy is its weight times the height of its centre of mass over its lowest point. With d the
 direction from there down, in the frame of the body, that is the support function of its hull,
@@ -39,7 +39,7 @@ __all__ = ["Tipping", "find_tipping"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tipping:
-    """The tilt and the energy at which a body tips over.
+    """The tilt and the energy at which a body on a horizontal table tips over.
 
     Attributes
     ----------
@@ -55,7 +55,9 @@ class Tipping:
 
 
 def find_tipping(geometry: Geometry, part: int, down: Array) -> Tipping | None:
-    """Find the tilt and the energy at which a body on a large level table tips over.
+    """Find the tilt and the energy at which a body on a table tips over; None without a minimum.
+
+    The body must stand in a strict minimum of its energy.
 
     Parameters
     ----------
@@ -96,7 +98,7 @@ def _corners(geometry: Geometry, part: int) -> Array:
 
 
 def _of_polyhedron(corners: Array, down: Array, size: float) -> Tipping | None:
-    """Tipping of a polyhedron over the edges of its hull; None if it stands in no well."""
+    """Tipping of a polyhedron over the edges of its hull; None if not in a minimum of energy."""
     try:
         hull = ConvexHull(corners)
     except QhullError:
@@ -120,7 +122,7 @@ def _of_polyhedron(corners: Array, down: Array, size: float) -> Tipping | None:
 
 
 def _passes(hull: ConvexHull, corners: Array) -> tuple[Array, Array, tuple[Index, Index], Array]:
-    """Faces of a hull: unit normals, heights of c over them, and passes over their edges.
+    """Faces of a hull: unit normals, heights of the centre of mass, and passes over edges.
 
     Returns
     -------
@@ -152,7 +154,7 @@ def _passes(hull: ConvexHull, corners: Array) -> tuple[Array, Array, tuple[Index
 
 
 def _lowest_pass(base: int, rests: Mask, links: tuple[Index, Index], levels: Array) -> float | None:
-    """Least rise of c on a way to rest on another face; None if no other face gives rest."""
+    """Least rise of the centre of mass on a path to rest on another face; None without one."""
     ways: list[list[tuple[float, int]]] = [[] for _ in rests]
     for f, g, level in zip(*(side.tolist() for side in links), levels.tolist(), strict=True):
         ways[f].append((level, g))
@@ -171,7 +173,7 @@ def _lowest_pass(base: int, rests: Mask, links: tuple[Index, Index], levels: Arr
 
 
 def _base_distance(base: Array, down: Array) -> float:
-    """The distance from the foot of c to the nearest edge of its base [length unit]."""
+    """Distance from the foot of the centre of mass to the nearest base edge [length unit]."""
     flat = ConvexHull(base @ np.stack(across(down), axis=1))
     return float(-flat.equations[:, 2].max())
 
@@ -180,14 +182,14 @@ def _base_distance(base: Array, down: Array) -> float:
 
 
 def _of_revolution(geometry: Geometry, part: int, down: Array) -> Tipping | None:
-    """Tipping of a body of revolution about the vertical; None if it stands in no well."""
+    """Tipping of a body of revolution about the vertical; None if not in a minimum of energy."""
     size = float(geometry.size[part])
     if not _stands_as_turned(geometry, part, down, SAME_RAY * size):
         return None
     depth, out, rounding, low, high = _circles(geometry, part, down)
 
     def height(angle: Array) -> Array:
-        """Height H of c over the table at tilts, shape (n,)."""
+        """Height of the centre of mass above the table [length unit] at tilts [rad], shape (n,)."""
         t = angle[:, None]
         each = depth * np.cos(t) + out * np.sin(t) + rounding
         reached = (t >= low - SAME_RAY) & (t <= high + SAME_RAY)
@@ -211,13 +213,16 @@ def _of_revolution(geometry: Geometry, part: int, down: Array) -> Tipping | None
 def _rises(
     depth: Array, out: Array, rounding: Array, low: Array, start: float, blur: float
 ) -> bool:
-    """Whether the height rises from the upright place at once."""
+    """Whether the centre of mass rises at once if the body tilts from its upright place."""
     lowest = (low <= SAME_RAY) & (depth + rounding > start - blur)
     return bool((lowest & ((out > blur) | (depth < -blur))).any())
 
 
 def _stands_as_turned(geometry: Geometry, part: int, down: Array, near: float) -> bool:
-    """Whether all faces of a part are level, or of revolution about the vertical through c."""
+    """Whether every face of a part is horizontal, or of revolution about a vertical axis.
+
+    The axis passes through the centre of mass.
+    """
     s = geometry.surfaces
     rows = np.arange(s.start[part], s.start[part + 1])
     off = s.point[rows] - geometry.center[part]
@@ -235,7 +240,10 @@ def _stands_as_turned(geometry: Geometry, part: int, down: Array, near: float) -
 
 
 def _circles(geometry: Geometry, part: int, down: Array) -> Array:
-    """Its circles, shape (5, n): depth below c, radius, rounding, between which tilts it is lowest.
+    """Circles on which a body of revolution may stand, shape (5, n).
+
+    Rows: depth below the centre of mass, radius, rounding, and the two tilts between which it is
+    lowest.
 
     Corners within a sphere or a torus are left out: that stands for them.
     """

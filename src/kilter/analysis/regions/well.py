@@ -1,4 +1,4 @@
-"""The well of energy in which a body stands on a level table: width, depth and stiffness.
+"""The well of potential energy of a body on a horizontal table: width, depth, stiffness.
 
     width       the tilt below which it comes back, and the energy that it costs to tip it
                 (`kilter.analysis.regions.tipping`)
@@ -41,7 +41,7 @@ __all__ = ["Well", "find_well"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Well:
-    """The well of energy of a single body on an endless level table, without friction.
+    """The well of potential energy of a single body on an endless table, without friction.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class Well:
     period: float | None
 
     def to_dict(self) -> dict[str, Any]:
-        """The answer as JSON data."""
+        """The well as JSON data."""
         return {
             "part": self.part,
             "over_deg": self.over_deg,
@@ -83,7 +83,7 @@ class Well:
 
 
 def find_well(assembly: Assembly, contacts: ContactSet, verdict: Verdict) -> Well | None:
-    """Find the well in which a body stands on a level table.
+    """Find the well of energy of a body on a horizontal table; None if the body has none.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def find_well(assembly: Assembly, contacts: ContactSet, verdict: Verdict) -> Wel
 
 
 def _on_table(assembly: Assembly, program: Program, features: Features, part: int) -> bool:
-    """Whether all contacts of the body are level, flat, equally high, and below the body."""
+    """Whether all contacts of the body are horizontal, flat, equally high, and below it."""
     if (program.kind != CONTACT).any() or program.two_sided.any() or program.applied.any():
         return False
     down = program.down
@@ -150,7 +150,7 @@ def _on_table(assembly: Assembly, program: Program, features: Features, part: in
 def _stiffness(
     program: Program, features: Features, forces: Array, part: int
 ) -> tuple[Array, Array | None]:
-    """Level turns that open no gap, orthonormal, shape (3, d), and their stiffness, shape (d, d).
+    """Rotations about horizontal axes that open no gap, (3, d), and their stiffness, (d, d).
 
     In N x length unit/rad; None if a gap has no second derivative.
     """
@@ -173,7 +173,7 @@ def _stiffness(
 
 
 def _period(program: Program, part: int, turns: Array, stiffness: Array) -> float:
-    """Rate of the slowest swing, over the square root of metres in a length unit."""
+    """Period of the slowest swing, over the square root of metres in a length unit."""
     inertia, spin = program.inertia[part], program.down
     along = turns.T @ inertia @ spin
     moved = turns.T @ inertia @ turns - np.outer(along, along) / (spin @ inertia @ spin)

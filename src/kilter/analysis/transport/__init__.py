@@ -1,1 +1,1 @@
-"""Transport: the accelerations of a carrier under which an assembly stays in place."""
+"""Accelerations of a carrier (truck, robot) under which an assembly stays in place."""

@@ -1,4 +1,4 @@
-"""Constraints A a <= b on the acceleration of a carrier, for planners of paths.
+"""Linear constraints A a <= b on the acceleration of a carrier, for path planners.
 
 inner    facets of the hull of accelerations that forces prove to be carried
 outer    planes of motions: a carried acceleration gives no motion a positive power
@@ -22,7 +22,7 @@ __all__ = ["KnownAccelerations", "inner_rows", "outer_rows"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KnownAccelerations:
-    """The known part of a carried set.
+    """Known part of the set of accelerations under which an assembly stays on its carrier.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class KnownAccelerations:
 
 
 def inner_rows(known: KnownAccelerations) -> tuple[Array, Array]:
-    """Facets of the hull of the carried accelerations, as A, shape (m, 3), and b [m/s^2]."""
+    """Constraints that every acceleration within them is carried: A, shape (m, 3), b [m/s^2]."""
     from scipy.spatial import ConvexHull, QhullError
 
     points = [min(limit.value, MOST) * direction for direction, limit in known.limits]
@@ -59,7 +59,7 @@ def inner_rows(known: KnownAccelerations) -> tuple[Array, Array]:
 
 
 def outer_rows(known: KnownAccelerations) -> tuple[Array, Array]:
-    """Planes of the motions at the limits, as A, shape (m, 3), and b [m/s^2]."""
+    """Constraints that every carried acceleration obeys: A, shape (m, 3), and b [m/s^2]."""
     program = known.program
     rows, bounds = [], []
     for _, limit in known.limits:

@@ -1,4 +1,4 @@
-"""The set of accelerations that the contacts of an assembly carry.
+"""The set of carrier accelerations at which the contacts hold an assembly in place.
 
 The loads w(g) + B y of a carrier (`kilter.analysis.transport.carrier`) are linear in y = (a, al, O)
 and the contact forces are a convex cone. So the set
@@ -49,7 +49,9 @@ ACCURACY = 1e-3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Support:
-    """A boundary point of a plane section, and a line around the section, in units of g.
+    """Boundary point of a plane section of the carried accelerations, with a line around it.
+
+    In units of g.
 
     Attributes
     ----------
@@ -73,13 +75,13 @@ class Support:
 
     @property
     def angle(self) -> float:
-        """Angle of the direction in the plane [rad]."""
+        """Angle of the direction of the boundary point in the plane [rad]."""
         return float(np.arctan2(self.direction[1], self.direction[0]))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LeastAcceleration:
-    """The least horizontal acceleration that is not carried.
+    """The least horizontal acceleration of a carrier that the contacts do not withstand.
 
     Attributes
     ----------
@@ -104,7 +106,7 @@ class LeastAcceleration:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Slice:
-    """Section of a carried set with a plane through 0, in units of g.
+    """Section of the set of carried accelerations with a plane through 0, in units of g.
 
     Attributes
     ----------
@@ -136,7 +138,7 @@ class Slice:
 
 @dataclass(frozen=True, eq=False)
 class CarriedSet:
-    """The accelerations that the contacts of a program carry, at level equilibrium.
+    """The set of accelerations for which contact forces hold the assembly in place.
 
     Parameters
     ----------
@@ -168,7 +170,7 @@ class CarriedSet:
         return SharedCones(self.program)
 
     def along(self, direction: Array | list[float]) -> Limit | NoLimit:
-        """Largest acceleration of a straight motion along a direction, shape (3,), in g.
+        """Largest acceleration [g] of a straight motion along a direction, shape (3,).
 
         The result is a `NoLimit` with the reason "none" if gravity alone is not held.
         """
@@ -177,14 +179,14 @@ class CarriedSet:
         return self._farthest(CarrierMotion(self.program.g * vector))
 
     def share(self, motion: CarrierMotion) -> Limit | NoLimit:
-        """Largest factor by which all accelerations of a motion may be multiplied.
+        """Largest factor by which all accelerations of a carrier motion may be multiplied.
 
         The angular velocity counts by its square: the factor multiplies a, al and O alike.
         """
         return self._farthest(motion)
 
     def least(self) -> LeastAcceleration | NoLimit:
-        """The least acceleration across gravity that is not carried, over all directions."""
+        """The least horizontal acceleration that is not carried, over all horizontal directions."""
         basis = across_gravity(self.program)
         limits: list[Limit | NoLimit] = []
 
@@ -215,7 +217,7 @@ class CarriedSet:
         return LeastAcceleration(face.outer, lower, face.normal @ basis, limit, face.asked)
 
     def slice(self, axes: Array, *, accuracy: float = ACCURACY) -> Slice | NoLimit:
-        """Boundary of the carried accelerations in a plane.
+        """Boundary of the carried accelerations in a plane, as a polygon with lines around it.
 
         Parameters
         ----------
@@ -263,14 +265,17 @@ class CarriedSet:
         )
 
     def _farthest(self, motion: CarrierMotion) -> Limit | NoLimit:
-        """Largest factor of a motion, with forces and mechanism at the limit."""
+        """Largest factor of a carrier motion, with forces and mechanism at the limit."""
         wrench = carrier_wrench(self.program, motion)
         return held_limit(
             self.program, wrench, opening=self._opening, most=self.most, shared=self._shared
         )
 
     def _support(self, axes: Array, direction: Array, limit: Limit) -> Support:
-        """The point of the boundary along a direction, and the line of its mechanism, in g."""
+        """Boundary point along a direction in the plane, and the line from its mechanism, in [g].
+
+        No acceleration beyond the line is carried.
+        """
         reach = max(min(limit.value, self.most), 0.0)
         point = reach * direction
         limited = bool(np.isfinite(limit.value))
@@ -288,7 +293,9 @@ class CarriedSet:
 
 
 def corner_gaps(supports: list[Support]) -> tuple[Array, Array]:
-    """Distance of the corner of each two neighbouring lines from the edge of their points.
+    """Distance from the corner of two neighbouring lines to the polygon edge between them.
+
+    Also the direction of each corner.
 
     Parameters
     ----------

@@ -41,7 +41,7 @@ PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CarrierMotion:
-    """Motion of a carrier at an instant, in the frame of the assembly.
+    """Accelerations and rotation of a carrier at an instant, in the frame of the assembly.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ class CarrierMotion:
         return bool(np.any(self.angular_velocity) or np.any(self.angular_acceleration))
 
     def require_in_plane(self, planar: bool) -> None:
-        """Reject a motion that leaves the x-z plane of a planar assembly.
+        """Reject a carrier motion that leaves the x-z plane of a planar assembly.
 
         Raises
         ------
@@ -107,13 +107,13 @@ class CarrierMotion:
             )
 
     def to_dict(self) -> dict[str, Any]:
-        """The motion as JSON data."""
+        """The carrier motion as JSON data."""
         names = ("acceleration", "angular_velocity", "angular_acceleration", "about")
         return {name: np.asarray(getattr(self, name)).tolist() for name in names}
 
 
 def carrier_wrench(program: Program, motion: CarrierMotion) -> Array:
-    """B y: the load that the motion adds to each part, shape (N, 6).
+    """Inertial load that a carrier motion adds to each part, shape (N, 6).
 
     Force [N] and torque about the centre of mass [N x length unit]; zero for held parts. Gravity is
     not included.
@@ -146,7 +146,7 @@ def carrier_wrench(program: Program, motion: CarrierMotion) -> Array:
 
 
 def carried_assembly(assembly: Assembly, motion: CarrierMotion) -> Assembly:
-    """The assembly as it feels the motion of its carrier: a stationary assembly to check.
+    """A stationary assembly with the same loads as the assembly on its moving carrier.
 
     Gravity becomes g - a. If the carrier turns, each free part gets the further force and torque as
     a load at its centre of mass.
@@ -186,7 +186,10 @@ def carried_assembly(assembly: Assembly, motion: CarrierMotion) -> Assembly:
 def _wrench(
     center: Array, mass: Array, inertia: Array, free: Mask, motion: CarrierMotion, metres: float
 ) -> Array:
-    """Load of a motion on parts with these centres, masses [kg] and inertias, shape (N, 6)."""
+    """Inertial load of a carrier motion on parts, shape (N, 6).
+
+    The parts are given by centre, mass [kg] and inertia.
+    """
     spin, turn = np.asarray(motion.angular_velocity), np.asarray(motion.angular_acceleration)
     arm = center - np.asarray(motion.about)
     centripetal = cross(np.broadcast_to(spin, arm.shape), cross(spin, arm))
@@ -203,7 +206,9 @@ def _wrench(
 
 
 def load_matrix(program: Program, about: Array) -> Array:
-    """C: the load of each part from z = (g - a, al, O), shape (N, 6, 12); zero for held parts.
+    """Matrix from gravity and carrier motion to the load of each part, shape (N, 6, 12).
+
+    It acts on z = (g - a, al, O) and is zero for held parts.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Paths of a carrier: its position and orientation over time, and the accelerations on the way.
+"""Path of a carrier: its position and orientation over time, and the accelerations on it.
 
 A path has samples. Each sample has the orientation R of the carrier in the world and, in the frame
 of the carrier, the acceleration a of its reference point [m/s^2], its angular velocity o [rad/s]
@@ -49,7 +49,7 @@ UNIT = 1e-3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CarrierPath:
-    """Motion of a carrier over time; vectors in its own frame.
+    """Accelerations of a carrier over time, as vectors in the frame of the carrier.
 
     Attributes
     ----------
@@ -87,7 +87,10 @@ class CarrierPath:
         _require_times(self.time)
 
     def loads(self, program: Program) -> tuple[Array, Array]:
-        """Z at rest and its change with the squared speed factor, each of shape (n, 12)."""
+        """Load vector of each sample at rest, and its change per squared speed factor.
+
+        Shape (n, 12) each.
+        """
         still, move = np.zeros((len(self.time), 12)), np.zeros((len(self.time), 12))
         still[:, :3] = np.einsum("nji,j->ni", self.rotation, program.gravity)
         move[:, :3] = -self.acceleration
@@ -100,7 +103,7 @@ class CarrierPath:
 def path_from_poses(
     time: ArrayLike, position: ArrayLike, orientation: ArrayLike | None = None, *, units: str = "m"
 ) -> CarrierPath:
-    """The path through poses of the reference point, by cubic splines.
+    """Carrier path through given poses of the reference point, by cubic splines.
 
     Parameters
     ----------
@@ -159,7 +162,7 @@ def path_from_poses(
 
 
 def read_path(file: str | Path, *, units: str = "m") -> CarrierPath:
-    """Read a path from a table of comma-separated values with a header.
+    """Read a carrier path from a table of comma-separated values with a header.
 
     Columns: time [s]; x y z [`units`]; optionally the orientation qw qx qy qz. Instead of x y z, or
     beside them, the accelerations ax ay az [m/s^2], with ox oy oz [rad/s] and alx aly alz
@@ -185,7 +188,7 @@ def read_path(file: str | Path, *, units: str = "m") -> CarrierPath:
 
 
 def _path_of(table: Mapping[str, Array], units: str) -> CarrierPath:
-    """The path of a table, by its accelerations if it has them, else through its poses."""
+    """Carrier path of a table, from its accelerations if it has them, else from its poses."""
     turning = _columns(table, ORIENTATION)
     along = _columns(table, ACCELERATION)
     if along is None:
@@ -214,7 +217,7 @@ def _path_of(table: Mapping[str, Array], units: str) -> CarrierPath:
 
 
 def _table(text: str) -> dict[str, Array]:
-    """Columns of a table by name."""
+    """Columns of a comma-separated table, by name."""
     rows = [row for row in csv.reader(io.StringIO(text)) if row]
     if not rows:
         raise InputError("the path is empty", hint="give a header and a row for each sample")
@@ -249,7 +252,7 @@ def _table(text: str) -> dict[str, Array]:
 
 
 def _columns(table: Mapping[str, Array], names: tuple[str, ...]) -> Array | None:
-    """Columns of these names, shape (n, k); None if none of them is there."""
+    """Columns of a table with the given names, shape (n, k); None if the table has none of them."""
     there = [name in table for name in names]
     if not any(there):
         return None
@@ -264,7 +267,7 @@ def _columns(table: Mapping[str, Array], names: tuple[str, ...]) -> Array | None
 
 
 def _unit_quaternion(quaternion: Array, row: int) -> Array:
-    """A quaternion of length 1."""
+    """Scale the quaternion of a table row to length 1; reject a quaternion of another length."""
     size = float(np.linalg.norm(quaternion))
     if abs(size - 1.0) > UNIT:
         raise InputError(
@@ -276,7 +279,7 @@ def _unit_quaternion(quaternion: Array, row: int) -> Array:
 
 
 def _require_times(time: Array) -> None:
-    """Reject times that do not increase."""
+    """Reject the times of a path if they do not increase."""
     if not len(time) or not np.isfinite(time).all():
         raise InputError("the path has no times", hint="give finite times in seconds")
     late = np.flatnonzero(np.diff(time) <= 0.0)

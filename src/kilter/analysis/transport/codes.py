@@ -1,4 +1,4 @@
-"""Accelerations that rules of load securing state, each with its source.
+"""Accelerations that codes of load securing (such as EN 12195) require, with their sources.
 
 A rule belongs to its publisher, and it contains more than accelerations (test methods, safety
 factors, lashing forces). kilter computes rigid statics under these accelerations and never states
@@ -41,7 +41,7 @@ __all__ = ["CODES", "CodeCase", "code_cases"]
 
 @dataclass(frozen=True, slots=True)
 class CodeCase:
-    """An acceleration that a rule requires.
+    """An acceleration that a code of load securing requires, in multiples of g.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class CodeCase:
     size: float
 
     def acceleration(self, forward: Array, down: Array, g: float) -> Array:
-        """Acceleration of the carrier [m/s^2], shape (3,): opposite to the inertia force.
+        """Acceleration of the carrier [m/s^2], shape (3,), opposite to the required inertia force.
 
         Parameters
         ----------
@@ -73,7 +73,7 @@ class CodeCase:
 
 
 def _road(forward: float, backward: float, sideways: float) -> tuple[CodeCase, ...]:
-    """Braking, starting and both sides."""
+    """Cases of a code for road transport: braking, starting and both sides."""
     return (
         CodeCase("forward", (1.0, 0.0), forward),
         CodeCase("backward", (-1.0, 0.0), backward),
@@ -96,7 +96,7 @@ FREE = ("eumos",)
 
 
 def code_cases(name: str) -> tuple[CodeCase, ...]:
-    """The cases of a rule by its name, such as "en12195" or "eumos:0.4".
+    """Required accelerations of a code, by its name such as "en12195" or "eumos:0.4".
 
     Raises
     ------
@@ -132,7 +132,7 @@ def code_cases(name: str) -> tuple[CodeCase, ...]:
 
 
 def travel_direction(forward: object, down: Array) -> Array:
-    """The direction of travel as a unit vector across gravity, shape (3,).
+    """The direction of travel as a horizontal unit vector, shape (3,).
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Speed at which a carrier may follow a path before a part moves.
+"""Largest speed factor of a carrier path before a part of the assembly moves.
 
 At every sample the carrier has an orientation R and accelerations (a, al, O) in its own frame.
 Faster by a factor k, the accelerations grow by k^2, and gravity R^T g does not change. The load
@@ -57,7 +57,7 @@ LEFT = 1e-9
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PathLimit:
-    """The speed factor of a path.
+    """The largest factor by which a carrier may run a path faster before a part moves.
 
     Attributes
     ----------
@@ -98,7 +98,7 @@ class PathLimit:
     levels: Array
 
     def to_dict(self, program: Program) -> dict[str, Any]:
-        """The speed factor as JSON data."""
+        """The speed limit of the path as JSON data."""
         return {
             "samples": len(self.path.time),
             "duration": float(self.path.time[-1] - self.path.time[0]),
@@ -114,7 +114,7 @@ class PathLimit:
 
 
 class _Search:
-    """Carried loads and planes that are known so far, shared by all samples."""
+    """Search for the speed limit of a path, with carried loads and bounds shared by all samples."""
 
     def __init__(self, program: Program, path: CarrierPath) -> None:
         self.program, self.path = program, path
@@ -126,7 +126,7 @@ class _Search:
         self.programs = 0
 
     def upper_bounds(self) -> Array:
-        """Bound of lam at every sample from all planes and limits, shape (n,)."""
+        """Upper bound of the squared speed factor at every sample from all known planes, (n,)."""
         rest = self.levels - self.still @ self.rows.T
         rate = self.move @ self.rows.T
         ratio = np.divide(rest, rate, out=np.full_like(rate, FASTEST), where=rate > 0.0)
@@ -136,14 +136,14 @@ class _Search:
         return bound
 
     def solve(self, sample: int) -> Limit | NoLimit:
-        """Largest lam at a sample."""
+        """Largest squared speed factor that is carried at a sample of the path."""
         limit = self._limit(sample, 1.0)
         if isinstance(limit, Limit):
             self.limits[sample] = (min(limit.value, FASTEST), limit)
         return limit
 
     def least(self, sample: int) -> float | NoLimit:
-        """Least lam at a sample; 0 if rest is carried."""
+        """Least squared speed factor that is carried at a sample; 0 if rest is carried."""
         limit = self._limit(sample, -1.0)
         if isinstance(limit, NoLimit):
             return limit
@@ -153,12 +153,12 @@ class _Search:
         return -limit.value
 
     def confirmed(self, share: float) -> Mask:
-        """Samples whose load at a squared factor is a combination of carried loads, shape (n,)."""
+        """Mask of samples that known loads prove to be carried at a squared speed factor, (n,)."""
         target = self.still + share * self.move
         return np.array([self._combines(load) for load in target])
 
     def _limit(self, sample: int, sign: float) -> Limit | NoLimit:
-        """Largest sign lam at a sample; its forces and its motion are kept."""
+        """Largest squared speed factor at a sample, times `sign`; the search keeps its proofs."""
         program = self.program.with_rows(gravity=self.still[sample, :3])
         wrench = np.einsum("pij,j->pi", self.matrix, sign * self.move[sample])
         self.programs += 1
@@ -174,7 +174,7 @@ class _Search:
         self.carried = np.vstack([self.carried, load])
 
     def _add_plane(self, motion: Array) -> None:
-        """Add the plane of a motion that no contact stops: rows . z <= level."""
+        """Add the bound on the load vector that a motion proves: rows . z <= level."""
         row = np.einsum("pij,pi->j", self.matrix, motion)
         weight = float(row[:3] @ self.program.gravity)
         size = float(np.linalg.norm(row))
@@ -184,7 +184,10 @@ class _Search:
             self.levels = np.append(self.levels, level)
 
     def _combines(self, load: Array) -> bool:
-        """True if a load is a convex combination of carried loads, or a positive one of a cone."""
+        """True if a load is a convex combination of carried loads, and so is carried.
+
+        A positive combination suffices if no load of the assembly is fixed.
+        """
         points = self.carried
         if not len(points):
             return False
@@ -202,7 +205,9 @@ class _Search:
 def find_path_limit(
     program: Program, path: CarrierPath, tell: Callable[[str], None]
 ) -> PathLimit | NoLimit:
-    """Find the largest factor by which a path may run faster, at level equilibrium.
+    """Find the largest factor by which a carrier may run a path faster.
+
+    The limits are those of equilibrium.
 
     The result is a `NoLimit` with the reason "none" if no speed is carried: an orientation of the
     path is not held at rest, and no acceleration of the path helps.
@@ -237,7 +242,10 @@ def find_path_limit(
 
 
 def _descend(search: _Search, tell: Callable[[str], None]) -> NoLimit | None:
-    """Compute limits at the sample of the least bound, until the bound is attained there."""
+    """Compute limits at the sample of the least bound, until that bound is attained.
+
+    Return the reason if a limit has no value.
+    """
     worst = int(np.linalg.norm(search.move, axis=1).argmax())
     while worst not in search.limits:
         limit = search.solve(worst)
@@ -253,7 +261,7 @@ def _descend(search: _Search, tell: Callable[[str], None]) -> NoLimit | None:
 
 
 def _path_limit(search: _Search, slowest: float) -> PathLimit | NoLimit:
-    """The answer of a finished search."""
+    """The speed limit of a path from a finished search."""
     bounds = search.upper_bounds()
     first = min(search.limits, key=lambda sample: search.limits[sample][0])
     value = float(bounds[first])

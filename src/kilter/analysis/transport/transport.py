@@ -56,7 +56,7 @@ AXES = (("+x", (1, 0, 0)), ("-x", (-1, 0, 0)), ("+y", (0, 1, 0)), ("-y", (0, -1,
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DirectionLimit:
-    """The largest acceleration along a direction.
+    """The largest carrier acceleration along a direction at which the assembly stays in place.
 
     Attributes
     ----------
@@ -79,7 +79,7 @@ class DirectionLimit:
     limit: Limit
 
     def to_dict(self, program: Program) -> dict[str, Any]:
-        """The limit as JSON data."""
+        """The largest acceleration along the direction as JSON data."""
         return {
             "name": self.name,
             "direction": self.direction.tolist(),
@@ -93,7 +93,7 @@ class DirectionLimit:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CarriedCase:
-    """The decision about a motion of the carrier.
+    """The decision whether an assembly stays in place under a motion of the carrier.
 
     Attributes
     ----------
@@ -111,7 +111,7 @@ class CarriedCase:
     factor: Limit | None
 
     def to_dict(self, program: Program) -> dict[str, Any]:
-        """The decision as JSON data."""
+        """The decision on a carrier motion as JSON data."""
         size = float(np.linalg.norm(np.asarray(self.motion.acceleration)))
         return {
             "name": self.name,
@@ -128,7 +128,7 @@ class CarriedCase:
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Transport:
-    """The accelerations that an assembly carries.
+    """Answer of `kilter.transport`: accelerations under which an assembly stays in place.
 
     Attributes
     ----------
@@ -175,7 +175,7 @@ class Transport:
 
     @property
     def carried(self) -> bool | None:
-        """True if every motion of the question is carried at the required level.
+        """True if the assembly stays in place under every given motion, at the required level.
 
         None without a question, or if open pairs or a time limit leave a motion undecided and no
         other motion falls.
@@ -195,7 +195,7 @@ class Transport:
 
     @property
     def level(self) -> str | None:
-        """The lowest level of the motions of the question; of limits, the level of the limits."""
+        """Lowest verdict level over the given motions; without motions, the level of the limits."""
         if self.cases:
             levels = [case.verdict.level for case in self.cases]
             known = [level for level in levels if level is not None]
@@ -205,7 +205,7 @@ class Transport:
         return "equilibrium" if self.program.mu.any() else "proved"
 
     def to_dict(self) -> dict[str, Any]:
-        """The answer as JSON data, that of ``kilter transport --json``."""
+        """The transport answer as JSON data, as ``kilter transport --json`` prints it."""
         program = self.program
         answer = {
             "carried": self.carried,
@@ -232,7 +232,7 @@ class Transport:
         return {"sentence": transport_sentence(answer), **answer}
 
     def rows(self, *, inner: bool = True) -> tuple[Array, Array]:
-        """Linear constraints on the acceleration a of a straight motion: ``A @ a <= b``.
+        """Linear constraints on the acceleration a of a straight carrier motion: ``A @ a <= b``.
 
         Parameters
         ----------
@@ -271,7 +271,7 @@ class Transport:
         return inner_rows(known) if inner else outer_rows(known)
 
     def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
-        """Forces within each limit and a motion beyond it, for `kilter.verify`, as JSON data.
+        """Proofs on both sides of each acceleration limit, as JSON data for `kilter.verify`.
 
         Raises
         ------
@@ -377,7 +377,7 @@ def transport(
     missing: dict[str, Why] = {}
 
     def in_time(name: str, step: Callable[[], T | NoLimit]) -> T | None:
-        """The result of a step; None, with the reason in `missing`, if there is none."""
+        """Result of a step of the analysis; None, with the reason in `missing`, if it has none."""
         try:
             with stop_after(work.seconds):
                 result = step()
@@ -439,7 +439,7 @@ def _questions(
     forward: ArrayLike,
     path: CarrierPath | None,
 ) -> list[tuple[str, CarrierMotion]]:
-    """Names and motions of the question; empty without one, or for a path."""
+    """Names and carrier motions of the question; empty for no question or a path."""
     given = [name for name, value in (("accelerate", accelerate), ("turn", turn), ("code", code),
                                       ("path", path)) if value is not None]  # fmt: skip
     if len(given) > 1:
@@ -477,7 +477,7 @@ def _decide(
     work: Work,
     in_time: Callable[[str, Callable[[], Limit | NoLimit]], Limit | None],
 ) -> CarriedCase:
-    """Decide a motion by `check` of the assembly that feels it, and find its largest factor."""
+    """Decide if an assembly stays in place under a carrier motion, and find its largest factor."""
     felt = carried_assembly(assembly, motion)
     verdict = check(
         felt, contacts=contacts.of(felt), require=require, effort=effort, time_limit=work.seconds
@@ -486,14 +486,14 @@ def _decide(
 
 
 def _axes(assembly: Assembly) -> Iterator[tuple[str, Array]]:
-    """Names and unit directions of the axes; in a plane without y."""
+    """Names and unit directions of the coordinate axes; without y for a planar assembly."""
     for name, direction in AXES:
         if not (assembly.planar and direction[1]):
             yield name, np.array(direction, dtype=np.float64)
 
 
 def _horizontal(assembly: Assembly) -> Array:
-    """Two unit directions across gravity, shape (2, 3): x and y if gravity is along z."""
+    """Two horizontal unit directions, shape (2, 3): x and y if gravity is along z."""
     down = assembly.down
     first = np.eye(3)[int(np.abs(down).argmin())] if abs(down[2]) < 1.0 else np.eye(3)[0]
     first = first - (first @ down) * down
@@ -507,7 +507,7 @@ def _least_limit(weakest: LeastAcceleration) -> DirectionLimit:
 
 
 def _polar_answer(polar: Slice) -> dict[str, Any]:
-    """The boundary of the horizontal accelerations as JSON data."""
+    """The boundary of the carried horizontal accelerations as JSON data."""
     return {
         "axes": polar.axes.tolist(),
         "points": polar.points.tolist(),
@@ -520,7 +520,10 @@ def _polar_answer(polar: Slice) -> dict[str, Any]:
 
 
 def first_motions(program: Program, limit: Limit) -> list[dict[str, str]]:
-    """How the parts of a mechanism start to move, seen from the carrier, the fastest first."""
+    """How the parts of a mechanism start to move, seen from the carrier, the fastest first.
+
+    As JSON data.
+    """
     if limit.mechanism is None:
         return []
     motion = limit.mechanism.motion
@@ -541,5 +544,5 @@ def first_motions(program: Program, limit: Limit) -> list[dict[str, str]]:
 
 
 def _height(level: str) -> int:
-    """Position of a level among all levels, from the lowest."""
+    """Rank of a verdict level, from 0 for the lowest."""
     return LEVELS.index(level)

@@ -1,4 +1,4 @@
-"""Proofs of the limits of transport, as data that anyone can verify.
+"""Proofs of acceleration limits, as data that anyone can verify.
 
 The assembly feels a share of a motion of its carrier as another gravity and, if the carrier turns,
 as further loads. Just within a limit forces hold it, just beyond a motion starts; both are as near
@@ -32,7 +32,9 @@ def transport_proofs(
     *,
     options: dict[str, Any],
 ) -> list[About]:
-    """Proofs on both sides of the limit of each motion; unlimited motions have none.
+    """Proofs just below and just beyond the limit of each carrier motion, as data.
+
+    Unlimited motions have none.
 
     Parameters
     ----------
@@ -64,7 +66,10 @@ def transport_proofs(
 
 
 def _change(assembly: Assembly, motion: CarrierMotion, share: float) -> dict[str, Any] | None:
-    """The gravity and the loads that a share of a motion adds; None in free fall."""
+    """Change of a file to the gravity and loads at a fraction of a carrier motion.
+
+    None in free fall.
+    """
     spin = np.sqrt(max(share, 0.0)) * np.asarray(motion.angular_velocity)
     part = CarrierMotion(
         share * np.asarray(motion.acceleration),

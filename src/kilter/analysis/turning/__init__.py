@@ -1,1 +1,1 @@
-"""Which way up it stays, or most nearly stays."""
+"""Orientations in which an assembly holds, or most nearly holds (Problem 2 of the paper)."""

@@ -1,4 +1,4 @@
-"""Problem 2 in a linear program for each facet: gravity and contact forces together.
+"""Most stable direction of gravity on the diamond |g|_1 = 1, by a linear program for each facet.
 
     min over g in the facet, f >= 0 of |J^T f + W g|_1  =  -max over g of z(g)
 
@@ -39,7 +39,9 @@ __all__ = ["DiamondOptimum", "FacetOptimum", "joint"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FacetOptimum:
-    """The best direction of a facet.
+    """The direction of gravity with the greatest z on a facet of the diamond |g|_1 = 1.
+
+    z is the optimum of the displacement program: 0 if stable, negative if unstable.
 
     Attributes
     ----------
@@ -61,7 +63,9 @@ class FacetOptimum:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DiamondOptimum:
-    """The most nearly stable direction on the diamond.
+    """The direction of gravity with the greatest z on the diamond |g|_1 = 1.
+
+    z is the optimum of the displacement program: 0 if stable, negative if unstable.
 
     Attributes
     ----------
@@ -82,7 +86,7 @@ class DiamondOptimum:
 
 
 def joint(program: Program, *, every: bool = False) -> DiamondOptimum:
-    """Maximise z over the diamond, with an LP for each facet.
+    """Find the most nearly stable direction on the diamond, by a linear program for each facet.
 
     Parameters
     ----------
@@ -124,7 +128,10 @@ def joint(program: Program, *, every: bool = False) -> DiamondOptimum:
 
 
 def _program(unit: UnitProgram) -> LinearProgram:
-    """Columns (x, t); a row a contact, then t + q_j >= 0, t - q_j >= 0 on every axis j."""
+    """Linear program over a facet: unknowns (x, t), rows of contacts, and bounds of t per axis.
+
+    The rows of an axis j are t + q_j >= 0 and t - q_j >= 0.
+    """
     lp, pull = unit.lp, unit.pull[unit.axes]
     count = len(lp.cost)
     corners = csc_array(np.vstack([pull, -pull]))
@@ -148,7 +155,10 @@ def _program(unit: UnitProgram) -> LinearProgram:
 def _facet(
     program: Program, unit: UnitProgram, signs: Array, x: Array, multipliers: Array
 ) -> FacetOptimum:
-    """Decode an optimum: the multipliers of the corners are the shares of g."""
+    """Best direction of a facet from the multipliers of its linear program.
+
+    The multipliers of the corners are their coefficients in g.
+    """
     size = len(unit.axes)
     shares = np.maximum(np.where(signs[unit.axes] > 0, multipliers[:size], multipliers[size:]), 0)
     total = float(shares.sum())

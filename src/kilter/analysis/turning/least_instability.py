@@ -1,4 +1,6 @@
-"""The direction of least instability kappa, with a certified bound.
+"""The direction of gravity in which parts start to move least (least kappa), with a bound.
+
+kappa is the size of the impending motion, from 0 (stable) to 1 (free fall).
 
     kappa(g) = |a(g)|_M / (|g| sqrt(sum m_i)),   a(g) = projection of M^-1 W g on {J a >= 0}
 
@@ -48,7 +50,7 @@ LIMIT = 500
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LeastInstability:
-    """The direction of gravity with the least instability kappa, and the bound that proves it.
+    """The direction of gravity with the least instability kappa, and a lower bound of kappa.
 
     Attributes
     ----------
@@ -71,7 +73,7 @@ class LeastInstability:
 def least_instability(
     program: Program, *, gap: float = KAPPA_GAP, limit: int = LIMIT
 ) -> LeastInstability:
-    """Minimise kappa over all directions, by branch and bound.
+    """Minimise the instability kappa over all directions of gravity, by branch and bound.
 
     Parameters
     ----------
@@ -117,7 +119,7 @@ def least_instability(
 
 
 class _Known:
-    """Directions asked so far: kappa, and b and psi over sqrt(m)."""
+    """Directions of gravity with computed instability kappa, and data that bound it between."""
 
     def __init__(self, program: Program, axes: Index) -> None:
         self._problem: ScaledProblem = scaled_problem(program)
@@ -127,7 +129,7 @@ class _Known:
         self.rest: list[float] = []
 
     def first(self) -> Array:
-        """Corners of a simplex around 0, unit, one along gravity, (d + 1, d), with their kappa."""
+        """Corners of a regular simplex, one along gravity, (d + 1, d), whose kappa is computed."""
         down = self._problem.program.gravity[self._axes]
         size = len(down)
         # a regular simplex, turned so that its first corner is down
@@ -145,7 +147,7 @@ class _Known:
         return result
 
     def ask(self, direction: Array) -> None:
-        """Solve for kappa in a direction, shape (d,), unit."""
+        """Compute and store kappa for gravity along a unit direction, shape (d,)."""
         program = self._problem.program
         gravity = np.zeros(3)
         gravity[self._axes] = direction
@@ -171,7 +173,7 @@ class _Known:
         hull: GrowingHull,
         old: dict[tuple[int, ...], tuple[float, Array]] | None = None,
     ) -> dict[tuple[int, ...], tuple[float, Array]]:
-        """Least bound of kappa in each triangle, and its place."""
+        """Lower bound of kappa in each triangle of directions, and where it is attained."""
         old = old or {}
         result = {}
         for facet in map(tuple, hull.facets.tolist()):
@@ -187,7 +189,7 @@ class _Known:
 
 
 def _minimum(quadratic: ConicProgram) -> Array:
-    """The minimum; with a looser tolerance if rounding keeps the solver from it."""
+    """Minimum of a quadratic program, with a looser tolerance if the solver fails on rounding."""
     from kilter.solvers.clarabel import solve_quadratic
 
     answer = solve_quadratic(quadratic, tolerance=1e-10, polish=False)
@@ -197,7 +199,10 @@ def _minimum(quadratic: ConicProgram) -> Array:
 
 
 def _from_below(corners: Array, slopes: Array) -> tuple[float, Array]:
-    """Least of max_j slopes_j . g over unit g in the cone of the corners, not below 0."""
+    """Lower bound of kappa in a triangle from its slopes at the corners, and where it is attained.
+
+    It is the least of max_j slopes_j . g over unit g in the cone of the corners, at least 0.
+    """
     size = len(corners)
     candidates = [*corners]
     for i, j in combinations(range(size), 2):
@@ -221,7 +226,10 @@ def _from_below(corners: Array, slopes: Array) -> tuple[float, Array]:
 
 
 def _from_above(corners: Array, rest: Array) -> tuple[float, Array]:
-    """Least sqrt(1 - (p.g)^2) over unit g in the cone, with p.g_j = rest_j."""
+    """Lower bound of kappa in a triangle from its values at the corners, and where it is attained.
+
+    It is the least sqrt(1 - (p.g)^2) over unit g in the cone, with p.g_j = rest_j.
+    """
     size = len(corners)
     subsets = [list(s) for k in range(1, size + 1) for s in combinations(range(size), k)]
     best, where = -1.0, corners[0]
@@ -236,6 +244,6 @@ def _from_above(corners: Array, rest: Array) -> tuple[float, Array]:
 
 
 def _shares(corners: Array, point: Array) -> Array:
-    """The numbers s with s @ corners = point, or nearest to it."""
+    """Coefficients s of a point in the corners, s @ corners = point, by least squares."""
     shares: Array = np.asarray(np.linalg.lstsq(corners.T, point, rcond=None)[0], dtype=np.float64)
     return shares

@@ -1,4 +1,4 @@
-"""The direction nearest to stable, in three senses, if no direction is stable.
+"""The direction of gravity nearest to stable, by three measures, if no direction is stable.
 
     diamond    the greatest z over |g|_1 = 1       the paper's; hangs on the axes and units
     sphere     the greatest z over |g|_2 = 1       exact; hangs on units
@@ -33,7 +33,7 @@ Method = Literal["joint", "walk"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NearestDirection:
-    """The direction nearest to stable in some sense.
+    """The direction of gravity nearest to stable by one of the measures, and its value.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class NearestDirection:
     programs: int
 
     def to_dict(self) -> dict[str, Any]:
-        """The direction and its value there, as JSON data."""
+        """The nearest direction and its value as JSON data."""
         return {
             "direction": (self.direction + 0.0).tolist(),
             "value": self.value,
@@ -68,21 +68,21 @@ class NearestDirection:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Nearest:
-    """The directions nearest to stable in three senses; `kappa` None if no solver finished."""
+    """Directions of gravity nearest to stable by three measures; `kappa` None if not computed."""
 
     diamond: NearestDirection
     sphere: NearestDirection
     kappa: NearestDirection | None
 
     def to_dict(self) -> dict[str, Any]:
-        """The three as JSON data."""
+        """The three nearest directions as JSON data."""
         least = self.kappa
         kappa = None if least is None else {**least.to_dict(), "bound": least.bound}
         return {"diamond": self.diamond.to_dict(), "sphere": self.sphere.to_dict(), "kappa": kappa}
 
     @property
     def programs(self) -> int:
-        """Programs solved for all three."""
+        """Number of programs that were solved for all three directions."""
         ways = (self.diamond, self.sphere, self.kappa)
         return sum(way.programs for way in ways if way is not None)
 
@@ -90,7 +90,9 @@ class Nearest:
 def nearest(
     program: Program, *, method: Method = "joint", solved: DiamondOptimum | None = None
 ) -> Nearest:
-    """The directions nearest to stable of a program; values are 0 if some direction is stable.
+    """Find the directions of gravity nearest to stable, by three measures.
+
+    The values of the measures are 0 if some direction is stable.
 
     Parameters
     ----------
@@ -129,7 +131,10 @@ def nearest(
 
 
 def _least_unstable(program: Program) -> NearestDirection | None:
-    """The direction of the least kappa, and how parts start to move there."""
+    """The direction of the least instability kappa, and how parts start to move there.
+
+    None if no solver finished.
+    """
     try:
         least = least_instability(program)
     except SolverError:

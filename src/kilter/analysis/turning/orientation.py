@@ -1,4 +1,4 @@
-"""Problem 2 answered in full: the stable orientation with the widest margin, or the nearest.
+"""`kilter.orient`: the stable orientation with the widest margin, or the nearest to stable.
 
 The region says which directions of gravity are stable, or with friction have forces that hold
 it, and which of them lies farthest from the boundary. The verdict there is proved anew by
@@ -65,7 +65,7 @@ Word = Literal["found", "none", "undecided"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Orientation(Answer):
-    """A stable orientation, or the nearest to stable.
+    """Answer of `kilter.orient`: a stable orientation, or the orientation nearest to stable.
 
     Attributes
     ----------
@@ -127,11 +127,11 @@ class Orientation(Answer):
 
     @property
     def found(self) -> bool:
-        """Whether `down` is stable, proved by forces."""
+        """Whether the direction `down` is stable, proved by contact forces."""
         return self.verdict == "found"
 
     def to_dict(self) -> dict[str, Any]:
-        """The answer as JSON data, that of ``kilter orient --json``."""
+        """The orientation as JSON data, as ``kilter orient --json`` prints it."""
         near, verdict, forces = self.nearest, self.check, self.judgement.forces
         verdict_data: dict[str, Any] = {"parts": [], "unsupported": [], "tolerance": None}
         verdict_data = verdict_data if verdict is None else verdict.to_dict()
@@ -165,7 +165,7 @@ class Orientation(Answer):
         }
 
     def _repr_html_(self) -> str:
-        """HTML for a notebook."""
+        """The orientation as HTML for a notebook."""
         return html_of(self.to_dict())
 
     def __str__(self) -> str:
@@ -245,7 +245,7 @@ def _orient(
     method: Method,
     progress: Callable[[str], None] | None,
 ) -> Orientation:
-    """The answer of `orient` for an assembly with its contacts."""
+    """Find the orientation of an assembly with given contacts, as `orient`."""
     tell = progress or (lambda stage: None)
     program = build_program(assembly, contacts)
     tell("stable region")
@@ -270,7 +270,7 @@ def _orient(
 
 
 def _require_turnable(assembly: Assembly, method: str) -> None:
-    """Reject an assembly without held parts, or with loads, which do not turn."""
+    """Reject an assembly without held parts, or with loads, which do not turn with it."""
     if method not in ("joint", "walk"):
         raise InputError(f"the method {method!r} does not exist", hint="give 'joint' or 'walk'")
     require_no_bonds(assembly, "orient", NO_CONE)
@@ -285,7 +285,10 @@ def _require_turnable(assembly: Assembly, method: str) -> None:
 
 
 def _sides(program: Program, every: Region) -> Iterator[tuple[Program, Cone]]:
-    """The program and its cone; with friction also without it, whose forces hold as well."""
+    """Yield the program and its stable cone and, with friction, both also without friction.
+
+    Forces without friction hold as well.
+    """
     yield (program if every.friction else program.frictionless), every.cone
     if every.friction:
         yield program.frictionless, stable_cone(program.frictionless).cone
@@ -294,7 +297,7 @@ def _sides(program: Program, every: Region) -> Iterator[tuple[Program, Cone]]:
 def _answer_of_direction(
     program: Program, every: Region, direction: Array, judgement: Judgement, method: Method
 ) -> Orientation:
-    """The answer if a direction was proved to have forces that hold it."""
+    """The answer for a direction of gravity that forces are proved to hold."""
     assembly, contacts = every.assemblies[0], every.contacts[0]
     down = direction / float(np.linalg.norm(direction)) + 0.0
     margin = _tilt_margin_deg(program, every, down)
@@ -329,7 +332,7 @@ def _answer_of_direction(
 
 
 def _sentence(every: Region, down: Array, margin: float) -> str:
-    """The found direction, in words."""
+    """Describe the found direction of gravity in a sentence."""
     return found_sentence(
         down,
         margin,
@@ -341,7 +344,7 @@ def _sentence(every: Region, down: Array, margin: float) -> str:
 
 
 def _tilt_margin_deg(program: Program, every: Region, down: Array) -> float:
-    """Angle from `down` to the boundary of the region [deg]; 0 if the region is thin."""
+    """Angle from `down` to the boundary of the stable region [deg]; 0 if the region is thin."""
     if every.dimension < (2 if program.planar else 3):
         return 0.0
     if not len(every.cone.facets):
@@ -352,7 +355,7 @@ def _tilt_margin_deg(program: Program, every: Region, down: Array) -> float:
 def _not_found(
     every: Region, judgement: Judgement, near: Nearest, method: Method, why: list[str]
 ) -> Orientation:
-    """The answer if no direction was proved stable; `why`: the reasons why it may be undecided."""
+    """The answer if no direction was proved stable; `why`: reasons why it may be undecided."""
     assembly = every.assemblies[0]
     down = near.diamond.direction
     verdict = check(assembly.with_down(down), contacts=every.contacts[0])
@@ -396,7 +399,7 @@ def _not_found(
 def _open_questions(
     contacts: ContactSet, every: Region, program: Program, best: DiamondOptimum
 ) -> list[str]:
-    """Reasons why "no direction is stable" is not proved; empty if it is proved."""
+    """Reasons why it is not proved that no direction is stable; empty if it is proved."""
     assembly = every.assemblies[0]
     if not _none_is_stable(program, best):
         return [
@@ -420,7 +423,7 @@ def _open_questions(
 
 
 def _none_is_stable(program: Program, best: DiamondOptimum) -> bool:
-    """Whether the motion of each facet is a proof at every corner of the facet."""
+    """Whether motions prove for every facet of directions that none of them is stable."""
     for facet in best.facets:
         for axis in np.flatnonzero(facet.signs):
             corner = np.zeros(3)
@@ -431,7 +434,7 @@ def _none_is_stable(program: Program, best: DiamondOptimum) -> bool:
 
 
 def _least_turn(assembly: Assembly, down: Array) -> Array:
-    """The least turn that takes `down` to the gravity of the file, shape (4,)."""
+    """Quaternion of the least turn of the assembly that takes `down` to gravity, shape (4,)."""
     opposite = float(np.linalg.norm(down + assembly.down)) < OPPOSITE
     if assembly.planar and opposite:
         return np.array([0.0, 0.0, 1.0, 0.0])

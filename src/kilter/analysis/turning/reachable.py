@@ -1,4 +1,6 @@
-"""The polytope Q = {sum_i m_i dr_i : dp in A}, found by solving LP (9) for successive facets.
+"""The set Q of weighted displacements of all parts that the contacts allow, by its facets.
+
+Q = {sum_i m_i dr_i : dp in A}, in R^3, found by solving LP (9) for successive directions.
 
 An oracle of `kilter.analysis.regions.enclose`: the facet of the hull with outward normal n is
 program returns the greatest q.n in Q, that is -z(n); a few of the points may lie between vertices,
@@ -35,7 +37,9 @@ PROGRAMS = 20_000
 
 
 class Reachable:
-    """Q as far as it is known.
+    """Known part of the polytope Q of weighted displacements that the contacts allow.
+
+    See the module docstring.
 
     Attributes
     ----------
@@ -58,12 +62,12 @@ class Reachable:
             self.known = KnownSet(self._support, GrowingHull(points @ self.basis.T, OUTSIDE_HULL))
 
     def _support(self, direction: Array) -> SupportPoint:
-        """The farthest point of Q in a direction, and the plane there."""
+        """The farthest point of the polytope Q in a direction, and its supporting plane."""
         answer = self.work.solve(direction @ self.basis)
         return SupportPoint(self.basis @ answer.q, direction, -answer.z)
 
     def _first_points(self) -> Array:
-        """Points of Q that make a simplex in its span, shape (dimension + 1, 3), or none."""
+        """Points of Q that form a simplex in its span, shape (dimension + 1, 3); else empty."""
         points: list[Array] = []
         rest = np.eye(3)[self.work.unit.axes]
         while len(rest):
@@ -81,7 +85,7 @@ class Reachable:
         return np.array(points).reshape(-1, 3)
 
     def _on_both_sides(self, direction: Array, level: float) -> list[Array]:
-        """The farthest points of Q off the plane ``direction . q = level``, none of them on it."""
+        """Farthest points of Q on each side of a plane ``direction . q = level``; none on it."""
         sides = []
         for sign in (1.0, -1.0):
             answer = self.work.solve(sign * direction)
@@ -91,13 +95,13 @@ class Reachable:
 
 
 def _span(points: Array) -> Array:
-    """Orthonormal basis of the differences of points that make a simplex, shape (k, 3)."""
+    """Orthonormal basis of the span of a simplex, from its corners, shape (k, 3)."""
     basis, _ = np.linalg.qr((points[1:] - points[0]).T)
     return np.ascontiguousarray(basis.T)
 
 
 def _basis_across(points: Array, axes: Index) -> Array:
-    """Orthonormal basis of the directions among `axes` across the span of points, (k, 3)."""
+    """Orthonormal basis of the directions among `axes` perpendicular to a simplex, shape (k, 3)."""
     span = _span(points)[:, axes]
     _, _, rows = np.linalg.svd(span)
     return rows[len(span) :] @ np.eye(3)[axes]
@@ -105,7 +109,10 @@ def _basis_across(points: Array, axes: Index) -> Array:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SphereDirection:
-    """Unit `direction`, shape (3,), the greatest `z` [kg x length unit], `programs` solved."""
+    """The unit direction of gravity with the greatest z [kg x length unit].
+
+    z is the optimum of the displacement program; `programs` is the number of LPs solved.
+    """
 
     direction: Array
     z: float
@@ -113,7 +120,9 @@ class SphereDirection:
 
 
 def nearest_on_sphere(program: Program) -> SphereDirection | None:
-    """The unit direction with the greatest z; None if a direction is stable.
+    """Find the unit direction of gravity with the greatest z; None if a direction is stable.
+
+    z is the optimum of the displacement program: 0 if stable, negative if unstable.
 
     max over |g|_2 = 1 of z(g) is the distance of 0 from the boundary of Q, negative, reached
     at the outward normal of the facet nearest to 0: only that facet is refined each time.

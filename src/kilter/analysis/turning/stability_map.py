@@ -1,4 +1,4 @@
-"""The stability map: z for every direction of gravity at once.
+"""The stability map: optimum z of the displacement program for every direction of gravity.
 
     Q = {sum_i m_i dr_i : dp in A},      z(g) = -max over q in Q of q.g
 
@@ -33,7 +33,9 @@ __all__ = ["StabilityMap", "stability_map"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StabilityMap:
-    """The polytope Q; world frame, kg x length unit.
+    """Polytope from which z follows for every direction of gravity; world frame.
+
+    z is the optimum of the displacement program. Lengths are in kg x length unit.
 
     Attributes
     ----------
@@ -66,7 +68,7 @@ class StabilityMap:
     programs: int
 
     def z(self, gravity: ArrayLike) -> Array:
-        """The optimum z of LP (9), shape (n,), for gravity vectors, shape (n, 3), of any length.
+        """Optimum z of the displacement program for gravity vectors (n, 3) of any length, (n,).
 
         z(t g) = t z(g): give vectors with |g|_1 = 1 for the paper's diamond, unit vectors for
         z as `check` reports it.
@@ -79,14 +81,18 @@ class StabilityMap:
         return result
 
     def partition_of(self, gravity: ArrayLike) -> Index:
-        """The vertex, hence the partition of Figure 5, of each direction, shape (n,)."""
+        """Index of the map vertex that gives z for each direction of gravity, shape (n,).
+
+        The directions of a vertex are a partition of Figure 5 of the paper.
+        """
         result: Index = (np.asarray(gravity, dtype=np.float64) @ self.vertices.T).argmax(axis=-1)
         return result
 
     def partition(self, vertex: int) -> Array:
-        """Rays of a partition: unit normals of the facets at a vertex, shape (k, 3).
+        """Rays of the cone of directions for which a vertex gives z, unit, shape (k, 3).
 
-        The partition is the cone of these rays, plus the span of `equations`.
+        They are the unit normals of the facets at the vertex. The partition is their cone,
+        plus the span of `equations`.
         """
         at = [k for k, corners in enumerate(self.facets) if vertex in corners]
         rays: Array = self.normals[at]
@@ -94,7 +100,7 @@ class StabilityMap:
 
     @property
     def nearest(self) -> tuple[Array, float] | None:
-        """Unit direction with the greatest z, and that z; None if a direction is stable."""
+        """Unit direction of gravity with the greatest z, and z; None if a direction is stable."""
         full = 2 if self.planar else 3
         if self.dimension < full or self.offsets.min() <= OUTSIDE_HULL * self.mass:
             return None
@@ -103,7 +109,7 @@ class StabilityMap:
 
 
 def stability_map(program: Program, *, limit: int = PROGRAMS) -> StabilityMap:
-    """Find Q, hence z for every direction of gravity.
+    """Compute the map from which z follows for every direction of gravity.
 
     Parameters
     ----------
@@ -145,7 +151,7 @@ def stability_map(program: Program, *, limit: int = PROGRAMS) -> StabilityMap:
 
 
 def _assemble_map(reachable: Reachable, hull: GrowingHull | None, planar: bool) -> StabilityMap:
-    """The map, with coplanar simplices merged into facets, in the units of the program."""
+    """The map from a finished search: simplices merged into facets, in the program's units."""
     mass, basis = reachable.work.unit.mass, reachable.basis
     _, _, rows = np.linalg.svd(np.vstack([basis, np.zeros((1, 3))]))
     vertices, normals, offsets = np.zeros((1, 0)), np.zeros((0, 0)), np.zeros(0)
@@ -166,7 +172,7 @@ def _assemble_map(reachable: Reachable, hull: GrowingHull | None, planar: bool) 
 
 
 def _merge_facets(hull: GrowingHull) -> tuple[Array, Array, Array, tuple[Index, ...]]:
-    """Vertices, normals, offsets and corners of the facets, merged by planes."""
+    """Vertices, normals, offsets and corners of facets, after merging coplanar simplices."""
     facet, chosen = _planes(hull)
     normals, offsets = hull.normals[chosen], hull.offsets[chosen]
     size = hull.points.shape[1]
@@ -183,7 +189,7 @@ def _merge_facets(hull: GrowingHull) -> tuple[Array, Array, Array, tuple[Index, 
 
 
 def _planes(hull: GrowingHull) -> tuple[Index, list[int]]:
-    """The facet of each simplex, and the simplex that stands for each facet."""
+    """Index of the facet of each simplex of a hull, and a simplex of each facet."""
     corners = hull.points[hull.facets]
     spread = np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=(1, 2))
     beside: dict[tuple[int, ...], list[int]] = {}
@@ -211,7 +217,7 @@ def _planes(hull: GrowingHull) -> tuple[Index, list[int]]:
 
 
 def _sort_corners(points: Array, corners: Index, normal: Array) -> Index:
-    """Corners of a facet in order, seen from outside turning left."""
+    """Corners of a facet in counterclockwise order, seen from outside."""
     if len(normal) < 3:
         return corners
     rays = points[corners] - points[corners].mean(axis=0)

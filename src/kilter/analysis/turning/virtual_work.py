@@ -1,4 +1,4 @@
-"""LP (9) of the paper for many directions of gravity.
+"""The displacement program (LP (9) of the paper) for many directions of gravity.
 
     z(g) = min over dp in A of -(sum_i m_i dr_i) . g,    A: J dp >= 0, |dr|, |dtheta| <= 1
 
@@ -32,7 +32,10 @@ __all__ = ["Optimum", "UnitProgram", "VirtualWork", "facets_of_diamond", "unit_p
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Optimum:
-    """Result for a direction: `z` over the mass, the point `q` (3,) over the mass, and `x`."""
+    """Optimum of the displacement program for a direction of gravity, divided by the mass.
+
+    `z` is the optimum, `q` (3,) the weighted displacement of all parts, `x` the unknowns.
+    """
 
     z: float
     q: Array
@@ -41,7 +44,9 @@ class Optimum:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UnitProgram:
-    """LP (9) without a cost. `pull` (3, n): q = pull x; `mass`: of the free parts [kg].
+    """Constraints of the displacement program, which do not depend on the direction of gravity.
+
+    LP (9) without a cost.
 
     `axes`: those that gravity may have, all three or x and z. `length` (n,): x over it is dp.
     """
@@ -54,7 +59,7 @@ class UnitProgram:
 
 
 def unit_program(program: Program) -> UnitProgram:
-    """The feasible set of LP (9), scaled.
+    """Scaled constraints of the displacement program of an assembly.
 
     Raises
     ------
@@ -94,7 +99,7 @@ def unit_program(program: Program) -> UnitProgram:
 
 
 class VirtualWork:
-    """z, and a point of Q, for successive directions of gravity.
+    """The displacement program, solved for successive directions of gravity.
 
     Attributes
     ----------
@@ -120,18 +125,18 @@ class VirtualWork:
 
     @property
     def programs(self) -> int:
-        """LPs solved so far."""
+        """Number of linear programs that were solved."""
         return self._model.solves
 
     def solve(self, gravity: Array) -> Optimum:
-        """z(g) and a vertex of A that reaches it; g of any length, shape (3,)."""
+        """Solve the displacement program for a gravity vector of any length, shape (3,)."""
         cost = -(gravity @ self.unit.pull)
         x = self._model.solve(cost).required("the virtual work").x
         q = self.unit.pull @ x
         return Optimum(min(-float(q @ gravity), 0.0), q, x)
 
     def partition(self) -> Array:
-        """The last basis stays optimal if ``partition @ g >= 0``; unit rows, (k, 3).
+        """Rows whose products with g are >= 0 while the last solution stays optimal; unit, (k, 3).
 
         Equation (11) of the paper. Reduced costs that no direction changes are left out.
         """
@@ -144,7 +149,7 @@ class VirtualWork:
 
 
 def facets_of_diamond(program: Program) -> list[Array]:
-    """Signs of the facets of |g|_1 = 1, shape (3,) each: eight, or four if planar.
+    """Signs, shape (3,), of each facet of the diamond |g|_1 = 1: eight facets, four if planar.
 
     Ordered by how near they lie to the program's own gravity.
 

@@ -1,4 +1,6 @@
-"""Problem 2 as published: a walk through the partitions of the diamond.
+"""Search for the most stable direction by the paper's walk through partitions of the diamond.
+
+This is Problem 2 of the paper as published.
 
 The diamond |g|_1 = 1 is cut into facets (eight; four if planar), and each facet into
 partitions in which the same basis of LP (9) stays optimal, equation (11). In a partition z is
@@ -63,7 +65,7 @@ RESTARTS = 100
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WalkFacet:
-    """The walk in a facet.
+    """The walk in a facet of the diamond: directions, their values z, and how it ended.
 
     Attributes
     ----------
@@ -100,7 +102,7 @@ class WalkFacet:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Walk:
-    """The most nearly stable direction on the diamond, by the paper's walk.
+    """The most nearly stable direction on the diamond |g|_1 = 1, found by the paper's walk.
 
     Attributes
     ----------
@@ -136,7 +138,7 @@ class Walk:
 
 @dataclass(slots=True, eq=False)
 class _Trail:
-    """The walk in a facet so far, in units of the mass."""
+    """Record of a walk in a facet while it runs, with z divided by the mass."""
 
     signs: Array
     path: list[Array] = field(default_factory=list)
@@ -155,7 +157,7 @@ class _Trail:
 
 
 def walk(program: Program, *, every: bool = False) -> Walk:
-    """Maximise z over the diamond by the paper's walk through partitions.
+    """Find the direction of greatest z on the diamond, by the paper's walk through partitions.
 
     Parameters
     ----------
@@ -211,7 +213,7 @@ def walk(program: Program, *, every: bool = False) -> Walk:
 
 
 def _facet(work: VirtualWork, signs: Array) -> tuple[_Trail, float, int, bool]:
-    """Walk in a facet; the trail, z of the published rule, failed stops, and whether best."""
+    """Walk in a facet: the record, z by the published rule, failed stops, and whether optimal."""
     trail = _Trail(signs)
     start = np.zeros(3)
     start[work.unit.axes] = START[work.unit.axes]
@@ -234,7 +236,7 @@ def _facet(work: VirtualWork, signs: Array) -> tuple[_Trail, float, int, bool]:
 
 
 def _one_walk(work: VirtualWork, trail: _Trail, start: Array) -> None:
-    """The published walk from a start; it leaves its path and how it ended in the trail."""
+    """Walk from a start as published; store the path and the reason of its end in the trail."""
     here, seen = start, len(trail.path)
     for _ in range(PARTITIONS):
         optimum = work.solve(here)
@@ -262,7 +264,10 @@ def _one_walk(work: VirtualWork, trail: _Trail, start: Array) -> None:
 def _summit(
     work: VirtualWork, trail: _Trail, optimum: Optimum, partition: Array, here: Array
 ) -> Array:
-    """The g of facet and partition with the greatest z = -q.g; `here` if none is greater."""
+    """Direction with the greatest z in a partition of a facet; `here` if none is greater.
+
+    z = -q.g is linear in a partition.
+    """
     axes, signs = work.unit.axes, trail.signs[work.unit.axes]
     rows = np.vstack([partition[:, axes] * signs, np.ones((1, len(axes)))])
     lower = np.append(np.minimum(partition @ here, 0.0), 1.0)
@@ -283,14 +288,14 @@ def _summit(
 
 
 def _on_facet(point: Array, signs: Array) -> Array:
-    """The point, cut off at the edges of the facet, |g|_1 = 1."""
+    """Move a point to the nearest signs of a facet, and scale it to |g|_1 = 1."""
     shares = np.maximum(point * signs, 0.0)
     result: Array = signs * shares / float(shares.sum())
     return result
 
 
 def _ascent(work: VirtualWork, trail: _Trail, test: Optimality) -> Array | None:
-    """A point on the ascent of a failed test that is higher than all before; None if none is."""
+    """A direction higher in z than all before, on the ascent of a failed test; None if none is."""
     at = trail.best
     for k in range(40):
         point = trail.path[at] + (test.toward - trail.path[at]) * 0.5**k
@@ -302,7 +307,7 @@ def _ascent(work: VirtualWork, trail: _Trail, test: Optimality) -> Array | None:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Optimality:
-    """Whether a direction is the `best` of its facet.
+    """Whether a direction has the greatest z of its facet, or else a direction with greater z.
 
     `bound`: no direction of the facet has a greater z over the mass. `toward`, shape (3,):
     the point of the facet toward which z rises, if it does.
@@ -314,7 +319,7 @@ class Optimality:
 
 
 def is_best(unit: UnitProgram, signs: Array, gravity: Array, z: float) -> Optimality:
-    """Test a direction of a facet for optimality; `z` is z(gravity) over the mass."""
+    """Test whether a direction has the greatest z of its facet; `z` is its value over the mass."""
     lp, axes = unit.lp, unit.axes
     count, rows = len(lp.cost), lp.matrix.shape[0]
     corners = signs[axes, None] * unit.pull[axes]

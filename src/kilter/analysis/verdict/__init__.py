@@ -1,1 +1,1 @@
-"""The verdict of `check` and the quantities that follow from it: motion, forces, displacements."""
+"""The verdict of `check`, and the motion, forces and displacements that belong to it."""

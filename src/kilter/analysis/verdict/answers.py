@@ -16,7 +16,7 @@ def joints_answer(assembly: Assembly) -> list[dict[str, Any]]:
 
 
 def unsupported_answer(assembly: Assembly, contacts: ContactSet) -> list[dict[str, Any]]:
-    """JSON data of the pairs whose kind of contact is not modelled."""
+    """JSON data of the pairs of parts whose kind of contact is not modelled."""
     return [
         {"parts": [assembly.names[i] for i in u.parts], "kind": u.kind, "point": list(u.point)}
         for u in contacts.unsupported

@@ -30,7 +30,7 @@ LIMIT = 3_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactForces:
-    """Forces of equilibrium at contact points and patches.
+    """Contact forces that balance every part, at contact points and summed over patches.
 
     The forces act on the second part of each contact, in the world frame.
 
@@ -97,7 +97,7 @@ class ContactForces:
     pressures: Array
 
     def _position(self, name: str) -> int:
-        """Position of a part by its name."""
+        """Index of a part, given its name."""
         if name in self.names:
             return self.names.index(name)
         near = nearest_name(name, self.names)
@@ -105,7 +105,7 @@ class ContactForces:
         raise InputError(f"no part is named {name!r}", hint=hint)
 
     def _selected(self, part: int, rows: Index) -> PointForces:
-        """The forces on a part at these rows, with the sign of the part that they act on."""
+        """Contact forces on a part at the given rows, with the sign of the action on this part."""
         sign = np.where(self.pairs[rows, 1] == part, 1.0, -1.0)[:, None]
         return sealed(
             PointForces(
@@ -114,7 +114,7 @@ class ContactForces:
         )
 
     def between(self, a: str, b: str) -> PointForces:
-        """The contact forces of part `a` on part `b`; empty if they do not touch.
+        """Contact forces of part `a` on part `b`; empty if they do not touch.
 
         Raises
         ------
@@ -126,7 +126,7 @@ class ContactForces:
         return self._selected(second, np.flatnonzero(both))
 
     def on(self, part: str) -> PointForces:
-        """The contact forces of all other parts on a part; joints and loads do not count.
+        """Contact forces of all other parts on a part, without joints and loads.
 
         Raises
         ------
@@ -138,7 +138,7 @@ class ContactForces:
 
 
 def find_contact_forces(program: Program, proof: ForceProof) -> ContactForces:
-    """Compute the forces that the answer shows for an equilibrium proved by `proof`.
+    """Compute the contact forces that an answer shows, for a proved equilibrium.
 
     These are the forces with the least sum of squares. If the program has more than `LIMIT` rows,
     or if they do not pass as a proof, the forces of `proof` are shown instead.
@@ -197,7 +197,7 @@ def find_contact_forces(program: Program, proof: ForceProof) -> ContactForces:
 
 
 def _pressure_centers(program: Program, patch_of: Index, count: int, along: Array) -> Array:
-    """Pressure centre of each patch from the normal forces `along` at its points, shape (P, 3)."""
+    """Centre of pressure of each patch from the normal forces at its points, shape (P, 3)."""
     rows = np.flatnonzero(program.kind == CONTACT)
     bonded = np.bincount(patch_of, program.pull[rows], minlength=count) > 0
     sizes = np.where(bonded[patch_of], np.abs(along), along)
@@ -210,7 +210,7 @@ def _pressure_centers(program: Program, patch_of: Index, count: int, along: Arra
 
 
 def _least_square_forces(program: Program) -> ForceProof | None:
-    """Forces with the least sum of squares; None if the solver fails or they prove nothing."""
+    """Balancing forces with the least sum of squares; None if solver or verification fails."""
     from kilter.solvers.clarabel import solve_conic
 
     if not program.free.any():

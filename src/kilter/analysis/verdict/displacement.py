@@ -30,7 +30,7 @@ LIMIT = 300
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Displacement:
-    """Optimum of the displacement program.
+    """Optimum z of the displacement program, with the displacements of the parts.
 
     `z` is at most 0 [kg x length unit]. `displacement` has shape (N, 6), translations [length
     unit] and rotations [rad], and is None for more than `LIMIT` free parts. Both are None if no
@@ -42,7 +42,7 @@ class Displacement:
 
 
 def find_displacement(program: Program) -> Displacement:
-    """Solve the displacement program of the paper.
+    """Solve the displacement program: the greatest energy that bounded displacements release.
 
     The program always has an optimum. If no solver finishes, z is None, which says nothing about
     the assembly.
@@ -75,7 +75,7 @@ def find_displacement(program: Program) -> Displacement:
 
 
 def _shortest(lp: LinearProgram, optimum: Array, z: float) -> Array:
-    """The optimal x of least 2-norm: the projection of 0 onto the optimal face.
+    """Optimal unknowns of least norm: the projection of 0 onto the optimal face of a program.
 
     Returns `optimum` if the projection is not accurate enough.
     """

@@ -1,4 +1,4 @@
-"""Length of the impending motion that a film shows: until a part would enter another part.
+"""Length of the impending motion that a film shows, before a part would enter another part.
 
 A motion of first order gives initial accelerations, not final positions. To make it visible, it is
 enlarged: each part follows the screw of its acceleration (`kilter.rigid.screwed`). The motion ends
@@ -35,7 +35,7 @@ MOST = 3000
 
 
 def free_travel(verdict: Verdict) -> Array:
-    """Compute the largest free travel of all parts along their impending motion.
+    """Displacement of each part along its impending motion until a part would enter another part.
 
     Returns
     -------
@@ -71,7 +71,7 @@ def free_travel(verdict: Verdict) -> Array:
 
 
 def _displace(assembly: Assembly, screws: Array, amount: float) -> Assembly:
-    """The assembly after each part has followed its screw, without joints, bonds and loads."""
+    """The assembly after each part moved along its screw, without joints, bonds and loads."""
     center, parts = assembly.geometry.center, []
     for k, part in enumerate(assembly.parts):
         pose = part.pose
@@ -85,14 +85,14 @@ def _displace(assembly: Assembly, screws: Array, amount: float) -> Assembly:
 
 
 def _depths(assembly: Assembly) -> dict[tuple[int, int], float]:
-    """Depth of each overlapping pair of parts over the size of the smaller part [-]."""
+    """Penetration depth of each overlapping pair, over the size of the smaller part [-]."""
     size = assembly.geometry.size
     overlaps = contacts(assembly).overlaps
     return {pair.parts: pair.depth / max(size[list(pair.parts)].min(), TINY) for pair in overlaps}
 
 
 def _free_amount(assembly: Assembly, screws: Array, most: float) -> float:
-    """Largest amount, up to `most`, by which all screws are free of new penetration."""
+    """Largest multiple, up to `most`, of all screws that causes no new penetration [-]."""
     rest = _depths(_displace(assembly, screws, 0.0))
 
     def is_free(amount: float) -> bool:

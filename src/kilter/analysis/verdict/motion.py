@@ -1,4 +1,4 @@
-"""Impending motion: initial accelerations by Gauss's principle of least constraint.
+"""Impending motion: accelerations of the parts from rest, by Gauss's least constraint.
 
     min 1/2 (a - M^-1 w)^T M (a - M^-1 w),   J a >= 0
 
@@ -70,7 +70,7 @@ UNKNOWN_MOTION = {True: "moves in an unknown way", False: "is not known to move"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ImpendingMotion:
-    """Initial accelerations of all parts from rest.
+    """Accelerations with which all parts start to move from rest.
 
     Attributes
     ----------
@@ -106,12 +106,12 @@ class ImpendingMotion:
 
     @property
     def known(self) -> bool:
-        """Whether a solver finished; if not, `moves` marks the parts that a proof moves."""
+        """Whether a solver computed the motion; if not, `moves` marks parts that a proof moves."""
         return bool(np.isfinite(self.residual))
 
 
 def find_motion(program: Program) -> ImpendingMotion:
-    """Compute the initial accelerations of all parts without friction.
+    """Compute the accelerations of all parts from rest, without friction.
 
     If every solver fails, the result is not `known`.
 
@@ -138,7 +138,7 @@ def find_motion(program: Program) -> ImpendingMotion:
 
 
 def motion_of(program: Program, acceleration: Array, residual: float) -> ImpendingMotion:
-    """Build an impending motion from accelerations: relative sizes, moving parts and kappa.
+    """Create an impending motion from accelerations, with moving parts and instability kappa.
 
     Parameters
     ----------
@@ -162,7 +162,9 @@ def motion_of(program: Program, acceleration: Array, residual: float) -> Impendi
 
 
 def find_motion_with_friction(program: Program, effort: float) -> ImpendingMotion | None:
-    """Compute initial accelerations that obey Coulomb's law, if no forces of equilibrium exist.
+    """Compute accelerations from rest with Coulomb friction, if no equilibrium exists.
+
+    None if no solver finishes within the effort.
 
     Parameters
     ----------
@@ -184,7 +186,7 @@ def find_motion_with_friction(program: Program, effort: float) -> ImpendingMotio
 
 
 def _least_constraint_motion(program: Program) -> tuple[Array, float] | None:
-    """Accelerations over gravity, shape (N, 6), and their residual; None if all solvers fail.
+    """Accelerations over g of least constraint, (N, 6), and their residual; None on failure.
 
     Clarabel solves a small program first. If the residual exceeds `MOTION_GOOD`, the interior
     point of `kilter.solvers.projection` follows, first on half of a symmetric assembly. The result
@@ -197,7 +199,7 @@ def _least_constraint_motion(program: Program) -> tuple[Array, float] | None:
     solutions: list[tuple[Array, float]] = []
 
     def add(form: LeastConstraint, unknowns: Array, multipliers: Array) -> float:
-        """Add a solution and return its residual."""
+        """Store a solution of a solver and return its residual."""
         motion = problem.motion(form.accelerations(unknowns))
         with np.errstate(over="ignore", invalid="ignore"):  # overflowing forces: residual infinite
             residual = optimality(program, motion, form.forces(multipliers) * _heaviest(program))
@@ -230,7 +232,7 @@ def _least_constraint_motion(program: Program) -> tuple[Array, float] | None:
 def optimality(
     program: Program, motion: Array, forces: Array, friction: Array | None = None
 ) -> float:
-    """Largest residual of the optimality conditions of an impending motion [g].
+    """Largest residual of the optimality conditions of an impending motion, in [g].
 
         M a = w + J^T f,   J a >= 0,   f >= 0,   f . J a = 0
 
@@ -271,7 +273,7 @@ def optimality(
 
 
 def _heaviest(program: Program) -> float:
-    """Largest weight m g of a free part [N]."""
+    """Weight m g of the heaviest free part [N]."""
     return float(program.mass[program.free].max() * program.g)
 
 
@@ -284,7 +286,7 @@ def still(program: Program) -> ImpendingMotion:
 
 
 def unknown(program: Program, proof: ForceProof | MotionProof | None = None) -> ImpendingMotion:
-    """The impending motion if no solver finished: only the parts that a proof moves are marked."""
+    """The motion to report if no solver finished: only parts that a proof moves are marked."""
     motion = still(program)
     moves = motion.moves
     if isinstance(proof, MotionProof) and proof.holds:

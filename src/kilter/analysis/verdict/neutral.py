@@ -1,4 +1,4 @@
-"""Numbers of neutral motions: motions that cost no energy to first order, without friction.
+"""Number of neutral motions: independent motions that cost no energy to first order.
 
     two-sided:   dim {dp: J dp = 0, w.dp = 0}
     one-sided:   dim span {dp: J dp >= 0, w.dp = 0} - two-sided
@@ -35,14 +35,17 @@ LIMIT = 100
 
 @dataclass(frozen=True, slots=True)
 class Neutral:
-    """Numbers of independent two-sided and one-sided neutral motions."""
+    """Numbers of independent neutral motions, which cost no energy: two-sided and one-sided.
+
+    A one-sided motion opens a contact.
+    """
 
     two_sided: int
     one_sided: int
 
 
 def find_neutral(program: Program) -> Neutral | None:
-    """Count the neutral motions of a program.
+    """Count the neutral motions of a program, without friction; None if no solver finishes.
 
     Returns None for more than `LIMIT` free parts, or if no solver finishes.
 
@@ -75,7 +78,7 @@ def find_neutral(program: Program) -> Neutral | None:
 
 
 def _unit_rows(problem: ScaledProblem) -> Array:
-    """Rows of J in scaled unknowns, normalised to length 1; dense, shape (rows, freedoms)."""
+    """Gap gradients of the contacts in scaled unknowns, each of length 1, (rows, freedoms)."""
     rows = problem.openings().toarray()
     length = np.linalg.norm(rows, axis=1)
     unit: Array = rows / np.where(length > 0, length, 1.0)[:, None]
@@ -83,7 +86,7 @@ def _unit_rows(problem: ScaledProblem) -> Array:
 
 
 def _rank(matrix: Array, blur: float) -> int:
-    """Number of singular values above `blur` times the largest."""
+    """Rank of a matrix: number of singular values above `blur` times the largest."""
     if not len(matrix):
         return 0
     if len(matrix) > matrix.shape[1]:
@@ -94,7 +97,7 @@ def _rank(matrix: Array, blur: float) -> int:
 
 
 def _never_open(problem: ScaledProblem, opening: Array, load: Array, blur: float) -> Mask | None:
-    """Mask of the rows that no motion of the cone opens; None if no solver finishes."""
+    """Mask of the contacts that no neutral motion opens; None if no solver finishes."""
     from kilter.solvers.highs import find_optimum
 
     rows, count = opening.shape

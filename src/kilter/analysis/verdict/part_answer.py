@@ -1,4 +1,4 @@
-"""The answers for a single part: how it starts to move, and the forces of its contacts."""
+"""Answers about a single part: how it starts to move, and the forces of its contacts."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["PartAnswer", "PartMotion", "PointForces"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartMotion:
-    """How a part starts to move from rest; arrays read-only.
+    """How a part starts to move from rest: accelerations and words; arrays are read-only.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class PartMotion:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartAnswer:
-    """The answer of `kilter.check` for a part: ``verdict["upper"]``.
+    """The answer of `kilter.check` about a single part: ``verdict["upper"]``.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class PartAnswer:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PointForces:
-    """Contact forces on a part, from another part or from all others; arrays read-only.
+    """Contact forces on a part, from one or all other parts; arrays are read-only.
 
     Attributes
     ----------
@@ -94,12 +94,12 @@ class PointForces:
 
     @property
     def resultant(self) -> Array:
-        """Sum of the forces, shape (3,) [N]."""
+        """Sum of the contact forces, shape (3,) [N]."""
         return frozen(self.forces.sum(axis=0))
 
     @property
     def center(self) -> Array | None:
-        """Centre of pressure, shape (3,) [length unit]: mean of the points by normal force.
+        """Centre of pressure of the contact forces, shape (3,) [length unit]; None without force.
 
         None if the contacts carry no normal force.
         """
@@ -109,7 +109,7 @@ class PointForces:
         return frozen(size @ self.points / size.sum())
 
     def moment(self, about: ArrayLike) -> Array:
-        """Torque of the forces about a point, shape (3,), world frame [N x length unit]."""
+        """Torque of the contact forces about a point, shape (3,), world frame [N x length unit]."""
         arms = self.points - frozen(about, (3,), "about")
         return frozen(np.cross(arms, self.forces).sum(axis=0))
 

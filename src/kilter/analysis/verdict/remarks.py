@@ -1,4 +1,4 @@
-"""Warnings of an answer: remarks of the reader, parts that touch nothing, no free parts."""
+"""Warnings in an answer about the input, parts that touch nothing, and missing free parts."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["floating_groups", "loose_parts", "remarks", "touching_nothing"]
 
 
 def remarks(assembly: Assembly, contacts: ContactSet) -> list[str]:
-    """Remarks of the reader, the geometry and the contacts; a further remark if no part is free."""
+    """Warnings about file, geometry and contacts; a further warning if no part is free."""
     texts = contacts.of(assembly).remarks()
     if assembly.geometry.grounded.all():
         texts.append("every part is held: nothing can move")
@@ -21,13 +21,13 @@ def remarks(assembly: Assembly, contacts: ContactSet) -> list[str]:
 
 
 def loose_parts(assembly: Assembly, contacts: ContactSet) -> list[str]:
-    """Parts and groups of parts that touch no other part, with the nearest part of each."""
+    """Warnings about parts and groups that touch no other part, with the nearest part of each."""
     alone = lone_warnings(contacts.of(assembly).nearest(), assembly.units)
     return alone + group_warnings(floating_groups(assembly, contacts))
 
 
 def floating_groups(assembly: Assembly, contacts: ContactSet) -> list[list[str]]:
-    """Names of the parts of each group that touches no other part and has no held part.
+    """Names of the parts in each group that touches no other part and has no held part.
 
     Contacts, open pairs, joints or bonds connect the parts of a group. A single part is not a
     group.
@@ -47,5 +47,5 @@ def floating_groups(assembly: Assembly, contacts: ContactSet) -> list[list[str]]
 
 
 def touching_nothing(assembly: Assembly, contacts: ContactSet) -> list[str]:
-    """Names of the free parts that touch nothing and are joined to nothing."""
+    """Names of the free parts that touch no other part and are joined to none."""
     return [entry["part"] for entry in contacts.of(assembly).nearest() if not entry["grounded"]]

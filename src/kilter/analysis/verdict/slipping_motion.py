@@ -1,4 +1,4 @@
-"""Impending motion with slipping bonds: Gauss's principle with the power that bonds absorb.
+"""Impending motion of parts with bonds that slip and absorb power, by Gauss's principle.
 
     min 1/2 (a - M^-1 w)^T M (a - M^-1 w) + sum S |a_t|,   J a >= 0
 
@@ -25,7 +25,7 @@ __all__ = ["find_slipping_motion"]
 
 
 def find_slipping_motion(program: Program) -> ImpendingMotion:
-    """Compute the initial accelerations of all parts with slipping bonds.
+    """Compute the accelerations of all parts from rest, with bonds that slip.
 
     If the solver fails, the result is not `known`.
 
@@ -74,7 +74,7 @@ def find_slipping_motion(program: Program) -> ImpendingMotion:
 
 
 def _slipping_program(wide: ConeProblem) -> ConicProgram:
-    """Gauss's principle as a conic program, x = (scaled a, bound of |a_t| at each bond)."""
+    """Conic program for the motion: x = (scaled accelerations, bound of the slip at each bond)."""
     program, rough = wide.program, len(wide.rough)
     gauss = impending_motion(wide.problem)  # only its objective is used: masses and load
     openings = csr_array(wide.problem.openings())
@@ -105,7 +105,7 @@ def _slipping_program(wide: ConeProblem) -> ConicProgram:
 
 
 def _shear_residual(program: Program, motion: Array, friction: Array) -> float:
-    """Largest residual of the shear law at bonds, over the weight of the lighter part [-].
+    """Largest residual of the shear law at the bonds, over the weight of the lighter part [-].
 
     The residual is the excess of a shear force over its limit S, or the power that is missing
     because the force does not oppose the slip with S.

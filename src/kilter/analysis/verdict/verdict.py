@@ -81,7 +81,7 @@ ROUNDING = 1e-15
 
 @dataclass(frozen=True, eq=False)
 class Verdict(InCells, Answer):
-    """Answer of `check`, with its evidence.
+    """Answer of `kilter.check`: the verdict on an assembly, with its proof and its motion.
 
     Attributes
     ----------
@@ -162,17 +162,20 @@ class Verdict(InCells, Answer):
 
     @property
     def parts(self) -> tuple[PartAnswer, ...]:
-        """The answers for all parts, in the order of the assembly; ``verdict[name]`` is one."""
+        """The answers about every part, in the order of the assembly; ``verdict[name]`` is one."""
         return tuple(self[k] for k in range(len(self.assembly)))
 
     @property
     def stable(self) -> bool:
-        """Whether the assembly holds at the required level."""
+        """Whether the assembly holds at the required verdict level."""
         return holds(self.level, self.require)
 
     @property
     def level(self) -> str | None:
-        """The level that the assembly reaches, or None; strict only if strict is required."""
+        """Verdict level that the assembly reaches; None if it does not hold.
+
+        "strict" only if it is required.
+        """
         # the proof of the level strict is computed only on demand, and only without friction
         examine = self.require == "strict" and self.verdict == "stable" and self.friction is None
         return level_of(self.verdict, strict=examine and self._strict)
@@ -187,19 +190,19 @@ class Verdict(InCells, Answer):
 
     @property
     def _none_neutral(self) -> bool:
-        """Whether it is known that no neutral motion exists."""
+        """Whether it is known that the assembly has no neutral motion, which costs no energy."""
         neutral = self.neutral
         return neutral is not None and neutral.two_sided == neutral.one_sided == 0
 
     def _second_order(self) -> dict[str, Any] | None:
-        """JSON data of second order; None if not examined or without neutral motions."""
+        """JSON data about curvature (second order); None if not examined or no neutral motion."""
         if self.second_order is None or self._none_neutral:
             return None
         return self.second_order.to_dict(self.program.names)
 
     @property
     def first_order(self) -> str:
-        """The verdict to first order, as in the paper: "stable" for a balanced assembly."""
+        """The verdict without regard to curvature, as in the paper: "stable" if balanced."""
         return "stable" if self.verdict == "balanced" else self.verdict
 
     @property
@@ -224,20 +227,23 @@ class Verdict(InCells, Answer):
 
     @property
     def seated(self) -> str | None:
-        """Result of the search for a seat: yes, runs-away or not-found; None if not examined."""
+        """Result of the search for a state of rest: yes, runs-away or not-found; else None.
+
+        None if it was not examined.
+        """
         examined = self.friction is not None and self.friction.examined
         return self.friction.seating.seated if examined and self.friction is not None else None
 
     @property
     def tries(self) -> tuple[int, int] | None:
-        """Number of tries that came to rest, and number of all tries; None if not examined."""
+        """Numbers of passed and of all numerical experiments of settling; None if not examined."""
         if self.friction is None or not self.friction.examined:
             return None
         return len(self.friction.tries), len(self.friction.settling.ends)
 
     @property
     def certificate(self) -> ForceProof | MotionProof | None:
-        """The proof of the verdict: forces, or a motion if it is unstable; None if undecided."""
+        """The proof of the verdict: forces, or a motion if unstable; None if undecided."""
         if self.level is not None:
             return self.judgement.forces
         return self.judgement.motion if self.verdict == "unstable" else None
@@ -261,7 +267,7 @@ class Verdict(InCells, Answer):
 
     @cached_property
     def motion(self) -> ImpendingMotion:
-        """Initial accelerations of all parts; zero if the assembly is stable.
+        """Accelerations with which all parts start to move; zero if the assembly is stable.
 
         Without friction, they follow from Gauss's principle. With friction, they obey Coulomb's
         law. For the verdict potentially-stable, they are the motion that refutes the guarantee.
@@ -272,7 +278,7 @@ class Verdict(InCells, Answer):
 
     @on_one_thread
     def _motion(self) -> ImpendingMotion:
-        """The impending motion, by the method that fits the verdict and the contacts."""
+        """The impending motion, by the method for this verdict and these contacts."""
         if self.verdict in ("stable", "settles", "balanced"):
             return still(self.program)
         if self.modelled.cohesion.any():
@@ -290,20 +296,20 @@ class Verdict(InCells, Answer):
 
     @property
     def measured(self) -> bool:
-        """Whether z, kappa and displacements are reported: without friction, or by `measures`."""
+        """Whether z, kappa and displacements are reported: without friction, or on request."""
         rubs = self.friction is not None or bool(len(self.program.gripping))
         return self.measures or not rubs
 
     @property
     def instability(self) -> float | None:
-        """Kappa of the motion [-]; None with loads, or if it is not known how the parts move."""
+        """Size kappa of the impending motion [-], 0 to 1; None with loads or without a motion."""
         unclear = self.level in ("settles", "equilibrium") and self.guarantee == "open"
         known = not (self.assembly.loads or unclear) and self.motion.known
         return self.motion.instability if known else None
 
     @cached_property
     def forces(self) -> ContactForces | None:
-        """Contact forces of the equilibrium; None if the proof has no forces."""
+        """Contact forces that balance every part; None if the proof has no forces."""
         proof = self.certificate
         if not isinstance(proof, ForceProof):
             return None
@@ -311,13 +317,13 @@ class Verdict(InCells, Answer):
 
     @cached_property
     def neutral(self) -> Neutral | None:
-        """Numbers of neutral motions without friction; None if they were not counted."""
+        """Numbers of neutral motions, which cost no energy; None if they were not counted."""
         return find_neutral(self.modelled)
 
     @cached_property
     @on_one_thread
     def remedies(self) -> tuple[Remedy, ...]:
-        """Options of the command line that were tried and would change the verdict.
+        """Command-line options that were tried and would change the verdict.
 
         They are computed at the first access, each with the work limit of the verdict. The rest of
         the time limit applies to all together. There are none if the time limit cut the verdict.
@@ -331,12 +337,12 @@ class Verdict(InCells, Answer):
 
     @property
     def tolerance(self) -> float:
-        """Relative tolerance of the verdict: the largest tolerance of all parts [-]."""
+        """Relative tolerance of the verdict [-]: the largest tolerance of all parts."""
         return float(self.program.tolerance.max(initial=TOLERANCE))
 
     @property
     def barely(self) -> str:
-        """Warning if rounding of coordinates could cause the instability; otherwise ""."""
+        """Warning if rounding of coordinates could cause the instability; otherwise empty."""
         kappa = self.instability
         if self.verdict != "unstable" or kappa is None or kappa >= BARELY:
             return ""
@@ -348,7 +354,7 @@ class Verdict(InCells, Answer):
 
     @property
     def moved_by_proof(self) -> Mask:
-        """Whether the motion of the proof moves each part, shape (N,); False without a motion.
+        """Mask of the parts that the motion of the proof moves, shape (N,).
 
         The proof counts every force that open pairs could transmit. `motion` counts the certain
         contacts only.
@@ -365,7 +371,7 @@ class Verdict(InCells, Answer):
         return [n for n, m in zip(self.program.names, self.motion.moves, strict=True) if m]
 
     def words(self, part: int | str, *, slow: bool = False) -> str:
-        """Describe how a part starts to move.
+        """Describe how a part starts to move, as a phrase for users.
 
         Parameters
         ----------
@@ -395,7 +401,7 @@ class Verdict(InCells, Answer):
 
     @property
     def summary(self) -> str:
-        """A sentence about the fastest parts and how they start to move."""
+        """Describe the fastest parts and how they start to move, in a sentence."""
         motion = self.motion
         which = np.flatnonzero(motion.moves)
         if not (motion.known or len(which)):
@@ -408,7 +414,7 @@ class Verdict(InCells, Answer):
         return motion_summary(fastest, len(which))
 
     def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
-        """The proof as JSON data, which `verify` accepts.
+        """The proof of the verdict as JSON data, which `kilter.verify` accepts.
 
         Parameters
         ----------
@@ -430,14 +436,14 @@ class Verdict(InCells, Answer):
         return proof
 
     def with_seconds(self, **more: float) -> Verdict:
-        """The same verdict with durations of further stages [s]; computed quantities are kept."""
+        """Copy of the verdict with durations of further stages [s], and all computed quantities."""
         other = copy.copy(self)
         object.__setattr__(other, "seconds", MappingProxyType({**self.seconds, **more}))
         return other
 
     @on_one_thread
     def to_dict(self) -> dict[str, Any]:
-        """The answer of `kilter check --json`, with every fact that its text reports."""
+        """The verdict as JSON data, as ``kilter check --json`` prints it."""
         assembly, contacts, neutral = self.assembly, self.contacts, self.neutral
         tries, moved_by_proof = self.tries, self.moved_by_proof
         return {
@@ -493,7 +499,7 @@ class Verdict(InCells, Answer):
         }
 
     def _bonds_needed(self) -> dict[str, Any] | None:
-        """The least share of the bond strength that suffices, and the pairs that fail first.
+        """Least fraction of bond strength that suffices, and the pairs that fail first; else None.
 
         None without bonds, without a level, or for more than `BONDED_PARTS` free parts. The contact
         forces of the answer are one equilibrium of many, so they may load bonds more.
@@ -508,7 +514,7 @@ class Verdict(InCells, Answer):
         return {"share": factor.value, "fail": pairs}
 
     def _cautions(self) -> list[str]:
-        """Warnings that depend on the motion and the displacements."""
+        """Warnings of the verdict that depend on the motion and the displacements."""
         failed = self.measured and self.displacement.z is None
         unfinished = "no solver finished the displacement program: z and displacements are left out"
         open_motion = [] if self.motion.known else [NO_MOTION]
@@ -534,7 +540,7 @@ class Verdict(InCells, Answer):
         }
 
     def _repr_html_(self) -> str:
-        """HTML that a notebook displays."""
+        """The verdict as HTML for a notebook."""
         return html_of(self.to_dict())
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""JSON data for the answer of a check: densities, certificate, friction and forces."""
+"""JSON data for parts of a check's answer: densities, proof, friction and forces."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = ["certificate_answer", "density_answer", "forces_answer", "friction_an
 
 
 def density_answer(assembly: Assembly) -> dict[str, Any]:
-    """Densities from which masses of free parts are computed [kg/m^3].
+    """Densities from which masses of free parts are computed [kg/m^3], as JSON data.
 
     `given` is the range of the stated densities. `default` is the density of the parts without
     mass and density. Either is None if no part uses it.
@@ -39,7 +39,7 @@ def density_answer(assembly: Assembly) -> dict[str, Any]:
 def certificate_answer(
     proof: ForceProof | MotionProof | None, judgement: Judgement
 ) -> dict[str, Any]:
-    """Kind of the proof that holds, and errors of the best forces and of the best motion."""
+    """Kind of the proof that holds, and errors of the best forces and motion, as JSON data."""
     forces, motion = judgement.forces, judgement.motion
     kind = None if proof is None else "forces" if isinstance(proof, ForceProof) else "motion"
     return {
@@ -51,7 +51,7 @@ def certificate_answer(
 
 
 def friction_answer(answer: FrictionAnswer | None, effort: float) -> dict[str, Any] | None:
-    """Evidence of the guarantee of friction; None if the guarantee was not examined."""
+    """Evidence that friction excludes motions, as JSON data; None if it was not examined."""
     if answer is None or not answer.examined:
         return None
     witness, seating, exclusion = answer.witness, answer.seating, answer.exclusion
@@ -82,7 +82,7 @@ def friction_answer(answer: FrictionAnswer | None, effort: float) -> dict[str, A
 def forces_answer(
     forces: ContactForces | None, contacts: ContactSet, program: Program
 ) -> dict[str, Any] | None:
-    """Forces of equilibrium [N] on the second part of each patch; None if there are none."""
+    """Contact forces [N] on the second part of each patch, as JSON data; None without forces."""
     if forces is None:
         return None
     rows = np.argsort(forces.patch_of, kind="stable")
