@@ -120,7 +120,7 @@ def _children(law: CoulombLaw, node: _Decisions, optimum: TrialMotion) -> list[_
 def _solve_relaxation(
     law: CoulombLaw, lines: Array, node: _Decisions, work: Work
 ) -> TrialMotion | None:
-    """Optimum of a node's relaxation; None if it is infeasible or the solver fails."""
+    """Solve the convex relaxation of a node; None if it is infeasible or the solver fails."""
     from kilter.solvers.clarabel import solve_conic
 
     answer = solve_conic(_relaxation_program(law, lines, node), tolerance=NODE_GAP, work=work)

@@ -73,7 +73,7 @@ class MomentProof:
 
 
 def moment_proof(law: ReducedLaw, opening: Array, tolerance: float, *, work: Work) -> MomentProof:
-    """Bound the power of all motions until it is below a tolerance, or no progress is made.
+    """Bound the power of all motions by moment relaxations, until it is small or stalls.
 
     Parameters
     ----------

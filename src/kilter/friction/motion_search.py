@@ -125,7 +125,7 @@ class _MotionSearch:
 
     @property
     def over(self) -> bool:
-        """True if the search is complete or its work is spent."""
+        """True if the search for motions is complete or its work is spent."""
         return (self.best is not None and self.best.exact) or self.work.over
 
     def solve(self, shift: Array, lubricated: Mask) -> TrialMotion | None:
@@ -195,7 +195,7 @@ def find_coulomb_motion(
     runaway: Array | None = None,
     only: Part | None = None,
 ) -> CoulombMotion | None:
-    """A motion that obeys the contact law, or None if none was found.
+    """Search for a motion from rest that obeys Coulomb's contact law; None if none was found.
 
     Parameters
     ----------

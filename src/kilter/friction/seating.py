@@ -91,7 +91,7 @@ def find_seating(
     work: Work | float = inf,
     elastic: ElasticForces | None = None,
 ) -> Seating:
-    """Search for a position in which the weight of the parts holds them.
+    """Search for a seat: a position of the parts in which their weight holds them.
 
     Parameters
     ----------

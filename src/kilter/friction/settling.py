@@ -94,7 +94,7 @@ def find_settling(
     work: Work | float = inf,
     elastic: ElasticForces | None = None,
 ) -> Settling:
-    """Put the parts down loosely several times, and find whether they come to rest.
+    """Put the parts down loosely in several tries, and find whether they come to rest.
 
     Parameters
     ----------

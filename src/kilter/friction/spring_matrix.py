@@ -66,7 +66,7 @@ class SpringMatrix:
         return self.band > SYMMETRIC
 
     def solve(self, blocks: Array, drag: float, right: Array, work: Work) -> Array:
-        """Solve a system whose blocks may be unsymmetric.
+        """Solve a spring system, whose blocks may be unsymmetric, for its displacement.
 
         Parameters
         ----------

@@ -86,7 +86,7 @@ class MatrixTemplate:
         self.put(rows[coo.row], self.columns[columns].start + coo.col, sign * coo.data)
 
     def finish(self) -> None:
-        """Sort the entries by columns; no rows can be added afterwards."""
+        """Sort the entries of the matrix by columns; no rows can be added afterwards."""
         row, column, self._data = (
             np.concatenate([block[k] for block in self._blocks]) for k in range(3)
         )

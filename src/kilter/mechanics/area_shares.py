@@ -44,6 +44,7 @@ def area_shares(points: Array, patch: Index, normal: Array) -> Array:
     ends = (start + count)[count > 0] - 1
     next_corner[ends] = start[count > 0]
     x, y = x[order], y[order]
+    # the product is twice the area of a triangle, so a sixth of it is a third of the area
     triangle_third = np.maximum(x * y[next_corner] - y * x[next_corner], 0.0) / 6
     of_mean = np.bincount(patch, triangle_third, minlength=len(normal)) / np.maximum(count, 1)
     shares = triangle_third + of_mean[patch]

@@ -65,6 +65,7 @@ def balanced_forces(cones: ConeProblem, forces: Array, friction: Array) -> tuple
     problem, program, rough = cones.problem, cones.program, cones.rough
     tangential = np.einsum("rdi,ri->dr", cones.directions, friction[rough])
     x = np.concatenate([forces, tangential.ravel()]) / (problem.unit * problem.program.arm)
+    # a two-sided row without force may take any: its weight must not vanish
     size = np.where(program.two_sided, np.abs(x[: len(forces)]) + 1.0, np.abs(x[: len(forces)]))
     friction_size = np.tile(program.mu[rough] * size[rough], len(tangential))
     weight = np.concatenate([size, friction_size]) ** 2

@@ -113,6 +113,7 @@ def check_forces(program: Program, forces: Array, friction: Array | None = None)
     scale = np.maximum(program.weight, program.force_sums(forces, friction))
     relative = np.where(program.free, imbalance / np.maximum(scale, TINY), 0.0)
     share = np.where(program.free, imbalance / np.maximum(program.weight, TINY), 0.0)
+    # large forces that squeeze a part must not excuse an imbalance of much of its weight
     most = np.maximum(program.tolerance, NO_EXCUSE)
     holds = bool((relative <= program.tolerance).all() and (share <= most).all())
     return ForceProof(forces, friction, float(relative.max(initial=0.0)), holds)
@@ -145,6 +146,7 @@ def check_motion(program: Program, motion: Array) -> MotionProof:
     """Check a motion as a proof that no equilibrium exists; held parts count as motionless."""
     motion = np.where(program.free[:, None] & np.isfinite(motion), motion, 0.0)
     if program.planar:
+        # only x, z and the turn about y are motions in the plane y = 0
         motion = motion * np.array([1.0, 0, 1, 0, 1, 0])
     sizes = part_sizes(program, motion, per_radius=False)
     largest = float(sizes.max(initial=0.0))
@@ -162,7 +164,7 @@ def check_motion(program: Program, motion: Array) -> MotionProof:
 
 
 def violations(program: Program, motion: Array) -> Array:
-    """Amount by which a motion closes each row: min(u_n - mu |u_t|, 0), shape (K,).
+    """Violation of each row by a motion: min(u_n - mu |u_t|, 0), shape (K,); 0 if admissible.
 
     The value of a row that may also pull is -|u_n|. The unit is that of the motion's translations.
     """
@@ -192,5 +194,6 @@ def part_sizes(program: Program, six: Array, *, per_radius: bool) -> Array:
             (six[:, :3] ** 2).sum(axis=1) + (six[:, 3:] ** 2).sum(axis=1) * length**2
         )
     if program.planar and per_radius:
+        # the plane holds a force across it and torques about axes within it
         total = np.sqrt(six[:, 0] ** 2 + six[:, 2] ** 2 + (six[:, 4] * length) ** 2)
     return total

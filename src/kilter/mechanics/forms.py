@@ -128,6 +128,7 @@ def scaled_problem(program: Program) -> ScaledProblem:
         lever = program.lever(rows, owner).reshape(-1, 2, 3) @ frame.T
         lever[:, 1] /= program.radius[owner][:, None]
         entries = lever.reshape(-1, 6)[:, program.freedoms]
+        # rounding of rotated levers would fill the sparse matrix
         entries[np.abs(entries) * arm[rows, None] < ZERO_ENTRY] = 0.0
         data[rows, side] = sign * entries * (unit / weight[owner] * arm[rows])[:, None]
         index[rows, side] = column[owner][:, None] * per + np.arange(per)

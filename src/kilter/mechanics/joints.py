@@ -88,11 +88,13 @@ def _anchor(assembly: Assembly, geometry: Geometry, joint: Joint) -> Array:
     parts = [k for k in _joint_parts(assembly, joint) if k >= 0]
     free = [k for k in parts if not geometry.grounded[k]] or parts
     center: Array = geometry.center[min(reversed(free), key=lambda k: geometry.radius[k])]
+    # these joints transmit every torque, so their rows may act at any point
     if joint.kind in ("fixed", "prismatic"):
         return center
     point = np.asarray(joint.point)
     if joint.kind == "spherical":
         return point
+    # the point of the axis nearest to the centre keeps the lever arms short
     along: Array = point + joint.axis * float(joint.axis @ (center - point))
     return along
 

@@ -118,6 +118,8 @@ def check_law(program: Program, acceleration: Array, forces: Array) -> LawProof:
     if not (finite and fits):
         bad = float("inf")
         return LawProof(given, given_forces, 0.0, 0.0, bad, bad, bad, bad, bad, bad, False)
+    # arms are in length units: angular accelerations are scaled so that their products with arms
+    # are in m/s^2
     motion = given * np.repeat([1.0, metres_per_unit(program.units)], 3)
     motion, rest, shares = _balance_residual(program, motion, given_forces)
     total = float(np.sqrt(max(shares.sum(), TINY)))

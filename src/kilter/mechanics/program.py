@@ -307,6 +307,7 @@ class Program:
             size = np.hypot(size, np.linalg.norm(friction, axis=1))
         for part in (self.part_b, self.part_a):
             k = np.flatnonzero(part >= 0)
+            # a torque over the radius of the part is a force
             share = size[k] / np.where(self.angular[k], self.radius[part[k]], 1.0)
             total += np.bincount(part[k], share, minlength=len(total))
         return total
@@ -321,6 +322,7 @@ class Program:
         acting: Array = along[:, None] * self.normal[rows] + friction[rows]
         tied, bonded = np.flatnonzero(self.tied[rows]), np.flatnonzero(self.kind == BONDED)
         shear = forces[bonded, None] * self.normal[bonded]
+        # the rows of a bond without a shear limit are listed along all u, then along all v
         acting[tied] += shear.reshape(2, len(tied), 3).sum(axis=0)
         return acting
 
@@ -370,7 +372,7 @@ def build_program(
     sticking: bool = False,
     fitted: bool = False,
 ) -> Program:
-    """Build the program of an assembly and its certain contacts.
+    """Build the program of an assembly: a row for each force that its contacts and joints exert.
 
     A contact with a fitted normal is certain only if its friction exceeds the uncertainty of the
     normal; otherwise it is omitted, for every question alike.

@@ -105,6 +105,7 @@ def solve_blocks(blocks: Blocks, which: Index) -> BlockAnswers:
         solution = highs.getSolution()
         x = np.array(solution.col_value)
         answers.factor[k] = x[-1]
+        # the optimum is 0 or 1: forces for any lambda > 0 can be scaled up to lambda = 1
         if x[-1] > 0.5:
             answers.forces[columns] = x[:-1] / x[-1]
         else:

@@ -244,6 +244,7 @@ def _solve_active_set(program: ConicProgram, rows: Index, start: Solution) -> tu
     right = np.concatenate([-program.cost, -program.bound[rows]])
     factor = splu(system)
     z = np.concatenate([start.x, start.multipliers[rows]])
+    # the residual is that of the exact system: the steps remove the error of the regularisation
     for _ in range(REFINED):
         residual = right - exact @ z
         if np.abs(residual).max(initial=0.0) < ROUNDING:

@@ -313,6 +313,7 @@ def _advance(iterate: Iterate, short_of: float) -> None:
     target = min(max((predicted / mean) ** 3, LEAST_CENTRE), 1.0) * mean
     second_order = product(scaling.over(step.x), scaling.times(step.s))
     change = -point_square - second_order
+    # the aimed product is the mean product times (1, 0, ..), the unit of the Jordan product
     change[0] += target
     step = solve(change, target - end_products - step.ends * step.slacks)
     a, b = (min(1.0, short_of * limit) for limit in lengths(step))

@@ -85,6 +85,7 @@ def fronts(place: Array, first: Index, second: Index, width: int) -> list[Front]
     result: list[Front] = []
     for k, (members, children) in enumerate(sets):
         links = sorted_links[bounds[k] : bounds[k + 1]]
+        # the border: later blocks that are linked to a member, or to a block eliminated before
         adjacent = [first[links], second[links], *(result[child].border for child in children)]
         touched = np.unique(rank[np.concatenate(adjacent)])
         border = order[touched]
@@ -110,6 +111,7 @@ def _dissect(place: Array, graph: csr_array, leaf: int) -> list[tuple[Index, tup
         order = np.argsort(points[:, axis], kind="stable")
         left, right = which[order[: len(which) // 2]], which[order[len(which) // 2 :]]
         right_side[right] = True
+        # these blocks separate the rest of the left half from the right half
         touching = _linked_blocks(graph, left, right_side)
         right_side[right] = False
         parts = [part for part in (left[~touching], right) if len(part)]

@@ -110,6 +110,7 @@ class Scaling:
         """Scaling W of points x and s inside their cones, shape (d, K) each, with W s = W^-1 x."""
         x_size, s_size = np.sqrt(_determinant(x)), np.sqrt(_determinant(s))
         a, b = x / x_size, s / s_size
+        # w is (a + J b) over its hyperbolic length, J = diag(1, -1, ..), so that W s = W^-1 x
         half = np.sqrt((1 + (a * b).sum(axis=0)) / 2)
         w = a - b
         w[0] = a[0] + b[0]
@@ -127,6 +128,7 @@ class Scaling:
 
     def twice(self, x: Array) -> Array:
         """Product W^2 x with the square of the scaling matrix W, shape (d, K)."""
+        # W^2 = eta^2 (2 w w^T - J), J = diag(1, -1, ..)
         result = 2 * (self.w * x).sum(axis=0) * self.w + x
         result[0] -= 2 * x[0]
         scaled: Array = result * self.eta**2

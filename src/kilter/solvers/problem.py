@@ -115,10 +115,12 @@ class LinearProgram:
         size = float(np.abs(multipliers).max(initial=0.0))
         if size == 0.0:
             return 0.0
+        # multipliers that prove infeasibility do so at any scale
         y, zero = multipliers / size, np.zeros(len(self.cost))
         unbounded = ~np.isfinite(self.lower) | ~np.isfinite(self.upper)
         for radius in (np.inf, 1e9, 1e6, 1e3):
             lower, upper = np.maximum(self.lower, -radius), np.minimum(self.upper, radius)
+            # with cost 0 every feasible x has the objective 0, so a bound above 0 excludes them all
             if _safe_bound(self, zero, y, lower, upper) > 0:
                 return radius if unbounded.any() else np.inf
         return 0.0
@@ -175,6 +177,7 @@ def _safe_bound(
     reach = np.maximum(np.abs(lower), np.abs(upper))
     with np.errstate(invalid="ignore"):  # 0 x inf is NaN: a column without bounds proves nothing
         columns = np.minimum(reduced * lower, reduced * upper)
+        # a sum of n products is off by at most about n EPSILON times the sum of their sizes
         error = float(((counts + 3) * size) @ reach)
     error += (len(rows) + len(columns)) * float(np.abs(rows).sum() + np.abs(columns).sum())
     bound = float(rows.sum() + columns.sum()) - 2 * EPSILON * error
