@@ -34,7 +34,9 @@ SOME_MESH = Part("part", Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0,
 
 
 def arrays_side_by_side(arrays: AssemblyArrays) -> tuple[SideBySide | None, Index]:
-    """Join the assemblies of plain meshes.
+    """Join the assemblies of a batch that have plain meshes only, and return their positions.
+
+    A mesh is plain if it needs no repair.
 
     Returns
     -------
@@ -58,7 +60,7 @@ def arrays_side_by_side(arrays: AssemblyArrays) -> tuple[SideBySide | None, Inde
 
 
 def _usable(arrays: AssemblyArrays) -> Mask:
-    """Whether each assembly has plain meshes only, a held part, and valid gravity, shape (M,)."""
+    """Mask of assemblies with plain meshes only, a held part, and valid gravity, shape (M,)."""
     size = np.abs(arrays.gravity).max(axis=1)
     usable = (size > 1 / HUGE) & (size < HUGE)
     usable &= np.logical_or.reduceat(arrays.held, arrays.part_start[:-1])
@@ -68,7 +70,7 @@ def _usable(arrays: AssemblyArrays) -> Mask:
 
 
 def _plain(arrays: AssemblyArrays) -> Mask:
-    """Whether the mesh of each part is plain, shape (N,)."""
+    """Mask of parts whose mesh is plain: closed, welded and without repeated faces, shape (N,)."""
     vertices, faces = arrays.vertices, arrays.faces
     part = np.repeat(np.arange(len(arrays.held)), np.diff(arrays.face_start))
     low, high = arrays.vertex_start[part][:, None], arrays.vertex_start[part + 1][:, None]
@@ -87,7 +89,7 @@ def _plain(arrays: AssemblyArrays) -> Mask:
 
 
 def _is_matched(faces: Index, count: int) -> Mask:
-    """Whether every edge of a face has exactly one other face, in the opposite sense, shape (F,).
+    """Mask of faces whose every edge borders exactly one other face, shape (F,).
 
     `count`: the number of vertices.
     """
@@ -104,7 +106,7 @@ def _is_matched(faces: Index, count: int) -> Mask:
 
 
 def _is_distinct(vertices: Array, start: Index) -> Mask:
-    """Whether each vertex differs from all other vertices of its part, shape (V,)."""
+    """Mask of vertices at a place that no other vertex of the part has, shape (V,)."""
     part = np.repeat(np.arange(len(start) - 1), np.diff(start))
     _, inverse = distinct_rows(np.column_stack([part, vertices]))
     result: Mask = np.bincount(inverse)[inverse] == 1
@@ -112,7 +114,7 @@ def _is_distinct(vertices: Array, start: Index) -> Mask:
 
 
 def _boxes_in_order(arrays: AssemblyArrays) -> tuple[AssemblyArrays, Array, Index, Mask]:
-    """Find the parts that are boxes, and sort their corners.
+    """Find the parts that are boxes, and bring the corners of each into standard order.
 
     Returns
     -------
@@ -141,7 +143,7 @@ def _boxes_in_order(arrays: AssemblyArrays) -> tuple[AssemblyArrays, Array, Inde
 def _moments(
     arrays: AssemblyArrays, vertices: Array, faces: Index, is_box: Mask
 ) -> tuple[Array, Array, Array, Array]:
-    """Volume, centroid, second moment and surface centroid of all parts.
+    """Volume, centroid, second moment and surface centroid of each part.
 
     The result is that of `polyhedron_moments`.
     """
@@ -164,7 +166,7 @@ def _moments(
 
 
 def _accuracy(arrays: AssemblyArrays) -> Array:
-    """Largest error of a coordinate of each part, shape (N,) [length unit]."""
+    """Largest error of a coordinate of each part [length unit], shape (N,)."""
     size = np.abs(arrays.vertices).max(axis=1).astype(np.float64)
     single = arrays.vertices.dtype == np.float32
     largest = np.maximum.reduceat(size, arrays.vertex_start[:-1])
@@ -175,7 +177,7 @@ def _accuracy(arrays: AssemblyArrays) -> Array:
 def _geometry(
     arrays: AssemblyArrays, vertices: Array, faces: Index, is_box: Mask
 ) -> tuple[Geometry, Mask]:
-    """The geometry of plain meshes, and whether each passes the checks of `build_geometry`."""
+    """Geometry of plain meshes, and a mask of parts that pass the checks of `build_geometry`."""
     first, count = arrays.vertex_start[:-1], len(arrays.held)
     owner = np.repeat(np.arange(count), np.diff(arrays.vertex_start))
     volume, center, second, middle = _moments(arrays, vertices, faces, is_box)

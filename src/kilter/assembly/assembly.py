@@ -50,7 +50,7 @@ ENTRIES: dict[str, type] = {
 
 @dataclass(frozen=True, eq=False)
 class Assembly(ChangedCopies):
-    """Rigid parts, with held parts, gravity, loads, joints, bonds and given contacts.
+    """Rigid parts with held parts, gravity, loads, joints, bonds and given contacts.
 
     Parameters
     ----------
@@ -228,7 +228,7 @@ class Assembly(ChangedCopies):
         return f"<Assembly: {len(self)} parts, {held} held, in {self.units}{source}>"
 
     def _repr_html_(self) -> str:
-        """HTML summary of the assembly for a notebook."""
+        """HTML summary of the assembly, which a notebook displays."""
         return html_of(
             {
                 "kilter": 1,
@@ -244,7 +244,7 @@ class Assembly(ChangedCopies):
         )
 
     def joints_data(self) -> list[dict[str, Any]]:
-        """The joints as JSON data of an answer; fastened joints have the key "why"."""
+        """The joints as JSON data; joints that an option added have the key "why"."""
         return [
             {"parts": list(joint.parts), "kind": joint.kind}
             | ({"why": joint.why} if joint.why else {})
@@ -252,12 +252,12 @@ class Assembly(ChangedCopies):
         ]
 
     def bonds_data(self) -> list[dict[str, Any]]:
-        """The bonds as JSON data of an answer: the two parts, and the strength."""
+        """The bonds as JSON data: the two parts, and the strength."""
         return [bond.to_dict() for bond in self.bonds]
 
     @cached_property
     def index(self) -> dict[str, int]:
-        """Position of each part by its name."""
+        """Index of each part, by its name."""
         return {part.name: k for k, part in enumerate(self.parts)}
 
     @cached_property
@@ -266,7 +266,7 @@ class Assembly(ChangedCopies):
         return tuple(part.name for part in self.parts)
 
     def index_of(self, part: str | int) -> int:
-        """Position of a part, from its name or its position (which may be negative).
+        """Index of a part, from its name or from an index, which may be negative.
 
         Raises
         ------
@@ -306,12 +306,12 @@ class Assembly(ChangedCopies):
 
     @property
     def mass(self) -> float:
-        """Mass of all parts together, held parts included [kg]; ``geometry.mass`` has each."""
+        """Total mass of all parts, held parts included [kg]."""
         return float(self.geometry.mass.sum())
 
     @property
     def center_of_mass(self) -> Array:
-        """Centre of mass of all parts, held parts included, shape (3,), read-only.
+        """Common centre of mass of all parts, held parts included [length unit], shape (3,).
 
         World frame [length unit]. ``geometry.center`` has that of each part.
         """
@@ -324,7 +324,7 @@ class Assembly(ChangedCopies):
         return unit(self.gravity, "gravity")
 
     def show(self, *, height: int = 720, title: str = "") -> Any:
-        """The page of `kilter.report` for the cell of a notebook: parts, motion and forces.
+        """The interactive page of `kilter.report` as the output of a notebook cell.
 
         Parameters
         ----------
@@ -348,7 +348,7 @@ class Assembly(ChangedCopies):
 
     @classmethod
     def of(cls, value: Any, **options: Any) -> Assembly:
-        """Convert an object of another library to an assembly; the same as `kilter.load`.
+        """Convert a file or an object of another library to an assembly, as `kilter.load` does.
 
         Raises
         ------
@@ -366,7 +366,7 @@ class Assembly(ChangedCopies):
         return assembly
 
     def to_trimesh(self) -> Any:
-        """A `trimesh.Scene` with a node for each part, in the units of the assembly.
+        """Convert the assembly to a `trimesh.Scene` with a node for each part.
 
         Raises
         ------
@@ -376,7 +376,7 @@ class Assembly(ChangedCopies):
         return hook("scene_of")(self)
 
     def to_mjcf(self) -> str:
-        """The text of an MJCF scene for MuJoCo; see `kilter.files.mjcf`.
+        """The text of an MJCF file (a scene for MuJoCo) of the assembly.
 
         Raises
         ------
@@ -387,7 +387,7 @@ class Assembly(ChangedCopies):
         return text
 
     def matching(self, patterns: str | Iterable[str]) -> set[str]:
-        """The names of the parts that match any of the patterns (names or globs).
+        """Names of the parts that match any of the patterns (names or wildcards).
 
         Raises
         ------
@@ -406,7 +406,7 @@ class Assembly(ChangedCopies):
         return chosen
 
     def require_grounded(self) -> None:
-        """Verify that a part is held, or joined to the ground.
+        """Raise an InputError if no part is held or joined to the ground.
 
         Raises
         ------
@@ -428,7 +428,7 @@ class Assembly(ChangedCopies):
 
 
 def _entries(name: str, given: Any, kind: type) -> tuple[Any, ...]:
-    """A sequence of values of type `kind` as a tuple; raises `InputError` for other types."""
+    """Convert a sequence of entries to a tuple; raises `InputError` unless all are of `kind`."""
     try:
         entries = None if isinstance(given, str | bytes | kind) else tuple(given)
     except TypeError:
@@ -448,7 +448,7 @@ def _entries(name: str, given: Any, kind: type) -> tuple[Any, ...]:
 
 
 def require_assembly(value: object, verb: str) -> None:
-    """Verify that a value is an assembly.
+    """Raise an InputError if the argument of a function is no assembly; `verb` names it.
 
     Parameters
     ----------

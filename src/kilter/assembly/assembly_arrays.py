@@ -26,7 +26,7 @@ __all__ = ["AssemblyArrays"]
 
 @dataclass(frozen=True, eq=False)
 class AssemblyArrays:
-    """M assemblies with N parts in total, all closed meshes, world frame.
+    """A batch of M assemblies with N parts in total, all closed meshes, as arrays.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ class AssemblyArrays:
         return (self[k] for k in range(len(self)))
 
     def __getitem__(self, k: int) -> Assembly:
-        """Assembly k; its parts are named 0, 1, ...
+        """The assembly with index k of the batch; its parts are named 0, 1, ...
 
         Raises
         ------
@@ -128,7 +128,7 @@ class AssemblyArrays:
         )
 
     def _part(self, n: int, name: str) -> Part:
-        """Part n of all, under a name."""
+        """Build the part with index n (counted through the batch), with the given name."""
         low, high = self.vertex_start[n : n + 2].tolist()
         faces = self.faces[self.face_start[n] : self.face_start[n + 1]] - low
         density = None if self.density is None else float(self.density[n])
@@ -139,7 +139,7 @@ class AssemblyArrays:
         return Part(name, mesh, grounded=bool(self.held[n]), density=density)
 
     def among(self, which: Index) -> AssemblyArrays:
-        """The assemblies at the positions `which`, in that order."""
+        """The assemblies with the indices `which`, in that order, as a batch."""
         _, parts = ragged(self.part_start, which)
         _, vertices = ragged(self.vertex_start, parts)
         owner, faces = ragged(self.face_start, parts)
@@ -160,7 +160,10 @@ class AssemblyArrays:
 
 
 def _array(values: Any, kind: type, shape: tuple[int, ...], what: str = "gravity") -> Any:
-    """A copy of values as an array of a type and shape (-1: any length); raises `InputError`."""
+    """A copy of values as an array of the given type and shape (-1: any length).
+
+    Raises `InputError` for other shapes.
+    """
     try:
         array = np.array(values)
         if array.dtype.kind not in "biuf" or (kind is np.int64 and array.dtype.kind not in "iu"):
@@ -177,7 +180,7 @@ def _array(values: Any, kind: type, shape: tuple[int, ...], what: str = "gravity
 
 
 def _require_starts(start: Index, what: str, runs: int | None, rows: int) -> None:
-    """Verify that `start` divides `rows` rows into runs of at least one row; `runs`: how many.
+    """Verify that `start` divides `rows` rows into runs without an empty run.
 
     Raises
     ------

@@ -43,7 +43,7 @@ NOT_RANGED = "their strength does not scale with the masses"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bond(Value):
-    """A connection of two parts that resists pull up to a limit, and breaks beyond it.
+    """A glued, studded or magnetic connection of two parts, which breaks beyond a limit of pull.
 
     At a point with normal n, from the first part to the second, the contact force is bounded by
 
@@ -107,7 +107,7 @@ class Bond(Value):
         self._require_points(what)
 
     def _require_strength(self, what: str) -> None:
-        """Verify pull and shear; `what` names the bond in messages."""
+        """Verify pull and shear strength; `what` names the bond in error messages."""
         given = [self.pull, self.pull_per_area]
         if given.count(None) != 1:
             has = "has no strength" if given.count(None) == 2 else "has pull and pull_per_area"
@@ -124,7 +124,7 @@ class Bond(Value):
             object.__setattr__(self, "shear", size)
 
     def _require_kind(self, what: str) -> None:
-        """Verify the kind; `what` names the bond in messages."""
+        """Verify the kind of bond; `what` names the bond in error messages."""
         if self.kind is None:
             return
         if self.kind not in KINDS:
@@ -133,7 +133,7 @@ class Bond(Value):
             raise InputError(f"{what} has the kind {self.kind!r}", hint=hint)
 
     def _require_points(self, what: str) -> None:
-        """Verify points and normal; `what` names the bond in messages."""
+        """Verify points and normal of the bond; `what` names it in error messages."""
         if self.points is None:
             if self.normal is not None:
                 raise InputError(f"{what} has a normal but no points", hint="give both or neither")
@@ -155,17 +155,17 @@ class Bond(Value):
 
     @property
     def bears(self) -> float | str | None:
-        """Shear strength: "mu" for friction, a force per point [N], or None for no limit."""
+        """Shear strength of the bond: a force per point [N], "mu" for friction, None: no limit."""
         return KINDS[self.kind] if self.shear is None and self.kind is not None else self.shear
 
     def to_dict(self) -> dict[str, Any]:
-        """JSON data of an answer: the parts, the given strength and kind, the shear strength."""
+        """JSON data of the bond: its parts, its kind, and its strength."""
         values = {name: getattr(self, name) for name in ("pull", "pull_per_area", "kind")}
         given = {name: value for name, value in values.items() if value is not None}
         return {"parts": list(self.parts), **given, "shear": self.bears}
 
     def with_strength(self, share: float) -> Bond:
-        """The bond with its pull and its limit of shear multiplied by a factor."""
+        """The bond with its pull and shear strength multiplied by `share`."""
 
         def times_share(value: Any) -> Any:
             return value * share if isinstance(value, float) else value
@@ -189,7 +189,7 @@ class Bond(Value):
 
 
 def require_apart(bonds: tuple[Bond, ...]) -> None:
-    """Verify that no pair has two bonds that both act at all its contact points.
+    """Raise an InputError if two bonds of the same parts both act at all contact points.
 
     Raises
     ------
@@ -210,7 +210,7 @@ def require_apart(bonds: tuple[Bond, ...]) -> None:
 
 
 class _HasBonds(Protocol):
-    """An assembly, as far as bonds are concerned."""
+    """An assembly-like object with bonds, as `require_no_bonds` needs it."""
 
     @property
     def bonds(self) -> Any: ...
@@ -219,7 +219,7 @@ class _HasBonds(Protocol):
 
 
 def require_no_bonds(assembly: _HasBonds, verb: str, why: str) -> None:
-    """Verify that an assembly has no bonds, for a function that does not support them.
+    """Raise an InputError if an assembly has bonds, for a function `verb` without support of bonds.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ COLOR_CODES = 2**32
 
 @dataclass(frozen=True, slots=True)
 class Brick:
-    """The cells, height and colour of a part that is a toy brick.
+    """Size, height and colour of a part that is a toy brick.
 
     Its box has ``cells`` along x and y, and a stud in the middle of each cell.
 
@@ -68,7 +68,7 @@ class Brick:
 
     @property
     def studs(self) -> int:
-        """Number of studs on top."""
+        """Number of studs on top of the brick."""
         return math.prod(self.cells)
 
 

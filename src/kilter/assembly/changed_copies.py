@@ -39,7 +39,7 @@ ALIKE = ("units", "gravity", "friction", "planar", "detect", "tolerance")
 
 
 class ChangedCopies(Value):
-    """The methods of `Assembly` that return a changed copy."""
+    """Methods of `Assembly` that return a changed copy."""
 
     __slots__ = ()
 
@@ -65,25 +65,25 @@ class ChangedCopies(Value):
         def matching(self, patterns: str | Iterable[str]) -> set[str]: ...  # noqa: D102
 
     def _replace(self, **changes: Any) -> Assembly:
-        """A copy with other values of some fields."""
+        """A copy of the assembly with other values of the given fields."""
         return dataclasses.replace(cast("Assembly", self), **changes)
 
     # parts ---------------------------------------------------------------------------
 
     def __add__(self, part: Part) -> Assembly:
-        """The assembly with one more part; `with_parts` adds several."""
+        """A copy of the assembly with one more part; `with_parts` adds several."""
         return self.with_parts([part]) if isinstance(part, Part) else NotImplemented
 
     def with_parts(self, parts: Iterable[Part]) -> Assembly:
-        """The assembly with additional parts, after the others."""
+        """A copy of the assembly with additional parts after the others."""
         return self._replace(parts=[*self.parts, *parts])
 
     def with_pose(self, part: str | int, pose: Any) -> Assembly:
-        """The assembly with a part in another pose; `pose` as for `Part`."""
+        """A copy of the assembly with a part in another pose; `pose` as for `Part`."""
         return self.with_poses({self.parts[self.index_of(part)].name: pose})
 
     def with_poses(self, poses: Mapping[str, Any]) -> Assembly:
-        """The assembly with some parts in other poses, from name to pose."""
+        """A copy of the assembly with some parts in other poses, by name."""
         parts = list(self.parts)
         for name, pose in poses.items():
             k = self.index_of(name)
@@ -91,7 +91,7 @@ class ChangedCopies(Value):
         return self._replace(parts=parts)
 
     def renamed(self, names: Mapping[str, str]) -> Assembly:
-        """The assembly with other names of parts, from the old name to the new name.
+        """A copy of the assembly with other part names, given from old to new.
 
         Entries that name the parts (loads, joints, bonds, contacts, friction pairs) follow.
         """
@@ -99,7 +99,7 @@ class ChangedCopies(Value):
             self.index_of(name)
 
         def following(entries: Sequence[Any]) -> list[Any]:
-            """The entries with the new names of their parts."""
+            """Copies of entries in which the old part names are replaced by the new names."""
             return [
                 dataclasses.replace(entry, parts=tuple(names.get(n, n) for n in entry.parts))
                 for entry in entries
@@ -121,7 +121,7 @@ class ChangedCopies(Value):
         )
 
     def merged(self, other: Assembly, *, prefix: str = "") -> Assembly:
-        """The assembly with all parts and entries of another assembly.
+        """A copy of the assembly with all parts and entries of another assembly added.
 
         Parameters
         ----------
@@ -155,22 +155,25 @@ class ChangedCopies(Value):
         )
 
     def with_loads(self, loads: Iterable[Load]) -> Assembly:
-        """The assembly with additional loads."""
+        """A copy of the assembly with additional loads."""
         return self._replace(loads=[*self.loads, *loads])
 
     # gravity, friction, held parts, connections --------------------------------------
 
     def with_down(self, down: ArrayLike) -> Assembly:
-        """The assembly with gravity in the direction `down`, of the same magnitude."""
+        """A copy of the assembly with gravity turned to the direction `down`, same magnitude."""
         size = float(np.linalg.norm(self.gravity))
         return self._replace(gravity=unit(down, "down") * size)
 
     def with_friction(self, friction: float) -> Assembly:
-        """The assembly with another coefficient for contacts without one of their own."""
+        """A copy of the assembly with another friction coefficient.
+
+        It applies to contacts without a coefficient of their own.
+        """
         return self._replace(friction=friction)
 
     def with_grounded(self, patterns: str | Iterable[str]) -> Assembly:
-        """The assembly with the parts that match also held; ``*`` and ``?`` are globs."""
+        """A copy of the assembly in which the parts that match patterns are held, too."""
         chosen = self.matching(patterns)
         return self._replace(
             parts=[
@@ -180,7 +183,7 @@ class ChangedCopies(Value):
         )
 
     def with_grips(self, names: Iterable[str]) -> Assembly:
-        """The assembly while a hand or a gripper holds these parts.
+        """A copy of the assembly in which a hand or gripper holds the given parts.
 
         Loads on them are left out: the grip carries them.
         """
@@ -195,25 +198,25 @@ class ChangedCopies(Value):
         )
 
     def with_bonds(self, bonds: Iterable[Bond]) -> Assembly:
-        """The assembly with additional bonds."""
+        """A copy of the assembly with additional bonds."""
         return self._replace(bonds=[*self.bonds, *bonds])
 
     def with_joints(self, joints: Iterable[Joint], *, notes: Iterable[str] = ()) -> Assembly:
-        """The assembly with additional joints, and with `notes` after the notes of the reader.
+        """A copy of the assembly with additional joints, and with `notes` after its own notes.
 
         `kilter.contact.fastened` makes the joints of bolts and other fasteners.
         """
         return self._replace(joints=[*self.joints, *joints], notes=[*self.notes, *notes])
 
     def without(self, patterns: str | Iterable[str]) -> Assembly:
-        """The assembly without the parts that match, and without all entries that name them."""
+        """A copy of the assembly without the matching parts and all entries that name them."""
         gone = self.matching(patterns)
         keep = [part for part in self.parts if part.name not in gone]
         if not keep:
             raise InputError("all parts are left out", hint="leave fewer parts out")
 
         def kept(entries: Sequence[Any]) -> list[Any]:
-            """The entries that name none of the removed parts."""
+            """The entries (joints, loads and so on) that name none of the removed parts."""
             return [entry for entry in entries if not gone.intersection(entry.parts)]
 
         return self._replace(
@@ -226,7 +229,7 @@ class ChangedCopies(Value):
         )
 
     def with_floor(self, height: float | None = None) -> Assembly:
-        """The assembly with a held table under its lowest point, or at a given height.
+        """A copy of the assembly with a held table at a height, by default under the lowest point.
 
         The lowest point, with respect to gravity, is that of the exact surfaces.
 

@@ -23,7 +23,7 @@ STEPS = 4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Chords:
-    """Chords of n edges between two faces each.
+    """Straight edges of a mesh that stand for n curved edges, each between two exact faces.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class Chords:
     normal: Array
 
     def rising(self, side: int, points: Array, s: Surfaces) -> tuple[Array, Array]:
-        """Signed distance of points from the faces, and its gradient.
+        """Signed distance of points from the faces on a side of the edges, and its gradient.
 
         Parameters
         ----------
@@ -65,7 +65,7 @@ class Chords:
         return value, normal
 
     def on_edge(self, share: Array, s: Surfaces) -> tuple[Array, Mask]:
-        """Points of the edges over points of their chords.
+        """Points on the true curved edges above points of the chords, and a mask of success.
 
         Parameters
         ----------

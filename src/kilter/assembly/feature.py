@@ -22,7 +22,7 @@ KINDS: tuple[FeatureKind, ...] = get_args(FeatureKind)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Feature(Value):
-    """The face, edge or vertex of a part at a `GivenContact`, for the second-order test.
+    """Curvature of a part's face, edge or vertex at a given contact, for the second-order test.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ class Feature(Value):
         self._set_axis()
 
     def _set_axis(self) -> None:
-        """Verify and set the axis of revolution."""
+        """Check the axis of revolution of the feature, and store it as an array."""
         if (self.point is None) != (self.axis is None):
             raise InputError(
                 f"the feature {self.kind!r} has a point or an axis, but not both",
@@ -105,7 +105,7 @@ class Feature(Value):
         return f"Feature({self.kind!r}{along}{bent}{line})"
 
     def tensor(self, normal: Array) -> Array:
-        """Curvature tensor in the plane across a unit normal, symmetric, shape (3, 3)."""
+        """Curvature tensor of the feature in the plane across a unit normal, shape (3, 3)."""
         flat = np.eye(3) - np.outer(normal, normal)
         if self.along is None:
             return np.asarray(self.curvature[0] * flat)
@@ -115,7 +115,9 @@ class Feature(Value):
         return np.asarray(k * np.outer(along, along) + across * np.outer(other, other))
 
     def off_axis(self, points: Array, outward: Array) -> float:
-        """Deviation of the feature from a surface of revolution about `axis` [-].
+        """How far the feature deviates from a surface of revolution about its axis [-].
+
+        0: not at all.
 
         The normal of a surface of revolution meets its axis. A principal direction is tangent to
         the circle around the axis, with the curvature 1 / (distance to the axis along the normal).

@@ -32,7 +32,7 @@ __all__ = ["Geometry", "build_geometry", "mass_of"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Geometry:
-    """Geometry and mass properties of N parts, world frame, struct of arrays.
+    """Geometry and mass properties of N parts as arrays, world frame.
 
     Attributes
     ----------
@@ -104,12 +104,12 @@ class Geometry:
 
     @property
     def vertex_part(self) -> Index:
-        """The part of each vertex, shape (V,)."""
+        """Index of the part to which each vertex belongs, shape (V,)."""
         return np.repeat(np.arange(len(self.mass)), np.diff(self.vertex_start))
 
     @property
     def triangle_part(self) -> Index:
-        """The part of each triangle, shape (T,)."""
+        """Index of the part to which each triangle belongs, shape (T,)."""
         return np.repeat(np.arange(len(self.mass)), np.diff(self.triangle_start))
 
     @property
@@ -121,7 +121,7 @@ class Geometry:
         return low, high
 
     def corners_of(self, part: int) -> Array:
-        """The corners of the triangles of a part, shape (m, 3, 3)."""
+        """Corner positions of the triangles of a part, shape (m, 3, 3)."""
         span = slice(self.triangle_start[part], self.triangle_start[part + 1])
         return self.vertices[self.triangles[span]]
 
@@ -225,7 +225,7 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
 
 
 def _require_positive_moments(parts: Sequence[Part], boxes: Mask, second: Array) -> None:
-    """Verify that the second moments have no negative eigenvalue.
+    """Raise an InputError if the second moment of a part has a negative eigenvalue.
 
     The second moment of a body is an integral of squares. A negative eigenvalue means that the
     surface intersects itself and encloses regions of negative volume.
@@ -249,7 +249,7 @@ def _require_positive_moments(parts: Sequence[Part], boxes: Mask, second: Array)
 def _local_surfaces(
     parts: Sequence[Part], boxes: Mask, meshes: dict[int, MeshSurface]
 ) -> tuple[Array, Index, Index, Index]:
-    """The surfaces of all parts in their own frames.
+    """Meshes of all parts in their own frames: vertices, triangles, and starts of each part.
 
     Returns
     -------
@@ -286,7 +286,7 @@ def _local_surfaces(
 def _set_closed_moments(
     meshes: dict[int, MeshSurface], moments: tuple[Array, Array, Array]
 ) -> None:
-    """Replace, in place, the moments of open meshes by those of their closures.
+    """Replace the moments of open meshes, in place, by those after closing their holes.
 
     A mesh with large holes encloses no plausible volume: its volume becomes 1, so that its faces
     are not reversed.
@@ -306,7 +306,7 @@ def _curved_surfaces(
     local: tuple[Array, Index, Index, Index],
     poses: tuple[Array, Array],
 ) -> tuple[Surfaces, Index]:
-    """Collect the curved surfaces of all parts, and the surface of each triangle.
+    """Curved surfaces of all parts, and the surface on which each triangle lies.
 
     Parameters
     ----------
@@ -335,13 +335,13 @@ def _curved_surfaces(
 
 
 def _group_max(values: Array, start: Index) -> Array:
-    """Largest value of each run of rows, which begins at ``start[k]``."""
+    """Largest value of each run of rows; run k begins at ``start[k]``."""
     result: Array = np.maximum.reduceat(values, start[:-1])
     return result
 
 
 def mass_of(part: Part) -> float:
-    """Mass of a part by its density and shape, in its own units [kg].
+    """Mass of a part from its density and the volume of its shape [kg].
 
     Raises
     ------

@@ -22,7 +22,7 @@ ROUNDINGS = 8.0
 
 
 def box_orders(corners: Array, faces: Index, accuracy: Array) -> tuple[Index, Mask]:
-    """Decide which meshes are boxes, and find the order of their corners.
+    """Decide which meshes are boxes, and find the standard order of their corners.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def box_orders(corners: Array, faces: Index, accuracy: Array) -> tuple[Index, Ma
 
 
 def box_moments(corners: Array) -> tuple[Array, Array, Array]:
-    """Volume, centre, and second moment about it, of boxes.
+    """Volume, centre, and second moment about the centre, of boxes given by their corners.
 
     With the edges u, v, w the integral of x x^T is V (u u^T + v v^T + w w^T) / 12.
 

@@ -25,7 +25,7 @@ NEEDS_AXIS = ("revolute", "prismatic", "cylindrical")
 
 
 def _names(parts: Any) -> tuple[str, ...]:
-    """Names of parts as a tuple; the assembly verifies their number."""
+    """Convert names of parts to a tuple; the assembly checks how many there are."""
     names = tuple(parts) if isinstance(parts, tuple | list) else ()
     if not names or not all(isinstance(name, str) for name in names):
         raise InputError(f"parts are {parts!r:.60}", hint="give a pair of names")
@@ -34,7 +34,7 @@ def _names(parts: Any) -> tuple[str, ...]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FrictionPair(Value):
-    """Friction coefficient of every contact between two parts.
+    """Friction coefficient of all contacts between two parts.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ class Load(Value):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GivenContact(Value):
-    """Contact points between two parts; they replace detection for that pair.
+    """Contact points of two parts given by the user; no contacts of that pair are detected.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ class GivenContact(Value):
             object.__setattr__(self, "feature", self._features())
 
     def _features(self) -> tuple[Feature, Feature]:
-        """The pair of features; raises `InputError` if one does not fit points and normal."""
+        """The touching features of both parts; raises `InputError` for contradictory data."""
         given = tuple(self.feature) if isinstance(self.feature, tuple | list) else ()
         label = f"contact of {self.parts[0]!r} and {self.parts[1]!r}"
         if len(given) != 2 or not all(isinstance(feature, Feature) for feature in given):
@@ -182,7 +182,7 @@ class GivenContact(Value):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Joint(Value):
-    """A two-sided connection of two parts, or of a part and the ground.
+    """A joint of two parts, or of a part and the ground, that can push and pull.
 
     It transmits forces in both senses along each constrained direction.
 
@@ -250,7 +250,7 @@ class Joint(Value):
         return f"Joint({self.parts}, {self.kind!r}{''.join(words)})"
 
     def require_planar(self) -> None:
-        """Verify that the joint is meaningful for motions in the x-z plane.
+        """Raise an InputError if the axis of the joint does not suit motion in the x-z plane.
 
         Raises
         ------

@@ -37,7 +37,7 @@ GOLDEN = (np.sqrt(5.0) - 1) / 2
 
 
 def lowest_heights(geometry: Geometry, up: Array) -> Array:
-    """The height of the lowest point of each part along a unit direction, shape (N,).
+    """Height of the lowest point of each part along an upward unit vector, shape (N,).
 
     Examples
     --------
@@ -59,7 +59,7 @@ def lowest_heights(geometry: Geometry, up: Array) -> Array:
 
 
 def _inside_faces(geometry: Geometry, up: Array) -> tuple[Index, Array]:
-    """The lowest points of exact spheres and tori that are on their faces: parts and heights."""
+    """Part and height of the lowest points of exact spheres and tori, if on their faces."""
     s = geometry.surfaces
     parts, heights = [], []
     exact = np.isin(s.kind, (SPHERE, TORUS)) & ~s.hollow & (s.doubt == 0)
@@ -75,7 +75,7 @@ def _inside_faces(geometry: Geometry, up: Array) -> tuple[Index, Array]:
 
 
 def _lowest_of_surface(geometry: Geometry, row: int, up: Array) -> Array:
-    """The lowest points of a whole sphere or torus, shape (n, 3)."""
+    """Lowest points of a sphere or torus, taken as complete, shape (n, 3)."""
     s = geometry.surfaces
     center, axis, radius = s.point[row], s.axis[row], float(s.radius[row])
     if s.kind[row] == SPHERE:
@@ -95,7 +95,7 @@ def _lowest_of_surface(geometry: Geometry, row: int, up: Array) -> Array:
 
 
 def _on_edges(geometry: Geometry, up: Array, low: Array) -> tuple[Index, Array]:
-    """The lowest points of edges at exact curved faces: parts and heights.
+    """Part and height of the lowest points of curved edges at exact faces.
 
     `low`: the lowest vertex of each part, shape (N,); edges above it are skipped.
     """
@@ -115,7 +115,7 @@ def _on_edges(geometry: Geometry, up: Array, low: Array) -> tuple[Index, Array]:
 
 
 def _chords(geometry: Geometry, up: Array, low: Array) -> tuple[Chords, Index]:
-    """Chords, and their parts, of edges with a curved face that may be below the vertices."""
+    """Chords of curved edges that may reach below all vertices of their part, and the parts."""
     s, label = geometry.surfaces, geometry.triangle_surface
     owner = geometry.triangle_part
     on_curved = np.flatnonzero((np.diff(s.start) > 0)[owner])  # triangles of parts with surfaces

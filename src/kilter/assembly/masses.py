@@ -25,7 +25,7 @@ def part_moments(
     boxes: Mask,
     local: tuple[Array, Index, Index, Index],
 ) -> tuple[Array, Array, Array, Array]:
-    """Volume, centroid, second moment about it, and surface centroid of each part, in its frame.
+    """Volume, centroid, second moment about it, and surface centroid of parts, in their frames.
 
     Boxes, cylinders and spheres are computed by closed forms.
 
@@ -76,7 +76,7 @@ def part_masses(
     moments: tuple[Array, Array, Array],
     warnings: list[str],
 ) -> tuple[Array, Array, Array]:
-    """Masses [kg], centres and mass-weighted second moments, from geometry and overrides.
+    """Masses [kg], centres and mass-weighted second moments of parts; given values override.
 
     Parameters
     ----------
@@ -111,6 +111,6 @@ def part_masses(
 
 
 def box_sizes(parts: Sequence[Part], which: Index) -> Array:
-    """Lengths along x, y, z of the parts `which`, which are boxes, shape (n, 3)."""
+    """Edge lengths along x, y, z of the boxes among the parts, by index `which`, shape (n, 3)."""
     shapes = (parts[k].shape for k in which.tolist())
     return np.array([shape.size for shape in shapes if isinstance(shape, Box)])

@@ -29,7 +29,7 @@ __all__ = ["MeshSurface", "close_holes", "mesh_surface", "mesh_surfaces"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MeshSurface:
-    """The vertices and triangles of a mesh, and the triangles that close its holes.
+    """Vertices and triangles of a mesh after repair, and triangles that close its holes.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class MeshSurface:
 
 
 def mesh_surfaces(parts: Sequence[Part], warnings: list[str]) -> dict[int, MeshSurface]:
-    """The surface of each part that is a mesh, by the index of the part.
+    """Repair the mesh of each part that is a mesh; the result maps its index to the surface.
 
     A valid mesh that several parts share is examined once. Warnings are appended to `warnings`.
 
@@ -74,7 +74,7 @@ def mesh_surfaces(parts: Sequence[Part], warnings: list[str]) -> dict[int, MeshS
 
 
 def mesh_surface(part: Part, mesh: Mesh, warnings: list[str]) -> MeshSurface:
-    """The surface of a part's mesh, welded, oriented, and without faces of zero area.
+    """Repair a part's mesh: merge vertices, orient faces, and drop faces of zero area.
 
     Every change is appended to `warnings`.
 
@@ -111,7 +111,7 @@ def mesh_surface(part: Part, mesh: Mesh, warnings: list[str]) -> MeshSurface:
 
 
 def close_holes(vertices: Array, triangles: Index, edges: Index) -> MeshSurface:
-    """Close a surface: every connected group of open edges is joined to its mean point.
+    """Close the holes of a surface with triangles from each hole's rim to its mean point.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def _area(corners: Array) -> float:
 
 
 def _open_mesh_warning(part: Part, closure: MeshSurface, edges: Index) -> str:
-    """The warning for an open mesh; raises `InputError` if the part needs a closed mesh."""
+    """The warning about holes in a mesh; raises `InputError` if the part must be closed."""
     place = closure.vertices[edges[0, 0]]
     what = f"the mesh is open: {len(edges)} edges have a face on a single side, the first at "
     what += f"({place[0]:.6g}, {place[1]:.6g}, {place[2]:.6g})"

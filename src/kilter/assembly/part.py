@@ -28,7 +28,7 @@ NOT_STATED: Any = type("NotStated", (), {"__repr__": lambda _: "None"})()
 
 @dataclass(frozen=True, slots=True, eq=False, init=False)
 class Part(Value):
-    """A rigid part.
+    """A rigid part with a shape, a pose, and a mass or density.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ class Part(Value):
             raise error.located(part=self.name) from None
 
     def _validate(self) -> None:
-        """Verify and convert all fields except the name."""
+        """Check and convert all fields of the part except its name."""
         if self.name == GROUND:
             raise InputError(f"the name {GROUND!r} is reserved", hint="give it another name")
         if not isinstance(self.shape, Shape):
@@ -160,7 +160,7 @@ class Part(Value):
 
     @property
     def mass(self) -> float:
-        """Mass [kg]: the given mass, or density times volume of the shape.
+        """Mass of the part [kg]: the given mass, or density times volume of the shape.
 
         Raises
         ------
@@ -178,14 +178,14 @@ class Part(Value):
 
 
 def _flag(value: Any, name: str) -> bool:
-    """A bool; raises `InputError` for other types."""
+    """The value as a bool; raises `InputError` for other types."""
     if not isinstance(value, bool | np.bool_):
         raise InputError(f"{name} is {value!r:.60}", hint="give True or False")
     return bool(value)
 
 
 def _shape_error(value: Any) -> InputError:
-    """The error for a value that is not a shape, with a remedy."""
+    """Build the error for a value that is not a shape, with advice."""
     hint = "give a kilter.Box, Cylinder, Sphere, Prism or Mesh"
     if hasattr(value, "vertices") and hasattr(value, "faces"):
         hint = "give kilter.Mesh(mesh.vertices, mesh.faces)"

@@ -63,7 +63,7 @@ def polyhedron_moments(
 
 
 def closed_moments(mesh: MeshSurface) -> tuple[float, Array, Array]:
-    """Volume, centroid, and second moment about it, of a mesh closed by its caps."""
+    """Volume, centroid, and second moment about it, of a mesh with its holes closed."""
     vertices = np.vstack([mesh.vertices, mesh.caps.reshape(-1, 3)])
     caps = np.arange(3 * len(mesh.caps)).reshape(-1, 3) + len(mesh.vertices)
     triangles = np.vstack([mesh.triangles, caps])
@@ -74,6 +74,6 @@ def closed_moments(mesh: MeshSurface) -> tuple[float, Array, Array]:
 
 
 def _group_sum(values: Array, start: Index) -> Array:
-    """Sum of each run of rows, which begins at ``start[k]``."""
+    """Sum over each run of rows; run k begins at ``start[k]``."""
     result: Array = np.add.reduceat(values, start[:-1], axis=0)
     return result

@@ -22,7 +22,7 @@ __all__ = ["refine"]
 def refine(
     geometry: Geometry, part: int, rounds: int, box: tuple[Array, Array]
 ) -> tuple[Array, Index]:
-    """Refine the triangles of a part within a box.
+    """Divide the triangles of a part within a box into smaller ones on the true surface.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def refine(
 def _refine_once(
     s: Surfaces, vertices: Array, triangles: Index, label: Index, box: tuple[Array, Array]
 ) -> tuple[Array, Index, Index]:
-    """Refine once: vertices, triangles, and the surface of each triangle (`label`)."""
+    """Divide triangles within a box once; returns vertices, triangles, and surface labels."""
     first, second = shared_edges(triangles)
     ends = np.stack([triangles, triangles[:, [1, 2, 0]]], axis=2).reshape(-1, 2)
     p, q = vertices[ends[first]].transpose(1, 0, 2)
@@ -83,7 +83,7 @@ def _refine_once(
 def _middles(
     s: Surfaces, corner: Array, label: Index, sides: tuple[Index, Index], ends: tuple[Array, Array]
 ) -> Array:
-    """The new corners of n sides between pairs of triangles, shape (n, 3).
+    """New corners at the middles of triangle sides, moved to the true surfaces, shape (n, 3).
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def _middles(
 
 
 def _divide(triangles: Index, at: Index) -> tuple[Index, Index]:
-    """Divide triangles at new corners on their sides.
+    """Divide triangles at the new corners on their sides (`at`, -1: none).
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ __all__ = ["SideBySide", "join_geometry", "side_by_side"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SideBySide:
-    """M assemblies with the same length unit, either all planar or none.
+    """M independent assemblies as a single list of parts, all planar or none, in the same unit.
 
     Attributes
     ----------
@@ -43,12 +43,12 @@ class SideBySide:
 
     @property
     def owner(self) -> Index:
-        """The assembly of each part, shape (N,)."""
+        """Index of the assembly to which each part belongs, shape (N,)."""
         return np.repeat(np.arange(len(self)), np.diff(self.start))
 
 
 def side_by_side(assemblies: Sequence[Assembly]) -> SideBySide:
-    """Join assemblies that have no given contacts, joints or loads.
+    """Join independent assemblies without given contacts, joints or loads, to search them at once.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def join_geometry(
     units: str = "m",
     planar: bool = False,
 ) -> SideBySide:
-    """Join assemblies whose geometry is known already.
+    """Join independent assemblies whose geometry is already computed.
 
     Parameters
     ----------

@@ -97,11 +97,11 @@ class Surfaces:
         return f"<Surfaces: {len(self)}>"
 
     def triangles_of(self, row: int) -> Index:
-        """The triangles that lie on a surface, as rows of the geometry's triangles."""
+        """Indices of the triangles that lie on the surface with index `row`."""
         return self.triangle[self.triangle_start[row] : self.triangle_start[row + 1]]
 
     def polar(self, rows: Index, points: Array) -> tuple[Array, Array, Array]:
-        """Polar coordinates of points about the axes of surfaces; of a sphere, about its centre.
+        """Polar coordinates of points about the axis of each surface, or a sphere's centre.
 
         Parameters
         ----------
@@ -124,7 +124,7 @@ class Surfaces:
         return height, distance, ratio(away, distance[:, None])
 
     def distance(self, rows: Index, points: Array) -> Array:
-        """Signed distance of points from surfaces, shape (n,); infinite for a free surface.
+        """Signed distance of points from their surfaces, shape (n,); infinite for free forms.
 
         It is positive outside of the material: outside of a solid, inside of a hole.
 
@@ -145,7 +145,7 @@ class Surfaces:
         return result
 
     def outward(self, rows: Index, points: Array) -> Array:
-        """Unit normals out of the material at points of surfaces, shape (n, 3).
+        """Unit normals of surfaces at points, out of the material, shape (n, 3).
 
         Parameters
         ----------
@@ -165,7 +165,7 @@ class Surfaces:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartSurfaces:
-    """The curved surfaces of a part in its own frame, and the surface of each triangle.
+    """Curved surfaces of a part in its own frame, and the surface of each triangle.
 
     Attributes
     ----------
@@ -187,7 +187,7 @@ class PartSurfaces:
 def surfaces_of(
     shape: Shape, vertices: Array, triangles: Index, accuracy: float
 ) -> PartSurfaces | None:
-    """The curved surfaces of a shape; None if it has only flat faces.
+    """Curved surfaces of a shape, exact or recognised; None if all faces are flat.
 
     Parameters
     ----------
@@ -214,7 +214,7 @@ def surfaces_of(
 def _curved_only(
     surfaces: Sequence[Surface], label: Index, sagitta: float, *, exact: bool
 ) -> PartSurfaces | None:
-    """Surfaces and labels without the planes; None if only planes are left.
+    """Drop the planes among surfaces, and adapt the labels; None if only planes are left.
 
     Triangles of an exact solid on no surface are labelled as free forms.
     """
@@ -229,7 +229,7 @@ def _curved_only(
 
 
 def _may_be_curved(vertices: Array, triangles: Index) -> bool:
-    """Whether many neighbouring triangles of a mesh meet smoothly, but not in the same plane."""
+    """Whether many triangles meet their neighbours at a small angle, as on a curved face."""
     if len(triangles) < FEWEST:
         return False
     points = vertices[triangles]
@@ -241,7 +241,7 @@ def _may_be_curved(vertices: Array, triangles: Index) -> bool:
 
 
 def _recognise_curved(vertices: Array, triangles: Index, accuracy: float) -> PartSurfaces | None:
-    """The curved surfaces recognised in a mesh; None without any."""
+    """Curved surfaces that the triangles of a mesh approximate; None without such surfaces."""
     surfaces, label, _ = recognise(vertices, triangles, accuracy=accuracy)
     return _curved_only(surfaces, label, 0.0, exact=False)
 
@@ -254,7 +254,7 @@ def join_surfaces(
     triangles: Index,
     triangle_start: Index,
 ) -> tuple[Surfaces, Index]:
-    """Join the surfaces of all parts, in the world frame.
+    """Join the curved surfaces of all parts in the world frame, with a label for each triangle.
 
     Parameters
     ----------
@@ -313,7 +313,7 @@ def join_surfaces(
 
 
 def _merge_equal(local_surfaces: PartSurfaces) -> tuple[Index, list[Surface | None]]:
-    """Merge equal surfaces of a part.
+    """Merge surfaces of a part that are pieces of the same surface.
 
     Returns
     -------
@@ -335,7 +335,7 @@ def _merge_equal(local_surfaces: PartSurfaces) -> tuple[Index, list[Surface | No
 
 
 def _is_same(first: Surface, second: Surface) -> bool:
-    """Whether two surfaces of a part are pieces of the same surface."""
+    """Whether two surfaces of a part are pieces of the same cylinder, sphere or other surface."""
     sizes = (first.radius, second.radius, float(np.abs(first.point - second.point).max()))
     return same_surface(first, second, length=SAME_SURFACE * max(sizes), angle=SAME_SURFACE)
 
@@ -343,7 +343,9 @@ def _is_same(first: Surface, second: Surface) -> bool:
 def _measure(
     surfaces: Surfaces, vertices: Array, triangles: Index, label: Index, exact: Mask
 ) -> None:
-    """Compute the sagitta of each surface, and its doubt, in place.
+    """Compute, in place, the distance of triangles from their surfaces, and the error of these.
+
+    These are the sagitta and the doubt of each surface.
 
     The distance is measured at corners, at middles of sides, and at centroids of triangles.
     """

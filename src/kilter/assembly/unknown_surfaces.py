@@ -20,7 +20,7 @@ __all__ = ["UnknownSurfaces", "unknown_surfaces"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UnknownSurfaces(Rows):
-    """Boxes, world frame, in which the surface of a part is unknown; one row per box.
+    """Boxes around regions of parts whose true surface is unknown; world frame.
 
     Attributes
     ----------
@@ -41,12 +41,12 @@ class UnknownSurfaces(Rows):
 
     @classmethod
     def none(cls) -> UnknownSurfaces:
-        """No boxes."""
+        """A value without unknown regions."""
         empty = np.empty((0, 3))
         return cls(np.empty(0, np.int64), empty, empty, np.empty(0, dtype=bool))
 
     def stand_ins(self, count: int) -> Mask:
-        """Whether each of `count` parts is a stand-in, shape (count,)."""
+        """Mask of the parts whose shape is a mere replacement of an unreadable solid, (count,)."""
         stands_in = np.zeros(count, dtype=bool)
         stands_in[self.part[self.whole]] = True
         return stands_in
@@ -55,7 +55,7 @@ class UnknownSurfaces(Rows):
 def unknown_surfaces(
     parts: Sequence[Part], meshes: dict[int, MeshSurface], poses: tuple[Array, Array]
 ) -> UnknownSurfaces:
-    """The unknown regions of parts: holes of open meshes and solids, and stand-ins.
+    """Regions of parts whose true surface is unknown: holes, and replaced unreadable solids.
 
     Parameters
     ----------

@@ -28,7 +28,7 @@ AssemblyOrPath = Assembly | str | os.PathLike[str]
 
 @dataclass(frozen=True, slots=True)
 class Keyword:
-    """A keyword that verbs share: its default, its unit, and its meaning."""
+    """A keyword argument that several functions share: its default, its unit, its meaning."""
 
     default: Any
     unit: str
@@ -62,7 +62,7 @@ def asked_assembly(
     ground: str | Iterable[str] = (),
     floor: bool | float | None = None,
 ) -> Assembly:
-    """The assembly of a question, read from its path and changed by keywords.
+    """Read the assembly that a function is called with, and apply its keyword arguments.
 
     Parameters
     ----------

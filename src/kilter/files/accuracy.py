@@ -37,7 +37,7 @@ SAMPLE = 10_000
 
 
 def text_accuracy(values: ArrayLike, *, exponent: bool = False) -> Callable[[Array], float | None]:
-    """Estimate the error of numbers that were read from text, from all numbers of the file.
+    """Estimate how coarsely the numbers of a text file are rounded, from all its coordinates.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def text_accuracy(values: ArrayLike, *, exponent: bool = False) -> Callable[[Arr
 
 
 def _decimal_step(values: Array) -> float | None:
-    """Half of the last printed decimal; None if the values are exact decimals or float64."""
+    """Half of the last printed decimal place; None if the values are exact decimals or float64."""
     if _is_rounded(values, FEWEST - 1):
         return None
     for k in range(FEWEST, MOST + 1):
@@ -83,7 +83,7 @@ def _decimal_step(values: Array) -> float | None:
 
 
 def _mantissa_step(values: Array) -> float | None:
-    """Half of the last printed digit of the largest number, for numbers with an exponent."""
+    """Half of the last printed digit of the largest number, for numbers like ``1.2346e+01``."""
     values = np.unique(values[values != 0])
     if not len(values):
         return None
@@ -95,7 +95,7 @@ def _mantissa_step(values: Array) -> float | None:
 
 
 def _is_rounded(values: Array, k: int) -> bool:
-    """Whether every value is the float64 nearest to a decimal of k places."""
+    """Whether every value is a number of at most k decimal places, as nearly as float64 can be."""
     # a float64 above 2^53 / 10^k has no digits after the k-th place
     small = values[np.abs(values) < 2.0**53 / 10.0**k]
     return bool((np.round(small, k) == small).all())

@@ -15,7 +15,7 @@ __all__ = ["LoadedAnswer", "load_answer"]
 
 
 class LoadedAnswer(Mapping[str, Any]):
-    """The data of an answer, read-only; keys are attributes too, and parts have names.
+    """An answer read from a JSON file, read-only; keys are attributes, parts are found by name.
 
     Nothing is computed: what `to_json` did not write is not there.
 
@@ -53,7 +53,7 @@ class LoadedAnswer(Mapping[str, Any]):
         return f"<LoadedAnswer: {self.answer}, {len(self)} keys>"
 
     def part(self, name: str) -> dict[str, Any]:
-        """The data of a part by its name.
+        """The entry of the part with the given name.
 
         Raises
         ------
@@ -69,12 +69,12 @@ class LoadedAnswer(Mapping[str, Any]):
         raise InputError(f"the answer has no part {name!r}", hint=hint)
 
     def to_dict(self) -> dict[str, Any]:
-        """The data as those of the answer that was written, equal to its `to_dict`."""
+        """The data of the answer, equal to `to_dict` of the answer that was written."""
         return {k: v for k, v in self._data.items() if k not in ("answer", "schema")}
 
 
 def load_answer(source: str | os.PathLike[str]) -> LoadedAnswer:
-    """Read an answer from the text of `to_json`, or from a file with this text.
+    """Read an answer that `to_json` wrote, from its text or from a file.
 
     Parameters
     ----------

@@ -47,20 +47,22 @@ def split_bodies(mesh: Mesh) -> list[Mesh]:
 
 
 def _by_label(label: Index) -> tuple[Index, list[Index]]:
-    """The distinct labels in ascending order, and the rows of each label."""
+    """The distinct labels in ascending order, and for each the rows that have it."""
     order = np.argsort(label, kind="stable")
     first = np.flatnonzero(np.diff(label[order], prepend=-1))
     return label[order[first]], np.split(order, first[1:])
 
 
 def _piece(mesh: Mesh, triangles: Index) -> Mesh:
-    """The given triangles of a mesh as a mesh of their own, without unused vertices."""
+    """Part of a mesh: the triangles with the given indices, without unused vertices."""
     used, compact = np.unique(triangles, return_inverse=True)
     return Mesh(mesh.vertices[used], compact.reshape(-1, 3), accuracy=mesh.accuracy)
 
 
 def _labels(places: Array, faces: Index) -> Index:
-    """A label for each face, shape (m,), equal for the faces of a shell; a hole is its own shell.
+    """A number for each face, shape (m,), equal for the faces of the same connected shell.
+
+    A hole is a shell of its own.
 
     Parameters
     ----------
@@ -94,7 +96,7 @@ def _labels(places: Array, faces: Index) -> Index:
 
 
 def _edges(faces: Index) -> tuple[Index, Index, Index, tuple[Index, Index]]:
-    """All edges of all faces: the face, a key, the sense (+1 from low to high), the two ends.
+    """All edges of all faces: the face, a key, the sense (+1 from the lower vertex), and both ends.
 
     The key is the same for edges with the same ends. Edges of no length are left out.
     """
@@ -108,7 +110,7 @@ def _edges(faces: Index) -> tuple[Index, Index, Index, tuple[Index, Index]]:
 
 
 def _third(faces: Index, low: Index, high: Index) -> Index:
-    """The corner of each face that is not on the edge; the first corner for a face of no area.
+    """The corner of each face that is not on the given edge; the first corner if the area is 0.
 
     Parameters
     ----------
@@ -191,7 +193,7 @@ def _match_brackets(order: Index, turn: Index) -> tuple[Index, Index, Index]:
 
 
 def _joined_at_corners(faces: Index, label: Index, chosen: Mask) -> Index:
-    """Labels after joining those pieces of the chosen faces that share a corner."""
+    """Labels in which pieces of the chosen faces have the same label if they share a corner."""
     count = int(label.max()) + 1
     corners = faces[chosen].reshape(-1)
     piece = np.repeat(label[chosen], 3)
@@ -201,7 +203,7 @@ def _joined_at_corners(faces: Index, label: Index, chosen: Mask) -> Index:
 
 
 def _with_holes(places: Array, faces: Index, label: Index) -> Index:
-    """Labels after joining each inward shell (a hole) to the smallest body around it."""
+    """Labels in which each inward shell (a hole) has the label of the body around it."""
     names, rows = _by_label(label)
     volume = np.array([signed_volume(places, faces[k]) for k in rows])
     sign = 1 if volume.sum() >= 0 else -1

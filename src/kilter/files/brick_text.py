@@ -46,7 +46,7 @@ def load_brick_text(path: Path, *, rules: StudRules | None = None) -> Assembly:
 
 
 def _read(data: bytes, rules: StudRules | None, source: str) -> Assembly:
-    """The assembly of the content of a BrickGPT file."""
+    """Parse the bytes of a BrickGPT file into an assembly."""
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -81,7 +81,7 @@ def _read(data: bytes, rules: StudRules | None, source: str) -> Assembly:
 
 
 def _line_error(line: tuple[int, str], match: re.Match[str] | None) -> InputError:
-    """The error of an invalid line, given as (number, text), and its match with `BRICK`."""
+    """The error for an invalid line, given as (number, text), with its partial match if any."""
     number, text = line
     if match is None:
         return InputError(f"line {number}: {text!r:.60} is not a brick", hint=EXAMPLE)

@@ -15,7 +15,7 @@ __all__ = ["checked_solid"]
 
 
 def checked_solid(solid: Solid) -> Solid:
-    """Return the solid if it is valid.
+    """Return the solid unchanged; raises `InputError` if its data are inconsistent.
 
     The enclosed volume may differ from the stated volume by the distance of the triangles from
     the faces times their area. A solid with holes is not verified.

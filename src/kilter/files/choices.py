@@ -69,7 +69,7 @@ ENTRIES = (
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Choices:
-    """The options about a file, as `kilter save` writes them.
+    """A user's saved options for an assembly file (held parts, joints, friction and so on).
 
     Each key may be None, for the default. Two choices with equal keys are equal and have the same
     hash, wherever their file lies.
@@ -176,13 +176,13 @@ class Choices:
         _validate(self.to_dict())
 
     def to_dict(self) -> dict[str, Any]:
-        """The JSON values of the file; keys with their default are left out."""
+        """The JSON data of these choices; keys that have their default value are left out."""
         values = ((name, plain(getattr(self, name))) for name in KEYS)
         return {"kilter": 1} | {name: value for name, value in values if not _is_default(value)}
 
     @classmethod
     def from_dict(cls, data: Any, *, folder: str | Path = Path()) -> Choices:
-        """The choices of the JSON values of a file.
+        """Build choices from JSON data.
 
         Raises
         ------
@@ -194,7 +194,7 @@ class Choices:
 
     @classmethod
     def read(cls, path: str | Path) -> Choices:
-        """Read a file of choices.
+        """Read choices from a JSON file.
 
         Raises
         ------
@@ -208,7 +208,7 @@ class Choices:
 
     @property
     def path(self) -> Path:
-        """Path of the file, from the working folder.
+        """Path of the assembly file that these choices are about, from the working folder.
 
         Raises
         ------
@@ -224,7 +224,7 @@ class Choices:
         return path
 
     def options(self) -> dict[str, Any]:
-        """The keys as options of `kilter.files.reading.Reading`; `entries` have no option."""
+        """These choices as options of `kilter.files.reading.Reading`, without the `entries`."""
         given = {key: getattr(self, key) for key in OPTIONS}
         options = {
             OPTIONS[key]: value for key, value in given.items() if not _is_default(plain(value))
@@ -254,7 +254,7 @@ DEFAULT = {field.name: field.default for field in fields(Choices)}
 
 
 def find_choices(source: Any) -> Choices | None:
-    """The choices that a path leads to; None for every other source.
+    """The choices in the file at a path; None if the source is no file of choices.
 
     Raises
     ------
@@ -286,7 +286,7 @@ def find_choices(source: Any) -> Choices | None:
 
 
 def digest(path: Path) -> str:
-    """SHA-256 of a file, or of the names and digests of the files in a folder."""
+    """SHA-256 of a file as hexadecimal text; of a folder, that of its file names and digests."""
     if not path.is_dir():
         return hashlib.sha256(read_bytes(path)).hexdigest()
     files = sorted(inner for inner in path.iterdir() if inner.is_file())
@@ -295,7 +295,7 @@ def digest(path: Path) -> str:
 
 
 def _validate(data: Any) -> None:
-    """Verify keys, types and the path of the file; raises `InputError`."""
+    """Verify the keys and types of choices and the path of their file; raises `InputError`."""
     from pydantic import ValidationError
 
     from kilter.files.choices_model import ChoicesFile
@@ -327,18 +327,18 @@ def _validate(data: Any) -> None:
 
 
 def _leaves_folder(name: str) -> bool:
-    """Whether a path is absolute or contains the parent folder, on any system."""
+    """Whether a path is absolute or contains "..", by the rules of any system."""
     paths = PurePosixPath(name), PureWindowsPath(name)
     return any(path.is_absolute() or path.drive or ".." in path.parts for path in paths)
 
 
 def _is_default(value: Any) -> bool:
-    """Whether a plain value is a default; zero is none."""
+    """Whether a plain value is empty or false, and so a default; the number 0 is not a default."""
     return value is None or value is False or value in ([], {})
 
 
 def plain(value: Any) -> Any:
-    """The value as JSON data: lists and dicts, without keys whose value is None."""
+    """Convert a value to JSON data of lists and dicts; keys whose value is None are left out."""
     if isinstance(value, Mapping):
         return {str(key): plain(inner) for key, inner in value.items() if inner is not None}
     if hasattr(value, "tolist"):
@@ -349,7 +349,7 @@ def plain(value: Any) -> Any:
 
 
 def _freeze(value: Any, default: Any) -> Any:
-    """The value as tuples and read-only mappings; the default for None."""
+    """Convert a value to tuples and read-only mappings; None gives the default."""
     if value is None:
         return default
 
@@ -362,7 +362,7 @@ def _freeze(value: Any, default: Any) -> Any:
 
 
 def _hashable(value: Any) -> Any:
-    """JSON data as nested tuples."""
+    """JSON data converted to nested tuples, which can be hashed."""
     if isinstance(value, dict):
         return tuple(sorted((key, _hashable(inner)) for key, inner in value.items()))
     return tuple(map(_hashable, value)) if isinstance(value, list) else value

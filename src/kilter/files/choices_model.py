@@ -30,7 +30,7 @@ __all__ = ["ChoicesFile", "build_choices_schema"]
 
 
 class StudsEntry(Entry):
-    """Bricks: strength of studs, and the points at which sides push each other."""
+    """Rules for toy bricks: strength of the studs, and contact points between brick sides."""
 
     pull: NotNegative | None = Field(None, description="[N]")
     shear: NotNegative | Literal["unlimited", "mu"] | None = Field(None, description="[N]")
@@ -38,14 +38,14 @@ class StudsEntry(Entry):
 
 
 class OpenPairEntry(Entry):
-    """Decision about a pair of parts whose contact the geometry leaves open."""
+    """Decision on two parts of which the geometry does not show whether they touch."""
 
     parts: Pair
     state: Literal["joined", "touching", "apart"] = Field(alias="as")
 
 
 class MaterialEntry(Entry):
-    """Density of the parts that match a pattern; it replaces density and mass of the file."""
+    """Material of the parts that match a pattern; its density replaces the mass in the file."""
 
     parts: Name = Field(description="a name; * and ? are wildcards")
     density: Positive = Field(description="[kg/m^3]")
@@ -53,7 +53,7 @@ class MaterialEntry(Entry):
 
 
 class ToleranceEntry(Entry):
-    """Tolerances of contact detection; null for the default."""
+    """Tolerances with which faces count as touching; null: the default."""
 
     gap: Positive | None = Field(None, description="[length unit]")
     angle_deg: Annotated[Positive, Field(lt=45)] | None = Field(None, description="[deg]")
@@ -100,7 +100,7 @@ class ChoicesFile(Entry):
 
 
 def build_choices_schema() -> dict[str, Any]:
-    """The JSON schema of a file of choices."""
+    """The JSON schema of a file of choices (a user's saved options for an assembly file)."""
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         **ChoicesFile.model_json_schema(),

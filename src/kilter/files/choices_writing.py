@@ -18,7 +18,7 @@ SUFFIX = ".json"
 
 
 def choices_about(path: Path, folder: Path, options: Mapping[str, Any], **keys: Any) -> Choices:
-    """The choices with the options of a reading: the inverse of `Choices.options`.
+    """Build choices from the options with which a file is read: the inverse of `Choices.options`.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def choices_about(path: Path, folder: Path, options: Mapping[str, Any], **keys: 
 
 
 def _relative(path: Path, folder: Path) -> str:
-    """Path of a file from a folder that contains it, with / between the folders."""
+    """Path of a file relative to a folder that contains it, with "/" between folders."""
     inside = Path(os.path.realpath(path.parent), path.name)
     base = Path(os.path.realpath(folder))
     try:
@@ -64,7 +64,7 @@ def _relative(path: Path, folder: Path) -> str:
 
 
 def require_place(output: Path) -> bool:
-    """Verify that choices may be written to a file; return whether it has choices already.
+    """Verify that choices may be written to a file; return whether it already holds choices.
 
     Raises
     ------
@@ -91,7 +91,7 @@ def require_place(output: Path) -> bool:
 
 
 def write_choices(choices: Choices, output: str | Path) -> None:
-    """Write choices completely or not at all, a key in each line.
+    """Write choices to a JSON file, a key in each line; a failure leaves the old file intact.
 
     Raises
     ------

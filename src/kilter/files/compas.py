@@ -103,7 +103,7 @@ def from_compas(
 
 
 def _interfaces_note(count: int) -> str:
-    """A note that the interfaces of the file are not used."""
+    """A note that the contact interfaces stored in the file are not used."""
     return (
         f"the file has {count} interfaces, which are not used: contacts are detected from the "
         "geometry; --contacts file uses the interfaces (in Python contacts='file')"
@@ -111,19 +111,19 @@ def _interfaces_note(count: int) -> str:
 
 
 def _kind(data: dict[str, Any]) -> Any:
-    """The type of a serialised object; empty if it is not serialised."""
+    """The type name of a serialised COMPAS object; an empty text for other dicts."""
     return data.get("dtype", data.get("datatype", ""))
 
 
 def _inner(data: Any) -> dict[str, Any]:
-    """The content of a serialised object ``{"dtype", "data"}``, or the dict itself."""
+    """The content under the key "data" of a serialised object, or the dict itself."""
     while isinstance(data, dict) and _kind(data):
         data = data.get("data", data.get("value"))
     return data if isinstance(data, dict) else {}
 
 
 def _graph(data: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-    """The nodes by their keys, and the graph; a list of meshes is a graph without edges."""
+    """The graph of an assembly: its nodes by key, and the whole graph as a dict."""
     meshes = data if isinstance(data, list) else [data]
     if all("vertex" in _inner(mesh) for mesh in meshes):
         return {str(k): {"block": mesh} for k, mesh in enumerate(meshes)}, {}
@@ -143,7 +143,7 @@ def _dict(value: Any) -> dict[str, Any]:
 
 
 def _block(key: str, node: Any) -> dict[str, Any]:
-    """The data of the block of a node; raises `InputError` if it has no mesh."""
+    """The data of the block that a node holds; raises `InputError` if it has no mesh."""
     block = _inner(node.get("block")) if isinstance(node, dict) else {}
     if not isinstance(block.get("vertex"), dict) or not isinstance(block.get("face"), dict):
         raise InputError("the node has no block with vertices and faces", part=key, hint=_HINT)
@@ -151,12 +151,12 @@ def _block(key: str, node: Any) -> dict[str, Any]:
 
 
 def _name_beside_data(node: dict[str, Any]) -> Any:
-    """The name of a block that is stored beside its data, as COMPAS 2 does; None without it."""
+    """Name of a block that COMPAS 2 stores beside the block's data; None without a name."""
     return _dict(node.get("block")).get("name")
 
 
 def _names(blocks: dict[str, dict[str, Any]], beside: dict[str, Any]) -> dict[str, str]:
-    """The name of the part of each node: the name of the block if it is unique, else the key.
+    """Part name for each node: the name of its block if that is unique, else the node's key.
 
     Parameters
     ----------
@@ -174,7 +174,7 @@ def _names(blocks: dict[str, dict[str, Any]], beside: dict[str, Any]) -> dict[st
 
 
 def _vertices(name: str, block: dict[str, Any]) -> dict[str, list[float]]:
-    """The coordinates of each vertex key of a block."""
+    """Coordinates of the vertices of a block, by vertex key."""
     start = {"x": 0.0, "y": 0.0, "z": 0.0, **_dict(block.get("default_vertex_attributes"))}
     corners = {}
     for key, vertex in block["vertex"].items():
@@ -196,7 +196,7 @@ def _rows(corners: dict[str, list[float]]) -> Any:
 
 
 def _mesh(name: str, block: dict[str, Any], corners: dict[str, list[float]], accuracy: Any) -> Mesh:
-    """The mesh of a block; raises `InputError` if a face is invalid."""
+    """Build the mesh of a block; raises `InputError` if a face is invalid."""
     row = {key: k for k, key in enumerate(corners)}
     faces = []
     for key, face in block["face"].items():
@@ -214,6 +214,6 @@ def _mesh(name: str, block: dict[str, Any], corners: dict[str, list[float]], acc
 
 
 def _is_support(node: dict[str, Any], defaults: dict[str, Any], block: dict[str, Any]) -> bool:
-    """Whether a node, the defaults of all nodes, or its block mark the block as a support."""
+    """Whether the file marks a block as a support: in its node, the node defaults or the block."""
     of_block = _dict(block.get("attributes")).get("is_support")
     return (node.get("is_support", defaults.get("is_support")) or of_block) is True

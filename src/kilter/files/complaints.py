@@ -19,7 +19,7 @@ _TAGS = re.compile(r"as path|inline|named|constrained-\w+|literal\[.*\]|float|li
 
 
 def complaint(error: ValidationError, data: dict[str, Any], model: type[BaseModel]) -> InputError:
-    """The error for the first fault; an unknown key comes first, since it explains missing keys.
+    """Convert a validation error of a file to one clear `InputError`, for its first fault.
 
     Parameters
     ----------
@@ -46,12 +46,12 @@ def complaint(error: ValidationError, data: dict[str, Any], model: type[BaseMode
 
 
 def _fault_place(fault: Any) -> tuple[Any, ...]:
-    """Keys and indices that lead to a fault in the file, without the tags of union types."""
+    """Keys and indices that lead to a fault in the file, without internal tags of pydantic."""
     return tuple(key for key in fault["loc"] if not _TAGS.fullmatch(str(key)))
 
 
 def _part_and_place(place: tuple[Any, ...], data: dict[str, Any]) -> tuple[str | None, str]:
-    """The name of the part, if known, and the rest of the place as text (``pose.position``)."""
+    """Name of the part at fault, if known, and the place in it as text (``pose.position``)."""
     part = None
     if len(place) >= 2 and place[0] == "parts" and isinstance(place[1], int):
         entry = data["parts"][place[1]]
@@ -63,7 +63,7 @@ def _part_and_place(place: tuple[Any, ...], data: dict[str, Any]) -> tuple[str |
 
 
 def _fault_and_remedy(fault: Any, place: str, keys: list[str]) -> tuple[str, str]:
-    """Two phrases for a fault of pydantic: the fault, and the remedy."""
+    """Two phrases for a fault that pydantic reports: the fault, and what to do."""
     kind, context, value = fault["type"], fault.get("ctx", {}), fault["input"]
     if kind == "extra_forbidden":
         return _unknown_key(place, keys)
@@ -92,13 +92,13 @@ def _fault_and_remedy(fault: Any, place: str, keys: list[str]) -> tuple[str, str
 
 
 def _count(place: str, wanted: Any) -> str:
-    """The required number of entries of a list; "or more" for lists without an upper limit."""
+    """Phrase for the required number of entries of a list; "or more" if there is no upper limit."""
     several = re.search(r"(^parts|(^|\.)(polygon|points|faces\[\d+\]))$", place)
     return f"{wanted} or more" if several else str(wanted)
 
 
 def _unknown_key(place: str, keys: list[str]) -> tuple[str, str]:
-    """Fault and remedy for an unknown key: the nearest known key, or all of them."""
+    """Two phrases for an unknown key: the fault, and the nearest known key or all known keys."""
     key = place.rpartition(".")[2]
     near = nearest_name(key, keys)
     if key == "radius" and "curvature" in keys:
@@ -108,7 +108,7 @@ def _unknown_key(place: str, keys: list[str]) -> tuple[str, str]:
 
 
 def _keys_at(model: type[BaseModel], place: tuple[Any, ...]) -> list[str]:
-    """Known keys of the object at a place in the file."""
+    """Keys that the file format allows for the object at a place in the file."""
     from pydantic import BaseModel
 
     for key in place:
@@ -121,7 +121,7 @@ def _keys_at(model: type[BaseModel], place: tuple[Any, ...]) -> list[str]:
 
 
 def _models_in(annotation: Any, base: type) -> list[Any]:
-    """Subclasses of `base` that a type annotation contains."""
+    """All subclasses of `base` that occur in a type annotation."""
     if isinstance(annotation, type) and issubclass(annotation, base):
         return [annotation]
     inner = getattr(annotation, "__args__", ())

@@ -17,7 +17,7 @@ MOST_SAMPLES = 200
 
 
 def has_doubled_faces(solid: Solid) -> bool:
-    """Whether two faces on an equal round surface, with opposite sides of material, overlap.
+    """Whether two coincident round faces of a solid overlap with material on opposite sides.
 
     The halves of a sphere do not overlap. If the reader took the wrong side of the outline of a
     face, this face covers the other faces on its sphere, and volume and area show no error.
@@ -42,7 +42,7 @@ def has_doubled_faces(solid: Solid) -> bool:
 
 
 def _covered(corners: Array, others: Array, reach: float) -> float:
-    """Share of the triangles, by area, whose centroids lie on other triangles.
+    """Fraction of the area of triangles whose centroids lie on other triangles [-].
 
     Parameters
     ----------

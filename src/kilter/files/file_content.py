@@ -30,7 +30,7 @@ ENDINGS = (".json", *FORMATS, *XML, *LDRAW_FILES, *BRICK_TEXT)
 
 
 class FileContent(NamedTuple):
-    """An assembly as its source describes it, before the options are applied.
+    """An assembly as read from its file, before the user's options are applied.
 
     `states_gravity`: whether the format fixes the direction of gravity; `left_out`: names of
     parts that the reader has left out already.
@@ -48,7 +48,7 @@ def read_path(
     without: Sequence[str] = (),
     progress: Callable[[str], None] | None = None,
 ) -> FileContent:
-    """Read a path, or standard input, with the reader of its kind."""
+    """Read a file, a folder or standard input with the reader for its format."""
     if os.fspath(source) == STANDARD_INPUT:
         return _from_json(
             read_bounded(sys.stdin.buffer, "standard input"), Path(), "standard input", options
@@ -101,7 +101,7 @@ def _is_folder(path: Path) -> bool:
 
 
 def _from_json(data: bytes, folder: Path, source: str, options: FormatOptions) -> FileContent:
-    """The assembly of JSON data: COMPAS, StableLego or kilter, by its content."""
+    """The assembly in JSON data; the content shows whether it is COMPAS, StableLego or kilter."""
     try:
         content = parse_json(data)
     except InputError as error:
@@ -118,7 +118,7 @@ def _from_json(data: bytes, folder: Path, source: str, options: FormatOptions) -
 
 
 def _check_units(assembly: Assembly, units: str | None) -> None:
-    """Raise `InputError` if the option `units` contradicts the units of the file."""
+    """Raise `InputError` if the option `units` contradicts the unit of the file."""
     if units is not None and units != assembly.units:
         raise InputError(
             f"the file is in {assembly.units}, but the units given are {units}",

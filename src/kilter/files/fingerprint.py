@@ -13,7 +13,7 @@ Stamp = tuple[str, int, int]
 
 
 def fingerprint(file: str) -> tuple[Stamp, ...]:
-    """Times and sizes of the files of an assembly.
+    """Modification times and sizes of the files of an assembly, by which a change is noticed.
 
     The files are those in a folder, or a file and the meshes and STEP files that its JSON names.
     Missing files are left out, so that a file that reappears is a change.
@@ -27,7 +27,7 @@ def fingerprint(file: str) -> tuple[Stamp, ...]:
 
 
 def _stamp(path: Path) -> Stamp | None:
-    """Path, time and size of a file; None if it is missing."""
+    """Path, modification time and size of a file; None if it is missing."""
     try:
         state = path.stat()
     except OSError:
@@ -36,7 +36,7 @@ def _stamp(path: Path) -> Stamp | None:
 
 
 def _named_in(path: Path) -> list[Path]:
-    """Paths that the parts of a JSON file name as `mesh` or `step`."""
+    """Paths of the mesh and STEP files that a JSON assembly file names."""
     if path.suffix.lower() != ".json":
         return []
     try:

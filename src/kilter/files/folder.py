@@ -22,7 +22,7 @@ __all__ = ["load_folder"]
 
 
 def load_folder(path: Path, *, units: str | None = None) -> Assembly:
-    """Read the mesh and STEP files of a folder as an assembly; subfolders are ignored.
+    """Read all mesh and STEP files of a folder as an assembly; subfolders are ignored.
 
     Raises
     ------
@@ -55,7 +55,7 @@ def load_folder(path: Path, *, units: str | None = None) -> Assembly:
 
 
 def _remedy(entries: Sequence[Path]) -> str:
-    """Advice for a folder without mesh files: give its JSON file, or add meshes."""
+    """Advice to the user about a folder without mesh files: give its JSON file, or add meshes."""
     files = [e.name for e in entries if e.name.lower().endswith(".json")]
     if files:
         return f"give the file itself: {files[0]!r}"
@@ -63,7 +63,7 @@ def _remedy(entries: Sequence[Path]) -> str:
 
 
 def _parts(path: Path, files: list[Path], solids: list[FileBodies], target: str) -> list[Part]:
-    """The parts of all files, with lengths in the units `target`."""
+    """Build the parts of all files, with lengths converted to the unit `target`."""
     stems = distinct([file.stem for file in files])
     parts = []
     for file, stem, bodies in zip(files, stems, solids, strict=True):
@@ -78,7 +78,7 @@ def _parts(path: Path, files: list[Path], solids: list[FileBodies], target: str)
 
 
 def _units(path: Path, files: list[Path], solids: list[FileBodies], units: str | None) -> str:
-    """The length unit of the assembly: the given unit, else the unit that the files state, else m.
+    """Length unit of the assembly: the given unit, else that of the files, else "m".
 
     If the files state several units, metres serve as the common unit.
     """
@@ -97,7 +97,7 @@ def _units(path: Path, files: list[Path], solids: list[FileBodies], units: str |
 
 
 def _ignored_note(entries: Sequence[Path], limit: int = 8) -> list[str]:
-    """A note that lists files of other types, at most `limit` by name."""
+    """A note that names up to `limit` files of other types; an empty list if there are none."""
     if not entries:
         return []
     shown = ", ".join(repr(entry.name) for entry in entries[:limit])
@@ -106,7 +106,7 @@ def _ignored_note(entries: Sequence[Path], limit: int = 8) -> list[str]:
 
 
 def _several_bodies(file: Path, bodies: FileBodies) -> list[str]:
-    """A note if a file without names holds several separate bodies."""
+    """A note if a file without names holds several separate bodies; else an empty list."""
     only = bodies.shapes[0]
     if bodies.names != (None,) or not isinstance(only, Mesh):
         return []

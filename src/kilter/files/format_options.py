@@ -11,7 +11,7 @@ __all__ = ["FormatOptions"]
 
 @dataclass(frozen=True, slots=True)
 class FormatOptions:
-    """The options of `kilter.load` that only some formats use; None for the default.
+    """Options of `kilter.load` for specific file formats; None: the default.
 
     Attributes
     ----------

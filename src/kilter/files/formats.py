@@ -42,30 +42,30 @@ _Objects = list[tuple[str | None, Mesh]]
 
 
 def _bodies(objects: _Objects, notes: list[str], units: str | None = None) -> FileBodies:
-    """Named meshes as `FileBodies`."""
+    """Convert named meshes to `FileBodies`."""
     names, meshes = tuple(name for name, _ in objects), tuple(mesh for _, mesh in objects)
     return FileBodies(names, meshes, units=units, notes=tuple(notes))
 
 
 def _obj(path: Path) -> FileBodies:
-    """Read an OBJ file."""
+    """Read the meshes of an OBJ file."""
     return _bodies(read_obj(read_bytes(path)), [])
 
 
 def _stl(path: Path) -> FileBodies:
-    """Read an STL file."""
+    """Read the meshes of an STL file."""
     return _bodies(*read_stl(read_bytes(path)))
 
 
 def _glb(path: Path) -> FileBodies:
-    """Read a GLB file; its unit is that of the standard."""
+    """Read the meshes of a GLB file, in metres as the standard states."""
     objects, notes = read_glb(read_bytes(path))
     names, meshes = tuple(name for name, _ in objects), tuple(mesh for _, mesh in objects)
     return FileBodies(names, meshes, units="m", by_standard=True, notes=tuple(notes))
 
 
 def _3mf(path: Path) -> FileBodies:
-    """Read a 3MF file."""
+    """Read the meshes of a 3MF file."""
     objects, units = read_3mf(read_bytes(path))
     return _bodies(objects, [], units)
 
@@ -91,7 +91,7 @@ def read_bodies(
     without: Sequence[str] = (),
     progress: Callable[[str], None] | None = None,
 ) -> FileBodies:
-    """Read the bodies of a file, in the file's own unit.
+    """Read the meshes or solids of a file, in the file's own length unit.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def load_bodies(
     without: Sequence[str] = (),
     progress: Callable[[str], None] | None = None,
 ) -> tuple[Assembly, tuple[str, ...]]:
-    """Read the bodies of a file as an assembly.
+    """Read the meshes or solids of a file as the parts of an assembly.
 
     `without` and `progress` are those of `read_bodies`.
 
@@ -151,7 +151,7 @@ def load_bodies(
 def assembly_of(
     bodies: FileBodies, *, units: str | None = None, stem: str = "part", source: str = ""
 ) -> Assembly:
-    """An assembly of bodies.
+    """Build an assembly with a part for each body.
 
     A body without a name is named after `stem`. A single mesh without a name is split into its
     separate bodies.
@@ -182,7 +182,7 @@ def agreed_units(
     *,
     what: str = "the object",
 ) -> str:
-    """The unit of lengths: the stated unit, else the given unit, else metres.
+    """The length unit to use: the unit that the file states, else the given unit, else "m".
 
     Parameters
     ----------

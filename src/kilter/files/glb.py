@@ -46,7 +46,7 @@ _DAMAGED = "export it again: it is incomplete or damaged"
 
 
 def read_glb(data: bytes) -> tuple[list[tuple[str | None, Mesh]], list[str]]:
-    """Read the solids of a GLB file.
+    """Read the meshes of a GLB file, with their names.
 
     Returns
     -------
@@ -66,7 +66,7 @@ def read_glb(data: bytes) -> tuple[list[tuple[str | None, Mesh]], list[str]]:
 
 
 def _header_entry(rows: list[_Row], k: int, what: str) -> _Row:
-    """Entry k of a list of the header; `what` is its noun for the message.
+    """Entry k of a list in the header, checked; `what` is the noun for the error message.
 
     Raises
     ------
@@ -79,7 +79,7 @@ def _header_entry(rows: list[_Row], k: int, what: str) -> _Row:
 
 
 def _chunks(data: bytes) -> tuple[Gltf, bytes]:
-    """The header, and the bytes of the binary chunk."""
+    """Split the bytes of a GLB file into the parsed header and the binary chunk."""
     if data[:4] != b"glTF":
         raise InputError("not a GLB file: it does not begin with 'glTF'", hint=_DAMAGED)
     version, length = (int.from_bytes(data[k : k + 4], "little") for k in (4, 8))
@@ -102,7 +102,7 @@ def _chunks(data: bytes) -> tuple[Gltf, bytes]:
 
 
 def _validate(header: dict[str, Any]) -> Gltf:
-    """Parse the header into its pydantic model; raises `InputError`."""
+    """Parse the JSON header of a GLB file; raises `InputError` if it is invalid."""
     from pydantic import ValidationError
 
     from kilter.files.gltf_models import Gltf
@@ -117,7 +117,7 @@ def _validate(header: dict[str, Any]) -> Gltf:
 
 
 def _require_readable(header: Gltf) -> None:
-    """Raise `InputError` if meshes are compressed or in other files."""
+    """Raise `InputError` if the meshes are compressed or stored in other files."""
     used = {*header.extensionsRequired}
     used |= {name for mesh in header.meshes for p in mesh.primitives for name in p.extensions}
     packed = sorted(name for name in used if "compression" in name)
@@ -130,7 +130,7 @@ def _require_readable(header: Gltf) -> None:
 
 
 def _solids(header: Gltf, binary: bytes) -> tuple[list[tuple[str | None, Mesh]], list[str]]:
-    """Names and meshes of the scene, in the order of its nodes, and notes."""
+    """Names and placed meshes of the scene, in the order of its nodes, and notes."""
     read: dict[int, Mesh | None] = {}
     solids: list[tuple[tuple[str, ...], Mesh]] = []
     seen: set[int] = set()
@@ -169,7 +169,7 @@ def _solids(header: Gltf, binary: bytes) -> tuple[list[tuple[str | None, Mesh]],
 
 
 def _roots(header: Gltf) -> list[int]:
-    """Nodes of the scene; without a scene, the nodes without parents."""
+    """Indices of the root nodes of the scene; without a scene, of the nodes without parents."""
     if header.scenes:
         return _header_entry(header.scenes, header.scene, "scene").nodes
     below = {child for node in header.nodes for child in node.children}
@@ -177,7 +177,7 @@ def _roots(header: Gltf) -> list[int]:
 
 
 def _matrix(node: Node) -> Array:
-    """The transform of a node relative to its parent, shape (4, 4).
+    """Transform from a node's frame to its parent's frame, shape (4, 4).
 
     It is a matrix, or a scaling, then a rotation, then a translation.
     """
@@ -191,7 +191,7 @@ def _matrix(node: Node) -> Array:
 
 
 def _triangles(header: Gltf, primitives: list[Primitive]) -> int:
-    """Number of triangles that the header states for primitives; strips and fans have more."""
+    """Number of triangles that the header states for primitives, at least."""
     given = (p.attributes.get("POSITION") if p.indices is None else p.indices for p in primitives)
     return sum(
         _header_entry(header.accessors, k, "accessor").count // 3 for k in given if k is not None
@@ -201,7 +201,7 @@ def _triangles(header: Gltf, primitives: list[Primitive]) -> int:
 def _named_mesh(
     header: Gltf, binary: bytes, primitives: list[Primitive], name: str | None
 ) -> Mesh | None:
-    """The triangles of all primitives as a mesh; None without triangles."""
+    """Join the triangles of all primitives to a mesh; None without triangles."""
     try:
         pieces = [_primitive(header, binary, primitive) for primitive in primitives]
         kept = [piece for piece in pieces if piece is not None]
@@ -211,7 +211,7 @@ def _named_mesh(
 
 
 def _primitive(header: Gltf, binary: bytes, primitive: Primitive) -> Mesh | None:
-    """The triangles of a primitive; None if it has points or lines."""
+    """The triangles of a primitive (a piece of a mesh); None if it consists of points or lines."""
     mode = primitive.mode
     if mode not in (TRIANGLES, STRIP, FAN) or "POSITION" not in primitive.attributes:
         return None
@@ -237,7 +237,7 @@ def _primitive(header: Gltf, binary: bytes, primitive: Primitive) -> Mesh | None
 
 
 def _accessor(header: Gltf, binary: bytes, index: int, wanted: str) -> NDArray[Any]:
-    """The numbers of an accessor, shape (n, width).
+    """The rows of numbers that an accessor of the header describes, shape (n, width).
 
     Raises
     ------
@@ -267,7 +267,7 @@ def _accessor(header: Gltf, binary: bytes, index: int, wanted: str) -> NDArray[A
 
 
 def _with_sparse(header: Gltf, binary: bytes, sparse: Sparse, rows: NDArray[Any]) -> NDArray[Any]:
-    """The rows of an accessor after its sparse rows have replaced their predecessors."""
+    """Rows of numbers of an accessor, after its sparse section has overwritten some of them."""
     indices, values, n = sparse.indices, sparse.values, sparse.count
     kind = np.dtype(COMPONENTS[indices.componentType])
     at = _view(header, binary, (indices.bufferView, indices.byteOffset), kind, (n, 1))[:, 0]
@@ -286,7 +286,7 @@ def _view(
     kind: np.dtype[Any],
     shape: tuple[int, int],
 ) -> NDArray[Any]:
-    """Rows of numbers in the binary chunk.
+    """Read rows of numbers from a place in the binary chunk.
 
     Parameters
     ----------
@@ -309,6 +309,6 @@ def _view(
 
 
 def _check_count(needed: int, held: int) -> None:
-    """Raise `InputError` if `needed` bytes are more than the `held` bytes."""
+    """Raise `InputError` if `needed` bytes are more than the `held` bytes of the file."""
     if needed < 0 or needed > held:
         raise InputError(f"numbers end at byte {needed} of {held}", hint=_DAMAGED)

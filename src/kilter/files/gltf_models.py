@@ -25,20 +25,20 @@ class View(BaseModel):
 
 
 class SparsePart(BaseModel):
-    """Place of the numbers of sparse rows."""
+    """Place in the binary chunk of the numbers that overwrite rows of an accessor."""
 
     bufferView: Count
     byteOffset: Count = 0
 
 
 class SparseIndices(SparsePart):
-    """Place of the row indices of sparse rows."""
+    """Place in the binary chunk of the indices of the overwritten rows of an accessor."""
 
     componentType: Literal[5121, 5123, 5125]
 
 
 class Sparse(BaseModel):
-    """Rows of an accessor that are stored separately and replace its own rows."""
+    """Section of an accessor that overwrites some of its rows with separately stored numbers."""
 
     count: Count
     indices: SparseIndices
@@ -46,7 +46,7 @@ class Sparse(BaseModel):
 
 
 class Accessor(BaseModel):
-    """An array of numbers: its type, its length, and its place in the binary chunk."""
+    """Description of an array of numbers: type, length, and place in the binary chunk."""
 
     componentType: Component
     count: Count
@@ -58,7 +58,7 @@ class Accessor(BaseModel):
 
 
 class Primitive(BaseModel):
-    """The triangles of a mesh with the same material."""
+    """Triangles of a mesh that have the same material."""
 
     attributes: dict[str, Count]
     indices: Count | None = None
@@ -74,7 +74,7 @@ class GltfMesh(BaseModel):
 
 
 class Node(BaseModel):
-    """A transform with a mesh, or with child nodes."""
+    """A node of the scene: a transform with a mesh, or with child nodes."""
 
     name: str | None = None
     mesh: Count | None = None
@@ -92,7 +92,7 @@ class Scene(BaseModel):
 
 
 class Buffer(BaseModel):
-    """Bytes in the file, or in another file (`uri`)."""
+    """A block of bytes, in the file itself or in another file (`uri`)."""
 
     uri: str | None = None
 

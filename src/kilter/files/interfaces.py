@@ -29,7 +29,7 @@ _HINT = "export the assembly with its interfaces again, or use --contacts geomet
 
 
 def interfaces_of(graph: dict[str, Any]) -> list[tuple[str, str, dict[str, Any]]]:
-    """All interfaces of a graph as (u, v, interface); an edge that is listed twice counts once."""
+    """All contact interfaces of a COMPAS graph as (u, v, interface), each once."""
     result: list[tuple[str, str, dict[str, Any]]] = []
     seen: set[frozenset[str]] = set()
     for u, row in _dict(graph.get("edge")).items():
@@ -42,7 +42,7 @@ def interfaces_of(graph: dict[str, Any]) -> list[tuple[str, str, dict[str, Any]]
 
 
 def _edge_interfaces(edge: dict[str, Any]) -> list[dict[str, Any]]:
-    """The interfaces of an edge, from any of the three forms in which files store them."""
+    """Contact interfaces of a graph edge, from any of the three forms in which files store them."""
     several = edge.get("interfaces")
     single = edge.get("interface")
     stored = several if isinstance(several, list) and several else [single]
@@ -58,7 +58,7 @@ def _dict(value: Any) -> dict[str, Any]:
 
 
 def _inner(value: Any) -> Any:
-    """The content of a serialised object ``{"dtype", "data"}``, or the value itself."""
+    """The content under the key "data" of a serialised object, or the value itself."""
     while isinstance(value, dict) and ("dtype" in value or "datatype" in value):
         value = value.get("data", value.get("value"))
     return value
@@ -67,7 +67,7 @@ def _inner(value: Any) -> Any:
 def contacts_of(
     interfaces: list[tuple[str, str, dict[str, Any]]], parts: Mapping[str, Part]
 ) -> list[GivenContact]:
-    """The contacts of interfaces.
+    """Convert COMPAS interfaces to contacts of parts.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def contacts_of(
 
 
 def _contact(u: str, v: str, interface: Any, parts: Mapping[str, Part]) -> GivenContact:
-    """The contact of an interface, with the normal from block u to block v."""
+    """Convert an interface to a contact, with the normal from block u to block v."""
     for key in (u, v):
         if key not in parts:
             raise InputError(f"an interface names the unknown block {key!r}", hint=_HINT)
@@ -108,7 +108,7 @@ def _contact(u: str, v: str, interface: Any, parts: Mapping[str, Part]) -> Given
 
 
 def _polygon(interface: Any) -> tuple[Array, Array]:
-    """Corners of an interface, shape (n, 3), and its normal of any length, shape (3,).
+    """Corners of an interface, shape (n, 3), and its normal, shape (3,), not yet of length 1.
 
     Without valid corners: no corners, and a zero normal.
     """
@@ -131,7 +131,7 @@ def _polygon(interface: Any) -> tuple[Array, Array]:
 
 
 def _facing_cosine(shape: Any, point: Array, normal: Array) -> float:
-    """Cosine between a direction and the outward normal of the mesh face nearest to a point.
+    """Cosine of the angle between a direction and the outward normal of the nearest mesh face.
 
     Only faces across the direction are considered (cosine above `ALONG` in magnitude); without
     any, the result is 0.

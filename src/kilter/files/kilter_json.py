@@ -37,7 +37,7 @@ GRAVITY = [0.0, 0.0, -9.81]
 
 
 def schema() -> dict[str, Any]:
-    """The JSON schema of the kilter file.
+    """The JSON schema of kilter's assembly file.
 
     Examples
     --------
@@ -53,7 +53,7 @@ def schema() -> dict[str, Any]:
 
 
 def from_dict(data: Any, *, folder: str | Path = ".", source: str = "") -> Assembly:
-    """Build the assembly that the JSON values of a kilter file describe.
+    """Build an assembly from the JSON data of kilter's assembly file.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def from_dict(data: Any, *, folder: str | Path = ".", source: str = "") -> Assem
 
 
 def _validate(data: Any) -> AssemblyFile:
-    """Parse the content of a kilter file into its pydantic model; raises `InputError`."""
+    """Parse the JSON data of an assembly file into its pydantic model; raises `InputError`."""
     from pydantic import ValidationError
 
     from kilter.files.models import AssemblyFile
@@ -127,7 +127,7 @@ def _validate(data: Any) -> AssemblyFile:
 
 
 def _part(entry: PartEntry, named: NamedFiles, tally: Tally) -> Part:
-    """The part of an entry; its triangles are added to the tally."""
+    """Build the part of a file entry; its triangles are added to the count `tally`."""
     try:
         pose, shape = entry.pose, _shape(entry, named)
         if isinstance(shape, Mesh | Solid):
@@ -147,13 +147,13 @@ def _part(entry: PartEntry, named: NamedFiles, tally: Tally) -> Part:
 
 
 def _brick(entry: BrickEntry) -> Brick:
-    """The brick of an entry."""
+    """Build the brick of a file entry."""
     across, along = entry.cells
     return Brick((across, along), entry.plates, entry.color)
 
 
 def _shape(entry: PartEntry, named: NamedFiles) -> Shape:
-    """The shape of a part's entry; raises `InputError` unless exactly one shape is given."""
+    """Build the shape of a part's entry; raises `InputError` unless it has exactly one shape."""
     given = [key for key in entry.shapes() if getattr(entry, key) is not None]
     if len(given) != 1:
         what = f"has {' and '.join(given)}" if given else "has no shape"
@@ -183,7 +183,7 @@ def _shape(entry: PartEntry, named: NamedFiles) -> Shape:
 
 
 def _solid(entry: SolidEntry) -> Solid:
-    """The solid of an entry, after the check of its volume."""
+    """Build the solid of a file entry, and check its volume."""
     numbers = entry.model_dump()
     surfaces = []
     for given in numbers.pop("surfaces"):
@@ -193,7 +193,7 @@ def _solid(entry: SolidEntry) -> Solid:
 
 
 def _each(name: str, entries: Sequence[Any], build: Callable[[Any], Any]) -> list[Any]:
-    """The values built from a list of entries; an error names the place in the list."""
+    """Build a value from each entry of a list; an error names the place in the list."""
     built = []
     for k, entry in enumerate(entries):
         try:
@@ -206,12 +206,12 @@ def _each(name: str, entries: Sequence[Any], build: Callable[[Any], Any]) -> lis
 
 
 def _pair(names: Sequence[str]) -> tuple[str, str]:
-    """A list of two names as a tuple."""
+    """Two names as a tuple, from a list of two names."""
     return names[0], names[1]
 
 
 def _contact(entry: Any) -> GivenContact:
-    """The contact of an entry."""
+    """Build the contact of a file entry."""
     given = entry.feature
     pair = None if given is None else (_feature(given[0]), _feature(given[1]))
     contact = GivenContact(_pair(entry.parts), entry.points, entry.normal, entry.mu, pair)
@@ -220,7 +220,7 @@ def _contact(entry: Any) -> GivenContact:
 
 
 def _feature(entry: Any) -> Feature:
-    """The feature of an entry."""
+    """Build the touching feature (face, edge or vertex) of a file entry."""
     feature = Feature(entry.kind, entry.along, entry.curvature, entry.point, entry.axis)
     for name in ("along", "axis"):
         given = getattr(entry, name)
@@ -230,7 +230,7 @@ def _feature(entry: Any) -> Feature:
 
 
 def _joint(entry: Any) -> Joint:
-    """The joint of an entry."""
+    """Build the joint of a file entry."""
     joint = Joint(_pair(entry.parts), entry.kind, entry.point, entry.axis)
     if entry.axis is not None:
         _keep(joint, "axis", entry.axis)
@@ -238,7 +238,7 @@ def _joint(entry: Any) -> Joint:
 
 
 def _bond(entry: Any) -> Bond:
-    """The bond of an entry."""
+    """Build the bond of a file entry."""
     bond = Bond(
         _pair(entry.parts),
         entry.pull,
@@ -256,7 +256,7 @@ def _bond(entry: Any) -> Bond:
 def _keep(
     value: Feature | GivenContact | Joint | Bond | Surface, name: str, numbers: list[float]
 ) -> None:
-    """Keep the digits of a direction of length 1 (up to rounding) as written in the file.
+    """Keep the digits of a unit vector as written in the file, instead of normalising it again.
 
     A second division by the length may change the last digit, but a file that is read and
     written again must be the same.
@@ -278,7 +278,7 @@ def _keep(
 
 
 def to_dict(assembly: Assembly) -> dict[str, Any]:
-    """The JSON values of a kilter file for an assembly; defaults are left out.
+    """The JSON data of kilter's assembly file for an assembly; defaults are left out.
 
     Examples
     --------
@@ -330,7 +330,7 @@ def to_dict(assembly: Assembly) -> dict[str, Any]:
 
 
 def _without_none(**entries: Any) -> dict[str, Any]:
-    """The entries that are not None, with arrays as lists."""
+    """A dict of the given entries that are not None, with arrays as lists."""
     return {
         key: value.tolist() if isinstance(value, np.ndarray) else value
         for key, value in entries.items()
@@ -339,7 +339,7 @@ def _without_none(**entries: Any) -> dict[str, Any]:
 
 
 def _part_dict(part: Part) -> dict[str, Any]:
-    """The entry of a part."""
+    """JSON data of a part."""
     pose = _without_none(
         position=part.pose.position if part.pose.position.any() else None,
         rotation=None if part.pose.rotation.tolist() == [1, 0, 0, 0] else part.pose.rotation,
@@ -359,13 +359,13 @@ def _part_dict(part: Part) -> dict[str, Any]:
 
 
 def _brick_dict(brick: Brick) -> dict[str, Any]:
-    """The entry of a brick."""
+    """JSON data of a brick."""
     plates = None if brick.plates == BRICK_PLATES else brick.plates
     return _without_none(cells=list(brick.cells), plates=plates, color=brick.color)
 
 
 def _shape_dict(shape: Shape) -> dict[str, Any]:
-    """The key and entry of a shape."""
+    """JSON data of a shape: its key and the entry under it."""
     if isinstance(shape, Box):
         return {"box": shape.size.tolist()}
     if isinstance(shape, Cylinder):
@@ -386,7 +386,7 @@ def _shape_dict(shape: Shape) -> dict[str, Any]:
 
 
 def _solid_dict(solid: Solid) -> dict[str, Any]:
-    """The entry of a solid with exact faces."""
+    """JSON data of a solid with exact faces."""
     entries = _without_none(**{name: getattr(solid, name) for name in Solid.__slots__})
     for name in ("holes", "stand_in", "uncertainty"):  # defaults of a valid solid
         if not entries[name]:
@@ -399,7 +399,7 @@ def _solid_dict(solid: Solid) -> dict[str, Any]:
 
 
 def _feature_dict(feature: Feature) -> dict[str, Any]:
-    """The entry of a feature; equal curvatures of a face are written as a single number."""
+    """JSON data of a touching feature; equal curvatures of a face become a single number."""
     k, across = feature.curvature.tolist()
     single = feature.kind == "edge" or k == across
     return _without_none(
@@ -412,7 +412,7 @@ def _feature_dict(feature: Feature) -> dict[str, Any]:
 
 
 def _load_dict(load: Load) -> dict[str, Any]:
-    """The entry of a load."""
+    """JSON data of a load."""
     return _without_none(
         part=load.part,
         point=load.point,

@@ -53,7 +53,7 @@ TO_CELLS = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])
 
 @dataclass(frozen=True, slots=True)
 class _PartLine:
-    """A line of the file that places a part, or a model of the file, in its model."""
+    """A line of an LDraw file that places a part, or another model of the file."""
 
     number: int
     color: int
@@ -95,7 +95,7 @@ def load_ldraw(path: Path, *, rules: StudRules | None = None) -> Assembly:
 
 
 def _models(data: bytes) -> tuple[dict[str, list[_PartLine]], list[str]]:
-    """The part lines of each model by its name, in the order of the file, and notes."""
+    """Lines that place parts, for each model of the file by name, and notes."""
     models: dict[str, list[_PartLine]] = {}
     lines: list[_PartLine] = []
     drawn = 0
@@ -122,12 +122,12 @@ def _models(data: bytes) -> tuple[dict[str, list[_PartLine]], list[str]]:
 
 
 def _key(name: str) -> str:
-    """The name of a part or model in a form that can be compared."""
+    """Name of a part or model in a normal form, so that equal names compare equal."""
     return name.strip().lower().replace("\\", "/")
 
 
 def _line(number: int, text: str) -> _PartLine:
-    """Parse a line of type 1; raises `InputError` if it is invalid."""
+    """Parse a line that places a part (type 1); raises `InputError` if it is invalid."""
     words = text.split(maxsplit=NUMBERS + 1)
     try:
         values = np.array([float(word) for word in words[2 : NUMBERS + 1]])
@@ -145,7 +145,7 @@ def _line(number: int, text: str) -> _PartLine:
 
 
 def _placed_bricks(models: dict[str, list[_PartLine]]) -> Iterator[_PlacedBrick]:
-    """The bricks of the first model, including the bricks of the models in it.
+    """Yield the bricks of the first model, including those of the models that it contains.
 
     Raises
     ------
@@ -157,7 +157,10 @@ def _placed_bricks(models: dict[str, list[_PartLine]]) -> Iterator[_PlacedBrick]
     def within(
         name: str, place: Array, matrix: Array, color: int, way: tuple[str, ...]
     ) -> Iterator[_PlacedBrick]:
-        """The bricks of a model that is placed in the whole; `way` lists the models around it."""
+        """Yield the bricks of a model at its place in the whole.
+
+        `way` lists the models around it.
+        """
         for line in models[name]:
             part_color = color if line.color == INHERITED else line.color
             at, turned = place + matrix @ line.place, matrix @ line.matrix
@@ -186,12 +189,15 @@ def _placed_bricks(models: dict[str, list[_PartLine]]) -> Iterator[_PlacedBrick]
 
 
 def _number(part: str) -> str:
-    """The LDraw number of a part file: 3001 for ``3001.dat``."""
+    """LDraw number of a part, such as 3001, from the name of its file, ``3001.dat``."""
     return re.sub(r"\.dat$", "", part)
 
 
 def _grid_model(bricks: list[_PlacedBrick]) -> BrickModel:
-    """The bricks in whole cells and plates, the lowest layer at 0; raises `InputError`."""
+    """The bricks on a grid of whole cells and plates, the lowest layer at 0.
+
+    Raises `InputError` if a brick does not fit the grid.
+    """
     line = np.array([brick.line for brick in bricks])
     studs = np.array([brick.size for brick in bricks])
     held = studs[:, 2] == 0
@@ -222,7 +228,7 @@ def _grid_model(bricks: list[_PlacedBrick]) -> BrickModel:
 
 
 def _cells(low: Array, line: Index) -> Index:
-    """The cell of the lowest corner of each part, shape (n, 3), from corners in cells.
+    """Grid cell of the lowest corner of each brick, shape (n, 3), from corners in cell units.
 
     Parameters
     ----------
@@ -244,6 +250,6 @@ def _cells(low: Array, line: Index) -> Index:
 
 
 def _masses(studs: Index) -> Array:
-    """Mass of each part [kg]; the mass of a baseplate is arbitrary, since it is held."""
+    """Mass of each brick [kg]; a baseplate has an arbitrary mass, since it is held."""
     kinds, kind = np.unique(studs, axis=0, return_inverse=True)
     return np.array([brick_mass(a, b, max(h, 1)) for a, b, h in kinds.tolist()])[kind]

@@ -41,7 +41,7 @@ MOST_TRIANGLES = 10_000_000
 
 
 class Tally:
-    """A count that raises an error beyond a bound.
+    """A counter that raises an error when it exceeds a limit.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ class Tally:
         self.count = 0
 
     def add(self, count: int) -> None:
-        """Add `count` to the count.
+        """Add a number to the counter; raises an error beyond the limit.
 
         Raises
         ------
@@ -82,7 +82,7 @@ class Tally:
 
 
 def require_unfolded(size: int, held: int) -> None:
-    """Verify that a zip of `held` bytes may unpack to `size` bytes.
+    """Verify that a zip file of `held` bytes does not unpack to too many bytes (`size`).
 
     Raises
     ------
@@ -99,12 +99,12 @@ def require_unfolded(size: int, held: int) -> None:
 
 
 def require_few_entries(text: bytes) -> None:
-    """Verify that an XML text has at most `MOST_ENTRIES` tags and attributes, and no DTD.
+    """Verify that an XML text is not too large for the reader, and has no DTD.
 
     Raises
     ------
     InputError
-        If it has more, or a DTD.
+        If it has more tags and attributes, or a DTD.
     """
     if b"<!DOCTYPE" in text[:100_000]:
         raise InputError(
@@ -119,7 +119,7 @@ def require_few_entries(text: bytes) -> None:
 
 
 def named_path(folder: Path, name: str, top: Path | None = None) -> Path:
-    """The path of a file that another file names.
+    """Path of a file named inside another file, after a check that it stays in the folder.
 
     Parameters
     ----------

@@ -30,7 +30,9 @@ USUAL = ("y", "x", "-z", "-y", "-x")
 
 
 def note_on_up(assembly: Assembly) -> list[str]:
-    """A note if the assembly stands with another axis up, but not with z; else no note.
+    """A note if the assembly seems to lie on its side; else an empty list.
+
+    It would stand with another axis up, but not with z.
 
     Examples
     --------
@@ -58,7 +60,7 @@ def note_on_up(assembly: Assembly) -> list[str]:
 
 
 def _stands(corners: Array, up: str) -> bool:
-    """Whether the centre of mass is above the support polygon of the lowest corners.
+    """Whether the centre of mass is above the support polygon, with the axis `up` upwards.
 
     Parameters
     ----------

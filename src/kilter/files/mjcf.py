@@ -34,7 +34,7 @@ Element = ElementTree.Element
 
 
 def to_mjcf(assembly: Assembly) -> str:
-    """The text of an MJCF scene for an assembly.
+    """The text of an MJCF file (a scene for MuJoCo) with all parts of an assembly.
 
     Raises
     ------
@@ -71,7 +71,7 @@ def to_mjcf(assembly: Assembly) -> str:
 def _body(
     world: Element, assets: Element, assembly: Assembly, k: int, part: Part, metres: float
 ) -> None:
-    """Add part k to the world as a body with a geom, and its mesh to the assets."""
+    """Add part k to the MJCF world as a body with a geom, and its mesh to the assets."""
     body = ElementTree.SubElement(
         world,
         "body",
@@ -105,7 +105,7 @@ def _body(
 
 
 def _inertial(assembly: Assembly, k: int, part: Part, metres: float) -> dict[str, str]:
-    """Attributes of `inertial`: mass, centre and principal inertia, in the frame of the body."""
+    """XML attributes for the mass, centre and principal inertia of a part, in the body's frame."""
     geometry = assembly.geometry
     turn = part.pose.matrix
     center = turn.T @ (geometry.center[k] - part.pose.position) * metres
@@ -121,7 +121,7 @@ def _inertial(assembly: Assembly, k: int, part: Part, metres: float) -> dict[str
 
 
 def _pairs(root: Element, assembly: Assembly) -> None:
-    """Add the friction pairs, and exclude contact between parts that a joint connects."""
+    """Add friction pairs to the MJCF scene, and exclude contact between jointed parts."""
     contact = ElementTree.SubElement(root, "contact")
     for entry in assembly.friction_pairs:
         mu = f"{max(entry.mu, LEAST):.17g}"
@@ -140,7 +140,7 @@ def _pairs(root: Element, assembly: Assembly) -> None:
 
 
 def _equality(equalities: Element, assembly: Assembly, joint: Joint, metres: float) -> None:
-    """Add a joint as a weld, or as connections at a point or at two points of its axis."""
+    """Add a joint to the MJCF scene: a weld, or connections at one or two points of its axis."""
     first, second = joint.parts if joint.parts[0] != GROUND else joint.parts[::-1]
     ends = {"body1": first, **({} if second == GROUND else {"body2": second})}
     if joint.kind == "fixed":
@@ -162,10 +162,10 @@ def _equality(equalities: Element, assembly: Assembly, joint: Joint, metres: flo
 
 
 def _friction(mu: float) -> str:
-    """Sliding, torsional and rolling friction of a geom."""
+    """XML attribute with the sliding, torsional and rolling friction of a geom."""
     return f"{max(mu, LEAST):.17g} {LEAST} {LEAST}"
 
 
 def _words(values: ArrayLike) -> str:
-    """Numbers with all digits, separated by blanks."""
+    """Numbers as text with all digits, separated by blanks."""
     return " ".join(f"{value:.17g}" for value in np.asarray(values).ravel().tolist())

@@ -31,20 +31,20 @@ Pair = Annotated[list[Name], Field(min_length=2, max_length=2)]
 
 
 class Entry(BaseModel):
-    """An object of the file; unknown keys are errors."""
+    """An object of the assembly file; unknown keys are errors."""
 
     model_config = ConfigDict(extra="forbid")
 
 
 class PoseEntry(Entry):
-    """The pose of a part: the transform from its own frame to the world frame."""
+    """Position and orientation of a part: the transform from its own frame to the world frame."""
 
     position: Vector = Field([0.0, 0.0, 0.0], description="[length unit]")
     rotation: Quaternion = Field([1.0, 0.0, 0.0, 0.0], description="quaternion w x y z")
 
 
 class MeshEntry(Entry):
-    """A closed surface; faces may be polygons."""
+    """A closed surface of triangles or polygons."""
 
     vertices: list[Vector]
     faces: list[Annotated[list[Whole], Field(min_length=3)]]
@@ -115,14 +115,14 @@ class SolidEntry(Entry):
 
 
 class CylinderEntry(Entry):
-    """A cylinder about z, centred on the pose."""
+    """A solid cylinder about z, centred on the pose of the part."""
 
     radius: Positive
     height: Positive
 
 
 class SphereEntry(Entry):
-    """A sphere, centred on the pose."""
+    """A solid sphere, centred on the pose of the part."""
 
     radius: Positive
 
@@ -138,17 +138,17 @@ class BrickEntry(Entry):
 
 
 def _mesh_kind(value: Any) -> str:
-    """Tag of the value of `mesh`, for the discriminator."""
+    """Tag by which pydantic chooses the model for the value of `mesh`."""
     return "as path" if isinstance(value, str) else "inline"
 
 
 def _step_kind(value: Any) -> str:
-    """Tag of the value of `step`, for the discriminator."""
+    """Tag by which pydantic chooses the model for the value of `step`."""
     return "as path" if isinstance(value, str) else "named"
 
 
 class PartEntry(Entry):
-    """A rigid part: exactly one of mesh, box, cylinder, sphere, polygon, step, solid."""
+    """A rigid part with exactly one shape: mesh, box, cylinder, sphere, polygon, step or solid."""
 
     model_config = ConfigDict(
         extra="forbid", json_schema_extra={"oneOf": [{"required": [key]} for key in SHAPES]}
@@ -188,7 +188,7 @@ class PartEntry(Entry):
 
     @staticmethod
     def shapes() -> tuple[str, ...]:
-        """Keys for the shape of a part; a part has exactly one of them."""
+        """The keys of the file that give a part its shape; a part has exactly one of them."""
         return SHAPES
 
 
@@ -211,7 +211,7 @@ class LoadEntry(Entry):
 
 
 class FeatureEntry(Entry):
-    """The face, edge or vertex of a part at a contact.
+    """The touching face, edge or vertex of a part at a given contact.
 
     Curvatures are positive on the convex side [1/length unit].
     """
@@ -230,7 +230,7 @@ class FeatureEntry(Entry):
 
 
 class ContactEntry(Entry):
-    """Contact points of two parts; they replace detection for that pair."""
+    """Given contact points of two parts; kilter then detects no contacts of that pair."""
 
     parts: Pair
     points: list[Vector] = Field(description="an empty list: the parts do not touch")
@@ -244,7 +244,7 @@ class ContactEntry(Entry):
 
 
 class JointEntry(Entry):
-    """A two-sided connection of two parts, or of a part and "ground"."""
+    """A joint between two parts, or between a part and "ground", that pushes and pulls."""
 
     parts: Pair
     kind: Literal["fixed", "revolute", "prismatic", "cylindrical", "spherical"]
@@ -297,7 +297,7 @@ class AssemblyFile(Entry):
 
 
 def build_schema() -> dict[str, Any]:
-    """The JSON schema of the kilter file."""
+    """The JSON schema of kilter's assembly file."""
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         **AssemblyFile.model_json_schema(),

@@ -17,7 +17,7 @@ __all__ = ["NamedFiles"]
 
 
 class NamedFiles:
-    """Shapes from mesh and STEP files, in the units of the assembly; each file is read once.
+    """Shapes from the mesh and STEP files that an assembly file names; each file is read once.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class NamedFiles:
         self._shapes: dict[tuple[str, str, str | None], Mesh | Solid] = {}
 
     def mesh(self, path: str) -> Mesh | Solid:
-        """Read all objects of a mesh file as a single mesh."""
+        """Read all objects of a mesh file, and join them to a single mesh."""
         key = ("mesh", path, None)
         if key not in self._shapes:
             bodies = self._file("mesh", path, MESHES)
@@ -48,7 +48,7 @@ class NamedFiles:
         return self._shapes[key]
 
     def step(self, path: str, name: str | None = None) -> Mesh | Solid:
-        """Read a solid of a STEP file, at its place in that file."""
+        """Read a solid of a STEP file, at its position in that file."""
         key = ("step", path, name)
         if key not in self._shapes:
             bodies = self._file("step", path, EXACT)
@@ -63,7 +63,7 @@ class NamedFiles:
         return self._shapes[key]
 
     def _file(self, key: str, name: str, endings: Sequence[str]) -> FileBodies:
-        """The bodies of a file that is named under a key of a part; cached."""
+        """The meshes or solids of a file that a part names under `key`; each file is read once."""
         if Path(name).suffix.lower() not in endings:
             raise InputError(
                 f"{key} {name!r}: this file type cannot be read",
@@ -82,7 +82,7 @@ class NamedFiles:
 
 
 def _position(names: Sequence[str | None], name: str | None) -> int:
-    """The index of a solid by its name; the name may be None if there is only one solid.
+    """Index of the solid with a name; without a name, 0 if there is only one solid.
 
     Raises
     ------

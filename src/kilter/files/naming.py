@@ -10,7 +10,7 @@ __all__ = ["distinct", "fill_names", "natural_key", "tails"]
 
 
 def distinct(names: Sequence[str]) -> list[str]:
-    """The names, with a number appended to every repeated name.
+    """Make names distinct by appending a number to every repeated name.
 
     Examples
     --------
@@ -34,7 +34,7 @@ def distinct(names: Sequence[str]) -> list[str]:
 
 
 def tails(paths: Sequence[tuple[str, ...]]) -> list[str]:
-    """The shortest end of each path that no other path ends with, joined by ``/``.
+    """Shorten paths to their last components, as far as they stay distinct, joined by "/".
 
     Examples
     --------
@@ -52,7 +52,7 @@ def tails(paths: Sequence[tuple[str, ...]]) -> list[str]:
 
 
 def fill_names(names: Sequence[str | None], stem: str) -> list[str]:
-    """The names, distinct, with missing names made from the stem of the file.
+    """Distinct names for all bodies; missing names are made from `stem`, the name of the file.
 
     Examples
     --------
@@ -65,7 +65,7 @@ def fill_names(names: Sequence[str | None], stem: str) -> list[str]:
 
 
 def natural_key(name: str) -> list[tuple[int, int, str]]:
-    """A sort key that compares the digits within names as numbers.
+    """Key for sorting names so that "part-10" follows "part-9".
 
     Examples
     --------

@@ -23,7 +23,7 @@ __all__ = ["read_obj"]
 
 @dataclass(slots=True)
 class _Content:
-    """The vertices and faces read so far; faces by (object, serial), corners counted from 0.
+    """Vertices and faces of an OBJ file that have been read so far.
 
     `not_finite` maps the vertices that are not finite to their lines. `farthest` is the largest
     vertex that a face names, with its line and object.
@@ -36,7 +36,7 @@ class _Content:
 
 
 def read_obj(data: bytes) -> list[tuple[str | None, Mesh]]:
-    """Read the objects of an OBJ file that have faces, with their names.
+    """Read the meshes of an OBJ file, with the names of its objects.
 
     Raises
     ------
@@ -67,7 +67,7 @@ def read_obj(data: bytes) -> list[tuple[str | None, Mesh]]:
 
 
 def _decode(data: bytes) -> str:
-    """The text of a file in UTF-8, else in Latin-1."""
+    """Decode the bytes of a file as UTF-8, or as Latin-1 if they are not UTF-8."""
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -75,7 +75,7 @@ def _decode(data: bytes) -> str:
 
 
 def _lines(text: str) -> Iterator[tuple[int, str]]:
-    """Numbered lines without comments; a line that ends in a backslash continues."""
+    """Yield numbered lines without comments; lines that end in a backslash are joined."""
     joined, start = "", 0
     for number, raw in enumerate(text.split("\n"), start=1):
         line = raw.strip().replace("\t", " ")
@@ -132,7 +132,7 @@ def _add_face(content: _Content, key: tuple[str, int], tokens: list[str], number
 
 
 def _no_vertex(number: int, corner: int, count: int, name: str) -> InputError:
-    """The error for a face that names a vertex that does not exist."""
+    """Build the error for a face with the number of a vertex that does not exist."""
     return InputError(
         f"line {number}: the face names vertex {corner}, the file has {count}",
         part=name or None,
@@ -163,7 +163,7 @@ def _meshes(content: _Content) -> list[tuple[str | None, Mesh]]:
 
 
 def _check_finite(content: _Content, used: list[int], name: str) -> None:
-    """Raise `InputError` if a vertex that is used is not finite."""
+    """Raise `InputError` if a vertex of a face has a coordinate that is not finite."""
     if not content.not_finite:
         return
     for k in used:

@@ -13,7 +13,7 @@ __all__ = ["asciis", "failures", "inside", "labels", "quiet", "shape_map"]
 
 
 def shape_map() -> Any:
-    """An empty OCCT map that numbers shapes; equal shapes have the same number."""
+    """An empty OCCT map that numbers shapes and gives equal shapes the same number."""
     try:
         from OCP.collections import IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher as ShapeMap
     except ModuleNotFoundError:
@@ -22,7 +22,7 @@ def shape_map() -> Any:
 
 
 def labels() -> Any:
-    """An empty OCCT sequence of labels."""
+    """An empty OCCT sequence for labels."""
     try:
         from OCP.collections import Sequence_TDF_Label as Labels
     except ModuleNotFoundError:
@@ -31,7 +31,7 @@ def labels() -> Any:
 
 
 def asciis() -> Any:
-    """An empty OCCT sequence of ASCII strings."""
+    """An empty OCCT sequence for ASCII strings."""
     try:
         from OCP.collections import Sequence_TCollection_AsciiString as Texts
     except ModuleNotFoundError:
@@ -40,7 +40,7 @@ def asciis() -> Any:
 
 
 def failures(*more: type[Exception]) -> tuple[type[Exception], ...]:
-    """The exception types that OCCT and its bindings raise for an invalid shape, and `more`.
+    """Exception types that OCCT raises for an invalid shape, together with the types `more`.
 
     The bindings define a class for each kind of failure, without a common base. For the null
     handles and empty boxes of invalid shapes they raise TypeError, ValueError or RuntimeError.
@@ -54,7 +54,7 @@ def failures(*more: type[Exception]) -> tuple[type[Exception], ...]:
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Silence the output of OCCT within the context."""
+    """Context manager that silences the output of OCCT."""
     from OCP.Message import Message
 
     messenger = Message.DefaultMessenger_s()
@@ -69,7 +69,7 @@ def quiet() -> Iterator[None]:
 
 
 def inside(shape: Any, kind: Any, avoid: Any = None) -> Iterator[Any]:
-    """The subshapes of a kind in a shape, except those within a subshape of the kind `avoid`."""
+    """Subshapes of the type `kind` in a shape, without those inside a subshape of type `avoid`."""
     from OCP.TopExp import TopExp_Explorer
 
     explorer = TopExp_Explorer(shape, kind) if avoid is None else TopExp_Explorer(

@@ -19,7 +19,7 @@ __all__ = ["compose", "one_body"]
 
 
 def compose(outer: Pose, inner: Pose) -> Pose:
-    """The composition of two poses: first the inner pose, then the outer pose.
+    """Pose that applies the inner pose first, then the outer pose.
 
     Examples
     --------
@@ -31,7 +31,7 @@ def compose(outer: Pose, inner: Pose) -> Pose:
 
 
 def one_body(shapes: Sequence[tuple[Shape, Pose]]) -> tuple[Shape, Pose]:
-    """Combine shapes into a single shape.
+    """Unite shapes to the single shape of a part, and return its pose.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def one_body(shapes: Sequence[tuple[Shape, Pose]]) -> tuple[Shape, Pose]:
 
 
 def _manifold(vertices: Array, triangles: Index, pose: Pose) -> object:
-    """A placed mesh as a solid of manifold3d."""
+    """Convert a mesh in a pose to a solid of the library manifold3d."""
     import manifold3d
 
     mesh = manifold3d.Mesh64(

@@ -18,7 +18,7 @@ __all__ = ["FileBodies", "join_meshes", "scale_mesh", "transform_mesh"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FileBodies:
-    """The bodies of a file of meshes or solids, in the file's own unit.
+    """Meshes or solids of a file with names and poses, in the file's own length unit.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class FileBodies:
     left_out: tuple[str, ...] = ()
 
     def make_read_only(self) -> FileBodies:
-        """Make all arrays read-only; arrays that come from another process are writeable."""
+        """Make all arrays of the bodies read-only."""
         for value in (*self.shapes, *self.poses, *(s for x in self.shapes for s in _surfaces(x))):
             for name in value.__slots__:
                 array = getattr(value, name)
@@ -56,11 +56,11 @@ class FileBodies:
 
     @property
     def places(self) -> tuple[Pose, ...]:
-        """The pose of each shape in the frame of the file."""
+        """Pose of each shape in the frame of the file, also if `poses` is empty."""
         return self.poses or (Pose(),) * len(self.shapes)
 
     def in_units(self, units: str) -> list[tuple[Mesh | Solid, Pose]]:
-        """Shapes and poses with lengths in `units`; unchanged if the file states no unit."""
+        """Shapes and poses converted to the length unit `units`."""
         factor = metres_per_unit(self.units or units) / metres_per_unit(units)
         converted = {
             id(shape): scale_mesh(shape, factor)
@@ -75,12 +75,12 @@ class FileBodies:
 
 
 def _surfaces(shape: Mesh | Solid) -> tuple[Surface, ...]:
-    """The exact surfaces of a solid; none for a mesh."""
+    """The exact surfaces of a solid; empty for a mesh."""
     return shape.surfaces if isinstance(shape, Solid) else ()
 
 
 def transform_mesh(mesh: Mesh, matrix: Array) -> Mesh:
-    """The mesh transformed by a 4 x 4 matrix that acts on column vectors.
+    """The mesh after a linear transform, given as a 4 x 4 matrix for column vectors.
 
     A reflection also reverses the triangles, so that their normals still point outwards.
 
@@ -109,7 +109,7 @@ def scale_mesh(mesh: Mesh, factor: float) -> Mesh:
 
 
 def join_meshes(meshes: Sequence[Mesh]) -> Mesh:
-    """Several meshes as a single mesh, with the largest of their coordinate errors."""
+    """Join meshes to a single mesh, with the largest of their coordinate errors."""
     if len(meshes) == 1:
         return meshes[0]
     start = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])

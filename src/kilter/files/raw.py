@@ -12,7 +12,7 @@ __all__ = ["read_bytes"]
 
 
 def read_bytes(path: Path) -> bytes:
-    """Read the contents of a file.
+    """Read all bytes of a file; raises `InputError` if it cannot be read or is too large.
 
     Raises
     ------
@@ -36,7 +36,7 @@ def read_bytes(path: Path) -> bytes:
 
 
 def read_bounded(stream: BinaryIO, file: str) -> bytes:
-    """Read a stream to its end.
+    """Read a stream to its end; raises `InputError` if it has too many bytes.
 
     Raises
     ------
@@ -54,12 +54,12 @@ def read_bounded(stream: BinaryIO, file: str) -> bytes:
 
 
 def _why(error: OSError | ValueError) -> str:
-    """The reason of the operating system, without the path."""
+    """The operating system's reason why a file cannot be read, without the path."""
     return getattr(error, "strerror", None) or str(error)
 
 
 def _similar_name_hint(path: Path) -> str:
-    """A hint for a missing file: the most similar name in its folder."""
+    """Hint for a missing file: the most similar file name in its folder, if any."""
     try:
         names = [entry.name for entry in path.parent.iterdir() if not entry.name.startswith(".")]
         near = nearest_name(path.name, names)

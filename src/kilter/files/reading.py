@@ -49,7 +49,7 @@ _OR = " or "
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """The options of reading a file that change the assembly; a proof lists them.
+    """The user's options for reading a file that change the assembly; a proof lists them.
 
     The options of `load`, and those of `kilter.fastened`: pairs of part names to join
     (`fasten`), whether to join pairs that look fastened, whether to join pairs that overlap.
@@ -100,24 +100,24 @@ class Reading:
 
     @property
     def fastens(self) -> bool:
-        """Whether an option joins parts; joining needs the contacts."""
+        """Whether an option joins parts; this requires contact detection."""
         named = self.fasten or self.bond or "open_pairs" in self.entries
         return bool(named) or self.fasten_suggested or self.fasten_overlaps
 
     @property
     def format_options(self) -> FormatOptions:
-        """The options that only some formats use."""
+        """The options of this reading that only specific file formats use."""
         return FormatOptions(self.units, self.contacts, self.keyframe, self.base, self.studs)
 
     @property
     def studs(self) -> StudRules:
-        """The brick rules: those of StableLego, except for the options that are set."""
+        """Rules for toy bricks: the defaults of StableLego, except for the options that are set."""
         rules = {"pull": self.stud_pull, "shear": self.stud_shear, "sides": self.brick_sides}
         given: dict[str, Any] = {k: value for k, value in rules.items() if value is not None}
         return StudRules(**given)
 
     def options(self) -> dict[str, Any]:
-        """The options that are set, as JSON data."""
+        """The options of this reading that are set, as JSON data."""
         return {
             key: lists(value)
             for key, value in dataclasses.asdict(self).items()
@@ -126,7 +126,7 @@ class Reading:
 
     @classmethod
     def from_options(cls, options: Any) -> Reading:
-        """The reading whose `options()` are given: the inverse of `options`.
+        """Build a reading from JSON data: the inverse of `options`.
 
         Raises
         ------
@@ -151,7 +151,7 @@ class Reading:
             ) from None
 
     def read(self, source: Any, *, progress: Callable[[str], None] | None = None) -> Assembly:
-        """Read the assembly of a file or an object; the options that join parts are not applied."""
+        """Read an assembly with these options, except the options that join parts."""
         if self.units is not None:
             metres_per_unit(self.units)
         if not isinstance(source, str | os.PathLike):
@@ -171,7 +171,7 @@ class Reading:
         return assembly
 
     def for_parts(self, names: Collection[str]) -> tuple[Reading, list[str]]:
-        """The reading without the choices about parts that do not exist, and their patterns.
+        """The reading without saved options for parts that do not exist, and their patterns.
 
         Options that are not `saved` stay: an unknown name is then an error.
 
@@ -195,7 +195,7 @@ class Reading:
         return dataclasses.replace(self, **changes), sorted(set(missing))
 
     def over(self, choices: Choices) -> tuple[Reading, list[str]]:
-        """Choices with the options of this reading, and a sentence for each replaced key.
+        """Saved choices overridden by this reading's options, and a sentence for each such key.
 
         The options of this reading win over the keys of the choices.
         """
@@ -220,7 +220,7 @@ class Reading:
         return dataclasses.replace(self, **values), replaced
 
     def applied(self, content: FileContent) -> Assembly:
-        """The assembly of a file with these options, except the options that join parts."""
+        """Apply these options to an assembly as read, except the options that join parts."""
         bodies = self.for_parts(content.assembly.names)[0].entries
         assembly = with_contacts_of(content.assembly, self.contacts, floor=self.floor is not None)
         assembly = with_bodies(assembly, bodies)
@@ -352,7 +352,7 @@ def reading_for(
     down: ArrayLike | None = None,
     **others: Any,
 ) -> Reading:
-    """The `Reading` of the options of `load`.
+    """Build a `Reading` from the keywords of `kilter.load`.
 
     Raises
     ------
@@ -373,5 +373,5 @@ def reading_for(
 
 
 def _names(patterns: str | Iterable[str]) -> tuple[str, ...]:
-    """Patterns of names as a tuple; a single string is one pattern."""
+    """Name patterns as a tuple, from a single pattern or several."""
     return (patterns,) if isinstance(patterns, str) else tuple(patterns)

@@ -12,7 +12,9 @@ __all__ = ["with_contacts_of", "with_density"]
 
 
 def with_contacts_of(assembly: Assembly, source: str | None, *, floor: bool) -> Assembly:
-    """The assembly with only the contacts of the file, or only with detected contacts.
+    """The assembly with only its given contacts ("file"), or without them ("geometry").
+
+    Without given contacts, kilter detects the contacts.
 
     Parameters
     ----------
@@ -49,7 +51,7 @@ def with_contacts_of(assembly: Assembly, source: str | None, *, floor: bool) -> 
 
 
 def with_density(assembly: Assembly, density: float) -> Assembly:
-    """The assembly whose parts without density and mass have the given density [kg/m^3]."""
+    """The assembly with a density for parts that state neither density nor mass [kg/m^3]."""
 
     def with_default(part: Part) -> Any:
         if part.density is not None or part.given_mass is not None:

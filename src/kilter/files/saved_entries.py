@@ -33,12 +33,12 @@ Entries = Mapping[str, Any]
 
 
 def known(pattern: str, names: Collection[str]) -> bool:
-    """Whether a pattern is a name or matches a name."""
+    """Whether any of the names equals the pattern or matches it as a wildcard."""
     return pattern in names or bool(fnmatch.filter(names, pattern))
 
 
 def entries_for(entries: Entries, names: Collection[str]) -> tuple[dict[str, Any], list[str]]:
-    """The entries whose parts exist, and the patterns that match no part.
+    """The saved entries whose parts exist, and the name patterns that match no part.
 
     Parameters
     ----------
@@ -64,13 +64,13 @@ def entries_for(entries: Entries, names: Collection[str]) -> tuple[dict[str, Any
 
 
 def _parts(entry: Mapping[str, Any]) -> list[str]:
-    """Names or patterns of the parts of an entry."""
+    """Names or patterns of the parts that a saved entry names."""
     named = entry.get("parts", entry.get("part"))
     return [named] if isinstance(named, str) else list(named or ())
 
 
 def with_bodies(assembly: Assembly, entries: Entries) -> Assembly:
-    """The assembly with the poses and materials of choices.
+    """The assembly with the saved poses and materials of a user's choices.
 
     A material replaces density and mass of each part that its pattern matches. If several patterns
     match a part, the last material counts.
@@ -85,7 +85,7 @@ def with_bodies(assembly: Assembly, entries: Entries) -> Assembly:
     }
 
     def changed(part: Part) -> Part:
-        """The part with its saved pose and material."""
+        """The part with the saved pose and material, if any."""
         changes: dict[str, Any] = {}
         if part.name in poses:
             pose = poses[part.name]
@@ -99,7 +99,7 @@ def with_bodies(assembly: Assembly, entries: Entries) -> Assembly:
 
 
 def with_interactions(assembly: Assembly, entries: Entries) -> Assembly:
-    """The assembly with the friction pairs, joints, bonds and loads of choices in addition.
+    """The assembly with the saved friction pairs, joints, bonds and loads added.
 
     A friction pair replaces that of the file for the same parts.
     """
@@ -119,7 +119,7 @@ def with_interactions(assembly: Assembly, entries: Entries) -> Assembly:
 
 
 def _each(entries: Entries, key: str, build: Callable[[Any], Any]) -> list[Any]:
-    """The values of a list of entries; an error names the place in the list."""
+    """Build a value from each saved entry under a key; an error names the place in the list."""
     built = []
     for k, entry in enumerate(entries.get(key, ())):
         try:
@@ -143,12 +143,12 @@ def _bond(entry: Mapping[str, Any]) -> Bond:
 
 
 def patterns_of(value: Any) -> list[str]:
-    """Patterns of parts in a value of an option that names parts."""
+    """Name patterns in the value of an option that names parts."""
     return [value] if isinstance(value, str) else [name for name in value if isinstance(name, str)]
 
 
 def replacement(option: str, new: Any, key: str, old: Any) -> str:
-    """Sentence about an option that wins over a key of choices.
+    """Sentence for the user: an option overrides a key of the saved choices.
 
     Examples
     --------
@@ -163,12 +163,12 @@ def replacement(option: str, new: Any, key: str, old: Any) -> str:
 
 
 def valid_entries(entries: Any) -> dict[str, Any]:
-    """The entries of the options of a proof; raises `InputError` unless a file may have them."""
+    """Saved entries listed in a proof, after the checks for a file; raises `InputError`."""
     given = dict(entries)
     Choices.from_dict({"kilter": 1, "file": "file", **given})
     return given
 
 
 def lists(value: Any) -> Any:
-    """The value with nested tuples turned into lists, for JSON."""
+    """Convert nested tuples to lists, for JSON."""
     return [lists(inner) for inner in value] if isinstance(value, tuple) else value

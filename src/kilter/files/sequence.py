@@ -23,7 +23,7 @@ __all__ = ["read_sequence"]
 
 
 def read_sequence(path: Path) -> list[list[str]]:
-    """Read the part names of each step, in order.
+    """Read an assembly sequence: the names of the parts that each step adds, in order.
 
     Raises
     ------
@@ -44,13 +44,13 @@ def read_sequence(path: Path) -> list[list[str]]:
 
 
 def _text_steps(text: str) -> list[list[str]]:
-    """Steps of a text: one part per line."""
+    """Steps of an assembly sequence in a text file: a part name in each line."""
     lines = [line.strip() for line in text.splitlines()]
     return [[line] for line in lines if line and not line.startswith("#")]
 
 
 def _csv_steps(text: str) -> list[list[str]]:
-    """Steps of a CSV table: one row per step."""
+    """Steps of an assembly sequence in a CSV table: a step in each row."""
     rows = csv.DictReader(io.StringIO(text))
     if "part" not in (rows.fieldnames or ()):
         raise InputError("the table has no column 'part'", hint="name it in the first line")
@@ -58,7 +58,7 @@ def _csv_steps(text: str) -> list[list[str]]:
 
 
 def _json_steps(data: Any) -> list[list[str]]:
-    """Steps of a JSON value: a list, or the answer of `kilter plan`."""
+    """Steps of an assembly sequence in JSON data: a list, or the answer of `kilter plan`."""
     steps = data
     if isinstance(data, dict):
         entries = data.get("steps")

@@ -31,7 +31,7 @@ KEYS = ("x", "y", "z", "brick_id", "ori")
 
 
 def is_stable_lego(data: Any) -> bool:
-    """Whether a JSON value is a StableLego model; some of its bricks may be damaged.
+    """Whether JSON data are a StableLego model, even if entries of bricks are invalid.
 
     Examples
     --------
@@ -95,12 +95,12 @@ def from_stable_lego(
 
 
 def _in_library(rows: Any) -> Any:
-    """Whether each row has a known brick_id and ori, shape (n,)."""
+    """Mask of bricks whose brick_id and orientation are known, shape (n,)."""
     return np.isin(rows[:, 3], list(STABLE_LEGO)) & np.isin(rows[:, 4], (0, 1))
 
 
 def _numbers(data: dict[str, Any]) -> Index:
-    """The number of each brick: its key if all keys are distinct integers, else its position."""
+    """Number of each brick: its key if all keys are distinct integers, else its position."""
     if all(re.fullmatch(r"\d{1,9}", key) for key in data):
         numbers = np.array([int(key) for key in data])
         if len(np.unique(numbers)) == len(numbers):
@@ -109,7 +109,7 @@ def _numbers(data: dict[str, Any]) -> Index:
 
 
 def _lines(data: dict[str, Any], text: bytes) -> Index:
-    """The line of the key of each brick; all 0 if the lines cannot be found."""
+    """Line number in the file of each brick's key; 0 for all if they cannot be located."""
     matches = re.compile(rb'\n|"((?:[^"\\]|\\.)*)"\s*:\s*\{').finditer(text)
     line, lines = 1, []
     for match in matches:
@@ -124,7 +124,7 @@ def _lines(data: dict[str, Any], text: bytes) -> Index:
 
 
 def _first_error(data: dict[str, Any], text: bytes) -> InputError:
-    """The error of the first invalid brick."""
+    """Build the error for the first invalid brick of a file."""
     lines = _lines({k: v for k, v in data.items() if isinstance(v, dict)}, text).tolist()
     line_of_key = dict(zip([k for k, v in data.items() if isinstance(v, dict)], lines, strict=True))
     for key, brick in data.items():
@@ -136,13 +136,13 @@ def _first_error(data: dict[str, Any], text: bytes) -> InputError:
 
 
 def _line_of(key: str, text: bytes) -> int:
-    """The line in which a key first occurs."""
+    """Number of the line in which a key first occurs in the text."""
     place = text.find(json.dumps(key).encode())
     return text.count(b"\n", 0, max(place, 0)) + 1
 
 
 def _fault(brick: Any) -> tuple[str, str] | None:
-    """Two phrases for the first fault of a brick: the fault and the remedy; None if valid."""
+    """Two phrases for a brick's first fault: the fault, and what to do; None if it is valid."""
     if not isinstance(brick, dict):
         return f"is {brick!r:.40}", f"give an object with {', '.join(KEYS)}"
     for name in KEYS:

@@ -29,7 +29,7 @@ _NAMED = {"INCH": 0.0254, "FOOT": 0.3048, "MILLIMETRE": 1e-3, "MILLIMETER": 1e-3
 
 
 def stated_accuracy(paths: Iterable[Path], units: str) -> float:
-    """The largest coordinate error that STEP files state [`units`]; 0 if none states it."""
+    """Largest coordinate error that STEP files state, in the unit `units`; 0 if none is stated."""
     largest = 0.0
     for path in paths:
         try:
@@ -44,7 +44,7 @@ def stated_accuracy(paths: Iterable[Path], units: str) -> float:
 
 
 def _number(word: str) -> float:
-    """The value of a word that is a positive finite number; else 0."""
+    """The value of a word that is a positive finite number; 0 for other words."""
     try:
         value = float(word)
     except ValueError:
@@ -53,7 +53,7 @@ def _number(word: str) -> float:
 
 
 def _metres(text: str, unit: str) -> float | None:
-    """Length of a unit in metres, from its entity number; None if it cannot be read."""
+    """Size in metres of the length unit with an entity number; None if it cannot be read."""
     defined = re.search(rf"#{unit}\s*=([^;]*);", text)
     if defined is None:
         return None

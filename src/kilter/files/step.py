@@ -58,7 +58,7 @@ def read_step(
 
 
 def _check_text(data: bytes) -> None:
-    """Verify that a file begins and ends as a STEP file, and defines every entity that it names.
+    """Verify that the text of a STEP file is complete and defines every entity that it uses.
 
     References to undefined entities crash OCCT, and Python with it.
 

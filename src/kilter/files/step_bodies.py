@@ -23,7 +23,7 @@ def step_bodies(
     tell: Callable[[str, int], None],
     broken: Collection[int] = (),
 ) -> FileBodies:
-    """Read the bodies of a STEP file.
+    """Read the solids of a STEP file as bodies with names and poses.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def bodies_of(
     tell: Callable[[str, int], None],
     broken: Collection[int] = (),
 ) -> FileBodies:
-    """Read the bodies of a STEP document, which may come from a file or from OCCT in memory.
+    """Convert the solids of a STEP document, from a file or from memory, to bodies.
 
     The other parameters are those of `step_bodies`.
     """
@@ -89,7 +89,7 @@ def bodies_of(
 
 
 def _no_solid(passed: list[str], empty: list[str]) -> InputError:
-    """The error for a document without a solid; it lists the other contents."""
+    """Build the error for a document without solids; it lists the other shapes."""
     what = "no solid"
     if passed:
         what += f", only {some(passed)}"
@@ -99,14 +99,14 @@ def _no_solid(passed: list[str], empty: list[str]) -> InputError:
 
 
 def _matches(name: str, patterns: Sequence[str]) -> bool:
-    """Whether a name equals a pattern or matches it as a glob."""
+    """Whether a name equals a pattern or matches it as a wildcard."""
     return any(name == pattern or fnmatch.fnmatchcase(name, pattern) for pattern in patterns)
 
 
 def _read(
     solids: list[Occurrence], tell: Callable[[str, int], None], broken: Collection[int]
 ) -> dict[int, ReadSolid]:
-    """Read each distinct solid; by key."""
+    """Read each distinct solid of a STEP document once; the result maps its key to it."""
     first: dict[int, Occurrence] = {}
     for row in solids:
         first.setdefault(row.key, row)
@@ -118,7 +118,7 @@ def _read(
 
 
 def _notes(solids: list[Occurrence], read: dict[int, ReadSolid]) -> list[str]:
-    """Notes on solids that differ from the file; parts that share a solid share a note."""
+    """Notes on solids that were read with changes; parts with the same solid share a note."""
     alike: dict[int, list[str]] = {}
     for row in solids:
         alike.setdefault(row.key, []).append(row.name)

@@ -47,7 +47,7 @@ _UNITS = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Occurrence:
-    """An occurrence of a solid in the tree.
+    """A placed copy of a solid in the product tree of a STEP file.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class Occurrence:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StepDocument:
-    """The contents of a STEP file.
+    """The contents of a STEP file: placed solids, length unit, and other shapes.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ class StepDocument:
 
 
 def number_repeats(names: Sequence[str]) -> list[str]:
-    """The names of neighbours, with a number appended to each name that is not unique.
+    """The names of siblings in a tree, with a number appended to each repeated name.
 
     Examples
     --------
@@ -129,7 +129,7 @@ def read_document(path: Path) -> StepDocument:
 
 
 def _open_reader(path: Path) -> tuple[Any, str]:
-    """An OCCT reader that has read the file, and the length unit to convert shapes to."""
+    """An OCCT reader after it has read a STEP file, and the length unit for the shapes."""
     from OCP.IFSelect import IFSelect_ReturnStatus
     from OCP.STEPCAFControl import STEPCAFControl_Reader
 
@@ -146,7 +146,7 @@ def _open_reader(path: Path) -> tuple[Any, str]:
 
 
 def _transfer(reader: Any, units: str) -> Any:
-    """The OCCT document into which the reader's product tree is transferred."""
+    """Transfer the product tree of a reader to an OCCT document."""
     from OCP.TCollection import TCollection_ExtendedString
     from OCP.TDocStd import TDocStd_Document
     from OCP.XCAFDoc import XCAFDoc_DocumentTool
@@ -159,7 +159,7 @@ def _transfer(reader: Any, units: str) -> Any:
 
 
 def _external(reader: Any) -> list[str]:
-    """Paths of the files that the file names; raises `InputError` if a file cannot be read."""
+    """Paths of other files that a STEP file names; raises `InputError` if one is unreadable."""
     from OCP.IFSelect import IFSelect_ReturnStatus
 
     names: list[str] = []
@@ -182,7 +182,7 @@ def _external(reader: Any) -> list[str]:
 
 
 def _solids(document: Any, transfer: Any, stem: str) -> tuple[list[Occurrence], list[str]]:
-    """Occurrences of solids in the order of the file, and descriptions of other shapes."""
+    """Placed solids in the order of the file, and descriptions of shapes that are no solids."""
     from OCP.TopLoc import TopLoc_Location
     from OCP.XCAFDoc import XCAFDoc_DocumentTool
 
@@ -194,7 +194,7 @@ def _solids(document: Any, transfer: Any, stem: str) -> tuple[list[Occurrence], 
 
 
 def occurrences(leaves: Sequence[TreeSolid], shapes: Any) -> list[Occurrence]:
-    """The occurrences of solids, with distinct names.
+    """Convert solids of the product tree to placed solids with distinct names.
 
     Parameters
     ----------
@@ -207,7 +207,7 @@ def occurrences(leaves: Sequence[TreeSolid], shapes: Any) -> list[Occurrence]:
 
 
 class TreeSolid(NamedTuple):
-    """A solid of the product tree: names from the root to it, shape, OCCT location, `skin`."""
+    """A solid in the product tree: the names above it, its shape, its place, and `skin`."""
 
     path: tuple[str, ...]
     shape: Any
@@ -216,7 +216,7 @@ class TreeSolid(NamedTuple):
 
 
 class _TreeWalk:
-    """A traversal of the product tree that collects solids and descriptions of other shapes.
+    """A traversal of a STEP product tree that collects solids and describes other shapes.
 
     Attributes
     ----------
@@ -238,7 +238,7 @@ class _TreeWalk:
     def below(
         self, neighbours: list[Any], above: tuple[str, ...], place: Any, stem: str
     ) -> list[TreeSolid]:
-        """The solids below neighbouring labels.
+        """Collect the solids below labels that are siblings in the product tree.
 
         Parameters
         ----------
@@ -271,7 +271,7 @@ class _TreeWalk:
         return solids
 
     def _leaf(self, product: Any, path: tuple[str, ...], place: Any) -> list[TreeSolid]:
-        """The solids of a product without components; shells count as solids if they may close."""
+        """Collect the solids of a product without components; shells that may close count too."""
         from OCP.TopAbs import TopAbs_ShapeEnum
         from OCP.TopLoc import TopLoc_Location
         from OCP.XCAFDoc import XCAFDoc_ShapeTool
@@ -296,7 +296,7 @@ class _TreeWalk:
         ]
 
     def _is_closed(self, shell: Any) -> bool:
-        """Whether the file states that a shell is closed; it may still have lost a face."""
+        """Whether the file states that a shell (connected faces) is closed."""
         from OCP.TopLoc import TopLoc_Location
 
         bare = shell.Located(TopLoc_Location())
@@ -304,7 +304,7 @@ class _TreeWalk:
         return entity is not None and entity.DynamicType().Name() == "StepShape_ClosedShell"
 
     def _solid_of(self, shells: list[Any], bare: bool) -> Any:
-        """The faces of shells as a solid, which may be open; cached by the first shell.
+        """Build a solid, perhaps an open one, from the faces of shells; the result is cached.
 
         `bare`: whether to remove the locations of the shells first.
         """
@@ -328,7 +328,7 @@ class _TreeWalk:
 
 
 def _occurrence(name: str, leaf: TreeSolid, shapes: Any) -> Occurrence:
-    """The occurrence of a solid of the tree; a scaled or mirrored solid is a new shape."""
+    """Convert a solid of the product tree to a placed solid; mirrored solids become new shapes."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
 
     move, shape = leaf.location.Transformation(), leaf.shape
@@ -342,7 +342,7 @@ def _occurrence(name: str, leaf: TreeSolid, shapes: Any) -> Occurrence:
 
 
 def _components(product: Any) -> list[Any]:
-    """Labels of the components of a product."""
+    """Labels of the components directly below a product."""
     from OCP.XCAFDoc import XCAFDoc_ShapeTool
 
     components = labels()
@@ -351,7 +351,7 @@ def _components(product: Any) -> list[Any]:
 
 
 def _label_name(label: Any) -> str:
-    """The name of a label; empty if it has none."""
+    """The name that a label has in the document; empty if it has none."""
     from OCP.TDataStd import TDataStd_Name
 
     attribute = TDataStd_Name()
@@ -361,7 +361,7 @@ def _label_name(label: Any) -> str:
 
 
 def split(shape: Any) -> tuple[list[Any], str]:
-    """The solids of a shape, and a description of its other shapes ("2 shells, 1 wire")."""
+    """Separate a shape into its solids, and a description of the rest ("2 shells, 1 wire")."""
     from OCP.TopAbs import TopAbs_ShapeEnum as Kind
     from OCP.TopoDS import TopoDS
 

@@ -22,7 +22,7 @@ __all__ = ["StepFace", "cut_faces", "size_of"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StepFace:
-    """A face as triangles that are counterclockwise seen from outside.
+    """A triangulated face of a STEP solid; triangles are counterclockwise seen from outside.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ def size_of(shape: Any) -> float:
 
 
 def cut_faces(shape: Any, deflection: float, turn: float) -> tuple[list[StepFace], int]:
-    """Triangulate the faces of a solid.
+    """Triangulate the faces of a solid; also count the faces for which this fails.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def cut_faces(shape: Any, deflection: float, turn: float) -> tuple[list[StepFace
 
 
 def _own_mesh(face: Any, known: list[tuple[Any, Array]], turn: float) -> StepFace | None:
-    """A face triangulated without OCCT's mesher; None if that fails. Parameters of `cut_face`."""
+    """Triangulate a face without OCCT's mesher; None if that fails."""
     from OCP.TopAbs import TopAbs_Orientation
 
     try:
@@ -108,7 +108,7 @@ def _own_mesh(face: Any, known: list[tuple[Any, Array]], turn: float) -> StepFac
 
 
 def _polygons(faces: list[Any]) -> list[tuple[Any, Array]]:
-    """The edges of all triangulated faces, each with the edge parameters of its corners."""
+    """All edges of triangulated faces, each with the parameters of its corners along the edge."""
     from OCP.BRep import BRep_Tool
     from OCP.TopAbs import TopAbs_ShapeEnum
     from OCP.TopLoc import TopLoc_Location
@@ -129,7 +129,7 @@ def _polygons(faces: list[Any]) -> list[tuple[Any, Array]]:
 
 
 def _occt_mesh(face: Any) -> StepFace | None:
-    """A face with the triangles that OCCT has stored in it; None if it has none."""
+    """The triangles that OCCT has stored for a face; None if there are none."""
     from OCP.BRep import BRep_Tool
     from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum
     from OCP.TopLoc import TopLoc_Location

@@ -45,21 +45,21 @@ STALLS_PER_MEGABYTE = 12.0
 
 
 class _Process:
-    """A process that reads STEP files in sequence; `ahead` is a request sent early."""
+    """A child process that reads STEP files one after the other."""
 
     def __init__(self) -> None:
         self.process = start_process(__name__)
         self.ahead: Request | None = None
 
     def ask_ahead(self, request: Request) -> None:
-        """Send the likely next request early."""
+        """Send the request that is likely to come next, before it is made."""
         assert self.process.stdin is not None
         with contextlib.suppress(OSError):  # a crash is detected by the next `ask`
             send(self.process.stdin, request)
         self.ahead = request
 
     def ask(self, request: Request, tell: Callable[[str, int], None]) -> Any:
-        """Send a request and return the answer; `tell` is called for each step.
+        """Send a request and return the answer; `tell` is called with each progress message.
 
         Raises
         ------
@@ -86,7 +86,7 @@ _kept: list[_Process] = []
 
 
 def begin_early(ahead: Path | None = None) -> None:
-    """Start the process before OCCT is needed, and begin to read the file `ahead`."""
+    """Start the child process early, and let it read the file `ahead` in advance."""
     if not _kept and can_start():
         _kept.append(_Process())
         atexit.register(_end)
@@ -95,20 +95,20 @@ def begin_early(ahead: Path | None = None) -> None:
 
 
 def _request(path: Path, without: tuple[str, ...], broken: set[int]) -> Request:
-    """The request to read a file."""
+    """Build the request to read a STEP file."""
     state = path.stat()
     most = STALLS + STALLS_PER_MEGABYTE * state.st_size / 2**20
     return str(path.absolute()), (state.st_mtime_ns, state.st_size), without, broken, most
 
 
 def _end() -> None:
-    """End the process, if it runs."""
+    """End the child process if it runs."""
     while _kept:
         end_process(_kept.pop().process)
 
 
 def read_apart(path: Path, without: tuple[str, ...], progress: Callable[[str], None]) -> FileBodies:
-    """Read the bodies of a STEP file in the separate process.
+    """Read the solids of a STEP file in a child process, which a crash of OCCT may end.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ def read_apart(path: Path, without: tuple[str, ...], progress: Callable[[str], N
 
 
 def serve() -> None:
-    """Answer requests until the input closes: the main loop of the separate process."""
+    """Main loop of the child process: answer requests until the input closes."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     incoming = os.fdopen(os.dup(0), "rb")
     outgoing = os.fdopen(os.dup(1), "wb")
@@ -205,13 +205,13 @@ def serve() -> None:
 
 
 def _end_after(seconds: float) -> None:
-    """Let the system end this process after this CPU time [s]; 0 cancels the limit."""
+    """Let the system end this process after a CPU time [s]; 0 removes the limit."""
     with contextlib.suppress(AttributeError):  # not every system has the timer
         signal.setitimer(signal.ITIMER_PROF, seconds)
 
 
 def _bound_memory() -> None:
-    """Limit the address space of this process to `MEMORY`."""
+    """Limit the memory of this process to `MEMORY`."""
     with contextlib.suppress(ImportError, OSError, ValueError):  # not every system has the limit
         import resource
 
@@ -222,7 +222,7 @@ def _bound_memory() -> None:
 
 @contextlib.contextmanager
 def _without_collection() -> Iterator[None]:
-    """Disable garbage collection within the context: loading OCCT creates many classes."""
+    """Context manager that disables garbage collection, which slows the loading of OCCT."""
     gc.disable()
     try:
         yield

@@ -20,7 +20,7 @@ __all__ = ["sewn_shape", "with_other_sides"]
 
 
 def sewn_shape(shape: Any) -> Any:
-    """The shape after OCCT has sewn and oriented its faces; None if it is no single shell."""
+    """The shape with its faces sewn to a single shell by OCCT; None if that fails."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_Sewing
     from OCP.ShapeFix import ShapeFix_Shape, ShapeFix_Solid
     from OCP.TopAbs import TopAbs_ShapeEnum
@@ -38,7 +38,9 @@ def sewn_shape(shape: Any) -> Any:
 
 
 def with_other_sides(shape: Any) -> Any:
-    """The shape with the other region for each face of more than half a sphere; None without any.
+    """The shape with too large spherical faces replaced by their complements; None without any.
+
+    A face is too large if it has more than half of its sphere.
 
     Whether the result is right is decided by the checks of the reader.
     """
@@ -56,7 +58,7 @@ def with_other_sides(shape: Any) -> Any:
 
 
 def _other_side(face: Any) -> Any:
-    """The rest of the sphere of a face that has more than half of it; None for other faces."""
+    """The complement on the sphere of a face with more than half of it; None for other faces."""
     from OCP.BRepAdaptor import BRepAdaptor_Surface
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace
     from OCP.Geom import Geom_SphericalSurface
@@ -87,7 +89,7 @@ def _other_side(face: Any) -> Any:
 
 
 def _outline(face: Any) -> Any:
-    """The outline of a face, without seams; None if it is not a single wire."""
+    """The outer boundary of a face as a wire without seams; None if it is not a single wire."""
     from OCP.BRep import BRep_Tool
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeWire
     from OCP.TopAbs import TopAbs_ShapeEnum

@@ -53,14 +53,14 @@ GRID: Array = np.array([(i, j, 4 - i - j) for i in range(5) for j in range(5 - i
 
 
 class ReadSolid(NamedTuple):
-    """A solid, or None without a volume, and a note on its differences from the file."""
+    """A solid as read, or None without a volume, and a note on how it differs from the file."""
 
     solid: Solid | None
     note: str = ""
 
 
 def read_solid(shape: Any) -> ReadSolid:
-    """Read a TopoDS_Solid, in its own frame; a damaged solid is read as far as possible."""
+    """Read a TopoDS_Solid in its own frame; a damaged solid is repaired as far as possible."""
     best: Solid | None = None
     for how, attempt, fineness in _attempts(shape):
         try:
@@ -93,7 +93,7 @@ _HOLES = (
 
 
 def _attempts(shape: Any) -> Iterator[tuple[str, Any, tuple[float, float]]]:
-    """The attempts to read a solid: note, shape, and (deflection, turn) of its triangles."""
+    """Yield ways to read a solid: a note, the shape, and the fineness of its triangles."""
     yield "", shape, (DEFLECTION, TURN)
     yield "", shape, (COARSE, COARSE_TURN)
     for note, repair in ((_OTHER_SIDE, with_other_sides), (_REPAIRED, sewn_shape)):
@@ -107,7 +107,7 @@ def _attempts(shape: Any) -> Iterator[tuple[str, Any, tuple[float, float]]]:
 
 
 def _solid(shape: Any, faces: list[StepFace], lost: int) -> tuple[Solid, bool]:
-    """The solid of triangulated faces.
+    """Build a solid from triangulated faces; also return whether its faces pointed inwards.
 
     Parameters
     ----------
@@ -155,7 +155,10 @@ _Moments = tuple[float, Array, Array]
 
 
 def _plausible_moments(vertices: Array, moments: _Moments) -> _Moments:
-    """The moments of a surface with filled holes if a body can have them; else of its hull."""
+    """Volume, centroid and second moment of a surface with filled holes, or of its hull.
+
+    The hull is used if no body can have the moments of the surface.
+    """
     hull = _hull(vertices)
     volume, _, second = moments
     spread = np.linalg.eigvalsh(second)
@@ -166,7 +169,7 @@ def _plausible_moments(vertices: Array, moments: _Moments) -> _Moments:
 
 
 def _hull(points: Array) -> Solid:
-    """The convex hull of points as a stand-in solid.
+    """The convex hull of points, which replaces a solid that cannot be read.
 
     Raises
     ------
@@ -197,7 +200,7 @@ def _hull(points: Array) -> Solid:
 
 
 def stand_in(shape: Any) -> ReadSolid:
-    """The stand-in for a solid that cannot be read: its convex hull, or its bounding box."""
+    """The convex hull or the bounding box of a solid that cannot be read, as its replacement."""
     try:
         return ReadSolid(_hull(_corners(shape)), _STANDS_IN)
     except failures(InputError):
@@ -211,7 +214,7 @@ _STANDS_IN = (
 
 
 def _corners(shape: Any) -> Array:
-    """Corners of a shape and of its triangles; the corners of its bounding box if too few."""
+    """Vertices of a shape and of its triangles; those of its bounding box if there are too few."""
     from OCP.Bnd import Bnd_Box
     from OCP.BRep import BRep_Tool
     from OCP.BRepBndLib import BRepBndLib
@@ -231,7 +234,9 @@ def _corners(shape: Any) -> Array:
 
 
 def _exact_moments(shape: Any, about: Array) -> tuple[float, Array, Array]:
-    """Volume, centroid and second moment about it, by adaptive integration over the faces.
+    """Volume, centroid and second moment about the centroid of a shape with exact faces.
+
+    They are integrated adaptively over the faces.
 
     `about`: a point near the centroid; it reduces cancellation.
     """
@@ -249,7 +254,7 @@ def _exact_moments(shape: Any, about: Array) -> tuple[float, Array, Array]:
 
 
 def _weld_faces(faces: list[StepFace]) -> tuple[Array, Index, Index]:
-    """Merge the corners of faces on shared edges: vertices, triangles, face of each triangle.
+    """Merge the triangles of adjacent faces at their common edges.
 
     The nodes of a graph are all corners of faces, the corners along each edge of the solid, and
     its vertices. Connected nodes become one vertex.
@@ -268,7 +273,7 @@ def _weld_faces(faces: list[StepFace]) -> tuple[Array, Index, Index]:
 
 
 def _corner_graph(faces: list[StepFace], starts: Index) -> tuple[Index, int]:
-    """The edges of the graph of `_weld_faces`, shape (m, 2), and its number of nodes.
+    """Edges, shape (m, 2), and number of nodes of the graph that joins corners on common edges.
 
     `starts`: the first node of each face, then the number of nodes of all faces.
     """
@@ -304,7 +309,7 @@ def _corner_graph(faces: list[StepFace], starts: Index) -> tuple[Index, int]:
 def _surfaces(
     faces: list[StepFace], vertices: Array, triangles: Index, owner: Index
 ) -> tuple[list[Surface], Index, float, float]:
-    """The exact surfaces of a solid.
+    """The exact surfaces of a solid, and the surface on which each triangle lies.
 
     Returns
     -------
@@ -334,7 +339,7 @@ def _surfaces(
 
 
 def _surface_and_sagitta(face: StepFace, corners: Array) -> tuple[Surface | None, float]:
-    """The exact surface of a face, if known, and the largest distance of its triangles from it.
+    """Exact surface of a face, if known, and the largest distance of its triangles from it.
 
     `corners`: the corners of its triangles, shape (m, 3, 3).
     """
@@ -354,7 +359,7 @@ def _surface_and_sagitta(face: StepFace, corners: Array) -> tuple[Surface | None
 def _merge_surfaces(
     surfaces: list[Surface], lies_on: Index, triangles: Index, size: float
 ) -> tuple[list[Surface], Index]:
-    """Merge equal surfaces of faces that meet, such as the two halves of a cylinder.
+    """Merge equal surfaces of adjacent faces, such as the two halves of a cylinder.
 
     Parameters
     ----------
@@ -387,7 +392,7 @@ def _merge_surfaces(
 
 
 def _neighbours(lies_on: Index, triangles: Index) -> Index:
-    """Pairs of distinct surfaces that share an edge, shape (n, 2)."""
+    """Pairs of different surfaces whose triangles share an edge, shape (n, 2)."""
     ends = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     on = np.repeat(lies_on, 3)
     order = np.lexsort((ends[:, 1], ends[:, 0]))

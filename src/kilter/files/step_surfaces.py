@@ -20,7 +20,7 @@ __all__ = ["face_surface", "is_plain", "points_of_face"]
 
 
 def face_surface(face: Any, nodes: Array, probes: Array) -> Surface | None:
-    """The exact surface of a face; None if it is of no known kind.
+    """The exact surface of a face; None if it is none of the kinds that kilter knows.
 
     The side of the material is not set yet.
 
@@ -47,7 +47,7 @@ def face_surface(face: Any, nodes: Array, probes: Array) -> Surface | None:
 
 
 def is_plain(face: Any) -> bool:
-    """Whether the file states the kind of a face's surface, and `Surface` has that kind."""
+    """Whether the file states that a face is a plane, cylinder, cone, sphere or torus."""
     from OCP.BRepAdaptor import BRepAdaptor_Surface
 
     return _kind(BRepAdaptor_Surface(face)) in _NATIVE
@@ -59,7 +59,7 @@ def _kind(adaptor: Any) -> str:
 
 
 def points_of_face(face: Any, parameters: Array) -> Array:
-    """Points of the surface of a face, shape (n, 3), at parameters, shape (n, 2)."""
+    """Points on the surface of a face, shape (n, 3), at surface parameters, shape (n, 2)."""
     from OCP.BRepAdaptor import BRepAdaptor_Surface
 
     adaptor = BRepAdaptor_Surface(face)
@@ -67,7 +67,7 @@ def points_of_face(face: Any, parameters: Array) -> Array:
 
 
 def _proposed_surface(face: Any, nodes: Array, within: float) -> Surface | None:
-    """The surface that OCCT recognises in a face to the tolerance `within`; else None."""
+    """The surface that OCCT recognises in a face within a tolerance; None without one."""
     from OCP.gp import gp_Cone, gp_Cylinder, gp_Pln, gp_Sphere
     from OCP.ShapeAnalysis import ShapeAnalysis_CanonicalRecognition
 
@@ -87,7 +87,7 @@ def _proposed_surface(face: Any, nodes: Array, within: float) -> Surface | None:
 
 
 def _revolved_torus(adaptor: Any, kind: str) -> Surface | None:
-    """The torus of a circle that revolves about an axis in its plane; else None."""
+    """The torus of a circle revolved about an axis in its plane; None for other surfaces."""
     from OCP.GeomAbs import GeomAbs_CurveType
 
     if kind != "SurfaceOfRevolution":
@@ -110,22 +110,22 @@ def _revolved_torus(adaptor: Any, kind: str) -> Surface | None:
 
 
 def _plane(plane: Any, _: Array) -> Surface:
-    """Convert a gp_Pln."""
+    """Convert an OCCT plane (gp_Pln) to a `Surface`."""
     return Surface("plane", _xyz(plane.Location()), _axis(plane))
 
 
 def _cylinder(cylinder: Any, _: Array) -> Surface:
-    """Convert a gp_Cylinder."""
+    """Convert an OCCT cylinder (gp_Cylinder) to a `Surface`."""
     return Surface("cylinder", _xyz(cylinder.Location()), _axis(cylinder), radius=cylinder.Radius())
 
 
 def _sphere(sphere: Any, _: Array) -> Surface:
-    """Convert a gp_Sphere."""
+    """Convert an OCCT sphere (gp_Sphere) to a `Surface`."""
     return Surface("sphere", _xyz(sphere.Location()), radius=sphere.Radius())
 
 
 def _torus(torus: Any, _: Array) -> Surface | None:
-    """Convert a gp_Torus; None if its tube intersects itself."""
+    """Convert an OCCT torus (gp_Torus) to a `Surface`; None if it intersects itself."""
     if torus.MajorRadius() <= torus.MinorRadius():
         return None  # a point may be on either of two sheets
     return Surface(
@@ -138,7 +138,7 @@ def _torus(torus: Any, _: Array) -> Surface | None:
 
 
 def _cone(cone: Any, nodes: Array) -> Surface | None:
-    """Convert a gp_Cone, its axis directed from the apex towards the nodes.
+    """Convert an OCCT cone (gp_Cone) to a `Surface`, its axis from the apex towards the nodes.
 
     None if nodes are on both sides of the apex.
     """

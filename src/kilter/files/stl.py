@@ -26,7 +26,7 @@ _TRUNCATED = "export it again: it is incomplete or damaged"
 
 
 def read_stl(data: bytes) -> tuple[list[tuple[str | None, Mesh]], list[str]]:
-    """Read the solids of an STL file.
+    """Read the meshes of an STL file, with the names of its solids, and notes.
 
     Returns
     -------
@@ -63,7 +63,7 @@ def read_stl(data: bytes) -> tuple[list[tuple[str | None, Mesh]], list[str]]:
 
 
 def _merge_corners(corners: NDArray[np.floating], accuracy: float | None) -> Mesh:
-    """The mesh of triangles that are given by their corners; equal corners are merged.
+    """Build a mesh from triangles with three corners each; equal corners are merged.
 
     The corners keep their dtype while they are compared, so that float32 values stay equal.
 
@@ -84,7 +84,7 @@ def _merge_corners(corners: NDArray[np.floating], accuracy: float | None) -> Mes
 
 
 def _ascii_solids(text: str) -> list[tuple[str | None, Mesh]]:
-    """The solids of an ASCII file, with their names."""
+    """Read the named meshes of an STL file in text form."""
     solids: list[tuple[str, list[str]]] = []
     loop: int | None = None  # count of numbers of the solid at the start of the facet
     inside = False
@@ -121,7 +121,7 @@ def _ascii_solids(text: str) -> list[tuple[str | None, Mesh]]:
 
 
 def _vertex(rest: str, number: int, name: str) -> list[str]:
-    """The three numbers of a vertex line, as text; raises `InputError` if it is invalid."""
+    """The three coordinates in a vertex line, as text; raises `InputError` if it is invalid."""
     tokens = rest.split()
     try:
         [float(token) for token in tokens]
@@ -137,7 +137,7 @@ def _vertex(rest: str, number: int, name: str) -> list[str]:
 
 
 def _named_meshes(solids: list[tuple[str, list[str]]]) -> list[tuple[str | None, Mesh]]:
-    """Names and meshes of solids that are given by their name and all numbers as text."""
+    """Names and meshes of solids, from the coordinates of each as text."""
     values = [np.array(numbers, dtype=np.float64).reshape(-1, 3) for _, numbers in solids]
     if not values:
         return []

@@ -11,7 +11,7 @@ __all__ = ["parse_json"]
 
 
 def parse_json(data: bytes) -> Any:
-    """Parse the value of a JSON text.
+    """Parse JSON text strictly: no duplicate keys, only finite numbers.
 
     NaN and Infinity are accepted as numbers, so that the caller can name their place in an error.
 
@@ -51,7 +51,7 @@ def parse_json(data: bytes) -> Any:
 
 
 def _without_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """The dict of the keys and values of an object; raises `InputError` for a duplicate key."""
+    """Build the dict of a JSON object; raises `InputError` for a duplicate key."""
     result = dict(pairs)
     if len(result) < len(pairs):
         keys = [key for key, _ in pairs]

@@ -47,7 +47,7 @@ _DAMAGED = "export it again: it is incomplete or damaged"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Object:
-    """An object of a model: a mesh, and components as (model path, object id, 4 x 4 matrix)."""
+    """An object of a 3MF model: a mesh, or components that place other objects."""
 
     name: str
     vertices: Array
@@ -56,7 +56,7 @@ class _Object:
 
 
 def read_3mf(data: bytes) -> tuple[list[tuple[str | None, Mesh]], str]:
-    """Read the solids of a 3MF file.
+    """Read the meshes of a 3MF file with their names, and its length unit.
 
     Returns
     -------
@@ -85,7 +85,7 @@ def read_3mf(data: bytes) -> tuple[list[tuple[str | None, Mesh]], str]:
 
 
 def _read(archive: zipfile.ZipFile) -> tuple[list[tuple[str | None, Mesh]], str]:
-    """The solids of the build, and their unit."""
+    """Meshes in the build section of an opened 3MF file, and its length unit."""
     root_path = _root_path(archive)
     root = _xml(archive, root_path)
     unit = root.get("unit", "millimeter")
@@ -119,7 +119,7 @@ def _xml(archive: zipfile.ZipFile, path: str) -> ElementTree.Element:
 
 
 def _root_path(archive: zipfile.ZipFile) -> str:
-    """Path of the main model in the zip: the model that its relations name, else the first."""
+    """Path inside the zip of the main model: the one that its relations name, else the first."""
     if _RELATIONS in archive.namelist():
         for relation in _xml(archive, _RELATIONS):
             if relation.get("Type", "").endswith("/3dmodel"):
@@ -138,7 +138,7 @@ def _leaves(
     matrix: Array,
     tally: Tally,
 ) -> Iterator[tuple[_Object, Array, str]]:
-    """The objects with a mesh in the tree of components below an object.
+    """Yield the meshes in the component tree below an object, with their matrices.
 
     Parameters
     ----------
@@ -178,7 +178,7 @@ def _leaves(
 
 
 def _children(element: ElementTree.Element, *tags: str) -> list[ElementTree.Element]:
-    """Elements at the end of a path of tags, in any namespace."""
+    """XML elements at the end of a path of tags below an element, in any namespace."""
     elements = [element]
     for tag in tags:
         elements = [c for e in elements for c in e if str(c.tag).rpartition("}")[2] == tag]
@@ -186,7 +186,7 @@ def _children(element: ElementTree.Element, *tags: str) -> list[ElementTree.Elem
 
 
 def _objects(root: ElementTree.Element, path: str) -> dict[str, _Object]:
-    """The objects of a model by their ids; `path` is the path of the model."""
+    """All objects of a 3MF model file by their id."""
     objects = {}
     for element in _children(root, "resources", "object"):
         name = element.get("name", "").strip()
@@ -223,7 +223,7 @@ def _mesh(element: ElementTree.Element) -> tuple[Array, Index]:
 
 
 def _transform(element: ElementTree.Element) -> Array:
-    """The 4 x 4 matrix, for column vectors, of a 3MF transform of 12 numbers; default identity."""
+    """The 4 x 4 matrix, for column vectors, of a 3MF `transform` attribute; default identity."""
     matrix = np.eye(4)
     text = element.get("transform")
     if text is not None:

@@ -26,7 +26,7 @@ LOOKS = 33
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CutFace:
-    """A triangulated face.
+    """A triangulated face with the surface parameters of its nodes.
 
     Attributes
     ----------
@@ -93,7 +93,7 @@ def cut_face(face: Any, known: list[tuple[Any, Array]], turn: float) -> CutFace 
 def _wire_edges(
     wire: Any, face: Any, known: list[tuple[Any, Array]], turn: float
 ) -> list[tuple[Any, Array, bool]]:
-    """The edges of a wire in order, each as (edge, points, reversed).
+    """Edges of a closed outline in order, each as (edge, points, reversed).
 
     The points are the corners along the edge in the parameter plane of the face; `reversed` tells
     that the wire runs against the sense of the edge. The list is empty if the edges of the wire
@@ -120,7 +120,7 @@ def _wire_edges(
 
 
 def _corner_parameters(edge: Any, curve: Any, turn: float) -> Array:
-    """Equidistant parameters along an edge, between which it turns by about `turn` or less."""
+    """Equidistant parameters along an edge, which turns by about `turn` [rad] between them."""
     from OCP.BRep import BRep_Tool
     from OCP.BRepAdaptor import BRepAdaptor_Curve
 
@@ -137,7 +137,7 @@ def _corner_parameters(edge: Any, curve: Any, turn: float) -> Array:
 
 
 def _stretch(surface: Any, parameters: Array) -> Array:
-    """Length per unit of each parameter at the middle of the face, shape (2,)."""
+    """Length on the surface for a unit of each parameter, at the middle of a face, shape (2,)."""
     from OCP.gp import gp_Pnt, gp_Vec
 
     u, v = (parameters.min(axis=0) + parameters.max(axis=0)) / 2
@@ -148,7 +148,7 @@ def _stretch(surface: Any, parameters: Array) -> Array:
 
 
 def _grid(surface: Any, turn: float) -> Array:
-    """Parameter steps of the inner points, shape (2,); infinite along a straight parameter."""
+    """Steps of both surface parameters for inner points, shape (2,); infinite if straight."""
     kind = str(surface.GetType().name).removeprefix("GeomAbs_")
     if kind == "Plane":
         return np.array([np.inf, np.inf])
@@ -166,7 +166,7 @@ def _grid(surface: Any, turn: float) -> Array:
 def _fill_outline(
     parameters: Array, loops: list[Index], stretch: Array, step: Array
 ) -> tuple[Array, Index] | None:
-    """Fill an outline in the parameter plane with triangles; None if it is invalid.
+    """Triangulate the inside of an outline in the parameter plane; None if it is invalid.
 
     Parameters
     ----------
@@ -210,7 +210,7 @@ def _fill_outline(
 
 
 def _points_inside(outline: Any, step: Array) -> Array:
-    """Grid points inside an outline, at least half a step from its boundary, shape (n, 2)."""
+    """Grid points inside an outline, away from its boundary by half a step, shape (n, 2)."""
     import shapely
 
     if not np.isfinite(step).all():
@@ -229,7 +229,7 @@ def _points_inside(outline: Any, step: Array) -> Array:
 
 
 def _delaunay(points: Array, outline: Any, loops: list[Index]) -> Index | None:
-    """Delaunay triangles within an outline; None if they do not cover it or miss a side."""
+    """Delaunay triangles inside an outline; None if they do not fill it."""
     import shapely
     from scipy.spatial import Delaunay
 
@@ -247,7 +247,7 @@ def _delaunay(points: Array, outline: Any, loops: list[Index]) -> Index | None:
 
 
 def _counterclockwise(points: Array, triangles: Index) -> Index:
-    """Triangles in the plane, the clockwise triangles reversed."""
+    """The plane triangles with every clockwise triangle reversed."""
     p, q, r = (points[triangles[:, k]] for k in range(3))
     right = (q - p)[:, 0] * (r - p)[:, 1] < (q - p)[:, 1] * (r - p)[:, 0]
     turned = triangles.copy()

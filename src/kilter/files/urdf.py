@@ -38,7 +38,7 @@ Element = ElementTree.Element
 
 
 def read_urdf(root: Element, path: Path, choices: FormatOptions) -> Assembly:
-    """Build the assembly of a robot.
+    """Build an assembly from the XML of a URDF robot.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def read_urdf(root: Element, path: Path, choices: FormatOptions) -> Assembly:
 
 
 class _Robot:
-    """The links and joints of a robot, and the pose of each link in the world."""
+    """A URDF robot during its conversion: links, joints, and the pose of each link."""
 
     def __init__(self, root: Element, path: Path) -> None:
         self.folder = path.parent
@@ -79,7 +79,7 @@ class _Robot:
         self.tally = Tally()
 
     def _end(self, joint: Element, end: str) -> str:
-        """The link at an end ("parent" or "child") of a joint."""
+        """Name of the link at an end ("parent" or "child") of a joint."""
         element = joint.find(end)
         name = "" if element is None else element.get("link", "")
         if name not in self.links:
@@ -90,7 +90,7 @@ class _Robot:
         return name
 
     def _place(self, name: str) -> None:
-        """Compute the world poses of a link and of its ancestors, in the zero position."""
+        """Compute the world poses of a link and of the links that carry it, in zero position."""
         chain: dict[str, Element | None] = {}
         while name not in self.frames:
             if name in chain:
@@ -107,7 +107,7 @@ class _Robot:
                 self.frames[below] = compose(parent, _origin(joint))
 
     def assembly(self, *, held: bool, source: str) -> Assembly:
-        """The whole robot as an assembly; `held`: whether the root is held."""
+        """The robot as a kilter assembly; `held` states whether its root link is held."""
         roots = [name for name in self.links if name not in self.leads]
         shapes = {name: self._shapes(link) for name, link in self.links.items()}
         solid = {name for name, link_shapes in shapes.items() if link_shapes}
@@ -126,7 +126,7 @@ class _Robot:
         )
 
     def _part(self, name: str, shapes: list[tuple[Shape, Pose]], *, held: bool) -> Part:
-        """The part of a link."""
+        """Build the part of a link from its shapes."""
         inertial = self.links[name].find("inertial")
         mass = center = None
         try:
@@ -141,7 +141,9 @@ class _Robot:
             raise error.located(part=name) from None
 
     def _joint(self, name: str, solid: set[str], held: bool) -> list[Joint]:
-        """The joint between a link and the nearest ancestor that is a part, or the ground.
+        """The joint between a link and the nearest carrying link with a shape, or the ground.
+
+        That is the link that carries it, its ancestor in the tree of links.
 
         Links without shapes in between are passed. The list is empty for a link without shapes,
         for a root, and for a link that floats.
@@ -176,7 +178,7 @@ class _Robot:
         return [Joint((name, above), kind, point=frame.position, axis=axis)]  # type: ignore[arg-type]
 
     def _shapes(self, link: Element) -> list[tuple[Shape, Pose]]:
-        """The collision shapes of a link, or its visual shapes, with poses in its frame."""
+        """Collision shapes of a link, else its visual shapes, with their poses in its frame."""
         rows = link.findall("collision") or link.findall("visual")
         try:
             return [(self._shape(row), _origin(row)) for row in rows]
@@ -184,7 +186,7 @@ class _Robot:
             raise error.located(part=link.get("name")) from None
 
     def _shape(self, row: Element) -> Shape:
-        """The shape of a `collision` or `visual` element."""
+        """The shape in a `collision` or `visual` element of the XML."""
         geometry = row.find("geometry")
         inner = geometry[0] if geometry is not None and len(geometry) else None
         kind = "" if inner is None else inner.tag
@@ -203,7 +205,7 @@ class _Robot:
         return Cylinder(radius, _numbers(inner, "length", 1)[0])
 
     def _mesh(self, row: Element) -> Mesh:
-        """Read the mesh file of a `mesh` element."""
+        """Read the mesh file that a `mesh` element names."""
         path = self._mesh_path(_text(row, "filename"))
         if path.suffix.lower() not in MESHES:
             raise InputError(
@@ -216,7 +218,7 @@ class _Robot:
         return transform_mesh(mesh, np.diag([*_numbers(row, "scale", 3, "1 1 1"), 1.0]))
 
     def _mesh_path(self, name: str) -> Path:
-        """The path of a mesh; a ``package://`` path is looked up in the folders above the file."""
+        """Path of a mesh file; ``package://`` names are looked up in the folders above."""
         plain = name.removeprefix("file://").removeprefix("package://")
         if not name.startswith("package://"):
             return named_path(self.folder, plain, self.folder.resolve().parent)
@@ -228,7 +230,7 @@ class _Robot:
 
 
 def _text(element: Element, key: str) -> str:
-    """A required attribute of an element."""
+    """The value of a required XML attribute; raises `InputError` without it."""
     value = element.get(key, "")
     if not value:
         raise InputError(f"a {element.tag} has no {key}", hint=f'give {key}="..."')
@@ -236,7 +238,7 @@ def _text(element: Element, key: str) -> str:
 
 
 def _numbers(element: Element | None, key: str, count: int, default: str = "") -> list[float]:
-    """An attribute of `count` numbers; raises `InputError` if it is invalid."""
+    """The `count` numbers in an XML attribute; raises `InputError` if they are invalid."""
     words = (default if element is None else element.get(key, default)).split()
     try:
         values = [float(word) for word in words]
@@ -251,7 +253,7 @@ def _numbers(element: Element | None, key: str, count: int, default: str = "") -
 
 
 def _origin(element: Element) -> Pose:
-    """The pose in the `origin` of an element: first roll, then pitch, yaw, translation."""
+    """The pose in the `origin` element of a URDF element."""
     origin = element.find("origin")
     r, p, y = _numbers(origin, "rpy", 3, "0 0 0")
     cos, sin = np.cos([r, p, y]), np.sin([r, p, y])

@@ -21,7 +21,7 @@ UNDER_WAY: set[str] = set()
 
 
 def dump(assembly: Assembly, path: str | Path) -> None:
-    """Write an assembly to a kilter file, one part per line.
+    """Write an assembly to a kilter file (JSON), one part per line.
 
     A temporary file beside `path` is written first and then replaces it. A reader sees either the
     old file or the new file, and a failure leaves the old file.
@@ -95,7 +95,7 @@ def write_bytes(path: str | Path, data: bytes) -> None:
 
 
 def _replace(target: Path, data: bytes) -> None:
-    """Write a temporary file and move it to `target`; raises `OSError`."""
+    """Replace a file by way of a temporary file, so that a failure leaves it intact."""
     if target.is_dir():
         raise IsADirectoryError(None, "it is a folder")
     beside = str(target.with_name(f".{target.name[:40]}.{secrets.token_hex(8)}"))
@@ -116,12 +116,12 @@ def _replace(target: Path, data: bytes) -> None:
 
 
 def _open_private(path: str, flags: int) -> int:
-    """Open a file that only its owner may read and write."""
+    """Open a file with the permission to read and write for its owner only."""
     return os.open(path, flags, 0o600)
 
 
 def _mode(target: Path) -> int:
-    """Permissions of the file that is replaced, or the default permissions of a new file."""
+    """Permission bits for a written file: those of the replaced file, else the default."""
     if target.exists():
         return target.stat().st_mode & 0o777
     mask = os.umask(0)
@@ -141,5 +141,5 @@ def json_lines(data: dict[str, Any]) -> str:
 
 
 def _json(value: Any) -> str:
-    """JSON of a value on one line; raises `ValueError` for a number that is not finite."""
+    """JSON text of a value in a single line; raises `ValueError` for infinity or NaN."""
     return json.dumps(value, ensure_ascii=False, allow_nan=False)

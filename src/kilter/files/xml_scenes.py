@@ -20,7 +20,7 @@ XML = (".xml", ".mjcf", ".urdf")
 
 
 def load_xml(path: Path, choices: FormatOptions) -> tuple[Assembly, bool]:
-    """Read an MJCF or URDF file.
+    """Read an MJCF or URDF file; also return whether it fixes the direction of gravity.
 
     Returns
     -------

@@ -52,7 +52,7 @@ def example(name: str, *, size: tuple[int, int] | None = None) -> Assembly: ...
 def example(
     name: str | None = None, *, size: tuple[int, int] | None = None
 ) -> list[Example] | Assembly:
-    """Build a built-in example; without a name, return the list of all examples.
+    """Build a built-in example assembly; without a name, return the list of all examples.
 
     Parameters
     ----------

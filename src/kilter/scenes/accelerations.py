@@ -20,7 +20,7 @@ __all__ = ["wedge_on_wedge"]
 def wedge_on_wedge(
     angle: float = 30.0, *, mass: float = 1.0, mass_below: float = 2.0, planar: bool = False
 ) -> Assembly:
-    """Case S8: a wedge with a level top slides down a wedge that is free on a floor.
+    """Build case S8: a wedge with a level top slides down a wedge that is free on a floor.
 
     There is no friction. The lower wedge descends toward +x and accelerates toward -x with
 

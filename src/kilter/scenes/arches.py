@@ -30,7 +30,7 @@ DENSITY = 1000.0
 def voussoirs(
     joints: Array, inner: float, outer: float, *, depth: float = 1.0, sectors: bool = False
 ) -> list[Part]:
-    """Build the voussoirs "voussoir-0", ... between joints at given angles from +x.
+    """Build the blocks "voussoir-0", ... of an arch between joints at given angles from +x [rad].
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def arch_with_held_ends(
 
 
 def _springer(name: str, angle: float, inner: float, outer: float, *, right: bool) -> Part:
-    """A held block with a face in the joint at `angle` [rad] that extends beyond the joint."""
+    """A held block below an arch, with a face in the joint at `angle` [rad] that is wider."""
     spoke = np.array([np.cos(angle), np.sin(angle)])
     spoke[np.abs(spoke) < 1e-15] = 0.0
     away = np.array([spoke[1], -spoke[0]]) * (1.0 if right else -1.0)

@@ -18,7 +18,7 @@ __all__ = ["cad_export"]
     answer="unstable",
 )
 def cad_export() -> Assembly:
-    """A lamp: base, post, shade, screw, ring and pin, and a switch beside them, in mm.
+    """A lamp as exported from CAD: base, post, shade, screw, ring, pin, and a switch beside; in mm.
 
     - `screw` in `post`: the screw has the radius of the thread, 2 mm, and the hole that of the
       core, 1.65 mm. They overlap, and as drawn no contact carries a force.

@@ -34,7 +34,10 @@ def ladder(
     length: float = 4.0,
     planar: bool = True,
 ) -> Assembly:
-    """Case S4: a ladder at `angle` from the floor; tan(least) = (1 - mu_f mu_w) / (2 mu_f).
+    """Case S4: a ladder at `angle` [deg] from the floor, which leans on a wall.
+
+    The least stable angle is tan(least) = (1 - mu_f mu_w) / (2 mu_f), from both friction
+    coefficients.
 
     The ladder is a spindle whose ends are edges along y, one on the floor and one on the wall.
     Their contacts are given, with two points per edge. The least angles for mu_f = 0.4 are
@@ -113,7 +116,7 @@ def books(
     height: float = 0.25,
     weight: float = 9.81,
 ) -> Assembly:
-    """Case S6: a row of books in the air, pressed on a wall by a force on an end plate.
+    """Case S6: a row of books in the air, pressed against a wall by a force on an end plate.
 
     The least force is max(n w / (2 mu), n^2 w t / (8 h)) for an even number n of books. Guides
     without friction around the plate let it slide only along the force.
@@ -156,7 +159,7 @@ def squeezed_row(
     height: float = 0.25,
     planar: bool = False,
 ) -> Assembly:
-    """A row of blocks in the air between two held walls, with vertical joints.
+    """A row of blocks in the air between two held walls, held by squeeze and friction alone.
 
     Thin and high blocks form a row of books, thick and low blocks a flat arch. Equilibrium forces
     exist for every friction above zero, but free fall obeys the contact law, too.
@@ -188,7 +191,7 @@ def squeezed_row(
 
 
 def _guides(start: float, stop: float, depth: float, height: float) -> list[Part]:
-    """Held blocks around a bar along x of section depth (y, centred) by height (z from 0)."""
+    """Held blocks on all sides of a bar along x, of the given depth (y) and height (z)."""
     d, h = depth, height
     corners = {
         "below": ([start, -d, -0.1], [stop, d, 0]),
@@ -201,7 +204,7 @@ def _guides(start: float, stop: float, depth: float, height: float) -> list[Part
 
 @listed("squeezed-block", "a block between two walls", source="I1", answer="potentially-stable")
 def h_block(*, friction: float = 0.5, planar: bool = False) -> Assembly:
-    """Case I1: a block between two held vertical walls, held by squeeze alone.
+    """Case I1: a block between two held vertical walls; only squeeze and friction can hold it.
 
     Equilibrium forces exist for every friction above zero, but free fall obeys the contact law,
     too.
@@ -210,7 +213,7 @@ def h_block(*, friction: float = 0.5, planar: bool = False) -> Assembly:
 
 
 def a_block(half_angle: float = 10.0, *, friction: float = 0.5, planar: bool = False) -> Assembly:
-    """Case I2: a trapezoid wider below between plates that lean inwards by `half_angle` [deg].
+    """Case I2: a trapezoid, wider below, between held plates that lean inwards by an angle.
 
     Equilibrium forces exist if and only if friction >= tan(half_angle).
     """
@@ -223,7 +226,7 @@ def v_block(half_angle: float = 10.0, *, friction: float = 0.0, planar: bool = F
 
 
 def _between_plates(half_angle: float, friction: float, planar: bool) -> Assembly:
-    """A trapezoid between held plates that lean inwards by an angle [deg].
+    """A trapezoid between held plates that lean inwards by `half_angle` [deg].
 
     The trapezoid is 1 high, and 1 wide in the middle.
     """
@@ -249,7 +252,7 @@ def _between_plates(half_angle: float, friction: float, planar: bool) -> Assembl
 def trough(
     slope: float = 30.0, *, tilt: float = 40.0, friction: float = 0.84, length: float = 6.0
 ) -> Assembly:
-    """Case I3: a prism in a V trough whose sides slope by `slope`, tilted lengthwise.
+    """Case I3: a prism in a V-shaped trough, whose sides slope by `slope`, tilted lengthwise [deg].
 
     Gravity leans toward +y. The prism slips at tan(tilt) = friction / cos(slope). Equilibrium
     forces exist up to tan(tilt) = friction / sqrt(cos^2 - friction^2 sin^2).

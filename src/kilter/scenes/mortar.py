@@ -31,7 +31,7 @@ N_PER_MM2 = 1e6
 
 
 def _course(number: int, x: float = 0.0) -> Part:
-    """The block of a course, by number from 1; course 0 is held, below the joint at z = 0."""
+    """Build the block of a masonry course, by number from 1; course 0 is held, below z = 0."""
     name = f"course-{number}" if number else "base"
     at = Pose([x, 0.0, (number - 0.5) * BLOCK[2]])
     return Part(name, Box(BLOCK), at, grounded=not number, density=DENSITY)
@@ -40,7 +40,10 @@ def _course(number: int, x: float = 0.0) -> Part:
 def _with_mortar(
     parts: list[Part], strength: float, friction: float, loads: list[Load] | None = None
 ) -> Assembly:
-    """Assembly in which mortar of a strength [N/mm2] joins each part to the previous part."""
+    """Build an assembly in which mortar joins each part to the part before it.
+
+    Its strength is in N/mm2.
+    """
     bonds = [
         Bond((low.name, high.name), pull_per_area=strength * N_PER_MM2, kind="mortar")
         for low, high in pairwise(parts)
@@ -49,7 +52,7 @@ def _with_mortar(
 
 
 def _on_floor(count: int) -> list[Part]:
-    """A floor and a pier of `count` courses."""
+    """Parts of a masonry pier: a floor and `count` courses."""
     length, depth, _ = BLOCK
     pier = [_course(k) for k in range(1, count + 1)]
     return [floor([-length, -depth], [length, depth]), *pier]
@@ -64,7 +67,7 @@ def _on_floor(count: int) -> list[Part]:
 def corbel(
     count: int = 8, *, step: float = 0.1, strength: float = 0.1, friction: float = 0.6
 ) -> Assembly:
-    """Courses on a held block, each `step` beyond the course below it toward +x.
+    """Mortared courses on a held block, each `step` beyond the course below it toward +x.
 
     The lowest joint opens about the edge of the held block: n W ((n + 1) step - b) / 2 against
     p d (b - step)^2 / 2. Dry courses stand up to (n + 1) step = b.
@@ -93,7 +96,7 @@ def corbel(
 def pier_in_wind(
     count: int = 4, *, wind: float = 2000.0, strength: float = 0.1, friction: float = 0.6
 ) -> Assembly:
-    """A pier of courses, with the force of wind toward +y at the middle of each course.
+    """A mortared pier, with a wind force toward +y at the middle of each course.
 
     The wind overturns the pier about its foot if q b H^2 / 2 > (n W + p b d) d / 2. The height is
     H = n h; a course has width b, depth d, height h and weight W.
@@ -129,7 +132,7 @@ def eccentric_pier(
     strength: float = 0.1,
     friction: float = 0.6,
 ) -> Assembly:
-    """A pier of courses, with a load on the top course at a distance from the axis toward +x.
+    """A mortared pier, with a load on its top beside the axis, toward +x.
 
     The upper joint opens about its edge: P (e - b / 2) against (W + p b d) b / 2.
 

@@ -49,7 +49,7 @@ DEPTH = 1.0
 
 
 def _ell(width: float, height: float, thick: float = 0.5) -> Part:
-    """The held L: floor z = 0 to x = width, wall x = 0 to z = height."""
+    """A held part in the shape of an L: a floor up to x = width, and a wall at x = 0."""
     t = thick
     polygon = [[-t, -t], [width, -t], [width, 0], [0, 0], [0, height], [-t, height]]
     return prism("C1", polygon, DEPTH, grounded=True)
@@ -65,7 +65,7 @@ def stable_direction(angle: float, mass_a: float, mass_b: float) -> Array:
 
 
 def upright(assembly: Assembly) -> Assembly:
-    """Rotate an assembly by the smallest rotation about y that turns its gravity to -z."""
+    """Rotate an assembly about the y axis so that its gravity points to -z."""
     turned = moved(assembly, rotation_between(assembly.down, [0, 0, -1]))
     size = float(np.linalg.norm(assembly.gravity))
     return dataclasses.replace(turned, gravity=(0.0, 0.0, -size))
@@ -79,7 +79,7 @@ def two_blocks_in_an_l(
     stable: bool = False,
     planar: bool = False,
 ) -> Assembly:
-    """Case F11': block C3 = A on the floor, C2 = B on the wall, in contact along a chamfer.
+    """Case F11': a block on the floor and a block on the wall of an L, touching at a chamfer.
 
     With gravity along -z, B sinks and pushes A away. The assembly is stable for a single
     direction, `stable_direction`. For equal masses its angle from -z is 45 deg (angle 45) and
@@ -141,7 +141,7 @@ def two_blocks_in_an_l(
     planar=True,
 )
 def figure_1(orientation: str = "a", *, planar: bool = False) -> Assembly:
-    """Figure 1: two identical blocks with chamfers of 45 degrees in an L.
+    """Figure 1 of the paper: two identical blocks with chamfers of 45 degrees in an L.
 
     (a) is unstable: C2 sinks and C3 moves to the right. (b) is turned by 45 degrees and stable.
     """
@@ -156,7 +156,9 @@ def figure_1(orientation: str = "a", *, planar: bool = False) -> Assembly:
     orientation=2,
 )
 def figure_4(orientation: int = 1, *, planar: bool = False) -> Assembly:
-    """Figure 4: z rises as gravity turns: -5, -2.5, 0 (gravity of length 1, m kg).
+    """Figure 4 of the paper: two blocks in an L for three directions of gravity.
+
+    The optimum z of the displacement program is -5, -2.5 and 0 (gravity of length 1, m kg).
 
     The scene has the two blocks of Figure 1 with 2.5 kg each. Gravity is along +z (1: both blocks
     fall out), -x (2: a block pushes the other out) or the stable diagonal (3). Orientation 4, the
@@ -177,7 +179,7 @@ def figure_4(orientation: int = 1, *, planar: bool = False) -> Assembly:
     answer="unstable",
 )
 def figure_8(angle: float = 60.0, *, planar: bool = False) -> Assembly:
-    """Figure 8: block C2 above, between the wall and block C3, which lies on the floor.
+    """Figure 8 of the paper: a block C2 between a wall and a block C3, which lies on the floor.
 
     The assembly is unstable. In the unit box of the displacement program, z = -m_2. The smallest
     optimum moves C2 down by 1 and C3 sideways by 1 / tan(angle) = 0.577 without rotation, because
@@ -213,7 +215,7 @@ def figure_8(angle: float = 60.0, *, planar: bool = False) -> Assembly:
     planar=True,
 )
 def figure_9(*, planar: bool = False) -> Assembly:
-    """Figure 9: four identical blocks, with two edges chamfered by 45 degrees, in a frame.
+    """Figure 9 of the paper: four identical blocks, two edges chamfered by 45 degrees, in a frame.
 
     Each block lies along a side of the square frame and touches its two neighbours along the
     chamfers, so that the contacts form a loop. The assembly is stable, z = 0. All four blocks can
@@ -235,7 +237,7 @@ def figure_9(*, planar: bool = False) -> Assembly:
     answer="unstable",
 )
 def figure_10(orientation: str = "a", *, planar: bool = False) -> Assembly:
-    """Figure 10: two blocks without chamfer in an L, stable for a range of directions.
+    """Figure 10 of the paper: two blocks without chamfer in an L, stable for some directions.
 
     C2 is in the corner, C3 lies on C2 and against the wall. In (a), gravity leans 30 degrees away
     from the wall: unstable. In (b), gravity is in the middle of the stable range, which is every
@@ -276,7 +278,7 @@ def figure_10(orientation: str = "a", *, planar: bool = False) -> Assembly:
     planar=True,
 )
 def figure_11(orientation: str = "a", *, planar: bool = False) -> Assembly:
-    """Figure 11: two identical blocks with chamfers of 45 degrees in an L.
+    """Figure 11 of the paper: two identical blocks with chamfers of 45 degrees in an L.
 
     (a) is unstable. (b) is the only stable orientation, with the L at 45 degrees.
     """
@@ -306,7 +308,7 @@ def figure_11(orientation: str = "a", *, planar: bool = False) -> Assembly:
     planar=True,
 )
 def figure_12(orientation: str = "a", *, planar: bool = False) -> Assembly:
-    """Figure 12: as Figure 11, with chamfers of 60 degrees; in (b), the L leans by 60 degrees."""
+    """Figure 12 of the paper: two blocks in an L with chamfers of 60 degrees; "b": L leans."""
     return two_blocks_in_an_l(60.0, stable=_is_b(orientation), planar=planar)
 
 
@@ -319,7 +321,7 @@ def figure_12(orientation: str = "a", *, planar: bool = False) -> Assembly:
 def trapped_wedge(
     tilt: float = 10.0, *, mass_a: float = 1.0, mass_b: float = 1.0, planar: bool = True
 ) -> Assembly:
-    """Case TR: B on the floor under the 45-degree overhang of A, which fills the corner.
+    """Case TR: a wedge B on the floor under the 45-degree overhang of A, which fills the corner.
 
     Gravity is turned from -z toward the wall (-x) by `tilt`. The assembly is stable for
     0 <= tilt <= atan(mass_a / mass_b). At 0 degrees B can slide away at no cost, at 10 degrees
@@ -349,7 +351,7 @@ def trapped_wedge(
 
 
 def _is_b(orientation: str) -> bool:
-    """Whether an orientation is the stable one, "b", and not "a"; raises for other words."""
+    """Whether an orientation is "b", the stable one; False for "a"; raises for other words."""
     if orientation not in ("a", "b"):
         raise InputError(f"there is no orientation {orientation!r}", hint="give 'a' or 'b'")
     return orientation == "b"

@@ -32,7 +32,7 @@ QUARTER = [np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)]
     answer="stable",
 )
 def figure_2() -> Assembly:
-    """Figure 2: bodies m and n touch over the segment ab, here from x = -1 to x = 1.
+    """Figure 2 of the paper: bodies m and n touch over a segment, here from x = -1 to x = 1.
 
     Two constraint inequalities, at a and at b, keep m out of n in the plane.
     """
@@ -55,7 +55,7 @@ def figure_2() -> Assembly:
     answer="stable",
 )
 def figure_3(kind: str = "a") -> Assembly:
-    """Figure 3: (a) a polygonal surface of contact, (b) two crossing edges, (c) two vertices.
+    """Figure 3 of the paper: contact over a polygon "a", of crossing edges "b", of vertices "c".
 
     (a) has five corners, as in the paper; a regular pentagon is assumed. In (b) the edges are
     perpendicular. The contact (c) has no normal of its own: m may slide off along any plane between

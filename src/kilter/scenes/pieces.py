@@ -30,7 +30,7 @@ __all__ = [
 
 
 def block(name: str, low: ArrayLike, high: ArrayLike, **properties: Any) -> Part:
-    """A box part between two opposite corners, each shape (3,), world frame [length unit].
+    """Build a box-shaped part from two opposite corners in the world frame [length unit].
 
     Examples
     --------
@@ -44,17 +44,17 @@ def block(name: str, low: ArrayLike, high: ArrayLike, **properties: Any) -> Part
 def floor(
     low: Sequence[float], high: Sequence[float], *, top: float = 0.0, name: str = "floor"
 ) -> Part:
-    """A held slab of thickness 1 from (x, y) `low` to `high`, with its top at z = `top`."""
+    """Build a held slab of thickness 1 from (x, y) `low` to `high`, with its top at z = `top`."""
     return block(name, [*low, top - 1.0], [*high, top], grounded=True)
 
 
 def prism(name: str, polygon: Any, depth: float = 1.0, **properties: Any) -> Part:
-    """A prism part: `polygon`, shape (n, 2), in x-z of the world, `depth` along y."""
+    """Build a part that is a prism: a polygon in the x-z plane of the world, extruded along y."""
     return Part(name, Prism(polygon, depth), **properties)
 
 
 def turn(axis: ArrayLike, degrees: float) -> Array:
-    """Quaternion (w, x, y, z) of a right-handed rotation about `axis` [deg].
+    """Quaternion (w, x, y, z) of a right-handed rotation about `axis` by `degrees`.
 
     Examples
     --------
@@ -79,7 +79,7 @@ def compose(second: ArrayLike, first: ArrayLike) -> Array:
 
 
 def turned_parts(parts: Sequence[Part], rotation: ArrayLike) -> list[Part]:
-    """Parts rotated about the world's origin by a quaternion (w, x, y, z)."""
+    """Rotate parts about the world's origin by a quaternion (w, x, y, z)."""
     pose = Pose(rotation=rotation)
     return [
         dataclasses.replace(
@@ -102,7 +102,7 @@ def tube(
     sides: int = 48,
     **properties: Any,
 ) -> Part:
-    """A tube about z, as an exact solid of two cylinders and two flat ends.
+    """Build a part that is a tube about z, with exact cylinders and two flat ends.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ def tube(
 
 
 def ring(inner: float, outer: float, depth: float) -> Mesh:
-    """A frame with a square hole, with half widths `inner` and `outer` in x and z.
+    """Mesh of a square frame with a square hole; `inner`, `outer` are half widths in x and z.
 
     Examples
     --------
@@ -180,7 +180,7 @@ def ring(inner: float, outer: float, depth: float) -> Mesh:
 
 
 def cells(xs: ArrayLike, ys: ArrayLike, zs: ArrayLike, solid: ArrayLike) -> Mesh:
-    """The union of the cells of a grid as one closed mesh.
+    """Mesh of the union of the cells of a grid that are marked as `solid`.
 
     Parameters
     ----------
@@ -217,7 +217,7 @@ def cells(xs: ArrayLike, ys: ArrayLike, zs: ArrayLike, solid: ArrayLike) -> Mesh
 
 
 def _sides(filled: Mask, axis: int) -> Index:
-    """Grid corners of the outer faces across an axis, shape (n, 4, 3), oriented outwards."""
+    """Outer faces across an axis of the filled grid cells, as grid corners, shape (n, 4, 3)."""
     padding = [(1, 1) if k == axis else (0, 0) for k in range(3)]
     steps = np.diff(np.pad(filled.astype(np.int8), padding), axis=axis)
     u, v = (axis + 1) % 3, (axis + 2) % 3

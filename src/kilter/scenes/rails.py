@@ -59,7 +59,7 @@ THICK = 0.25
     "slot", "a block between two plates", source="region: line", answer="unstable", sides="-x +x"
 )
 def railed(sides: str = "-x +x -z", *, count: int = 1, planar: bool = False) -> Assembly:
-    """A column of unit cubes between held plates, stable for the cone that the plates generate.
+    """A column of unit cubes between held plates at given sides, with a known stable cone.
 
     A held block that touches no other part stands aside, so that a part is held without plates.
 
@@ -106,7 +106,7 @@ def railed(sides: str = "-x +x -z", *, count: int = 1, planar: bool = False) -> 
 )
 @listed("groove", "a prism in a V-groove", source="region: fan", answer="stable")
 def groove(angle: float = 30.0, *, ends: int = 0, planar: bool = False) -> Assembly:
-    """A prism in a held V-groove along y, stable within `angle` of -z across the groove.
+    """A prism in a held V-groove along y, stable for gravity within `angle` [deg] of -z.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def groove(angle: float = 30.0, *, ends: int = 0, planar: bool = False) -> Assem
 
 
 def seats(count: int = 100, *, angle: float = 0.3) -> Assembly:
-    """Plates stacked on pyramid-shaped seats, stable within a thin pyramid around -z.
+    """Plates stacked on pyramid-shaped seats, stable only for gravity very near to -z.
 
     The four faces of each seat slope by `angle` to the middle. The rays of the region are at this
     angle from -z toward x, -x, y and -y; 10,000 random directions miss the region. The plates
@@ -169,7 +169,7 @@ def seats(count: int = 100, *, angle: float = 0.3) -> Assembly:
 
 
 def _plate(bottom: float, height: float, dip: float) -> Mesh:
-    """A square plate whose lower and upper side are lower by `dip` in their middles."""
+    """Mesh of a square plate whose middle is lower than its rim by `dip`, above and below."""
     square = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5], [0.0, 0.0]]
     depth = [0.0, 0.0, 0.0, 0.0, dip]
     lower = [[x, y, bottom - d] for (x, y), d in zip(square, depth, strict=True)]
@@ -185,7 +185,7 @@ def _plate(bottom: float, height: float, dip: float) -> Mesh:
     "pit-wedges", "a cube in a pit, cut into six wedges", source="region: cone", answer="stable"
 )
 def pit_wedges(count: int = 6, *, seed: int = 0) -> Assembly:
-    """A cube that fills a pit to the rim, cut into `count` wedges by random planes; stable.
+    """A cube in a pit up to the rim, cut into `count` wedges by random planes; stable.
 
     Each cut goes through the middle of the largest piece.
 

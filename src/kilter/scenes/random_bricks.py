@@ -21,7 +21,7 @@ SIZES = [*STATED, *((b, a) for a, b in STATED if a != b)]
 
 
 def random_bricks(count: int, *, seed: int, spread: int | None = None) -> BrickModel:
-    """Build a random model of bricks with weights that the libraries state.
+    """Build a random model of toy bricks whose masses the brick libraries state.
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ Builder = TypeVar("Builder", bound=Callable[..., Assembly])
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Example:
-    """A named scene with a known answer.
+    """A built-in example: a named function that builds an assembly, with a known answer.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Example:
     answer: Answer
 
     def to_dict(self) -> dict[str, Any]:
-        """JSON data of the example, as in `kilter example --json`."""
+        """JSON data of the example, as `kilter example --json` prints them."""
         return {
             "name": self.name,
             "title": self.title,
@@ -65,7 +65,7 @@ SCENES: dict[str, Example] = {}
 def listed(
     name: str, title: str, *, source: str, answer: Answer, **parameters: Any
 ) -> Callable[[Builder], Builder]:
-    """Decorator that registers a scene function with these parameters as an example."""
+    """Decorator that registers a function, with the given parameters, as a built-in example."""
 
     def enter(build: Builder) -> Builder:
         SCENES[name] = Example(name, title, partial(build, **parameters), source, answer)
@@ -75,7 +75,7 @@ def listed(
 
 
 def scene(name: str, *, size: tuple[int, int] | None = None) -> Assembly:
-    """Build the example of a name.
+    """Build the built-in example with the given name.
 
     Parameters
     ----------

@@ -141,7 +141,7 @@ def block_on_slope(
 def block_on_incline(
     width: float = 1.0, height: float = 1.0, angle: float = 20.0, friction: float = 0.0
 ) -> Assembly:
-    """Case S1: `block_on_slope` with the critical tan(angle) = min(friction, width / height)."""
+    """Case S1: a block on a held slope, up to tan(angle) = min(friction, width / height)."""
     return block_on_slope(angle, width=width, height=height, friction=friction)
 
 
@@ -152,7 +152,7 @@ def block_on_incline(
     answer="stable",
 )
 def harmonic_stack(count: int = 10, *, scale: float = 1.0 - 1e-6) -> Assembly:
-    """Case O1: the harmonic stack over the edge x = 0 of a held table, blocks 1 x 1 x 0.25.
+    """Case O1: `count` blocks 1 x 1 x 0.25, each shifted over the edge x = 0 of a held table.
 
     Block k from the top extends by scale / (2 k) beyond the block below. At scale 1 the stack is
     just balanced, with an overhang of half the harmonic number of `count`.
@@ -174,7 +174,7 @@ def harmonic_stack(count: int = 10, *, scale: float = 1.0 - 1e-6) -> Assembly:
 
 
 def three_block_overhang(shift: float = 0.0) -> Assembly:
-    """Case O2: unit block [-.5, .5] on a table that ends at x = 0, with [-1, 0] and [0, 1] on it.
+    """Case O2: a unit block over the edge of a table, and two unit blocks side by side on it.
 
     The blocks are just balanced. With a `shift` of 1e-3 in x they are not.
     """
@@ -187,7 +187,7 @@ def three_block_overhang(shift: float = 0.0) -> Assembly:
     "inverted-triangle", "rows of 1, 2 and 3 blocks, not balanced", source="O3", answer="unstable"
 )
 def inverted_triangle(rows: int = 3) -> Assembly:
-    """Case O3: rows of 1, 2, 3, ... unit blocks on a held table of width 1.
+    """Case O3: rows of 1, 2, 3, ... unit blocks, bottom up, on a held table of width 1.
 
     The rows are balanced for 2 rows, but not for 3, 4 or 5.
     """
@@ -196,7 +196,7 @@ def inverted_triangle(rows: int = 3) -> Assembly:
 
 @listed("diamond", "a diamond of 16 blocks on a narrow table", source="O4", answer="stable")
 def diamond(order: int = 4) -> Assembly:
-    """Case O4: rows of 1, 2, ..., order, ..., 2, 1 unit blocks on a held table.
+    """Case O4: rows of 1, 2, ..., order, ..., 2, 1 unit blocks, bottom up, on a held table.
 
     The diamond is balanced for the orders 2, 3 and 4, but not for 5 or 6.
     """
@@ -204,7 +204,7 @@ def diamond(order: int = 4) -> Assembly:
 
 
 def _rows_of_blocks(counts: list[int]) -> Assembly:
-    """Rows of unit blocks centred on x = 0, bottom up, on a table from x = -0.5 to 0.5."""
+    """Rows of unit blocks centred on x = 0, on a table of width 1; `counts` bottom up."""
     blocks = [
         block(f"block-{row}-{k}", [k - n / 2, -0.5, row], [k + 1 - n / 2, 0.5, row + 1])
         for row, n in enumerate(counts)
@@ -216,7 +216,7 @@ def _rows_of_blocks(counts: list[int]) -> Assembly:
 def overhang(
     share: float = 0.45, *, size: float = 1.0, density: float | None = None, **assembly: Any
 ) -> Assembly:
-    """Case W3: a cube that overhangs a held cube by a `share` of its length.
+    """Case W3: a cube on a held cube, shifted beyond its edge by a `share` of its length.
 
     The cube is stable up to a share of 0.5, whatever the size and the density.
 
@@ -238,7 +238,7 @@ def overhang(
 
 
 def overhanging_cubes(share: float = 0.75) -> list[Assembly]:
-    """Case W3 for all its sizes and densities: 1 mm to 1 km, 1 and 2400 kg/m^3.
+    """Case W3 in all sizes and densities, from 1 mm to 1 km and from 1 to 2400 kg/m^3.
 
     Examples
     --------

@@ -19,7 +19,7 @@ __all__ = ["moved", "moved_features", "require_about_y"]
 def moved(
     assembly: Assembly, rotation: ArrayLike = (1, 0, 0, 0), shift: ArrayLike = (0, 0, 0)
 ) -> Assembly:
-    """Rotate an assembly about the origin, then shift it, with gravity, loads and contacts.
+    """Rotate an assembly about the origin, then shift it, with its gravity, loads and contacts.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def moved(
 
 
 def require_about_y(matrix: Array) -> None:
-    """Raise `InputError` if a rotation matrix leaves the x-z plane of a planar assembly."""
+    """Raise `InputError` if a rotation matrix is not about y, for a planar assembly."""
     if abs(matrix[1, 1] - 1.0) > 1e-12:
         raise InputError("the turn leaves the x-z plane of a planar assembly", hint="turn about y")
 
@@ -104,7 +104,7 @@ def moved_features(
     moved: Callable[[Array], Array],
     factor: float,
 ) -> tuple[Feature, Feature] | None:
-    """The features of a contact after a transformation of directions and points.
+    """Touching features of a contact after a rotation, shift and scaling; None without features.
 
     `turned` maps directions, `moved` maps points; the surfaces are `factor` times as large.
     """

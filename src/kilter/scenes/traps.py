@@ -23,7 +23,7 @@ __all__ = [
 
 @listed("floating-block", "a row of blocks with a floating block", source="W1", answer="unstable")
 def floating_block(index: int = 2, *, count: int = 5) -> Assembly:
-    """Case W1: unit cubes in a row on a floor; a single cube, 1 m above it, falls at 1 g.
+    """Case W1: cubes on a floor and a single cube 1 m above them, which falls freely.
 
     Parameters
     ----------

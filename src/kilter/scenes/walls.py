@@ -91,7 +91,7 @@ def wall_from_courses(
     density: float | None = None,
     **assembly: Any,
 ) -> Assembly:
-    """Build a wall from the widths of its courses, bottom up.
+    """Build a brick wall from the widths of the bricks in each course, bottom up.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ def _bricks(
 
 
 def bond(courses: int, per_course: int) -> list[list[float]]:
-    """Widths of a running bond; every second course ends in half bricks.
+    """Widths of the bricks of a running bond; every second course ends in half bricks.
 
     Examples
     --------
@@ -167,7 +167,7 @@ def bond(courses: int, per_course: int) -> list[list[float]]:
 
 @listed("wall", "a running-bond wall", source="running bond", answer="stable")
 def wall(courses: int = 6, per_course: int = 6, **options: Any) -> Assembly:
-    """A running-bond wall, stable without friction; `options` as in `wall_from_courses`."""
+    """A running-bond wall, stable without friction; `options` go to `wall_from_courses`."""
     return wall_from_courses(bond(courses, per_course), **options)
 
 
@@ -227,7 +227,7 @@ def wall_with_lintel(
     opening: tuple[int, int, int, int] = (3, 5, 2, 5),
     **options: Any,
 ) -> Assembly:
-    """`wall_with_opening` with a lintel, supported by half a brick or more on each side.
+    """A running-bond wall with an opening, and a lintel over it that the wall supports.
 
     The wall is stable without friction.
     """
@@ -304,7 +304,7 @@ def tilted_wall(
     number=4,
 )
 def ferris_tin_loi(number: int = 1, *, friction: float = 0.65) -> Assembly:
-    """A wall of Ferris and Tin-Loi: blocks of 0.4 x 0.175 m, 0.2 m deep, planar.
+    """A published test wall by Ferris and Tin-Loi: planar, blocks of 0.4 x 0.175 m, 0.2 m deep.
 
     The publication gives the load factor of a horizontal body force.
 
@@ -333,7 +333,7 @@ def ferris_tin_loi(number: int = 1, *, friction: float = 0.65) -> Assembly:
 
 
 def _with_opening(rows: list[list[float]], opening: tuple[int, int, int, int]) -> list[list[float]]:
-    """Courses with an opening from brick `left` to `right` in the courses `bottom` to `top`."""
+    """Brick widths of courses after cutting an opening of whole bricks into some of them."""
     left, right, bottom, top = opening
     opened = list(rows)
     for k in range(max(bottom, 0), min(top, len(rows))):
@@ -342,7 +342,7 @@ def _with_opening(rows: list[list[float]], opening: tuple[int, int, int, int]) -
 
 
 def _cut(widths: Sequence[float], left: float, right: float) -> list[float]:
-    """Widths of a course with an opening from `left` to `right`, a negative width [brick]."""
+    """Brick widths of a course with an opening, a negative width, from `left` to `right`."""
     edges = [0.0, *np.cumsum(np.abs(widths)).tolist()]
     pairs = list(pairwise(edges))
     before = [min(b, left) - a for a, b in pairs if a < left]
@@ -351,5 +351,5 @@ def _cut(widths: Sequence[float], left: float, right: float) -> list[float]:
 
 
 def _with_brick(widths: Sequence[float], left: float, right: float) -> list[float]:
-    """Widths of a course with a single brick from `left` to `right` [brick]."""
+    """Brick widths of a course in which a single brick fills `left` to `right`."""
     return [abs(width) if width < 0 else width for width in _cut(widths, left, right)]

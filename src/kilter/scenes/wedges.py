@@ -54,7 +54,7 @@ def keystone(angle: float = 15.0, *, friction: float = 0.0, planar: bool = False
 
 
 def corner_boxes(count: int = 3, *, size: float = 1.0) -> Assembly:
-    """A pyramid of cubes in a corner of three held walls, `count` along each edge; stable.
+    """Cubes piled as a pyramid in a corner of three held walls, `count` along each edge; stable.
 
     Cube (i, j, k) exists if i + j + k < count. Gravity points into the corner, along -(1, 1, 1).
     Each cube rests on a wall or a cube in all three directions.
@@ -111,7 +111,7 @@ def _into_corner() -> Array:
 
 
 def _corner(reach: float) -> list[Part]:
-    """Held walls x = 0, y = 0 and a held floor z = 0 that do not overlap."""
+    """Held walls x = 0, y = 0 and a held floor z = 0, which do not overlap, as parts."""
     t, r = WALL, reach + WALL
     return [
         block("floor", [-t, -t, -t], [r, r, 0], grounded=True),
@@ -121,7 +121,7 @@ def _corner(reach: float) -> list[Part]:
 
 
 def behind(faces: list[Array], point: Array, normal: Array) -> list[Array]:
-    """The half of a convex solid behind the plane through `point`, closed by a new face."""
+    """The piece of a convex solid behind a plane, closed by a new face."""
     kept, rim = [], []
     for face in faces:
         distance = (face - point) @ normal

@@ -73,7 +73,7 @@ def weld(
 
 
 def open_edges(vertices: Array, triangles: Index) -> Index:
-    """Directed edges without a face on the other side, shape (k, 2).
+    """Directed edges that border a single face only, at a hole, shape (k, 2).
 
     Up to eight rounds split the edges at T-junctions.
     """
@@ -90,7 +90,7 @@ def open_edges(vertices: Array, triangles: Index) -> Index:
 
 
 def shared_edges(triangles: Index) -> tuple[Index, Index]:
-    """Pairs of half-edges that are the same edge of two triangles, as two arrays.
+    """Pairs of half-edges of neighbouring triangles on the same edge, as two arrays.
 
     Half-edge ``3 t + k`` runs from corner k of triangle t to the next corner.
 
@@ -108,7 +108,7 @@ def shared_edges(triangles: Index) -> tuple[Index, Index]:
 
 
 def is_evenly_paired(triangles: Index) -> bool:
-    """Whether every edge has an even number of faces, in whatever senses they run along it.
+    """Whether every edge borders an even number of faces, whatever their winding.
 
     Such a mesh with open edges is closed, but some faces have the wrong winding.
     """
@@ -118,7 +118,7 @@ def is_evenly_paired(triangles: Index) -> bool:
 
 
 def orient_faces(vertices: Array, triangles: Index) -> tuple[Index, int]:
-    """Give all faces a consistent winding.
+    """Reverse faces so that neighbouring faces have the same winding, outwards; also counts them.
 
     Two triangles that share an edge with no other triangle have the same winding if they run along
     it in opposite senses. Each surface that is connected by such edges is oriented outwards; a
@@ -159,7 +159,7 @@ def orient_faces(vertices: Array, triangles: Index) -> tuple[Index, int]:
 
 
 def contains(vertices: Array, triangles: Index, point: Array) -> bool:
-    """Whether a point is inside a closed shell: the solid angle of the shell is not zero."""
+    """Whether a point is inside a closed shell, by the solid angle of its triangles."""
     p, q, r = (vertices[triangles[:, k]] - point for k in range(3))
     a, b, c = (np.linalg.norm(x, axis=1) for x in (p, q, r))
     top = np.einsum("ij,ij->i", p, cross(q, r))
@@ -168,7 +168,7 @@ def contains(vertices: Array, triangles: Index, point: Array) -> bool:
 
 
 def _sides(triangles: Index) -> Index | None:
-    """Label of the oriented surface of each triangle, and of each reversed triangle, shape (2 T,).
+    """Number of the oriented surface of each triangle, then of each reversed copy, shape (2 T,).
 
     None if a triangle and its reverse are on the same surface, which is then not orientable.
     """
@@ -192,7 +192,7 @@ def _sides(triangles: Index) -> Index | None:
 
 
 def signed_volume(vertices: Array, triangles: Index) -> float:
-    """Volume inside a closed surface, negative if its faces point inwards [length unit^3]."""
+    """Volume inside a closed surface [length unit^3], negative if its faces point inwards."""
     p, q, r = (vertices[triangles[:, k]] - vertices[triangles[0, 0]] for k in range(3))
     return float(np.einsum("ij,ij->", p, cross(q, r)) / 6)
 
@@ -204,12 +204,12 @@ def _edges(triangles: Index) -> Index:
 
 
 def _boundary_edges(triangles: Index) -> Index:
-    """Unmatched directed edges of triangles, shape (k, 2)."""
+    """Directed edges of triangles without an opposite edge of another triangle, shape (k, 2)."""
     return _unmatched_edges(_edges(triangles))
 
 
 def _unmatched_edges(edges: Index) -> Index:
-    """Directed edges (p, q) that are left after pairing each with an edge (q, p)."""
+    """Directed edges (p, q) left over after pairing each with an opposite edge (q, p)."""
     edges = edges[edges[:, 0] != edges[:, 1]]
     if not len(edges):
         return edges
@@ -243,14 +243,14 @@ def _representatives(vertices: Array, distance: float) -> Index:
 
 
 def _has_equal_corners(triangles: Index) -> Mask:
-    """Whether two corners of each triangle are the same vertex, shape (T,)."""
+    """Mask of triangles with two corners at the same vertex, shape (T,)."""
     a, b, c = triangles.T
     same: Mask = (a == b) | (b == c) | (c == a)
     return same
 
 
 def flat_faces(vertices: Array, triangles: Index) -> Mask:
-    """Whether each triangle has no area within rounding, shape (T,)."""
+    """Mask of triangles whose area is zero within rounding, shape (T,)."""
     p, q, r = (vertices[corner] for corner in triangles.T)
     twice = np.linalg.norm(cross(q - p, r - p), axis=1)
     longest = np.maximum.reduce([((u - v) ** 2).sum(axis=1) for u, v in ((p, q), (q, r), (r, p))])
@@ -259,7 +259,7 @@ def flat_faces(vertices: Array, triangles: Index) -> Mask:
 
 
 def _removable_faces(vertices: Array, triangles: Index) -> Mask:
-    """Whether each triangle has no area and can be dropped without opening edges, shape (T,)."""
+    """Mask of triangles without area that can be removed without making a hole, shape (T,)."""
     flat = flat_faces(vertices, triangles)
     same = _has_equal_corners(triangles)
     # slivers of three distinct corners stay if dropping them would open edges
@@ -271,7 +271,7 @@ def _removable_faces(vertices: Array, triangles: Index) -> Mask:
 
 
 def _without_repeats(triangles: Index) -> tuple[Index, int]:
-    """Drop repeated faces of the same sense, which would count twice in the volume.
+    """Drop repeated faces of the same winding, which would count twice in the volume.
 
     Returns
     -------
@@ -291,7 +291,7 @@ def _without_repeats(triangles: Index) -> tuple[Index, int]:
 
 
 def _split_at_vertices(vertices: Array, edges: Index) -> Index:
-    """Open edges split at the ends of other open edges that lie on them, shape (n, 2)."""
+    """Open edges, shape (n, 2), divided at the ends of other open edges that lie on them."""
     if len(edges) > 4000:
         return edges
     points = np.unique(edges)

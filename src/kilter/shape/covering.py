@@ -19,7 +19,7 @@ BATCH = 500_000
 
 
 def covered(triangles: Array, points: Array, normals: Array, reach: float, grow: float) -> Mask:
-    """Whether points of a surface are covered by the triangles of a face, shape (n,).
+    """Mask of points on a surface that lie on a face, given by its triangles, shape (n,).
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def covered(triangles: Array, points: Array, normals: Array, reach: float, grow:
 
 
 def _boxes_near(triangles: Array, points: Array, margin: float) -> Mask:
-    """Whether the box of each triangle is within a margin of the box of the points, shape (m,)."""
+    """Mask of triangles whose box comes within `margin` of the box of all points, shape (m,)."""
     low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
     meets: Mask = (triangles.min(axis=1) <= high).all(axis=1)
     meets &= (triangles.max(axis=1) >= low).all(axis=1)

@@ -41,7 +41,7 @@ STEPS = 30
 
 
 def fit_sphere(points: Array, normals: Array, weights: Array) -> Surface | None:
-    """Fit a sphere through points; None if they determine none.
+    """Fit a sphere to points with normals; None if they do not determine a sphere.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def fit_sphere(points: Array, normals: Array, weights: Array) -> Surface | None:
 
 
 def fit_cylinder(points: Array, normals: Array, weights: Array) -> Surface | None:
-    """Fit a cylinder through points; None if they determine none.
+    """Fit a cylinder to points with normals; None if they do not determine a cylinder.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def fit_cylinder(points: Array, normals: Array, weights: Array) -> Surface | Non
     center, radius = solution[0] * u + solution[1] * v, float(np.sqrt(square))
 
     def residual(state: tuple[Array, Array, float]) -> tuple[Array, Array]:
-        """Distances of the points from the cylinder, and their Jacobian."""
+        """Signed distances of the points from a cylinder, and their derivatives."""
         center, axis, radius = state
         u, v = across(axis)
         along, aside, e = _split(p - center, axis)
@@ -106,7 +106,7 @@ def fit_cylinder(points: Array, normals: Array, weights: Array) -> Surface | Non
         return aside - radius, np.column_stack([-eu, -ev, -eu * along, -ev * along, -1 + 0 * eu])
 
     def update(state: tuple[Array, Array, float], step: Array) -> tuple[Array, Array, float]:
-        """The cylinder after a step."""
+        """The parameters of the cylinder after a step."""
         center, axis, radius = state
         u, v = across(axis)
         turned = axis + step[2] * u + step[3] * v
@@ -121,7 +121,7 @@ def fit_cylinder(points: Array, normals: Array, weights: Array) -> Surface | Non
 
 
 def fit_cone(points: Array, normals: Array, weights: Array) -> Surface | None:
-    """Fit a cone through points, all on the same side of its apex; None if none fits.
+    """Fit a cone to points with normals; None if no cone has all points on the same side.
 
     The parameters are those of `fit_cylinder`.
     """
@@ -138,7 +138,7 @@ def fit_cone(points: Array, normals: Array, weights: Array) -> Surface | None:
         return None
 
     def residual(state: tuple[Array, Array, float]) -> tuple[Array, Array]:
-        """Distances of the points from the cone, and their Jacobian."""
+        """Signed distances of the points from a cone, and their derivatives."""
         apex, axis, angle = state
         u, v = across(axis)
         along, aside, e = _split(p - apex, axis)
@@ -149,7 +149,7 @@ def fit_cone(points: Array, normals: Array, weights: Array) -> Surface | None:
         return aside * cos - along * sin, np.column_stack(columns)
 
     def update(state: tuple[Array, Array, float], step: Array) -> tuple[Array, Array, float]:
-        """The cone after a step."""
+        """The parameters of the cone after a step."""
         apex, axis, angle = state
         u, v = across(axis)
         turned = axis + step[3] * u + step[4] * v
@@ -173,13 +173,13 @@ FITS: dict[str, Callable[[Array, Array, Array], Surface | None]] = {
 
 
 def _middle_and_size(points: Array) -> tuple[Array, float]:
-    """Mean point, and largest coordinate relative to it."""
+    """Mean of points, and their largest coordinate relative to the mean."""
     middle = points.mean(axis=0)
     return middle, float(np.abs(points - middle).max())
 
 
 def _split(p: Array, axis: Array) -> tuple[Array, Array, Array]:
-    """Height of points along an axis, distance from it, and unit direction away from it."""
+    """Height of points along an axis, distance from the axis, and unit direction away from it."""
     along = p @ axis
     away = p - along[:, None] * axis
     aside = np.linalg.norm(away, axis=1)
@@ -187,7 +187,7 @@ def _split(p: Array, axis: Array) -> tuple[Array, Array, Array]:
 
 
 def _cone_start(p: Array, axis: Array) -> tuple[Array, Array, float] | None:
-    """First estimate of apex, axis and half angle of a cone from the direction of its axis.
+    """First estimate of a cone's apex, axis and half angle, from its axis; None if impossible.
 
     Points of a cone satisfy |across - c|^2 = (along - h)^2 tan^2 w. This equation is linear in c,
     the foot of the axis, and in auxiliary unknowns. Then |across - c| is linear in `along`. The
@@ -211,7 +211,7 @@ def _gauss_newton(
     residual: Callable[[tuple[Array, Array, float]], tuple[Array, Array]],
     update: Callable[[tuple[Array, Array, float], Array], tuple[Array, Array, float]],
 ) -> tuple[Array, Array, float]:
-    """Minimise the sum of squares from a first state; a step that increases the sum is rejected.
+    """Minimise a sum of squares by Gauss-Newton steps; steps that increase it are rejected.
 
     Each step solves the normal equations; the next step corrects their rounding. The iteration
     ends when a step no longer halves the sum of squares: at rounding, or if the points fit no

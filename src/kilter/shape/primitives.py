@@ -42,13 +42,13 @@ BOX_CORNERS: Array = np.array(
 
 
 def _positive(value: Any, what: str) -> float:
-    """A positive number; raises `InputError` with the noun `what`."""
+    """The value as a positive number; raises `InputError`, in which `what` names the value."""
     return number(value, what, lowest=0, above=True)
 
 
 @dataclass(frozen=True, slots=True, eq=False, init=False)
 class Box(Value):
-    """A box, centred on the origin.
+    """A solid box, centred on the origin.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ class Sphere(Value):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Prism(Value):
-    """A polygon in the x-z plane, extruded along y, centred on y = 0.
+    """A solid prism: a polygon in the x-z plane, extruded along y, centred on y = 0.
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ class Prism(Value):
 
 
 class Mesh(Value):
-    """A closed surface of triangles.
+    """A closed surface of triangles, as the shape of a part.
 
     Parameters
     ----------
@@ -238,7 +238,7 @@ Shape = Box | Cylinder | Sphere | Prism | Mesh | Solid
 
 
 def surface(shape: Shape) -> tuple[Array, Index]:
-    """The surface of a shape: vertices, shape (n, 3), and triangles, shape (m, 3).
+    """Vertices, shape (n, 3), and triangles, shape (m, 3), of the surface of any shape.
 
     The frame is that of the part. Cylinders and spheres become inscribed polyhedra.
 
@@ -273,7 +273,7 @@ def surface(shape: Shape) -> tuple[Array, Index]:
 
 
 def fan(n: int) -> Index:
-    """Triangles of a convex polygon with n corners, shape (n - 2, 3)."""
+    """Triangles of a convex polygon with n corners, as corner numbers, shape (n - 2, 3)."""
     k = np.arange(1, n - 1)
     return np.column_stack([np.zeros_like(k), k, k + 1])
 
@@ -283,7 +283,7 @@ BOX_TRIANGLES: Index = BOX_QUADS[:, fan(4)].reshape(-1, 3)
 
 
 def _prism_triangles(n: int, cap: Index | None = None) -> Index:
-    """Triangles of a prism with corners 0..n-1 below and n..2n-1 above.
+    """Triangles of a prism whose corners are 0 to n - 1 below and n to 2 n - 1 above.
 
     The corners are counterclockwise seen from above. `cap`: triangles of the polygon, shape
     (m, 3); default a fan.
@@ -325,7 +325,7 @@ def _unit_sphere() -> tuple[Array, Index]:
 
 
 def _triangles(vertices: Array, faces: Any) -> Index:
-    """Triangles, shape (m, 3), of faces with any number of corners."""
+    """Triangles, shape (m, 3), into which faces with any number of corners are divided."""
     if not isinstance(faces, np.ndarray):
         faces = list(faces)
     if isinstance(faces, np.ndarray) and faces.ndim == 2 and faces.shape[1] == 3:
@@ -347,7 +347,7 @@ def _triangles(vertices: Array, faces: Any) -> Index:
 
 
 def _vertex_indices(corners: Any, face: Index, count: int) -> Index:
-    """Corners as vertex indices below `count`; raises `InputError` that names the face.
+    """Corners of a face as vertex numbers; raises `InputError` for numbers from `count` on.
 
     `face`: the face of each corner.
     """
@@ -371,7 +371,7 @@ def _vertex_indices(corners: Any, face: Index, count: int) -> Index:
 
 
 def _triangulate_faces(vertices: Array, faces: Index, number: Index) -> list[Index]:
-    """Triangles of faces with n corners each, shape (m, n); convex faces are divided at once.
+    """Triangles of m faces with n corners each; convex faces are divided without a search.
 
     `number`: the number of each face, for messages.
     """
@@ -386,7 +386,7 @@ def _triangulate_faces(vertices: Array, faces: Index, number: Index) -> list[Ind
 
 
 def _convex_in_space(polygons: Array) -> Mask:
-    """Whether each polygon, shape (m, n, 3), is convex seen along its mean normal, shape (m,)."""
+    """Mask of polygons, shape (m, n, 3), that are convex in their mean plane, shape (m,)."""
     following = np.arange(1, polygons.shape[1] + 1) % polygons.shape[1]
     step = polygons[:, following] - polygons
     turn = cross(step, step[:, following])
@@ -402,7 +402,7 @@ def _convex_in_space(polygons: Array) -> Mask:
 
 
 def _plane_coordinates(points: Array) -> Array:
-    """Coordinates of a polygon in its mean plane, counterclockwise, shape (n, 2)."""
+    """Coordinates of a polygon's corners in its mean plane, counterclockwise, shape (n, 2)."""
     normal = 0.5 * np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
     length = np.linalg.norm(normal)
     if length == 0.0:
@@ -414,7 +414,7 @@ def _plane_coordinates(points: Array) -> Array:
 
 
 def _triangulate(polygon: Array) -> Index:
-    """Triangles of a polygon in the plane, as indices of corners, in the sense of the polygon.
+    """Triangles of a plane polygon, as corner numbers, with the winding of the polygon.
 
     Raises
     ------
@@ -446,13 +446,13 @@ def _triangulate(polygon: Array) -> Index:
 
 
 def _signed_area(polygon: Array) -> float:
-    """Area of a polygon in the plane, positive if counterclockwise."""
+    """Area of a plane polygon, positive if its corners run counterclockwise."""
     x, y = (polygon - polygon[0]).T
     return float(0.5 * (x @ np.roll(y, -1) - np.roll(x, -1) @ y))
 
 
 def _is_convex(polygon: Array) -> bool:
-    """Whether a polygon in the plane turns in one sense only, by 360 degrees."""
+    """Whether a plane polygon is convex: it turns in one sense only, by 360 degrees."""
     edge = np.roll(polygon, -1, axis=0) - polygon
     following = np.roll(edge, -1, axis=0)
     turn = edge[:, 0] * following[:, 1] - edge[:, 1] * following[:, 0]
@@ -463,7 +463,7 @@ def _is_convex(polygon: Array) -> bool:
 
 
 def _is_simple(polygon: Array) -> bool:
-    """Whether a polygon in the plane does not cross itself."""
+    """Whether a plane polygon does not cross itself."""
     import shapely
 
     return bool(shapely.Polygon(polygon).is_valid)

@@ -59,7 +59,7 @@ MOST_NEIGHBOURS = 12
 def recognise(
     vertices: ArrayLike, triangles: ArrayLike, accuracy: float = 0.0
 ) -> tuple[tuple[Surface, ...], Index, Array]:
-    """Recognise the exact surfaces that the triangles of a mesh approximate.
+    """Recognise the exact surfaces (cylinders, spheres and so on) that a mesh approximates.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ _FacetSurfaces = list[tuple[Surface, Index]]
 
 
 def _round_surfaces(mesh: FacetMesh) -> _FacetSurfaces:
-    """The round surfaces of a mesh, and the facets of each."""
+    """Recognise the round surfaces of a mesh, and the facets that lie on each."""
     region = mesh.graph.region
     order = np.argsort(region, kind="stable")
     count = np.bincount(region)
@@ -113,7 +113,7 @@ def _round_surfaces(mesh: FacetMesh) -> _FacetSurfaces:
 
 
 def _common_surface(mesh: FacetMesh, facets: Index) -> Surface | None:
-    """The surface that contains all facets of a region; None if there is none."""
+    """The round surface on which all facets of a region lie; None if there is none."""
     sample = facets[:: max(1, len(facets) // SAMPLE)]
     tolerance = tolerance_of(mesh, mesh.points(facets))
     for kind in FITS:
@@ -130,7 +130,7 @@ def _common_surface(mesh: FacetMesh, facets: Index) -> Surface | None:
 
 
 def _grow_surfaces(mesh: FacetMesh, facets: Index) -> _FacetSurfaces:
-    """The surfaces that grow from seeds in a region of several surfaces."""
+    """Round surfaces in a region of several, each grown from a seed facet by adding neighbours."""
     free = np.zeros(len(mesh.graph.area), dtype=bool)
     free[facets] = True
     fresh = free.copy()
@@ -153,7 +153,10 @@ def _grow_surfaces(mesh: FacetMesh, facets: Index) -> _FacetSurfaces:
 
 
 def _seeds(mesh: FacetMesh, facets: Index) -> Index:
-    """Facets in the order of trial: first those with two neighbours of similar area."""
+    """Facets in the order in which growing from them is tried.
+
+    Facets with two neighbours of similar area come first.
+    """
     graph = mesh.graph
     owner, rows = ragged(graph.first, facets)
     near = graph.neighbours[rows]
@@ -163,7 +166,7 @@ def _seeds(mesh: FacetMesh, facets: Index) -> Index:
 
 
 def _grow_from_seed(mesh: FacetMesh, seed: int, free: Mask) -> tuple[Surface | None, Index]:
-    """The first round surface that grows from a seed, simple kinds first, and its facets.
+    """A round surface that grows from a seed facet, and its facets; None without a surface.
 
     Without a round surface, the result is None with the facets of the largest surface that grew;
     they serve as seeds no more. `free`: the facets that no surface has taken.
@@ -181,7 +184,7 @@ def _grow_from_seed(mesh: FacetMesh, seed: int, free: Mask) -> tuple[Surface | N
 
 
 def _starts(mesh: FacetMesh, seed: int, free: Mask) -> list[tuple[str, Index]]:
-    """Kinds to try from a seed, each with its first facets.
+    """Kinds of surface to try from a seed facet, each with the facets for the first fit.
 
     The first facets are the seed and two neighbours on opposite sides; a sphere needs a third
     neighbour.
@@ -205,7 +208,7 @@ def _starts(mesh: FacetMesh, seed: int, free: Mask) -> list[tuple[str, Index]]:
 
 
 def _grow(mesh: FacetMesh, start: Index, kind: str, free: Mask) -> tuple[Surface | None, Index]:
-    """Grow a surface from its first facets by adding neighbours that lie on it.
+    """Extend a surface from its first facets to all neighbours that lie on it.
 
     Returns
     -------
@@ -245,7 +248,7 @@ def _grow(mesh: FacetMesh, start: Index, kind: str, free: Mask) -> tuple[Surface
 def _refit(
     mesh: FacetMesh, chosen: Index, front: Index, kind: str, surface: Surface
 ) -> tuple[Surface, Index, Index]:
-    """Fit the surface to the chosen facets again, and drop facets that are off it.
+    """Fit a surface to its facets again, and drop the facets that do not lie on it.
 
     Returns
     -------
@@ -275,7 +278,7 @@ def _refit(
 def _with_planes(
     mesh: FacetMesh, round_surfaces: _FacetSurfaces
 ) -> tuple[tuple[Surface, ...], Index, Array]:
-    """The result of `recognise`: round surfaces in order, then a plane for each other facet."""
+    """Result of `recognise`: round surfaces, then a plane for each other facet."""
     graph = mesh.graph
     round_surfaces = sorted(round_surfaces, key=lambda row: int(graph.start[row[1].min()]))
     of_facet = np.full(len(graph.area), -1)
@@ -294,7 +297,7 @@ def _with_planes(
 
 
 def _plane_offset(mesh: FacetMesh, flat: Index, points: Array) -> Array:
-    """Largest distance of the corners of flat facets from their planes, shape (n,).
+    """Largest distance of the corners of each flat facet from its plane, shape (n,).
 
     `points`: a point of each plane, shape (n, 3).
     """
@@ -308,7 +311,7 @@ def _plane_offset(mesh: FacetMesh, flat: Index, points: Array) -> Array:
 
 
 def _planes(points: Array, normals: Array) -> list[Surface]:
-    """Planes from points and unit normals, each of shape (n, 3).
+    """Build planes from points and unit normals, shape (n, 3) each.
 
     The constructor of `Surface` is bypassed. A mesh without round faces may have one plane per
     triangle, and the checks, which always pass here, would take ten times as long as all the rest.

@@ -62,7 +62,7 @@ FEWEST_FACETS = 5
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FacetGraph:
-    """The facets of a mesh (connected triangles in a plane), their neighbours and regions.
+    """Facets of a mesh (connected coplanar triangles) with their neighbours and regions.
 
     Attributes
     ----------
@@ -96,7 +96,7 @@ class FacetGraph:
 
 
 def facet_graph(vertices: Array, triangles: Index, accuracy: float) -> FacetGraph:
-    """Compute the facets of a mesh, with their neighbours and regions.
+    """Find the facets of a mesh, their neighbours, and regions of smoothly joined facets.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def facet_graph(vertices: Array, triangles: Index, accuracy: float) -> FacetGrap
 
 
 def gather_rows(rows: Index, start: Index, values: Index) -> Index:
-    """The concatenated values of rows of a ragged array.
+    """Concatenate the given rows of a ragged array (rows of unequal length).
 
     Examples
     --------
@@ -144,7 +144,7 @@ def gather_rows(rows: Index, start: Index, values: Index) -> Index:
 
 
 def _edge_pairs(triangles: Index) -> tuple[Index, Index]:
-    """Pairs of triangles that share an edge with no other triangle.
+    """Pairs of triangles that share an edge at which no third triangle lies.
 
     Returns
     -------
@@ -175,7 +175,7 @@ def _coplanar(
     edge: Index,
     tolerance: float,
 ) -> Mask:
-    """Whether the triangles of each pair lie in the same plane, shape (n,).
+    """Mask of pairs of triangles that lie in the same plane, shape (n,).
 
     The far corner of the smaller triangle must lie in the plane of the larger, and their normals
     must agree if the smaller is wide enough to have a normal.
@@ -210,7 +210,7 @@ def _coplanar(
 def _without_drift(
     vertices: Array, triangles: Index, turn: Array, facet: Index, tolerance: float
 ) -> Index:
-    """Divide facets into triangles if their corners deviate from the mean plane of the facet.
+    """Divide facets into single triangles if their corners leave the facet's mean plane.
 
     A chain of nearly coplanar triangles may bend slowly. `turn`: area vectors of the triangles,
     `facet`: facet of each triangle. The result is the new facet of each triangle.
@@ -232,19 +232,19 @@ def _without_drift(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FacetMesh:
-    """A mesh and its facets."""
+    """A mesh and its facet graph."""
 
     vertices: Array
     triangles: Index
     graph: FacetGraph
 
     def corners(self, facets: Index) -> tuple[Index, Index]:
-        """The triangles of facets, and the position of the facet of each in `facets`."""
+        """Triangles of the given facets, and for each the position of its facet in `facets`."""
         owner, rows = ragged(self.graph.start, facets)
         return self.graph.triangles_of[rows], owner
 
     def points(self, facets: Index) -> Array:
-        """The distinct corners of facets, shape (n, 3)."""
+        """Corners of the given facets without repeats, shape (n, 3)."""
         rows = self.triangles[self.corners(facets)[0]].reshape(-1)
         if len(rows) < len(self.vertices) / 8:
             return self.vertices[np.unique(rows)]
@@ -254,18 +254,18 @@ class FacetMesh:
 
 
 def fit_surface(mesh: FacetMesh, facets: Index, kind: str) -> Surface | None:
-    """The surface of a kind through the corners of facets; None if they determine none."""
+    """Fit a surface of the given kind to corners of facets; None if they do not determine it."""
     graph = mesh.graph
     return FITS[kind](mesh.points(facets), graph.normal[facets], graph.area[facets])
 
 
 def tolerance_of(mesh: FacetMesh, points: Array) -> float:
-    """Largest distance of the given corners from a surface that contains them [length unit]."""
+    """Largest distance at which points count as on a surface, from their accuracy [length unit]."""
     return max(mesh.graph.tolerance, SURFACE_FIT * float(np.ptp(points, axis=0).max()))
 
 
 def deviation(mesh: FacetMesh, facets: Index, surface: Surface) -> Array:
-    """Largest distance of the corners of each facet from a surface, shape (n,) [length unit].
+    """Largest distance of the corners of each facet from a surface [length unit], shape (n,).
 
     It is infinite if the normals of facet and surface differ by more than `FACET_NORMAL`.
     """
@@ -279,7 +279,7 @@ def deviation(mesh: FacetMesh, facets: Index, surface: Surface) -> Array:
 
 
 def agreement(mesh: FacetMesh, facets: Index, surface: Surface) -> Array:
-    """Cosine between the normals of each facet and of the surface at its middle, shape (n,)."""
+    """Cosine of the angle between each facet's normal and that of a surface, shape (n,)."""
     rows, owner = mesh.corners(facets)
     middles = mesh.vertices[mesh.triangles[rows]].mean(axis=1)
     count = np.bincount(owner, minlength=len(facets))[:, None]
@@ -289,7 +289,7 @@ def agreement(mesh: FacetMesh, facets: Index, surface: Surface) -> Array:
 
 
 def facet_sagitta(mesh: FacetMesh, facets: Index, surface: Surface) -> Array:
-    """Largest distance of each facet from a surface, shape (n,) [length unit]."""
+    """Largest distance of each facet (inner points too) from a surface [length unit], (n,)."""
     rows, owner = mesh.corners(facets)
     sagitta = np.zeros(len(facets))
     np.maximum.at(sagitta, owner, triangle_sagitta(mesh, rows, surface))
@@ -297,7 +297,7 @@ def facet_sagitta(mesh: FacetMesh, facets: Index, surface: Surface) -> Array:
 
 
 def triangle_sagitta(mesh: FacetMesh, rows: Index, surface: Surface) -> Array:
-    """Largest distance of the triangles `rows` from a surface, shape (n,) [length unit].
+    """Largest distance of each of the triangles `rows` from a surface [length unit], (n,).
 
     It is measured at the middles of edges and at centroids.
     """
@@ -310,7 +310,7 @@ def triangle_sagitta(mesh: FacetMesh, rows: Index, surface: Surface) -> Array:
 
 
 def is_round(mesh: FacetMesh, facets: Index, surface: Surface, *, whole: bool) -> bool:
-    """Whether facets are a piece of a round surface, by the rules of `kilter.shape.recognition`.
+    """Whether facets are enough evidence of a round surface, by the rules of recognition.
 
     Parameters
     ----------
@@ -342,12 +342,12 @@ def is_round(mesh: FacetMesh, facets: Index, surface: Surface, *, whole: bool) -
 
 
 def sagitta_limit(sagitta: Array) -> float:
-    """Largest sagitta allowed for a facet of a round surface, given those of all its facets."""
+    """Largest distance from a round surface at which a facet may belong to it [length unit]."""
     return WIDEST_FACET * float(np.quantile(sagitta, 0.75))
 
 
 def _has_enough_turn(mesh: FacetMesh, facets: Index, surface: Surface, whole: bool) -> bool:
-    """Whether facets have enough distinct directions, and turn by enough in total."""
+    """Whether the normals of facets have enough distinct directions and turn far enough."""
     normal = mesh.graph.normal[facets]
     if surface.kind == "sphere":
         mean = normal.mean(axis=0)
@@ -363,12 +363,12 @@ def _has_enough_turn(mesh: FacetMesh, facets: Index, surface: Surface, whole: bo
 
 
 def _is_slice(mesh: FacetMesh, facets: Index) -> bool:
-    """Whether facets form one of several bands of similar width, side by side."""
+    """Whether facets are one of several parallel bands of similar width."""
     graph = mesh.graph
     usual = float(np.median(graph.area[facets]))
 
     def beside(these: Index, apart: Index) -> Index:
-        """Neighbours of `these` facets of similar area that are not in `apart`."""
+        """Neighbours of the facets `these` with similar area, without those in `apart`."""
         near = np.unique(gather_rows(these, graph.first, graph.neighbours))
         near = near[~np.isin(near, apart)]
         return near[(graph.area[near] > usual / 2) & (graph.area[near] < usual * 2)]

@@ -35,7 +35,7 @@ SurfaceKind = Literal["plane", "cylinder", "cone", "sphere", "torus"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surface(Value):
-    """The exact surface of a face, in the frame of its part.
+    """An exact surface (plane, cylinder, cone, sphere or torus) of a face, in its part's frame.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ class Surface(Value):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solid(Value):
-    """A solid with exact faces, in the part's own frame.
+    """A solid with exact faces, as read from a CAD file, in the part's own frame.
 
     Parameters
     ----------
@@ -157,7 +157,7 @@ class Solid(Value):
 
 
 def height(surface: Surface, points: Array) -> Array:
-    """Signed distance of points from a surface, shape (n,) [length unit].
+    """Signed distance of points from an exact surface [length unit], shape (n,).
 
     It is positive in the direction of a plane's axis, and outside of the other surfaces,
     independently of `hollow`. For a cone it is the distance from the infinite line along its side.
@@ -184,7 +184,7 @@ def height(surface: Surface, points: Array) -> Array:
 
 
 def outward(surface: Surface, points: Array) -> Array:
-    """Gradients of `height` at points, shape (n, 3), of any length."""
+    """Gradient of `height` at points: normals of an exact surface of any length, shape (n, 3)."""
     relative = points - surface.point
     if surface.kind == "sphere":
         return np.asarray(relative)
@@ -202,7 +202,7 @@ def outward(surface: Surface, points: Array) -> Array:
 
 
 def facing(surface: Surface, vertices: Array, triangles: Index) -> Surface:
-    """The surface with its side of the material taken from the triangles on it.
+    """The surface with its material on the side that the triangles of the face show.
 
     The axis of a plane is directed outwards; `hollow` is set for other surfaces.
 
@@ -221,7 +221,7 @@ def facing(surface: Surface, vertices: Array, triangles: Index) -> Surface:
 
 
 def same_surface(a: Surface, b: Surface, *, length: float, angle: float) -> bool:
-    """Whether two surfaces of a part are equal, with their material on the same side.
+    """Whether two exact surfaces coincide within tolerances, with material on the same side.
 
     Parameters
     ----------
@@ -251,14 +251,14 @@ def same_surface(a: Surface, b: Surface, *, length: float, angle: float) -> bool
 
 
 def _move_surface(surface: Surface, pose: Pose) -> Surface:
-    """The surface transformed by a pose."""
+    """An exact surface after a rotation and translation by a pose."""
     return replace(
         surface, point=pose.apply(surface.point[None])[0], axis=pose.matrix @ surface.axis
     )
 
 
 def move_solid(solid: Solid, pose: Pose) -> Solid:
-    """The solid transformed by a pose."""
+    """A solid after a rotation and translation by a pose."""
     turn = quaternion_to_matrix(pose.rotation)
     largest = float(np.abs(solid.vertices).max(initial=0.0) + np.abs(pose.position).max())
     return replace(
@@ -273,13 +273,13 @@ def move_solid(solid: Solid, pose: Pose) -> Solid:
 
 
 def _move_boxes(boxes: Array, turn: Array, step: Array) -> Array:
-    """Axis-parallel boxes around boxes after a rotation and a translation, shape (n, 2, 3)."""
+    """Boxes around axis-parallel boxes after a rotation and a translation, shape (n, 2, 3)."""
     middle, half = boxes.mean(axis=1) @ turn.T + step, np.ptp(boxes, axis=1) / 2 @ np.abs(turn).T
     return np.stack([middle - half, middle + half], axis=1)
 
 
 def scale_solid(solid: Solid, factor: float) -> Solid:
-    """The solid with every length multiplied by a positive factor."""
+    """A solid with every length multiplied by a positive factor."""
     if factor == 1.0:
         return solid
     surfaces = tuple(

@@ -24,7 +24,7 @@ BATCH = 500_000
 
 
 def weld_valid_meshes(meshes: Sequence[Corners]) -> list[Corners | None]:
-    """Weld each valid mesh, as `kilter.shape.closed.weld` does; None for each other mesh.
+    """Merge equal vertices of all valid meshes at once; None for each mesh that needs repair.
 
     Examples
     --------
@@ -41,7 +41,7 @@ def weld_valid_meshes(meshes: Sequence[Corners]) -> list[Corners | None]:
 
 
 def _batches(meshes: Sequence[Corners]) -> Iterator[Sequence[Corners]]:
-    """The meshes in order, in batches of about `BATCH` triangles."""
+    """Yield the meshes in order, in groups of about `BATCH` triangles."""
     begin = total = 0
     for end, (_, triangles) in enumerate(meshes, start=1):
         total += len(triangles)
@@ -51,7 +51,7 @@ def _batches(meshes: Sequence[Corners]) -> Iterator[Sequence[Corners]]:
 
 
 def _weld_batch(meshes: Sequence[Corners]) -> list[Corners | None]:
-    """Weld the meshes of a batch; None for each invalid mesh."""
+    """Merge equal vertices of the meshes of a group; None for each mesh that needs repair."""
     count = [len(vertices) for vertices, _ in meshes]
     first = starts(count)
     first_face = starts([len(triangles) for _, triangles in meshes])
@@ -71,7 +71,7 @@ def _weld_batch(meshes: Sequence[Corners]) -> list[Corners | None]:
 
 
 def _is_valid(vertices: Array, faces: Index, first: Index, first_face: Index) -> Mask:
-    """Whether each welded mesh is valid, shape (number of meshes,).
+    """Mask of merged meshes that are closed and need no repair, shape (number of meshes,).
 
     `first` and `first_face`: first vertex and first face of each mesh, and the total number.
     """

@@ -10,12 +10,12 @@ __all__ = ["InCells"]
 
 
 class InCells:
-    """An answer that a notebook can show as a page."""
+    """Base class of answers that a notebook can display as an interactive page."""
 
     __slots__ = ()
 
     def show(self, *, height: int = 720, title: str = "") -> Any:
-        """Return the page of this answer for the cell of a notebook. It needs no network.
+        """Return the interactive page of the answer as the output of a notebook cell.
 
         It is the page that `kilter.report` writes. Viewers that run no scripts show a figure
         instead, if matplotlib is installed.

@@ -47,7 +47,7 @@ time."""
 
 
 def check_facts(answer: Answer) -> list[Fact]:
-    """Return the facts of a verdict, each a term and its words."""
+    """Return the lines below the verdict of `kilter check`, each a term and its words."""
     facts = [
         ("parts", parts_phrase(answer["parts"])),
         ("units", f"{answer['units']}; {_density(answer['density'])}"),
@@ -84,7 +84,7 @@ def check_facts(answer: Answer) -> list[Fact]:
 
 
 def _level(answer: Answer) -> str:
-    """Return the reached level with its reason, and the required level if it is higher."""
+    """Return the reached level (such as "settles"), its reason, and a higher required level."""
     level, why = answer["level"], answer["why"]
     seated = why == "not-found" and answer["seated"] == "yes"
     lack = "effort" if answer["time_limit"] is None else "time"
@@ -93,7 +93,7 @@ def _level(answer: Answer) -> str:
 
 
 def _settles(answer: Answer) -> str:
-    """Return how many loose tries came to rest, and the option that may finish the others."""
+    """Return how many simulated drops came to rest, and the option that may finish the others."""
     tries, friction = answer["tries"], answer["friction"]
     settling, more = friction["settling"], math.floor(max(friction["effort"], 1.0)) + 1
     undone = settling["of"] - len(settling["ends"]) + settling["ends"].count("not-found")
@@ -113,7 +113,7 @@ def _free_mass(parts: Iterable[Answer]) -> float:
 
 
 def _density(density: Answer) -> str:
-    """Return the densities from which the masses of the free parts were computed."""
+    """Return a phrase about the densities from which the masses of free parts were computed."""
     words = []
     if density["given"] is not None:
         ends = [number(end) for end in dict.fromkeys(density["given"])]
@@ -126,7 +126,7 @@ def _density(density: Answer) -> str:
 
 
 def _proof(answer: Answer) -> str:
-    """Return the kind of proof of a verdict and its residual."""
+    """Return the kind of proof of a verdict (forces or motion) and its residual."""
     proof = answer["certificate"]
     if proof["kind"] == "forces":
         limit = f"(tolerance {answer['tolerance']['verdict']:.0e})"
@@ -144,7 +144,7 @@ def _violation(violation: float) -> str:
 
 
 def _guarantee(guarantee: str, friction: Answer) -> str:
-    """Return the guarantee of friction with its proof, its motion, or the bound on any motion."""
+    """Return how surely friction holds the assembly, with the proof or the excluded motions."""
     words = GUARANTEE[guarantee]
     if guarantee == "open":
         words += f" (an --effort above {number(friction['effort'])} may decide)"
@@ -182,7 +182,7 @@ def _pair(patch: Answer) -> str:
 def _neutral_words(
     two_sided: int, one_sided: int, *, second: Answer | None = None, closed: bool = False
 ) -> str:
-    """Return the words of the neutral motions, and of second order if it is open.
+    """Return the words about motions that neither raise nor lower the parts, to first order.
 
     Parameters
     ----------

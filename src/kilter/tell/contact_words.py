@@ -23,7 +23,7 @@ ROUND = 0.005
 
 
 def overlap_warnings(overlaps: Sequence[Entry], units: str) -> list[str]:
-    """Return a line for each pair of parts that share volume.
+    """Return a warning for each pair of parts that occupy the same space.
 
     Examples
     --------
@@ -44,7 +44,7 @@ def overlap_warnings(overlaps: Sequence[Entry], units: str) -> list[str]:
 
 
 def copy_warnings(odd: Sequence[tuple[str, Sequence[str], str]]) -> list[str]:
-    """Return at most a single warning about parts that may be misplaced.
+    """Return a warning about parts that overlap although identical parts do not; at most one item.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def copy_warnings(odd: Sequence[tuple[str, Sequence[str], str]]) -> list[str]:
 
 
 def lone_warnings(nearest: Sequence[Entry], units: str) -> list[str]:
-    """Return warnings about parts that touch nothing, for free parts and for held parts.
+    """Return warnings about free parts, and about held parts, that touch nothing.
 
     Examples
     --------
@@ -86,7 +86,7 @@ def lone_warnings(nearest: Sequence[Entry], units: str) -> list[str]:
 
 
 def group_warnings(groups: Sequence[Sequence[str]]) -> list[str]:
-    """Return a warning about groups of parts that touch only each other, or nothing.
+    """Return a warning about groups of parts that touch no part outside their group.
 
     Examples
     --------
@@ -98,14 +98,14 @@ def group_warnings(groups: Sequence[Sequence[str]]) -> list[str]:
 
 
 def _lone_part(entry: Entry, units: str) -> str:
-    """Return the name of a part, with its gap to the nearest part, if any."""
+    """Return the name of a part that touches nothing, with its gap to the nearest part."""
     if entry["nearest"] is None:
         return repr(entry["part"])
     return f"{entry['part']!r} ({gap_words(entry, units)} from {entry['nearest']!r})"
 
 
 def gap_words(entry: Entry, units: str) -> str:
-    """Return a gap with its unit, and with its accuracy if that is not negligible.
+    """Return a gap with its unit, and its accuracy if that is not negligible.
 
     Examples
     --------

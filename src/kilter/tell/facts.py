@@ -61,7 +61,7 @@ DETAILS = {
 
 
 def kind_of(answer: Answer) -> str:
-    """Return the kind of an answer: the name of its command, or "assembly".
+    """Return the kind of an answer: the name of its command, or "assembly" for an assembly file.
 
     Raises
     ------
@@ -80,7 +80,9 @@ def kind_of(answer: Answer) -> str:
 
 
 def facts(answer: Answer, *, brief: bool = False) -> list[Fact]:
-    """Return the facts of an answer. An empty term continues the term before it.
+    """Return the lines below an answer's sentence, each a term and its words.
+
+    An empty term continues the term before it.
 
     Parameters
     ----------
@@ -112,7 +114,7 @@ def _contacts_facts(answer: Answer) -> list[Fact]:
 
 
 def _verify_facts(answer: Answer) -> list[Fact]:
-    """Return the reasons of a refused proof, or the figures and the options of a valid proof."""
+    """Return why `kilter verify` rejected a proof, or the figures and options of a valid proof."""
     if not answer["holds"]:
         return [("" if k else "because", words) for k, words in enumerate(answer["reasons"])]
     figure = (
@@ -135,13 +137,13 @@ def _verify_facts(answer: Answer) -> list[Fact]:
 
 
 def _option(name: str, value: Any) -> str:
-    """Return an option with which a file was read; the name alone for `True`."""
+    """Return a reading option in words; the name alone if its value is `True`."""
     words = name.replace("_", "-")
     return words if value is True else f"{words} {value}"
 
 
 def _assembly_facts(answer: Answer) -> list[Fact]:
-    """Return the facts of an assembly file."""
+    """Return the lines about an assembly file: parts, units, gravity and so on."""
     rows = [("parts", parts_phrase(answer["parts"])), ("units", answer.get("units", "m"))]
     if "gravity" in answer:
         rows.append(("gravity", f"{vector(answer['gravity'])} m/s^2"))

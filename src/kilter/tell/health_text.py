@@ -9,7 +9,7 @@ __all__ = ["health_text"]
 
 
 def health_text(answer: Answer) -> str:
-    """Return the text: a sentence, then a line for each item with its state and its remedy.
+    """Return the text of `kilter doctor`: a sentence, then each item with its state and its remedy.
 
     Examples
     --------

@@ -15,7 +15,7 @@ Answer = Mapping[str, Any]
 
 
 def hold_sentence(answer: Answer) -> str:
-    """Return a sentence or two about a fixture.
+    """Return a sentence or two about supports that hold an assembly (`kilter hold`).
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def hold_sentence(answer: Answer) -> str:
 
 
 def _held_sentence(answer: Answer, candidates: str) -> str:
-    """Return the sentence of supports that hold it at the required level or below it."""
+    """Return the sentence about supports that hold the assembly, at the required level or below."""
     held, least = len(answer["supports"]), answer["least"]
     if answer["why"] == "balanced":
         return "Balanced with nothing held: the slightest push makes it fall."
@@ -66,7 +66,7 @@ def _held_sentence(answer: Answer, candidates: str) -> str:
 
 
 def hold_facts(answer: Answer) -> list[tuple[str, str]]:
-    """Return the facts of a fixture, each a term and its words."""
+    """Return the lines below the sentence of `kilter hold`, each a term and its words."""
     rows = [("level", answer["level"] or "none"), ("base", some_names(answer["base"]) or "none")]
     for k, motion in enumerate(answer["motions"]):
         by = some_names(motion["stopped_by"], 4) or "no candidate"

@@ -18,7 +18,7 @@ LONG = 80
 
 
 def html_of(answer: Answer) -> str:
-    """Return the sentence, the moving parts, the facts and the warnings of an answer.
+    """Return an answer as HTML: the sentence, the moving parts, the facts and the warnings.
 
     Examples
     --------
@@ -48,7 +48,7 @@ def html_of(answer: Answer) -> str:
 
 
 def _text(value: str, length: int = LONG) -> str:
-    """Return text escaped for HTML, in one line of limited length."""
+    """Escape text for HTML, join it to one line, and cut it to a length."""
     value = value if len(value) <= length else value[: length - 1] + "…"
     plain = "".join(c if c.isprintable() else "\ufffd" for c in value)
     return html.escape(plain, quote=True)

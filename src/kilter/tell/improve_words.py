@@ -19,7 +19,7 @@ VERBS = {"add": "add", "remove": "remove"}
 
 
 def improve_sentence(answer: Answer) -> str:
-    """Return the sentences about the present state and the best change.
+    """Return sentences about the present state of an assembly and the best change to it.
 
     Examples
     --------
@@ -46,7 +46,7 @@ cell (4, 19): then it stands and needs 90 %.'
 
 
 def _needs(share: float, falls: bool) -> str:
-    """Return the need of stud strength, a share of the given strength [-]."""
+    """Return how much of the strength of the studs an assembly needs, in words."""
     if share == 0.0:
         return "its studs need not pull"
     return f"its studs {'would need' if falls else 'need'} {_percent(share)} of their strength"
@@ -57,7 +57,7 @@ def _need_words(share: float) -> str:
 
 
 def _change_words(change: Answer) -> str:
-    """Return a change as an instruction."""
+    """Return a proposed change of the assembly as an instruction to the user."""
     a, b = change["cells"]
     x, y, _ = change["corner"]
     place = f"in layer {number(change['layer'], 4)} at cell ({x}, {y})"
@@ -67,7 +67,7 @@ def _change_words(change: Answer) -> str:
 
 
 def _percent(share: float) -> str:
-    """Return a share in percent, with enough digits to distinguish it from 100 %."""
+    """Return a fraction in percent, with enough digits to distinguish it from 100 %."""
     return f"{number(100 * share, 4 if abs(share - 1) > NEAR else 7)} %"
 
 
@@ -81,7 +81,7 @@ def change_cells(change: Answer) -> Sequence[str]:
 
 
 def improve_facts(answer: Answer) -> list[tuple[str, str]]:
-    """Return the facts of an improvement, each a term and its words."""
+    """Return the lines below the sentence of `kilter improve`, each a term and its words."""
     rows = [("bricks", str(answer["bricks"]))]
     if answer["weakest"] is not None:
         first, second = answer["weakest"]

@@ -12,7 +12,7 @@ SCHEMA_VERSION = 1
 
 
 class Answer:
-    """An answer of a verb: its JSON data are those that the command prints with ``--json``."""
+    """Base class of the answers of all functions; its JSON data are as printed with ``--json``."""
 
     __slots__ = ()
 

@@ -17,7 +17,7 @@ __all__ = ["LEVELS", "REQUIRE", "VerdictWord", "holds", "level_of", "require_lev
 
 
 class VerdictWord(StrEnum):
-    """The word of a verdict; it is equal to its text, and shown as the text.
+    """The word of a verdict, such as "stable"; it compares equal to its text.
 
     Examples
     --------
@@ -50,7 +50,9 @@ REACHED = {
 
 
 def level_of(verdict: str, *, strict: bool = False) -> str | None:
-    """Return the level of a verdict; with `strict` a stable verdict is of the level strict.
+    """Return the level (strength of stability, such as "settles") of a verdict; None for no level.
+
+    With `strict`, a stable verdict has the level "strict".
 
     Examples
     --------
@@ -61,7 +63,7 @@ def level_of(verdict: str, *, strict: bool = False) -> str | None:
 
 
 def holds(level: str | None, require: str) -> bool:
-    """Return whether a level is at least the required level.
+    """Return whether a level of stability is at least the required level.
 
     Examples
     --------
@@ -72,7 +74,7 @@ def holds(level: str | None, require: str) -> bool:
 
 
 def require_level(word: str, *, strict: bool = False) -> str:
-    """Return the required level after validation.
+    """Return a level that a user requires, after validation; raises an error for unknown words.
 
     Parameters
     ----------

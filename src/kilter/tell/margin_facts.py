@@ -24,7 +24,7 @@ UNKNOWN = {
 
 
 def margin_facts(answer: Answer) -> list[Fact]:
-    """Return the facts of margins, each a term and its words."""
+    """Return the lines below the sentence of `kilter margin`, each a term and its words."""
     facts = [*joint_facts(answer), ("tilt", _tilt(answer))]
     about = answer["about"]
     if about is not None:
@@ -53,17 +53,20 @@ def margin_facts(answer: Answer) -> list[Fact]:
 
 
 def _as_drawn(answer: Answer) -> str:
-    """Return the condition of a limit that open pairs could change; empty without open pairs."""
+    """Return the words that limit a margin to the assembly without its undecided (open) pairs.
+
+    Empty without open pairs.
+    """
     return " as drawn, without its open pairs" if answer["open_pairs"] else ""
 
 
 def _interval(ends: Sequence[float | None]) -> str:
-    """Return an interval of load factors; None is an end without limit."""
+    """Return an interval of load factors as text; None is an end without limit."""
     return " to ".join("unlimited" if end is None else number(end) for end in ends)
 
 
 def _starting(limit: Answer | None) -> str:
-    """Return which parts start to move beyond a limit, or nothing if they are not known."""
+    """Return which parts start to move beyond a limit; empty if they are not known."""
     names = [] if limit is None else [plain(name) for name in limit["moves"]]
     if limit is None or limit["mechanism"] is None:
         return ""
@@ -71,7 +74,7 @@ def _starting(limit: Answer | None) -> str:
 
 
 def _tilt(answer: Answer) -> str:
-    """Return the words of the tilt margin and of its bounds."""
+    """Return the tilt margin (largest safe tilt) and its bounds, in words."""
     tilt, lower = answer["tilt_deg"], answer["tilt_lower_deg"]
     if tilt is None:
         why = answer["missing"].get("tilt")
@@ -105,7 +108,7 @@ def _tilt(answer: Answer) -> str:
 def _at_level(
     answer: Answer, key: str, words: Callable[[float], str], more: str = "", bound: str = "up to"
 ) -> str:
-    """Return the words of a limit at the required level, or nothing if it was not required."""
+    """Return a limit up to which the required level of stability is reached, or nothing."""
     at_level = answer["at_level"]
     return (
         ""
@@ -121,7 +124,7 @@ def level_words(
     more: str = "",
     bound: str = "up to",
 ) -> str:
-    """Return the words of a limit at a level, to follow those of the limit of equilibrium.
+    """Return a limit at a level of stability, in words that continue those of equilibrium.
 
     Parameters
     ----------
@@ -159,7 +162,7 @@ def level_words(
 
 
 def part_level_words(answer: Answer, key: str, part: str) -> str:
-    """Return the words of a part's push or load at the required level, or nothing.
+    """Return the push or load of a part up to which the required level is reached, or nothing.
 
     `key` is "pushes" or "loads".
     """
@@ -170,7 +173,7 @@ def part_level_words(answer: Answer, key: str, part: str) -> str:
 
 
 def _factor_at_level(answer: Answer) -> str:
-    """Return the interval of load factors at the required level, or nothing."""
+    """Return the load factors at which the required level of stability is reached, or nothing."""
     at_level = answer["at_level"]
     ends = None if at_level is None else at_level["load_factor"]
     if ends is None:
@@ -183,7 +186,7 @@ def _factor_at_level(answer: Answer) -> str:
 
 
 def _least_friction(answer: Answer) -> str:
-    """Return the words of the least friction coefficient and of its lower bound."""
+    """Return the least friction coefficient that holds an assembly, and its lower bound."""
     least = answer["friction"]
     if least is None:
         none = "no friction coefficient is enough to hold it" + _as_drawn(answer)
@@ -204,7 +207,7 @@ def _least_friction(answer: Answer) -> str:
 
 
 def _bonds(answer: Answer) -> str:
-    """Return the share of their strength that bonds need, and the bonds that fail first."""
+    """Return the fraction of their strength that bonds need, and the bonds that fail first."""
     why, limit, share = answer["missing"].get("bond"), answer["bond_limit"], answer["bond"]
     if why is not None:
         return UNKNOWN.get(why, "no bond strength is enough" + _as_drawn(answer))
@@ -214,7 +217,7 @@ def _bonds(answer: Answer) -> str:
 
 
 def _bracket(greatest: Sequence[float | None] | None) -> str:
-    """Return the bounds of the largest load factor under the contact law without dilation."""
+    """Return proved bounds of the largest load factor, for friction without dilation, in words."""
     if greatest is None:
         return "no load factor is held"
     low, high = greatest
@@ -224,7 +227,7 @@ def _bracket(greatest: Sequence[float | None] | None) -> str:
 
 
 def _worst_case(worst: Answer | None) -> list[Fact]:
-    """Return the facts of the worst case over the given intervals."""
+    """Return the lines about the worst case over the given intervals of input values."""
     if worst is None:
         return []
     exact, tilt = worst["kind"] == "exact", worst["tilt_deg"]

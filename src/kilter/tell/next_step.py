@@ -13,7 +13,7 @@ __all__ = ["NextStep", "next_step"]
 
 @dataclass(frozen=True, slots=True)
 class NextStep:
-    """A command without its file and without the options of reading, and its purpose."""
+    """A command that the user may run next, and its purpose."""
 
     words: tuple[str, ...]
     why: str
@@ -48,7 +48,7 @@ CHECK = NextStep(("check",), "decides whether it stays together under gravity")
 
 
 def next_step(answer: Answer, name: str, *, bricks: bool = False) -> NextStep | None:
-    """Return the next useful command after an answer, or None if there is none.
+    """Return the command that is most useful after an answer; None if there is none.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def next_step(answer: Answer, name: str, *, bricks: bool = False) -> NextStep | 
 
 
 def _after_check(answer: Answer, bricks: bool) -> NextStep:
-    """Return the step after a check: a remedy if it falls, a view if it only balances."""
+    """Return the next command after a check: a remedy if it falls, a picture if it balances."""
     if answer["verdict"] == "unstable" and answer["bonds"]:
         return BRICK if bricks else STRONGER
     if answer["verdict"] == "balanced":

@@ -89,7 +89,7 @@ def percent(share: float) -> str:
 
 
 def vector(values: Iterable[float], digits: int = 6) -> str:
-    """Return a vector in brackets, rounded to the given count of decimals.
+    """Return a vector in brackets, rounded to the given number of decimals.
 
     Examples
     --------
@@ -113,12 +113,12 @@ def count(many: int, word: str, *, grouped: bool = False) -> str:
 
 
 def counts(*, pairs: int, patches: int, points: int) -> str:
-    """Return the counts of touching pairs, of patches and of contact points."""
+    """Return a phrase with the numbers of touching pairs, of patches and of contact points."""
     return f"{count(pairs, 'pair')}, {count(patches, 'patch')}, {count(points, 'point')}"
 
 
 def plain(name: str, width: int = 40) -> str:
-    """Return a name without control characters and no longer than `width`.
+    """Return a name without control characters, cut to `width` characters.
 
     Examples
     --------
@@ -136,7 +136,7 @@ def plain(name: str, width: int = 40) -> str:
 
 
 def shortened(names: Iterable[str], width: int = 40) -> dict[str, str]:
-    """Return the shown form of each name: `plain`, or the full name if two forms are equal.
+    """Map each name to its displayed form: shortened, or the full name if two would be equal.
 
     Examples
     --------

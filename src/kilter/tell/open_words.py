@@ -39,7 +39,7 @@ ABOVE = 1.01
 
 
 def pair_words(pair: Pair, units: str) -> str:
-    """Return a pair and its state.
+    """Return a phrase about two parts whose contact is undecided, and how they lie.
 
     Examples
     --------
@@ -52,7 +52,7 @@ def pair_words(pair: Pair, units: str) -> str:
 
 
 def _state(pair: Pair, units: str) -> str:
-    """Return how the parts of an open pair lie to each other."""
+    """Return how the two parts of an open (undecided) pair lie: near, overlapping and so on."""
     kind, gap, depth = pair["kind"], pair["gap"], pair["depth"]
     if kind == "overlap":
         return "they overlap" if depth is None else f"they overlap by {number(depth, 3)} {units}"
@@ -69,7 +69,9 @@ def _state(pair: Pair, units: str) -> str:
 
 
 def undecided_sentence(open_pairs: Sequence[Pair], units: str, *, more: Sequence[str] = ()) -> str:
-    """Return the sentence of an assembly that falls as drawn, but holds if open pairs are joined.
+    """Return the sentence of an assembly whose verdict depends on undecided contacts.
+
+    It falls as drawn, but holds if its open pairs are joined.
 
     Parameters
     ----------
@@ -97,7 +99,7 @@ joined."
 
 @dataclass(frozen=True, slots=True)
 class OpenOption:
-    """An option of the command line that states that open pairs hold, as a value and as text."""
+    """A command-line option by which the user states that undecided pairs hold together."""
 
     text: str
     fasten: tuple[tuple[str, str], ...] = ()
@@ -108,7 +110,7 @@ class OpenOption:
 
 
 def settling_options(open_pairs: Sequence[Pair]) -> list[str]:
-    """Return the options that join or close the deciding pairs.
+    """Return the options that join, or bring into contact, the undecided pairs that matter.
 
     Examples
     --------
@@ -123,7 +125,7 @@ def settling_options(open_pairs: Sequence[Pair]) -> list[str]:
 
 
 def open_options(open_pairs: Sequence[Pair]) -> list[OpenOption]:
-    """Options that state that the deciding pairs hold, as values."""
+    """Options by which the user states that the deciding undecided pairs hold together."""
     decides = [pair for pair in open_pairs if pair["decides"]]
     options: list[OpenOption] = []
     for kind in dict.fromkeys(pair["kind"] for pair in decides):
@@ -149,14 +151,14 @@ def open_options(open_pairs: Sequence[Pair]) -> list[OpenOption]:
 
 
 def _rounded_gap(pairs: Sequence[Pair]) -> str:
-    """Return a length of three digits just above the widest gap of the pairs [length unit]."""
+    """Return a length with three digits, just above the widest gap of the pairs [length unit]."""
     widest = ABOVE * max(abs(pair["gap"]) for pair in pairs)
     step = 10.0 ** (math.floor(math.log10(widest)) - 2)
     return f"{math.ceil(widest / step - 1e-9) * step:.3g}"
 
 
 def remedy_facts(answer: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """The options that were tried, each with its result.
+    """Return the lines about options that kilter tried as remedies, each with its result.
 
     Examples
     --------
@@ -171,7 +173,7 @@ def remedy_facts(answer: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 
 def open_facts(answer: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return the facts of open pairs: their number by kind, and the options that decide.
+    """Return the lines about undecided pairs: their number by kind, and options that decide them.
 
     Examples
     --------

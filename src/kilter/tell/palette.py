@@ -19,7 +19,7 @@ __all__ = ["GROUND", "PALETTE", "RAMP", "ROLES", "VERDICT_ROLE", "Role", "as_css
 
 @dataclass(frozen=True, slots=True)
 class Role:
-    """A colour and its meaning.
+    """A colour of the pages and pictures, with its meaning.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ VERDICT_ROLE = {
 
 
 def ink_of(verdict: str) -> str:
-    """Return the colour of the words of a verdict on white.
+    """Return the text colour for a verdict on a white background.
 
     Examples
     --------
@@ -114,7 +114,7 @@ def ink_of(verdict: str) -> str:
 
 
 def rgb(text: str) -> tuple[int, int, int]:
-    """Return red, green and blue of a colour, each from 0 to 255.
+    """Return red, green and blue of a colour like "#1a2b3c", each from 0 to 255.
 
     Examples
     --------
@@ -126,7 +126,7 @@ def rgb(text: str) -> tuple[int, int, int]:
 
 
 def as_css() -> str:
-    """Return the style sheet of the roles, for light and dark, by the reader's system or choice."""
+    """Return the style sheet with all colours, for light and dark backgrounds."""
     light, dark = (
         _properties([getattr(role, theme) for role in ROLES.values()]) for theme in _THEMES
     )

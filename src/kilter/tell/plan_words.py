@@ -14,7 +14,7 @@ Answer = Mapping[str, Any]
 
 
 def order_sentence(answer: Answer) -> str:
-    """Return a sentence or two about a plan.
+    """Return a sentence or two about an assembly sequence (`kilter plan`).
 
     Parameters
     ----------
@@ -59,20 +59,20 @@ def order_sentence(answer: Answer) -> str:
 
 
 def _finished_sentence(answer: Answer) -> str:
-    """Return a sentence about the finished assembly if it is only balanced."""
+    """Return a sentence if the finished assembly only balances; else an empty text."""
     if answer["finished"]["verdict"] != "balanced":
         return ""
     return "The finished assembly is balanced: the slightest push makes it fall."
 
 
 def _open(answer: Answer) -> str:
-    """Return the open pairs of an answer in words."""
+    """Return the undecided (open) pairs of an answer in words."""
     pairs = [" and ".join(pair["parts"]) for pair in answer["open_pairs"]]
     return f"; open pairs: {some_names(pairs)}" if pairs else ""
 
 
 def _failing(answer: Answer) -> str:
-    """Return the sentence of a given order that fails: its first failing step, and the rest."""
+    """Return the sentence about a given order that fails: its first failing step, and the rest."""
     failing = [(k, step) for k, step in enumerate(answer["steps"], 1) if step["fails"]]
     number, step = failing[0]
     why = "; ".join(step["fails"])
@@ -82,7 +82,7 @@ def _failing(answer: Answer) -> str:
 
 
 def _least(answer: Answer) -> str:
-    """Return how surely the minimised quantity is least.
+    """Return whether the quantity that a plan minimises is proved to be least.
 
     The text is empty if the quantity is zero, or if the first sentences state its proof already.
     """
@@ -105,7 +105,7 @@ def _least(answer: Answer) -> str:
 
 
 def _without_holds(answer: Answer) -> str:
-    """Return the sentence of the proof that no order exists, or that none exists without holds."""
+    """Return the sentence that no assembly sequence exists, at all or without extra holding."""
     impossible = answer["impossible"]
     if impossible is None:
         return ""
@@ -132,7 +132,7 @@ def _without_holds(answer: Answer) -> str:
 
 
 def order_facts(answer: Answer) -> list[tuple[str, str]]:
-    """Return the facts of a plan, each a term and its words."""
+    """Return the lines below the sentence of `kilter plan`, each a term and its words."""
     search, assumes = answer["search"], answer["assumes"]
     tried = ", ".join(
         word if isinstance(word, str) else vector(word) for word in assumes["directions"]
@@ -156,7 +156,7 @@ def order_facts(answer: Answer) -> list[tuple[str, str]]:
 
 
 def step_cells(step: Answer) -> tuple[str, str, str, str]:
-    """Return the table cells of a step: direction, held parts, released parts, level."""
+    """Return the table cells of a plan step: direction, held and released parts, level."""
     held = f"hold {some_names(step['held'])}" if step["held"] else ""
     freed = f"release {some_names(step['releases'])}" if step["releases"] else ""
     along = "" if step["direction"] is None else f"along {vector(step['direction'], 3)}"

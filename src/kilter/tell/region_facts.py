@@ -19,7 +19,7 @@ DIRECTIONS = {
 
 
 def orient_facts(answer: Answer) -> list[Fact]:
-    """Return the lines of the answer of `orient`: pairs of a term and its words."""
+    """Return the lines below the sentence of `kilter orient`, each a term and its words."""
     turn = (
         f"quaternion (w, x, y, z) {vector(answer['rotation'])}: rotates this direction to the "
         "gravity of the file"
@@ -42,7 +42,7 @@ def orient_facts(answer: Answer) -> list[Fact]:
 
 
 def _nearest(near: Answer | None, units: str) -> list[Fact]:
-    """Return the directions nearest to stable by three measures."""
+    """Return the lines about the directions nearest to stable, by three measures."""
     if near is None:
         return []
     known = {key: entry for key, entry in near.items() if entry is not None}
@@ -62,7 +62,7 @@ def _nearest(near: Answer | None, units: str) -> list[Fact]:
 
 
 def region_phrase(kind: str, half_angle_deg: float | None, *, friction: bool) -> str:
-    """Return the kind and the width of a region.
+    """Return the kind and angular width of a region of stable directions of gravity.
 
     Examples
     --------
@@ -74,7 +74,7 @@ def region_phrase(kind: str, half_angle_deg: float | None, *, friction: bool) ->
 
 
 def region_words(answer: Answer, *, proved_none: bool) -> str:
-    """Return the kind and the width of a region, and whether it may be larger."""
+    """Return the kind and angular width of a stable region, and whether it may be larger."""
     words = region_phrase(answer["kind"], answer["half_angle_deg"], friction=answer["friction"])
     if answer["complete"] or proved_none:
         return words
@@ -82,7 +82,7 @@ def region_words(answer: Answer, *, proved_none: bool) -> str:
 
 
 def region_facts(answer: Answer) -> list[Fact]:
-    """Return the facts of a region, each a term and its words."""
+    """Return the lines below the sentence of `kilter region`, each a term and its words."""
     facts = [("kind", f"{answer['kind']}, dimension {answer['dimension']}")]
     if answer["center"] is not None:
         center = f"{vector(answer['center'])}: the direction with the widest tilt margin"
@@ -111,13 +111,13 @@ def region_facts(answer: Answer) -> list[Fact]:
 
 
 def _rests(answer: Answer) -> list[Fact]:
-    """Return the state of rest in each direction of gravity of `--rests`."""
+    """Return the lines about the resting state for each direction of gravity in `--rests`."""
     phrases = [f"{vector(rest['down'])}: {rest_words(rest)}" for rest in answer.get("rests", ())]
     return [("" if k else "rests", words) for k, words in enumerate(phrases)]
 
 
 def rest_words(rest: Answer) -> str:
-    """Return the state of rest in one direction of gravity.
+    """Return the state of rest of the assembly for one direction of gravity, in words.
 
     Examples
     --------
@@ -134,7 +134,7 @@ def rest_words(rest: Answer) -> str:
 
 
 def _well_words(well: Answer) -> list[str]:
-    """Return the width, the depth and the stiffness of the energy well of a body on a table."""
+    """Return lines about the energy minimum of a body on a table: width, depth, stiffness."""
     words = []
     if well["barrier"] is not None:
         over = f"on its table it comes back from any tilt below {angle(well['over_deg'])}"

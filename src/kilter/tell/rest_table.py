@@ -22,7 +22,7 @@ HEAD = ("gravity", "lies on", "rest", "tilt", "energy to tip", "righting moment"
 
 
 def rest_table(region: Answer) -> Table:
-    """Return the table of the places of rest of a region, the strict minima first.
+    """Return the table of resting positions in a region, the strict minima of energy first.
 
     Examples
     --------
@@ -37,7 +37,7 @@ def rest_table(region: Answer) -> Table:
 
 
 def _row(rest: Answer) -> Sequence[str]:
-    """Return the cells of a place of rest, in the order of `HEAD`."""
+    """Return the cells of a resting position, in the order of `HEAD`."""
     well = rest["well"] or {}
     tilt = rest["tilt_deg"] if rest["state"] == "minimum" else None
     tilt = well.get("over_deg", tilt) if well else tilt

@@ -20,7 +20,7 @@ NAMED = 3
 
 
 def balanced_sentence(parts: Sequence[str], within: str = "", rolling: str | None = None) -> str:
-    """Return the sentence of an assembly that is stable to first order and falls to second order.
+    """Return the sentence of an assembly that balances but falls after the slightest push.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def balanced_sentence(parts: Sequence[str], within: str = "", rolling: str | Non
 
 
 def second_order_words(answer: Mapping[str, Any]) -> str:
-    """Return the state of second order with its rate, free motions or reason.
+    """Return the second-order (curvature) result in words, with its rate or its reason.
 
     Examples
     --------
@@ -94,7 +94,7 @@ grows e-fold in 2 s'
 
 
 def _names(parts: Sequence[str]) -> str:
-    """Return the first `NAMED` names, and the number of the others."""
+    """Return the first `NAMED` names, and how many names follow."""
     shown = [plain(name) for name in parts[:NAMED]]
     if len(parts) > NAMED:
         return f"{', '.join(shown)} and {len(parts) - NAMED} more"

@@ -39,7 +39,7 @@ def gravity_phrase(answer: Answer) -> str:
 
 
 def bond_words(share: float, fail: Sequence[Sequence[str]]) -> str:
-    """Return the share of the bond strength that is needed, and the pairs whose bonds fail first.
+    """Return the fraction of their strength that bonds need, and the bonds that fail first.
 
     Examples
     --------
@@ -56,7 +56,7 @@ def bond_words(share: float, fail: Sequence[Sequence[str]]) -> str:
 
 
 def joint_facts(answer: Answer) -> list[Fact]:
-    """Return a row for each kind of joint."""
+    """Return a line for each kind of joint, with the number of such joints."""
     facts: list[Fact] = []
     joints = answer.get("joints", ())
     short = shortened(dict.fromkeys(name for joint in joints for name in joint["parts"]))
@@ -71,7 +71,7 @@ def joint_facts(answer: Answer) -> list[Fact]:
 
 
 def touching_phrase(gap: str, degrees: float, clearance: float | None, unit: str) -> str:
-    """Return the tolerances at which faces count as touching."""
+    """Return the tolerances with which faces count as touching, in words."""
     words = f"gap up to {gap}, angle up to {number(degrees, 3)} deg"
     if clearance is None:
         return words
@@ -79,13 +79,13 @@ def touching_phrase(gap: str, degrees: float, clearance: float | None, unit: str
 
 
 def balance_phrase(residual: float) -> str:
-    """Return the residual of the equilibrium of every part."""
+    """Return the largest residual of the force balance of the parts, in words."""
     how = f"to {residual:.1e} of its weight" if residual else "exactly"
     return f"contact forces that balance every part {how}"
 
 
 def instability_phrase(answer: Answer) -> str:
-    """Return z, the optimum of the displacement program, and kappa if it is known."""
+    """Return z, the optimum of the displacement program, and kappa, the rate of fall."""
     words = f"z = {number(answer['z'])} kg {answer['units']} (displacement program, gravity 1)"
     if answer["instability"] is not None:
         words += f", kappa = {number(answer['instability'])} (0 stable, 1 free fall)"

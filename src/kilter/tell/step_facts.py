@@ -24,7 +24,7 @@ NO_SHARE = 1e-6
 
 
 def step_facts(step: Answer, hands: Sequence[Answer]) -> list[tuple[str, str]]:
-    """Return the facts of a step, each a term and its words.
+    """Return the lines about a step of an assembly sequence, each a term and its words.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def step_facts(step: Answer, hands: Sequence[Answer]) -> list[tuple[str, str]]:
 
 
 def hand_phrase(hand: Answer) -> str:
-    """Return the load of a hand, and the parts that would move without it.
+    """Return the load of a helping hand that holds a part, and what would move without it.
 
     Examples
     --------

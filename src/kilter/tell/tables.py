@@ -58,14 +58,14 @@ LEFT_OUT = "Without friction and without the contacts that are not modelled:"
 
 
 class Name(str):
-    """A name from a file; the terminal and the pages escape and shorten it."""
+    """A name from a file; the terminal and the pages escape and shorten it for display."""
 
     __slots__ = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Table:
-    """A list in an answer.
+    """A table in an answer: title, column heads and rows.
 
     Attributes
     ----------
@@ -84,12 +84,12 @@ class Table:
     row: Callable[[Any], Sequence[str]]
 
     def rows(self, limit: int) -> list[Sequence[str]]:
-        """Return the cells of the first `limit` items."""
+        """Return the cells of the first `limit` rows."""
         return [self.row(item) for item in self.items[:limit]]
 
 
 def sentences(answer: Answer) -> list[str]:
-    """Return the first lines of an answer."""
+    """Return the first lines of an answer, which state its result."""
     kind = kind_of(answer)
     if kind == "region":
         return [_region_sentence(answer)]
@@ -121,7 +121,7 @@ def sentences(answer: Answer) -> list[str]:
 
 
 def region_sentence(kind: str, *, friction: bool) -> str:
-    """Return the sentence of a region by its kind; with friction, "held" replaces "stable".
+    """Return the sentence about a region of stable directions, by its kind.
 
     Examples
     --------
@@ -132,7 +132,7 @@ def region_sentence(kind: str, *, friction: bool) -> str:
 
 
 def _region_sentence(answer: Answer) -> str:
-    """Return the sentence of a region, after the forces that it counts or leaves out."""
+    """Return the sentence about a region, and the forces that it includes or leaves out."""
     head = region_sentence(answer["kind"], friction=answer["friction"])
     inner = _lower_case(head)
     if answer["pairs_decide"]:
@@ -149,12 +149,12 @@ def _region_sentence(answer: Answer) -> str:
 
 
 def _lower_case(sentence: str) -> str:
-    """Return a sentence with a small first letter, for use after a colon or a comma."""
+    """Return a sentence with a small first letter, for use inside another sentence."""
     return f"{sentence[0].lower()}{sentence[1:]}"
 
 
 def tables(answer: Answer) -> list[Table]:
-    """Return the tables that follow the facts of an answer; empty tables are left out."""
+    """Return the tables below the facts of an answer, without empty tables."""
     kind = kind_of(answer)
     if kind == "margin":
         return [table for table in (push_table(answer), load_table(answer)) if len(table.items)]
@@ -181,7 +181,7 @@ def tables(answer: Answer) -> list[Table]:
 
 
 def moving_table(answer: Answer) -> Table | None:
-    """Return the moving parts and their motions, the fastest first, or None without a motion."""
+    """Return the table of the moving parts, the fastest first; None without a motion."""
     if kind_of(answer) not in ("check", "orient"):
         return None
     verdict = answer["verdict"]
@@ -211,12 +211,12 @@ def moving_table(answer: Answer) -> Table | None:
 
 
 def _certain_alone(answer: Answer, moving: Sequence[Answer]) -> bool:
-    """Return whether the motions are only those that the certain contacts leave."""
+    """Return whether the motions were computed with the certain contacts only."""
     return answer["verdict"] == "undecided" or (bool(answer["open_pairs"]) and bool(moving))
 
 
 def _moving_title(answer: Answer, moving: Sequence[Answer]) -> str:
-    """Return the title of the table: the number of moving parts, and the reach of the proof."""
+    """Return the title of the table of moving parts: their number, and what is proved."""
     parts = answer["parts"]
     counts = f"{len(moving)} of {sum(not part['grounded'] for part in parts)} free parts"
     if _certain_alone(answer, moving):
@@ -235,14 +235,14 @@ def _moving_title(answer: Answer, moving: Sequence[Answer]) -> str:
 
 
 def fastened_table(answer: Answer) -> Table:
-    """Return the table of the pairs that an option joined because they look fastened or overlap."""
+    """Return the table of pairs that options joined because they look fastened or overlap."""
     joined = [joint for joint in answer["joints"] if joint.get("why")]
     title = f"Fastened by option: {count(len(joined), 'pair')}"
     return Table(title, (), joined, lambda joint: (*_names(joint), joint["why"]))
 
 
 def forces_table(answer: Answer) -> Table:
-    """Return the contact forces of one equilibrium, the greatest first, with the use of bonds."""
+    """Return the table of contact forces of one equilibrium, the largest first."""
     forces = answer["forces"]
     head = ["part", "on part", "force", "direction", f"at {answer['units']}", "friction used"]
     if forces is None:
@@ -274,7 +274,7 @@ def forces_table(answer: Answer) -> Table:
 
 
 def _step_table(answer: Answer) -> Table:
-    """Return the steps of a plan, in their order."""
+    """Return the table of the steps of a plan, in order."""
     numbered = list(enumerate(answer["steps"], 1))
 
     def row(item: tuple[int, Answer]) -> Sequence[str]:
@@ -285,7 +285,7 @@ def _step_table(answer: Answer) -> Table:
 
 
 def _support_table(answer: Answer) -> Table:
-    """Return the supports of a fixture."""
+    """Return the table of supports of `kilter hold`."""
 
     def row(support: Answer) -> Sequence[str]:
         kind, part, *rest = support_cells(support, answer["units"])
@@ -295,7 +295,7 @@ def _support_table(answer: Answer) -> Table:
 
 
 def push_table(answer: Answer) -> Table:
-    """Return the least push that moves each part, the weakest first."""
+    """Return the table of the least push that moves each part, the weakest part first."""
 
     def row(push: Answer) -> Sequence[str]:
         level = part_level_words(answer, "pushes", push["part"])
@@ -316,7 +316,7 @@ def push_table(answer: Answer) -> Table:
 
 
 def load_table(answer: Answer) -> Table:
-    """Return the greatest additional load of each part, straight down, the least first."""
+    """Return the table of the largest extra weight that each part carries, the least first."""
 
     def row(entry: Answer) -> Sequence[str]:
         level = part_level_words(answer, "loads", entry["part"])
@@ -339,7 +339,7 @@ def load_table(answer: Answer) -> Table:
 
 
 def _patch_table(answer: Answer) -> Table:
-    """Return the contact patches."""
+    """Return the table of contact patches."""
     unit = answer["units"]
     head = ["part a", "part b", "kind", f"area [{unit}^2]", f"gap [{unit}]", "normal a to b"]
     bonded = any(patch["pull"] is not None for patch in answer["patches"])
@@ -362,7 +362,7 @@ def _patch_table(answer: Answer) -> Table:
 
 
 def open_table(answer: Answer) -> Table:
-    """Return the open pairs, each with the option that decides it."""
+    """Return the table of undecided (open) pairs, each with an option that decides it."""
     unit = answer["units"]
 
     def row(pair: Answer) -> Sequence[str]:
@@ -379,7 +379,7 @@ def open_table(answer: Answer) -> Table:
 
 
 def _lone_table(answer: Answer) -> Table:
-    """Return the parts that touch nothing, the smallest gap to another part first."""
+    """Return the table of parts that touch nothing, the smallest gap to another part first."""
 
     def row(entry: Answer) -> Sequence[str]:
         if entry["nearest"] is None:
@@ -394,7 +394,7 @@ def _lone_table(answer: Answer) -> Table:
 
 
 def _fit_table(answer: Answer) -> Table:
-    """Return the shafts in holes."""
+    """Return the table of shafts in holes."""
     unit = answer["units"]
 
     def row(fit: Answer) -> Sequence[str]:
@@ -406,7 +406,7 @@ def _fit_table(answer: Answer) -> Table:
 
 
 def _gap_table(answer: Answer) -> Table:
-    """Return the histogram of gaps: a row with a bar for each decade that has faces."""
+    """Return the histogram of gaps between faces: a row with a bar for each power of ten."""
     edges, counts = answer["histogram"]["edges"], answer["histogram"]["counts"]
     most = max(counts, default=1)
     bins = [(k, many) for k, many in enumerate(counts) if many]
@@ -430,7 +430,7 @@ def _gap_table(answer: Answer) -> Table:
 
 
 def _rejected_tables(answer: Answer) -> list[Table]:
-    """Return the contacts of unknown kind, the near pairs, and the overlaps that are not open."""
+    """Return tables of unmodelled contacts, near pairs, and overlaps of joined or held parts."""
     unit = answer["units"]
     odd, near, over = (answer[key] for key in ("unsupported", "rejected", "overlaps"))
     left_open = {frozenset(pair["parts"]) for pair in answer["open_pairs"]}

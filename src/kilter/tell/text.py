@@ -27,7 +27,7 @@ WIDE = 400
 
 
 def text_of(answer: Answer, *more: Table, brief: bool = False) -> str:
-    """Return an answer as text: sentence, moving parts, facts, lists and the lists `more`.
+    """Return an answer as plain text: sentence, moving parts, facts and tables.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def text_of(answer: Answer, *more: Table, brief: bool = False) -> str:
 
 
 def listed(table: Table) -> list[str]:
-    """Return the lines of a list: title, first rows, and the number of rows left out."""
+    """Return a table as lines: title, first rows, and the number of rows left out."""
     rows = table.rows(LISTED)
     head = [table.head] if rows and table.head else []
     more = len(table.items) - len(rows)
@@ -69,7 +69,7 @@ def listed(table: Table) -> list[str]:
 
 
 def aligned(rows: Sequence[Sequence[str]], indent: str = "") -> list[str]:
-    """Return rows as lines whose columns are aligned to the left.
+    """Return table rows as lines in which the columns are aligned.
 
     Examples
     --------
@@ -86,7 +86,7 @@ def aligned(rows: Sequence[Sequence[str]], indent: str = "") -> list[str]:
 
 
 def suggestions_hint(kinds: Sequence[str]) -> str:
-    """Return a paragraph about pairs that look fastened, or an empty text without such pairs.
+    """Return a paragraph about pairs that look fastened; empty if there are none.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def solids_hint() -> str:
 
 
 def suggestions_text(suggestions: Sequence[Answer]) -> str:
-    """Return the list of `kilter check --suggest-joints`."""
+    """Return the text of `kilter check --suggest-joints`: the pairs that look fastened."""
     if not suggestions:
         return "No pair looks fastened: no parts overlap, and no shaft fills a hole."
     firm = sum(_joint_kind(entry) == "fixed" for entry in suggestions)
@@ -140,6 +140,6 @@ def suggestions_text(suggestions: Sequence[Answer]) -> str:
 
 
 def _joint_kind(suggestion: Answer) -> str | None:
-    """Return the kind of the suggested joint, or None if no joint is suggested."""
+    """Return the kind of joint that a suggestion proposes; None if it proposes no joint."""
     joint = suggestion["joint"]
     return None if joint is None else joint["kind"]

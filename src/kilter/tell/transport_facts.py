@@ -21,7 +21,7 @@ NAMED = 2
 
 
 def transport_sentence(answer: Answer) -> str:
-    """Return the sentence of an answer about transport."""
+    """Return the sentence about an assembly on a moving carrier (`kilter transport`)."""
     if answer["cases"]:
         return _case_sentence(answer)
     if answer["path"] is not None or "path" in answer["missing"]:
@@ -44,7 +44,7 @@ def transport_sentence(answer: Answer) -> str:
 
 
 def transport_facts(answer: Answer) -> list[Fact]:
-    """Return the facts of an answer about transport, each a term and its words."""
+    """Return the lines below the sentence of `kilter transport`, each a term and its words."""
     facts = joint_facts(answer)
     first = answer["least"]
     if first is not None and first["motion"]:
@@ -64,7 +64,7 @@ def transport_facts(answer: Answer) -> list[Fact]:
 
 
 def motions(first: Sequence[Answer]) -> str:
-    """Return how the first parts start to move.
+    """Return how the first few parts start to move, in words.
 
     Examples
     --------
@@ -77,7 +77,7 @@ def motions(first: Sequence[Answer]) -> str:
 
 
 def _limit(limit: Answer) -> str:
-    """Return the words of the largest acceleration along an axis."""
+    """Return the largest safe acceleration along an axis, in words."""
     if limit["g"] is None:
         return "unlimited (100 g were tried)"
     words = f"{number(limit['g'])} g ({number(limit['m_s2'])} m/s^2)"
@@ -85,7 +85,7 @@ def _limit(limit: Answer) -> str:
 
 
 def _case(case: Answer) -> str:
-    """Return the words of a motion of the question."""
+    """Return a motion of the carrier that the user gave, in words."""
     words = f"{number(case['g'])} g, {case['verdict'].replace('-', ' ')}"
     if any(case["angular_velocity"]) or any(case["angular_acceleration"]):
         words = case["verdict"].replace("-", " ")
@@ -99,7 +99,7 @@ def _case(case: Answer) -> str:
 
 
 def _case_sentence(answer: Answer) -> str:
-    """Return whether the motions of the question are carried, and which are not."""
+    """Return whether the assembly stands the given motions of its carrier, or which not."""
     about = "the accelerations of " + answer["code"] if answer["code"] else "this acceleration"
     rigid = "Rigid statics under" if answer["code"] else "Under"
     if answer["carried"]:
@@ -120,7 +120,7 @@ def _case_sentence(answer: Answer) -> str:
 
 
 def _path_sentence(answer: Answer) -> str:
-    """Return the speed factor of a path."""
+    """Return by which factor the speed along a path may change, in words."""
     path = answer["path"]
     if path is None:
         why = answer["missing"]["path"]
@@ -139,7 +139,7 @@ def _path_sentence(answer: Answer) -> str:
 
 
 def _path(path: Answer) -> list[Fact]:
-    """Return the facts of a path."""
+    """Return the lines about a path of the carrier, each a term and its words."""
     facts = [("samples", f"{path['samples']} in {number(path['duration'])} s")]
     if path["moves"]:
         facts.append(("first", f"{some([plain(name) for name in path['moves']])} moves"))
@@ -151,7 +151,7 @@ def _path(path: Answer) -> list[Fact]:
 
 
 def _axis(direction: Sequence[float]) -> str:
-    """Return the name of an axis of the frame, or the direction.
+    """Return the name of a frame axis along a direction, else the direction itself.
 
     Examples
     --------

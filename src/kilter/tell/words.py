@@ -203,7 +203,7 @@ def found_sentence(
     within: str | None,
     half_angle_deg: float | None,
 ) -> str:
-    """Return the sentence of a recommended direction of gravity and of its tilt margin.
+    """Return the sentence of a recommended direction of gravity, and its tilt margin.
 
     Parameters
     ----------
@@ -248,7 +248,7 @@ within the fan, not out of it."
 
 
 def live_words(*, exact: bool, band: bool, friction: bool) -> dict[str, str]:
-    """Return the phrases of a page for directions of gravity that the region alone answers.
+    """Return the phrases that a page shows for directions of gravity other than the computed one.
 
     Parameters
     ----------
@@ -284,7 +284,7 @@ def motion_words(
     unit: float = 1.0,
     sizes: bool = True,
 ) -> str:
-    """Return how a part starts to move, from its accelerations.
+    """Return how a part starts to move (slides, tips ...), from its accelerations.
 
     If the part rotates about a line at rest, the words name this line. Any other rotation is
     described about the centre of mass, with the acceleration of the centre. The part *tips* if
@@ -346,7 +346,7 @@ def motion_words(
 
 
 def motion_summary(phrases: Sequence[str], total: int) -> str:
-    """Return a phrase about the fastest parts.
+    """Return a phrase about the parts that move fastest.
 
     Parameters
     ----------
@@ -373,7 +373,7 @@ def motion_summary(phrases: Sequence[str], total: int) -> str:
 
 
 def _translation(linear: Array, size: float, down: Array, sizes: bool) -> str:
-    """Return the words of a translation with the relative acceleration `size` [-], if wanted."""
+    """Return a translation in words, with its acceleration relative to gravity if `sizes`."""
     direction = linear / np.linalg.norm(linear)
     fall = float(direction @ down)
     level = float(np.linalg.norm(direction - fall * down))
@@ -388,7 +388,7 @@ def _translation(linear: Array, size: float, down: Array, sizes: bool) -> str:
 
 
 def _direction(vector: Array) -> str:
-    """Return the name of the axis along the vector, or the unit vector if there is none."""
+    """Return the name of the axis along a vector, or the unit vector if it is along none."""
     unit = vector / np.linalg.norm(vector)
     axis = int(np.abs(unit).argmax())
     if np.linalg.norm(np.delete(unit, axis)) < ALONG:
@@ -397,6 +397,6 @@ def _direction(vector: Array) -> str:
 
 
 def _point(point: Array) -> str:
-    """Return a point, rounded to 3 significant digits of its largest coordinate."""
+    """Return a point as text, rounded to 3 significant digits of its largest coordinate."""
     digits = 3 - max(0, int(np.ceil(np.log10(max(float(np.abs(point).max()), 1e-6)))))
     return "(" + ", ".join(f"{round(float(c), digits) + 0.0:g}" for c in point) + ")"

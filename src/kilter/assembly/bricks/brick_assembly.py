@@ -44,7 +44,7 @@ def assembly_of_bricks(
     source: str = "",
     notes: Sequence[str] = (),
 ) -> Assembly:
-    """The assembly of bricks, in mm; without a held brick, a baseplate is added under layer 0.
+    """Build the assembly of a brick model, in mm; a baseplate is added if no brick is held.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def bricks_of(assembly: Assembly) -> tuple[BrickModel, StudRules, float]:
 
 
 def _require_bricks(assembly: Assembly) -> None:
-    """Reject an assembly with a part that is no brick, or with rows that studs do not have."""
+    """Raise an InputError if a part is no brick, or has joints or other entries."""
     for part in assembly.parts:
         if part.brick is None or not isinstance(part.shape, Box):
             raise InputError("it is not a brick", part=part.name, hint=BRICKS_HINT)
@@ -139,7 +139,7 @@ def _require_bricks(assembly: Assembly) -> None:
 
 
 def _require_grid(assembly: Assembly, corner: Array, cell: Array) -> None:
-    """Raise `InputError` if a brick is turned, or not in the cells of a common grid.
+    """Raise an InputError if a brick is rotated, or off the grid of the others.
 
     `corner`: lowest corners in cells, shape (n, 3); `cell`: size of a cell of each brick.
     """
@@ -153,7 +153,7 @@ def _require_grid(assembly: Assembly, corner: Array, cell: Array) -> None:
 
 
 def _baseplate(model: BrickModel) -> BrickModel:
-    """A held plate under all bricks, its top at height 0."""
+    """The brick model with a held plate added under all bricks, its top at height 0."""
     low = model.corner.min(axis=0) - MARGIN
     size = (model.corner + model.size).max(axis=0) + MARGIN - low
     zero, mass = np.zeros(1, dtype=np.int64), np.ones(1)
@@ -162,7 +162,7 @@ def _baseplate(model: BrickModel) -> BrickModel:
 
 
 def _names(model: BrickModel) -> list[str]:
-    """Part names: ``2x4-7``, ``plate-2x4-7``, ``weight-7``, ``baseplate`` (``baseplate-2``)."""
+    """Names for the parts: ``2x4-7``, ``plate-2x4-7``, ``weight-7`` or ``baseplate``."""
     across, along = np.sort(model.size[:, :2], axis=1).T
     rows = zip(across, along, model.size[:, 2], model.mass, model.held, model.number, strict=True)
     names = []
@@ -178,7 +178,7 @@ def _names(model: BrickModel) -> list[str]:
 
 
 def _parts(model: BrickModel, names: list[str], scale: Index) -> Iterator[Part]:
-    """The part of each brick; equal bricks share a shape; `scale`: cell and plate [mm]."""
+    """Yield the part of each brick; equal bricks have the same shape object."""
     kinds, kind = distinct_rows(model.size)
     shapes = [Box(size) for size in kinds * scale]
     middle = (model.corner + model.size / 2) * scale
@@ -199,7 +199,7 @@ def _parts(model: BrickModel, names: list[str], scale: Index) -> Iterator[Part]:
 def _bonds(
     model: BrickModel, studs: Studs, names: list[str], scale: Index, rules: StudRules
 ) -> Iterator[Bond]:
-    """A bond for each pair of bricks that studs connect."""
+    """Yield a bond for each two bricks that studs connect."""
     points, pairs = studs.point * scale, np.column_stack([studs.lower, studs.upper])
     changes = np.flatnonzero((np.diff(pairs, axis=0) != 0).any(axis=1)) + 1
     first = [0, *changes.tolist(), len(pairs)] if len(pairs) else [0]
@@ -217,7 +217,7 @@ def _bonds(
 def _contacts(
     sides: Sides, names: list[str], scale: Index, rules: StudRules
 ) -> Iterator[GivenContact]:
-    """The contacts of neighbours, at the lower edge of the common rectangle or at all corners."""
+    """Yield the contacts of neighbouring bricks: at the lower edge or at all corners of a side."""
     if rules.sides == "none":
         return
     low, high = sides.low * scale, sides.high * scale
@@ -231,7 +231,7 @@ def _contacts(
 
 
 def _estimate_note(model: BrickModel) -> list[str]:
-    """A note on the brick sizes whose mass is estimated."""
+    """A note that lists brick sizes with estimated mass; an empty list if none is estimated."""
     free = np.flatnonzero(~model.held & (model.mass <= HEAVY))
     sizes = np.unique(
         np.column_stack([np.sort(model.size[free, :2], axis=1), model.size[free, 2]]), axis=0

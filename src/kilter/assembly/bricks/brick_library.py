@@ -40,7 +40,7 @@ STATED = {(across, along): mass for k, (across, along, mass) in STABLE_LEGO.item
 
 
 def _sizes(plates: int, listed: str) -> dict[str, tuple[int, int, int]]:
-    """Parse a list of words ``number:acrossxalong``: size (studs, studs, plates) by part number."""
+    """Parse words ``number:acrossxalong`` to the size of each brick: studs, studs, plates."""
     sizes = {}
     for word in listed.split():
         number, size = word.split(":")
@@ -69,25 +69,25 @@ LDRAW: dict[str, tuple[int, int, int]] = {
 
 @cache
 def _fit() -> Array:
-    """Fitted mass of a cell of the top, and of a wall one stud long and one brick high [kg]."""
+    """Fitted masses of a cell of the top, and of a wall one stud long and one brick high [kg]."""
     sizes = np.array(list(STATED))
     masses: Array = np.linalg.lstsq(_terms(sizes, BRICK_PLATES), np.array([*STATED.values()]))[0]
     return masses
 
 
 def _terms(sizes: Index, plates: Index | int) -> Array:
-    """The terms of the fit: number of cells, and perimeter times height, shape (n, 2)."""
+    """Terms of the mass estimate for brick sizes: cells, and perimeter times height, (n, 2)."""
     height = np.broadcast_to(plates, len(sizes)) / BRICK_PLATES
     return np.column_stack([sizes.prod(axis=1), 2 * sizes.sum(axis=1) * height])
 
 
 def is_stated(across: int, along: int, plates: int) -> bool:
-    """Whether a library states the mass of a brick."""
+    """Whether a brick library states the mass of a brick size, so that it is not estimated."""
     return plates == BRICK_PLATES and (min(across, along), max(across, along)) in STATED
 
 
 def brick_mass(across: int, along: int, plates: int = BRICK_PLATES) -> float:
-    """Mass of a brick or plate, stated or estimated [kg].
+    """Mass of a brick or plate of the given size, from a library or estimated [kg].
 
     Examples
     --------

@@ -21,7 +21,7 @@ NO_COLOR = -1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BrickModel(Rows):
-    """N bricks as a struct of arrays.
+    """N toy bricks on a grid, as arrays.
 
     Attributes
     ----------
@@ -51,12 +51,12 @@ class BrickModel(Rows):
 
     @property
     def top(self) -> Index:
-        """Height of each brick's top, shape (N,) [plates]."""
+        """Height of the top of each brick [plates], shape (N,)."""
         top: Index = self.corner[:, 2] + self.size[:, 2]
         return top
 
     def require_apart(self) -> None:
-        """Verify that no two bricks occupy the same cell.
+        """Raise an InputError if two bricks occupy the same grid cell.
 
         Raises
         ------
@@ -80,7 +80,7 @@ class BrickModel(Rows):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cells:
-    """The cells under all bricks, sorted by column and by height.
+    """Grid cells that the bricks cover, sorted by column and height.
 
     Attributes
     ----------
@@ -98,7 +98,7 @@ class Cells:
 
 
 def cells_of(model: BrickModel) -> Cells:
-    """The cells under all bricks of a model."""
+    """List the grid cells that the bricks of a model cover."""
     brick, place = counted(model.size[:, 0] * model.size[:, 1])
     along = model.size[brick, 1]
     xy = model.corner[brick, :2] + np.column_stack([place // along, place % along])

@@ -40,7 +40,7 @@ UNLIMITED, FRICTION = "unlimited", "mu"
 
 @dataclass(frozen=True, slots=True)
 class StudRules:
-    """Strength of studs, and contacts of neighbouring bricks; the defaults are from StableLego.
+    """Rules for toy bricks: strength of the studs, and contacts of neighbouring bricks.
 
     Parameters
     ----------
@@ -85,12 +85,12 @@ class StudRules:
 
     @property
     def bond_shear(self) -> float | str | None:
-        """The shear strength for a `Bond`: None for no limit."""
+        """Shear strength of studs, as `Bond` expects it; None for no limit."""
         return None if self.shear == UNLIMITED else self.shear
 
 
 def _float(value: float | str) -> object:
-    """A value as a float; the value itself if it is not a number."""
+    """A value converted to a float; other values unchanged, for the error message."""
     try:
         return float(value)
     except ValueError:

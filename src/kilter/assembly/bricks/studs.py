@@ -32,7 +32,7 @@ class Studs(Rows):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sides(Rows):
-    """Rectangles in which the sides of two bricks meet.
+    """Rectangles over which two neighbouring bricks touch with their sides.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Sides(Rows):
 
 
 def studs_of(model: BrickModel) -> Studs:
-    """The points of all studs that are inside a brick above.
+    """Find all studs that hold a brick above: points, and pairs of bricks.
 
     Examples
     --------
@@ -79,7 +79,7 @@ def studs_of(model: BrickModel) -> Studs:
 
 
 def sides_of(model: BrickModel) -> Sides:
-    """The common rectangle of every two bricks side by side."""
+    """Find the rectangle over which each two neighbouring bricks touch with their sides."""
     cells = cells_of(model)
     owner, height = counted(model.size[cells.brick, 2])
     brick = cells.brick[owner]
@@ -101,7 +101,7 @@ def sides_of(model: BrickModel) -> Sides:
 
 
 def _rectangles(model: BrickModel, pairs: Index, axis: int) -> Sides:
-    """The common rectangles of pairs of bricks, shape (n, 2), that are neighbours along an axis."""
+    """Common side rectangles of brick pairs, shape (n, 2), that are neighbours along an axis."""
     first, second = pairs.T
     low = np.maximum(model.corner[first], model.corner[second])
     ends = model.corner + model.size

@@ -17,7 +17,7 @@ __all__ = ["read"]
 
 
 def read(value: Any, choices: FormatOptions) -> Assembly:
-    """Convert a compas_assembly Assembly or Block, or a compas Mesh, to an assembly.
+    """Convert a compas_assembly Assembly or Block, or a compas Mesh, to a kilter assembly.
 
     Raises
     ------

@@ -49,7 +49,7 @@ _NAMELESS = ("part", "0")
 
 
 def read_object(value: Any, choices: FormatOptions) -> tuple[Assembly, bool]:
-    """Read an object with `assembly_of_object`.
+    """Convert an object of another library; also return whether its gravity direction is fixed.
 
     Returns
     -------
@@ -107,7 +107,7 @@ def assembly_of_object(value: Any, choices: FormatOptions | None = None) -> Asse
 
 
 def _reader(value: Any) -> Reader | None:
-    """The reader for the class of an object, or for its nearest base class; None if unknown."""
+    """The function that reads objects of a value's class; None for an unknown class."""
     if isinstance(value, tuple) and value and _reader(value[0]) is mujoco_objects.read:
         return mujoco_objects.read  # a pair (MjModel, MjData)
     packages = (str(kind.__module__).partition(".")[0] for kind in type(value).__mro__)
@@ -126,13 +126,13 @@ def _is_surface(value: Any) -> bool:
 
 
 def _mesh(vertices: Any, faces: Any, choices: FormatOptions) -> Assembly:
-    """The assembly of a mesh without a name."""
+    """Build an assembly of a single mesh without a name."""
     mesh = Mesh(np.asarray(vertices), faces if isinstance(faces, np.ndarray) else list(faces))
     return assembly_of(FileBodies((None,), (mesh,)), units=choices.units)
 
 
 def _several(values: Mapping[Any, Any], choices: FormatOptions) -> Assembly:
-    """The assembly of several objects; an object with a single part gives it its key as name."""
+    """Build an assembly of several objects; a key names its object's part if there is one."""
     numbered = all(isinstance(key, int) for key in values)
     parts: list[Part] = []
     names: list[str] = []

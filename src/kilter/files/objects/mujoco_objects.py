@@ -43,7 +43,7 @@ gives more friction pairs."""
 
 
 def read(value: Any, choices: FormatOptions) -> Assembly:
-    """Convert an MjModel, an MjSpec, or a pair (MjModel, MjData) to an assembly.
+    """Convert a MuJoCo MjModel, MjSpec, or pair (MjModel, MjData) to a kilter assembly.
 
     Raises
     ------
@@ -64,7 +64,7 @@ def read(value: Any, choices: FormatOptions) -> Assembly:
 
 
 def read_mjcf(path: Any, choices: FormatOptions) -> Assembly:
-    """Read an MJCF file.
+    """Read an MJCF file (a scene for MuJoCo) as an assembly.
 
     Raises
     ------
@@ -86,7 +86,7 @@ def read_mjcf(path: Any, choices: FormatOptions) -> Assembly:
 
 
 class _Model:
-    """The conversion of a model in a pose; `parts` and the geoms of each part in `rows`."""
+    """A MuJoCo model in a given pose, during its conversion to an assembly."""
 
     def __init__(self, mujoco: Any, model: Any, data: Any, choices: FormatOptions) -> None:
         if choices.units not in (None, "m"):
@@ -106,7 +106,7 @@ class _Model:
         """The geoms of each part."""
 
     def _pose(self, mujoco: Any, keyframe: str | None) -> None:
-        """Set the pose of the named keyframe, or of the first keyframe if there is any."""
+        """Set the model's pose to the named keyframe, or to the first keyframe, if any."""
         keys = [self.model.key(k).name for k in range(self.model.nkey)]
         if keyframe is None and not keys:
             return
@@ -121,7 +121,7 @@ class _Model:
             self.notes.append(f"the pose is that of the first keyframe, {keys[0]!r}")
 
     def _geoms(self) -> dict[int, list[int]]:
-        """The geoms of each body that form its part: those that collide, or all without any."""
+        """For each body, the geoms that form its part: those that collide, else all."""
         model = self.model
         collides = (model.geom_contype | model.geom_conaffinity) != 0
         geoms = {}
@@ -132,7 +132,7 @@ class _Model:
         return geoms
 
     def assembly(self, source: str) -> Assembly:
-        """The whole model as an assembly."""
+        """The MuJoCo model as a kilter assembly."""
         model = self.model
         planes = [k for k in self.geoms[0] if model.geom_type[k] == PLANE]
         for geom in self.geoms[0]:
@@ -161,13 +161,13 @@ class _Model:
         )
 
     def _geom_name(self, geom: int) -> str:
-        """The name of a geom of the world."""
+        """Name of the geom with an index, for parts of the world body."""
         return self.model.geom(geom).name or "world"
 
     def _add(
         self, name: str, geoms: list[int], pose: Pose, *, held: bool, body: int | None = None
     ) -> None:
-        """Add the part of some geoms; `body` gives it the mass and centre of that body."""
+        """Add a part of the given geoms; with `body`, it has the mass and centre of that body."""
         model = self.model
         try:
             shape, inner = one_body([self._shape(geom) for geom in geoms])
@@ -189,7 +189,7 @@ class _Model:
         self.rows.append(geoms)
 
     def _shape(self, geom: int) -> tuple[Shape, Pose]:
-        """The shape of a geom, and its pose in the frame of its body."""
+        """Shape of a geom, and its pose relative to its body."""
         model = self.model
         kind, size = int(model.geom_type[geom]), np.array(model.geom_size[geom])
         pose = Pose(model.geom_pos[geom], model.geom_quat[geom])
@@ -215,7 +215,7 @@ class _Model:
         raise InputError("it has a height field or a distance field", hint="replace it by a mesh")
 
     def _add_planes(self, planes: list[int]) -> None:
-        """Add each plane as a table below the plane that extends under all parts."""
+        """Add a held table for each plane geom, large enough for all parts."""
         points = [part.pose.apply(surface(part.shape)[0]) for part in self.parts]
         corners = np.vstack(points) if points else np.zeros((1, 3))
         size = float(np.ptp(corners, axis=0).max()) or 1.0
@@ -239,7 +239,7 @@ class _Model:
     # joints --------------------------------------------------------------------------
 
     def _joints(self, parts: set[str]) -> list[Joint]:
-        """The joints of all bodies, and the equalities; `parts`: the names of the parts."""
+        """All joints of the model: those between bodies, and its equality constraints."""
         model = self.model
         joints = []
         for body in range(1, model.nbody):
@@ -260,7 +260,7 @@ class _Model:
         return joints + self._equalities(parts)
 
     def _parent(self, body: int, parts: set[str]) -> str:
-        """The nearest ancestor of a body that is a part, or the ground.
+        """Name of the nearest ancestor body that is a part; "ground" without such a body.
 
         Fixed bodies without geoms in between are passed.
         """
@@ -270,7 +270,7 @@ class _Model:
         return self.names[parent] if self.names[parent] in parts and parent else "ground"
 
     def _joint(self, ends: tuple[str, str], rows: list[int]) -> Joint:
-        """The joint of a body with its parent: fixed, of a MuJoCo joint, or cylindrical."""
+        """The joint between a body and its parent: fixed, cylindrical, or as in MuJoCo."""
         kinds = [int(self.model.jnt_type[k]) for k in rows]
         if not rows:
             return Joint(ends)
@@ -288,7 +288,7 @@ class _Model:
         )
 
     def _equalities(self, parts: set[str]) -> list[Joint]:
-        """The welds and connections between bodies, as joints."""
+        """Joints for the model's equality constraints between bodies (welds and connections)."""
         model = self.model
         joints = []
         for k in np.flatnonzero(model.eq_active0):
@@ -312,7 +312,7 @@ class _Model:
     # friction ------------------------------------------------------------------------
 
     def _friction(self, parts: list[Part]) -> tuple[float, list[FrictionPair]]:
-        """The most frequent coefficient of nearby pairs, and the pairs with another coefficient."""
+        """The most frequent friction coefficient, and the pairs with another coefficient."""
         model = self.model
         part_mu = np.array([max(self._mu(geom) for geom in geoms) for geoms in self.rows])
         condim = [max(int(model.geom_condim[geom]) for geom in geoms) for geoms in self.rows]
@@ -332,11 +332,11 @@ class _Model:
         ]
 
     def _mu(self, geom: int) -> float:
-        """Sliding friction coefficient of a geom [-]."""
+        """Sliding friction coefficient of the geom with an index [-]."""
         return float(self.model.geom_friction[geom][0])
 
     def _ignored_features(self) -> str:
-        """A list of the model's features that affect motion and that kilter ignores."""
+        """List, as text, the model's features that affect motion but that kilter ignores."""
         model = self.model
         counts = {
             "motors": model.nu,
@@ -350,7 +350,7 @@ class _Model:
 
 
 def _near_pairs(parts: list[Part]) -> tuple[Index, Index]:
-    """Pairs of parts whose bounding spheres, enlarged by the factor `REACH`, overlap."""
+    """Pairs of parts whose bounding spheres overlap after enlargement by the factor `REACH`."""
     points = [part.pose.apply(surface(part.shape)[0]) for part in parts]
     middle = np.array([(p.min(axis=0) + p.max(axis=0)) / 2 for p in points])
     radius = np.array(

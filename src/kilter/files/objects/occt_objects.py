@@ -28,7 +28,7 @@ _HINT = "give a solid, a compound of solids, or an assembly of them"
 
 
 def read(value: Any, choices: FormatOptions) -> Assembly:
-    """Convert a shape, a compound, a Workplane, a BuildPart or an assembly to an assembly.
+    """Convert a build123d, CadQuery or OCCT shape or assembly to a kilter assembly.
 
     Raises
     ------
@@ -50,7 +50,7 @@ def read(value: Any, choices: FormatOptions) -> Assembly:
 
 
 class _ObjectWalk:
-    """A traversal of an assembly that collects solids and descriptions of other shapes."""
+    """A traversal of a CAD assembly that collects its solids, and describes other shapes."""
 
     def __init__(self) -> None:
         self.solids: list[TreeSolid] = []
@@ -59,7 +59,7 @@ class _ObjectWalk:
         self.copied: dict[int, Any] = {}
 
     def below(self, values: list[Any], above: tuple[str, ...], place: Any) -> None:
-        """Collect the solids below neighbouring objects, relative to the location `place`."""
+        """Collect the solids of objects and their children, relative to the location `place`."""
         names = number_repeats([_name(value) or _NAMELESS for value in values])
         for name, value in zip(names, values, strict=True):
             path = (*above, name)
@@ -75,7 +75,7 @@ class _ObjectWalk:
                 self._leaf(_shapes(value), path, at)
 
     def _leaf(self, shapes: list[Any], path: tuple[str, ...], place: Any) -> None:
-        """Collect the solids of the shapes of an object."""
+        """Collect the solids among the shapes of a single object."""
         from OCP.TopLoc import TopLoc_Location
 
         solids, rest = [], []
@@ -91,7 +91,7 @@ class _ObjectWalk:
             self.solids.append(TreeSolid((*path[:-1], name), bare, at, False))
 
     def _copy(self, shape: Any) -> Any:
-        """A copy of a solid, cached; triangulating it does not change the caller's solid."""
+        """A cached copy of a solid, so that the caller's solid stays unchanged."""
         from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
 
         key = self.copies.Add(shape)
@@ -101,19 +101,19 @@ class _ObjectWalk:
 
 
 def _unwrap_builder(value: Any) -> Any:
-    """The part that a builder of build123d has made, or the value itself."""
+    """The part that a build123d builder has made; other values unchanged."""
     part = getattr(value, "part", None)
     return value if part is None or hasattr(value, "wrapped") else part
 
 
 def _name(value: Any) -> str:
-    """The name or label of an object; empty if the user has given none."""
+    """The name or label of a CAD object; empty if it has none."""
     name = str(getattr(value, "name", None) or getattr(value, "label", None) or "").strip()
     return "" if _UUID.fullmatch(name) else name
 
 
 def _location(value: Any) -> Any:
-    """The location of an assembly: its `loc` (CadQuery), or that of its shape (build123d)."""
+    """The location of a CAD object relative to its parent."""
     from OCP.TopLoc import TopLoc_Location
 
     if hasattr(value, "loc"):
@@ -123,7 +123,7 @@ def _location(value: Any) -> Any:
 
 
 def _shapes(value: Any) -> list[Any]:
-    """The OCCT shapes of an object: its shape, its stack, or the shapes of an assembly node."""
+    """The OCCT shapes of a CadQuery or build123d object."""
     if getattr(value, "obj", None) is not None and not hasattr(value, "wrapped"):
         return _shapes(value.obj)
     if hasattr(value, "vals"):

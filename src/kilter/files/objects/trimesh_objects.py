@@ -33,7 +33,7 @@ _ACCEPTED = "give a trimesh.Trimesh or a trimesh.Scene of meshes"
 
 
 def read(value: Any, choices: FormatOptions) -> Assembly:
-    """Convert a Trimesh or a Scene to an assembly.
+    """Convert a trimesh Trimesh or Scene to a kilter assembly.
 
     Raises
     ------
@@ -66,12 +66,12 @@ def read(value: Any, choices: FormatOptions) -> Assembly:
 
 
 def _name(mesh: Any) -> str:
-    """The name in the metadata of a mesh."""
+    """The name that a mesh has in its metadata."""
     return str(mesh.metadata.get("name") or "")
 
 
 def _shape(mesh: Any, place: Array) -> tuple[Shape, Pose]:
-    """The shape of a mesh at a place (4 x 4 matrix), and its pose."""
+    """Shape of a mesh that is placed by a 4 x 4 matrix, and the pose of its part."""
     exact = _primitive(mesh)
     if exact is not None:
         try:
@@ -86,7 +86,7 @@ def _shape(mesh: Any, place: Array) -> tuple[Shape, Pose]:
 
 
 def _primitive(mesh: Any) -> Shape | None:
-    """The exact shape of a box, cylinder or sphere of `trimesh.primitives`; else None."""
+    """The exact box, cylinder or sphere of a `trimesh.primitives` object; else None."""
     kinds = [kind.__name__ for kind in type(mesh).__mro__ if "primitives" in kind.__module__]
     primitive: Any = getattr(mesh, "primitive", None)
     if "Box" in kinds:
@@ -99,7 +99,7 @@ def _primitive(mesh: Any) -> Shape | None:
 
 
 def scene_of(assembly: Assembly) -> Any:
-    """A `trimesh.Scene` with a node for each part, in the units of the assembly.
+    """Convert an assembly to a `trimesh.Scene` with a node for each part, in its length unit.
 
     Raises
     ------
