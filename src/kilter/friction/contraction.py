@@ -62,14 +62,14 @@ class ProofAttempt:
     steps: list[ExclusionStep] = field(default_factory=list)
 
     def closed(self, bounds: Enclosure, power: float) -> bool:
-        """True if a greatest power w.b within bounds is below the tolerance of the proof."""
+        """True if a greatest power of the load within bounds is below the proof's tolerance."""
         return bounds.scale * power <= self.tolerance
 
 
 def power_bound(
     attempt: ProofAttempt, bounds: Enclosure, basis: object = None
 ) -> tuple[Enclosure, float, Solution, PowerStep]:
-    """Upper bound of the power w.b (work rate of the loads) of all motions within bounds.
+    """Upper bound of the load's power w.b over all motions b within bounds.
 
     Returns the bounds with a tangent at the solution, the power, the solution, and the step.
     """

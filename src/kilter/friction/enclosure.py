@@ -145,7 +145,7 @@ def first_enclosure(
 
 
 def rescaled(fastest: LargestSpeeds, bounds: Enclosure, power: float) -> Enclosure:
-    """Bounds in units of the smaller scale of motions that a greatest `power` w.b leaves."""
+    """Bounds rescaled to the smaller motions that a greatest `power` of the load allows."""
     scale = float(np.sqrt(bounds.scale * max(power, 0.0)))
     if not 0 < scale < bounds.scale:
         return bounds
@@ -223,7 +223,7 @@ def halves(cone: TwistCone) -> list[TwistCone]:
 
 
 def cases(law: ReducedLaw, bounds: Enclosure, point: int, patch: int) -> list[Enclosure]:
-    """Divide bounds into cases of a contact point or patch, which together cover all solutions."""
+    """Cover the solutions within bounds by the cases of a contact point or of a patch."""
     if point >= 0:
         return [touching_at(bounds, point), open_at(bounds, point)]
     cone = bounds.cones[patch]

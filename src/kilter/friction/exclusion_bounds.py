@@ -59,14 +59,14 @@ def largest_forces(law: ReducedLaw, opening: Array | None) -> float:
 
 
 def no_power(program: Program) -> float:
-    """Power w.a over |w|^2 that counts as zero, from the data accuracy of the lightest part."""
+    """Scaled power (w.a / |w|^2) that counts as zero, from the data accuracy of the parts."""
     mass = program.mass[program.free]
     coarse = min(max(NO_POWER, float(program.tolerance[program.free].max())), COARSEST_NO_POWER)
     return coarse * float(mass.min() / mass.sum())
 
 
 def power_by(relaxation: Relaxation, bounds: Enclosure, step: PowerStep) -> tuple[Enclosure, float]:
-    """Bound the power w.b by the multipliers of a step, and add its tangent to the bounds."""
+    """Bound the load's power by the multipliers of a step, and add the step's tangent."""
     if step.tangent is not None and step.tangent.shape != relaxation.law.load.shape:
         raise MalformedProof("a tangent at another number of freedoms")
     program = relaxation.program(bounds)
@@ -75,7 +75,7 @@ def power_by(relaxation: Relaxation, bounds: Enclosure, step: PowerStep) -> tupl
 
 
 def with_tangent(bounds: Enclosure, point: Array | None) -> Enclosure:
-    """Bounds with one more tangent of the ball of motions, at `point`; the oldest is dropped."""
+    """Bounds with one more tangent of the ball of motions, at `point`; drops the oldest."""
     if point is None:
         return bounds
     return replace(bounds, tangents=np.vstack([bounds.tangents[:2], point, bounds.tangents[2:-1]]))
@@ -104,7 +104,7 @@ class Quantities:
 
 
 def quantities(relaxation: Relaxation, b: Enclosure) -> Quantities:
-    """Quantities that are bounded: openings, forces, sums N, speeds; in the plane also the g_k."""
+    """Quantities to bound: openings, normal forces, their sums, speeds; planar: reserves g_k."""
     at, d = relaxation.columns, relaxation.directions
     groups, wide = len(b.least), d.shape[1]
     kinds = ["un", "fn", "most", "least", "ut", *(["rest"] if wide == 1 else [])]
@@ -149,14 +149,14 @@ def shrunk_by(
 
 
 def with_one(relaxation: Relaxation, bounds: Enclosure) -> LinearProgram:
-    """The relaxation with its column l fixed to 1, so that the least forces are not 0."""
+    """The relaxation with its scale column l fixed to 1; with l = 0 all forces could vanish."""
     program = relaxation.program(bounds)
     program.lower[relaxation.columns["one"]] = 1.0
     return program
 
 
 def _consistent(law: ReducedLaw, relaxation: Relaxation, b: Enclosure) -> Enclosure:
-    """Tighten bounds by those of related quantities: |ut| by directions, N by forces, g by N."""
+    """Tighten bounds that follow from others: slips by directions, force sums by forces."""
     directions = law.directions
     members = np.flatnonzero(law.group >= 0)
     total = np.bincount(law.group[members], b.fn[members], minlength=len(law.mu))

@@ -33,7 +33,7 @@ __all__ = ["power_not_excluded"]
 def power_not_excluded(
     program: Program, opening: Array | None, steps: Sequence[ExclusionStep]
 ) -> tuple[float, float]:
-    """Power w.a over |w|^2 that the steps of a proof leave, and the power that counts as zero.
+    """Scaled power of the load that the steps of a proof leave, and the power that counts as 0.
 
     Raises
     ------

@@ -25,7 +25,7 @@ __all__ = ["CaseStep", "ExclusionStep", "PowerStep", "Quantity", "ShrinkStep"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PowerStep:
-    """Multipliers of the rows of a linear program, as a bound of the power, and the next tangent.
+    """Multipliers of a linear program's rows, which bound the power, and the next tangent.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class PowerStep:
 
     @classmethod
     def of(cls, multipliers: Array, tangent: Array | None) -> PowerStep:
-        """Make a step from the multipliers of all rows; zeros are not stored."""
+        """Make a `PowerStep` from the multipliers of all rows, without storing zeros."""
         rows = np.flatnonzero(multipliers)
         return cls(rows, multipliers[rows], tangent)
 

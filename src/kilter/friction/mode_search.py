@@ -58,7 +58,7 @@ class _Decisions:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Node:
-    """Node of the branch and bound: decisions, the optimum of its relaxation, and its power w.x."""
+    """Node of the branch and bound: decisions, optimum of its relaxation, power of the load."""
 
     decided: _Decisions
     optimum: TrialMotion
@@ -131,7 +131,7 @@ def _solve_relaxation(
 
 
 def _relaxation_program(law: CoulombLaw, lines: Array, node: _Decisions) -> ConicProgram:
-    """Convex program of a node in motion x and forces f; `lines` is H as a dense matrix."""
+    """Convex program of a node in motion x and forces f; `lines` is the law's H, dense."""
     count, total = len(law.load), len(law.load) + 3 * len(law.mu)
     slides, free = node.mode == Mode.SLIDING, ~law.tied
     sticks, is_open = (node.mode == Mode.STICKING) & free, node.mode == Mode.OPEN
@@ -191,7 +191,7 @@ def _stack(blocks: list[tuple[Array | None, Array | None]], count: int, total: i
 
 
 def _point_lines(chosen: Mask) -> Index:
-    """Indices of the three lines (n, u, v) of H for every chosen row."""
+    """Indices of the three lines (n, u, v) of every chosen row in the law's matrix H."""
     rows: Index = (3 * np.flatnonzero(chosen)[:, None] + np.arange(3)).reshape(-1)
     return rows
 

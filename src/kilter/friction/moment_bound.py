@@ -61,7 +61,7 @@ def squares_of(forms: MomentForms, squares: Squares) -> list[Index]:
 
 
 def power_left(law: ReducedLaw, step: MomentStep, forces: float) -> float:
-    """Greatest power w.a over |w|^2 that the multipliers of a step leave to motions of its scale.
+    """Greatest scaled power of the load that a step's multipliers leave to such motions.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ def _nearest_positive(matrix: Array) -> Array:
 
 
 def _largest_remainder(forms: MomentForms, rest: Array, rounding: Array, forces: float) -> float:
-    """Upper bound of |z.R z| (error of the multipliers) over motions that obey the contact law."""
+    """Upper bound of the multipliers' error |z.R z| over motions that obey the contact law."""
     law, size = forms.law, np.abs(rest) + rounding
     moves = np.concatenate([forms.motion, forms.slip])
     fastest = float(np.sqrt(1.0 + np.linalg.norm(law.tangent.toarray(), 2) ** 2))  # of |(b, s)|

@@ -153,7 +153,7 @@ def _solve_mode(law: CoulombLaw, mode: Index, start: TrialMotion, work: Work) ->
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _ModeEquations:
-    """Equations of a contact mode: lines of H with speed 0, and tangent lines of sliding points."""
+    """Equations of a contact mode: closed contacts stay closed, and friction opposes sliding."""
 
     load: Array
     mu: Array

@@ -182,6 +182,7 @@ def _line_search(
             low = (part, gain)
         else:
             high = (part, gain)
+        # the zero of the chord through the ends of the bracket (regula falsi)
         interpolated = low[0] + (high[0] - low[0]) * low[1] / (low[1] - high[1])
         edge = EDGE * (high[0] - low[0])
         part = min(max(interpolated, low[0] + edge), high[0] - edge)

@@ -259,7 +259,7 @@ def least_strength(cones: ConeProblem, unit: float) -> ConicProgram:
 
 
 def least_cohesion(cones: ConeProblem) -> ConicProgram:
-    """Program for the least cohesion c that balances, in friction limits |f_t| <= mu f_n + c w.
+    """Program for the least cohesion c that holds the parts, if |f_t| <= mu f_n + c w.
 
     w is the weight of the lighter part at the contact. If c < 0, forces exist inside the cones with
     a margin that exceeds rounding. If c > 0, the multipliers of the first rows give a motion in the

@@ -105,7 +105,7 @@ class Iterate:
 
     @property
     def bound(self) -> float:
-        """Upper bound of the balanced shares t if -A^T y lies in the cones; inf without gain."""
+        """Upper bound of the load share t, valid if -A^T y is in the cones; inf if along.y <= 0."""
         gain = float((self.problem.along * self.y).sum())
         return -float((self.problem.right * self.y).sum()) / gain if gain > 0.0 else np.inf
 

@@ -56,7 +56,7 @@ class Faces:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LockedTurns:
-    """Equilibrium forces and self-stress, shape (K,) each [-], that lock every turn of parts."""
+    """Equilibrium forces and self-stress that lock every turn of parts, shape (K,) each [-]."""
 
     FORM: ClassVar[Form] = keys(locked=list_of(NUMBER), stress=list_of(NUMBER))
     SURFACES: ClassVar[str] = "exact"

@@ -50,7 +50,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Leaf:
-    """Proof on a cone of motions: forces, shape (K,), and side weights N, shape (m, m)."""
+    """Proof on a cone of motions: contact forces, shape (K,), and side weights, shape (m, m)."""
 
     forces: Array
     weights: Array
