@@ -257,51 +257,165 @@ def test_an_assembly_is_shown_in_a_notebook() -> None:
 
 # verbs ----------------------------------------------------------------------------------------
 
-VERBS = ("check", "orient", "region", "margin", "plan", "hold", "states", "contacts")
-EVERY = {"friction", "down", "ground", "floor", "tolerance", "progress"}
+VERBS = {
+    "check": "assembly",
+    "check_many": "assemblies",
+    "contacts": "assembly",
+    "draw": "subject",
+    "hold": "assembly",
+    "improve": "assembly",
+    "margin": "assembly",
+    "orient": "assembly",
+    "plan": "assembly",
+    "region": "assembly",
+    "report": "assembly",
+    "states": "assembly",
+    "transport": "assembly",
+}
+"""Each verb, and the name of its first argument."""
+EVERY = {"friction", "down", "ground", "floor", "progress"}
 OTHER_DEFAULTS = {
     ("margin", "require"): "equilibrium",  # higher levels of limits cost a search
     ("plan", "require"): "equilibrium",  # the search for orders decides at this level
 }
 """Defaults that differ from the table; the docstring of the verb states the reason."""
+OTHER_MEANINGS = {("check_many", "progress")}  # it receives numbers of assemblies
+REFERENCES = (
+    "As in `kilter.check`",
+    "Changes of the assembly before the question, as in `kilter.check`.",
+    "Changes of each assembly before the question, as in `kilter.check`; ",
+)
+
+
+def documented(function: Callable[..., Any]) -> dict[str, str]:
+    """The text about each parameter in a docstring, without the type."""
+    section = re.search(r"Parameters\n-{10}\n(.*?)\n\n", inspect.getdoc(function) or "", re.S)
+    assert section is not None
+    entries = re.findall(r"^(\S[^:\n]*)(?: : .*)?\n((?:    .*\n?)*)", section[1], re.M)
+    return {
+        name: re.sub(r"\s+", " ", text).strip()
+        for names, text in entries
+        for name in names.split(", ")
+    }
 
 
 @pytest.mark.parametrize("verb", VERBS)
 def test_every_verb_has_the_keywords_of_the_table(verb: str) -> None:
     function = getattr(kilter, verb)
     parameters = inspect.signature(function).parameters
-    assert next(iter(parameters)) == "assembly"
+    assert next(iter(parameters)) == VERBS[verb]
     assert set(parameters) >= EVERY
+    assert "tolerance" in parameters or verb == "improve"  # bricks have a grid instead
+    texts = documented(function)
     for name in set(parameters) & set(KEYWORDS):
         default = OTHER_DEFAULTS.get((verb, name), KEYWORDS[name].default)
         assert parameters[name].default == default, name
         assert parameters[name].kind is inspect.Parameter.KEYWORD_ONLY, name
-        assert re.search(rf"^    .*\b{name}\b.*$", function.__doc__, re.M), name
+        begins = (KEYWORDS[name].sentence, *(REFERENCES if verb != "check" else ()))
+        if (verb, name) not in OTHER_MEANINGS:
+            assert texts[name].startswith(begins), (name, texts[name])
+    if verb == "check":
+        assert set(parameters) >= set(KEYWORDS)
 
 
-@pytest.mark.parametrize("verb", VERBS)
+def test_no_other_function_takes_the_keywords() -> None:
+    """A new verb must join the list above; `load` and `save` read files with their options."""
+    functions = {name for name in kilter.__all__ if inspect.isfunction(getattr(kilter, name))}
+    taking = {
+        name
+        for name in functions
+        if {"friction", "floor"} & set(inspect.signature(getattr(kilter, name)).parameters)
+    }
+    assert taking - {"load"} == set(VERBS)
+
+
+def loose_stack() -> Assembly:
+    held = [dataclasses.replace(part, grounded=False) for part in stack(0.2)]
+    return dataclasses.replace(stack(), parts=held)
+
+
+def content_of(answer: Any) -> Any:
+    """Content of an answer that is equal for equal questions."""
+    if isinstance(answer, kilter.Report):
+        return answer.verdict
+    if isinstance(answer, kilter.States):
+        return answer.assembly
+    if hasattr(answer, "savefig"):
+        return [text.get_text() for axes in answer.axes for text in axes.texts]
+    if isinstance(answer, kilter.Verdicts):
+        return [content_of(verdict) for verdict in answer]
+    return {key: value for key, value in answer.to_dict().items() if key != "seconds"}
+
+
+@pytest.mark.quick(
+    "check", "check_many", "contacts", "hold", "orient", "plan", "region", "states", "transport"
+)
+@pytest.mark.parametrize("verb", [verb for verb in VERBS if verb != "improve"])
 def test_keywords_and_paths_are_the_same_as_a_changed_assembly(verb: str, tmp_path: Any) -> None:
-    loose = dataclasses.replace(
-        stack(), parts=[dataclasses.replace(part, grounded=False) for part in stack()]
-    )
+    if verb == "draw":
+        pytest.importorskip("matplotlib")
+    loose = loose_stack()
     path = tmp_path / "stack.kilter.json"
     kilter.dump(loose, path)
     changed = loose.with_friction(0.6).with_down([0.1, 0, -1]).with_grounded("table")
+    keywords: dict[str, Any] = {"friction": 0.6, "down": [0.1, 0, -1], "ground": "table"}
+    if verb not in ("plan", "states", "hold"):
+        changed, keywords = changed.with_floor(), {**keywords, "floor": True}
     function = getattr(kilter, verb)
-    if verb in ("plan", "states", "hold"):
-        by_hand = function(changed)
-        keywords = {"friction": 0.6, "down": [0.1, 0, -1], "ground": "table"}
-    else:
-        by_hand = function(changed.with_floor())
-        keywords = {"friction": 0.6, "down": [0.1, 0, -1], "ground": "table", "floor": True}
+    if verb == "check_many":
+        asked = function([loose, path, str(path)], **keywords)
+        by_hand = function([changed] * 3)
+        assert content_of(asked) == content_of(by_hand)
+        return
+    by_hand = content_of(function(changed))
     for given in (loose, path, str(path)):
-        asked = function(given, **keywords)
-        if verb == "states":
-            assert asked.assembly == by_hand.assembly
-            continue
-        a, b = asked.to_dict(), by_hand.to_dict()
-        a.pop("seconds", None), b.pop("seconds", None)
-        assert a == b
+        assert content_of(function(given, **keywords)) == by_hand
+
+
+def test_bricks_have_the_keywords_too(tmp_path: Any) -> None:
+    path = tmp_path / "bricks.txt"
+    path.write_text("4x2 (0,0,0)\n4x2 (2,0,1)\n2x2 (5,0,2)\n", "utf-8")
+    bricks = kilter.load(path)
+    changed = bricks.with_friction(0.3).with_down([0.05, 0, -1])
+    expected = content_of(kilter.improve(changed))
+    assert expected != content_of(kilter.improve(bricks))
+    for given in (bricks, path):
+        asked = kilter.improve(given, friction=0.3, down=[0.05, 0, -1])
+        assert content_of(asked) == expected
+
+
+@pytest.mark.parametrize("change", [{"friction": 0.1}, {"down": [0, 0, -1]}, {"ground": "table"},
+                                    {"floor": True}])  # fmt: skip
+def test_a_complete_answer_rejects_changes_of_its_assembly(change: dict[str, Any]) -> None:
+    pytest.importorskip("matplotlib")
+    [name] = change
+    order = kilter.plan(stack(0.2))
+    with pytest.raises(
+        InputError, match=f"^{name} changes the assembly, but the argument has type Order"
+    ):
+        kilter.report(order, **change)
+    with pytest.raises(
+        InputError, match=f"^{name} changes the assembly, but the argument has type Verdict"
+    ):
+        kilter.draw(kilter.check(stack(0.2)), **change)
+
+
+def test_wrong_elements_of_many_are_one_sentence(tmp_path: Any) -> None:
+    for given, words in (
+        (["gone.json"], "gone.json: no such file"),
+        ([stack(), 3], "assembly 1 is of type int"),
+        (stack(), "check_many got a single assembly"),
+        ("stack.json", "check_many got a single assembly"),
+    ):
+        with pytest.raises(InputError, match=words) as caught:
+            kilter.check_many(given)  # type: ignore[arg-type]
+        assert "\n" not in str(caught.value)
+    with pytest.raises(InputError, match="assembly 1: no part is named 'lid'"):
+        kilter.check_many([stack() + Part("lid", Box(1, 1, 1)), stack()], ground="lid")
+    corners = np.array(CORNERS, dtype=float)
+    arrays = kilter.AssemblyArrays(corners, FACES, [0, 4], [0, 4], [0, 1], [True])
+    with pytest.raises(InputError, match="friction changes the assembly"):
+        kilter.check_many(arrays, friction=0.5)
 
 
 def test_contacts_and_a_keyword_that_changes_them_are_refused() -> None:

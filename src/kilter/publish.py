@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -20,12 +20,14 @@ from kilter.work import EFFORT
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike
 
     from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region
     from kilter.analysis.transport.transport import Transport
     from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly import Assembly
+    from kilter.assembly.verb_keywords import AssemblyOrPath
     from kilter.contact import ContactSet, Tolerance
     from kilter.second_order.answer.path_places import PathPlaces
     from kilter.show.serve import PageServer
@@ -65,9 +67,13 @@ class Report:
 
 
 def report(
-    assembly: Assembly | Order,
+    assembly: AssemblyOrPath | Order,
     out: str | Path | None = None,
     *,
+    friction: float | None = None,
+    down: ArrayLike | None = None,
+    ground: str | Iterable[str] = (),
+    floor: bool | float | None = None,
     title: str = "",
     contacts: ContactSet | None = None,
     tolerance: Tolerance | None = None,
@@ -83,14 +89,16 @@ def report(
 
     Parameters
     ----------
-    assembly : Assembly or Order
+    assembly : Assembly, path, or Order
         An `Order` of `kilter.plan` is shown unchanged; nothing is computed again.
     out : path, optional
         File of the page, ending in .html.
+    friction, down, ground, floor : optional
+        Changes of the assembly before the question, as in `kilter.check`.
     title : str
         Title of the page; by default the name of the file.
-    contacts, tolerance, effort, time_limit, progress
-        See `kilter.check`.
+    contacts, tolerance, effort, time_limit, progress : optional
+        As in `kilter.check`.
     margins : bool
         Compute margins even for more than 20 free parts; up to 20 the page always has them.
     command : str
@@ -110,8 +118,11 @@ def report(
     """
     if out is not None:
         require_ending(out, PAGES, "page")
-    page = _plan_page(assembly, title, command, progress) or _page(
-        assembly,
+    subject = _changed(
+        assembly, "report", contacts, friction=friction, down=down, ground=ground, floor=floor
+    )
+    page = _plan_page(subject, title, command, progress) or _page(
+        subject,
         contacts,
         title=title,
         tolerance=tolerance,
@@ -127,6 +138,20 @@ def report(
 
         write_text(Path(out), page.html)
     return page
+
+
+def _changed(subject: Any, verb: str, contacts: ContactSet | None, **changes: Any) -> Any:
+    """Return an assembly, read and changed by keywords, or an answer, which rejects changes."""
+    from kilter.analysis.planning.order.order import Order
+    from kilter.analysis.regions.region import Region
+    from kilter.analysis.transport.transport import Transport
+    from kilter.analysis.verdict.verdict import Verdict
+    from kilter.assembly.verb_keywords import asked_assembly, require_unchanged
+
+    if not isinstance(subject, Verdict | Region | Order | Transport):
+        return asked_assembly(subject, verb, contacts, **changes)
+    require_unchanged(subject, **changes)
+    return subject
 
 
 def _plan_page(subject: Any, title: str, command: str, progress: Tell | None) -> Report | None:
@@ -389,9 +414,13 @@ def _require_steps(order: Order) -> None:
 
 
 def draw(
-    subject: Assembly | Verdict | Region | Order | Transport,
+    subject: AssemblyOrPath | Verdict | Region | Order | Transport,
     out: str | Path | None = None,
     *,
+    friction: float | None = None,
+    down: ArrayLike | None = None,
+    ground: str | Iterable[str] = (),
+    floor: bool | float | None = None,
     what: Literal["assembly", "region"] = "assembly",
     view: tuple[float, float] | None = None,
     names: bool | None = None,
@@ -407,10 +436,12 @@ def draw(
 
     Parameters
     ----------
-    subject : Assembly, Verdict, Region, Order or Transport
+    subject : Assembly, path, Verdict, Region, Order or Transport
         An answer is drawn unchanged. For an assembly, the answer selected by `what` is computed.
     out : path, optional
         File of the figure, ending in .svg, .png or .pdf.
+    friction, down, ground, floor : optional
+        Changes of the assembly before the question, as in `kilter.check`.
     what : {"assembly", "region"}
         Figure of an assembly: its verdict or its stable region.
     view : (float, float), optional
@@ -418,10 +449,10 @@ def draw(
     names : bool, optional
         Write the names of the parts; by default only for few parts.
     contacts : ContactSet or bool, optional
-        Contacts of the assembly; or whether contact patches are drawn, by default only if there
-        are few.
-    tolerance, effort, time_limit, progress
-        See `kilter.check`.
+        Contacts of this assembly; by default they are detected from its geometry. True or False
+        decides whether contact patches are drawn; by default only few patches are drawn.
+    tolerance, effort, time_limit, progress : optional
+        As in `kilter.check`.
 
     Returns
     -------
@@ -450,6 +481,9 @@ def draw(
     require_figure(out, view)
     shown = contacts if isinstance(contacts, bool) else None
     known = None if isinstance(contacts, bool) else contacts
+    subject = _changed(
+        subject, "draw", known, friction=friction, down=down, ground=ground, floor=floor
+    )
     answer = answer_to_draw(
         subject,
         what,

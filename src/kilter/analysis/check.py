@@ -79,21 +79,28 @@ def check(
     assembly : Assembly, or path
         At least one part must be held. The assembly contains friction and the direction of
         gravity: ``check(assembly.with_friction(0.6).with_down([0.1, 0, -1]))``.
-    friction, down, ground, floor : optional
-        Changes of the assembly before the question, as the options of `kilter.load`.
+    friction : float, optional
+        Coefficient of the contacts without a coefficient of their own [-].
+    down : array_like, shape (3,), optional
+        Direction of gravity, whose magnitude stays [-].
+    ground : str or iterable of str
+        Parts that are also held; ``*`` and ``?`` are wildcards.
+    floor : bool or float, optional
+        True adds a held table under the lowest point; a number is its height [length].
     contacts : ContactSet, optional
         Contacts of this assembly; by default they are detected from its geometry.
     tolerance : Tolerance, optional
-        Tolerances of this detection: gap, angle and clearance of faces that touch.
+        Tolerances of the detection: gap, angle and clearance. By default those of the assembly.
     require : {"equilibrium", "settles", "proved", "strict"}
-        The level from which `Verdict.stable` is true.
+        Level from which the answer is yes. `Verdict.stable` is true from this level.
     measures : bool
         Whether to report z, kappa and the displacements although friction plays a part. They do
         not include friction.
     effort : float
-        Work limit of the guarantee of friction: the search for a motion, and the proof that no
-        motion exists. 0 is quick, 1 is usual, and each further unit allows about ten times more
-        work. Work is counted in operations, not in time. At the limit the guarantee is open.
+        Work limit; each further unit allows about ten times more work [-]. It concerns the
+        guarantee of friction: the search for a motion, and the proof that no motion exists. 0 is
+        quick and 1 is usual. Work is counted in operations, not in time. At the limit the guarantee
+        is open.
     time_limit : float, optional
         Time limit [s]. At the limit the answer contains the proofs completed until then, and a
         warning. The clock is read between steps, so such an answer may differ from run to run.

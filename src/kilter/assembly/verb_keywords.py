@@ -1,8 +1,8 @@
 """The keywords that the verbs share: one table of names, defaults, units and meanings.
 
-A verb is a function that answers a question about an assembly: `kilter.check`, `kilter.orient`,
-`kilter.region`, `kilter.margin`, `kilter.plan`, `kilter.hold`, `kilter.states` and
-`kilter.contacts`. Tests compare their signatures with this table.
+A verb is a function that answers a question about an assembly: `kilter.check`, `check_many`,
+`orient`, `region`, `margin`, `transport`, `plan`, `hold`, `states`, `contacts`, `improve`, `report`
+and `draw`. Tests compare their signatures and docstrings with this table.
 """
 
 from __future__ import annotations
@@ -20,7 +20,14 @@ from kilter.hooks import hook
 from kilter.tell.levels import REQUIRE
 from kilter.work import EFFORT
 
-__all__ = ["CHANGES", "KEYWORDS", "AssemblyOrPath", "Keyword", "asked_assembly"]
+__all__ = [
+    "CHANGES",
+    "KEYWORDS",
+    "AssemblyOrPath",
+    "Keyword",
+    "asked_assembly",
+    "require_unchanged",
+]
 
 AssemblyOrPath = Assembly | str | os.PathLike[str]
 """The first argument of a verb: an assembly, or the path of a file that `kilter.load` reads."""
@@ -28,24 +35,40 @@ AssemblyOrPath = Assembly | str | os.PathLike[str]
 
 @dataclass(frozen=True, slots=True)
 class Keyword:
-    """A keyword argument that several functions share: its default, its unit, its meaning."""
+    """A keyword argument that several functions share: its default, its unit, its meaning.
+
+    The unit is "-" for a number without a unit, and empty for values that are no numbers.
+    """
 
     default: Any
     unit: str
     meaning: str
 
+    @property
+    def sentence(self) -> str:
+        """The sentence about this keyword in the docstrings of verbs."""
+        return f"{self.meaning} [{self.unit}]." if self.unit else f"{self.meaning}."
+
 
 KEYWORDS = {
-    "friction": Keyword(None, "-", "coefficient of contacts without a coefficient of their own"),
-    "down": Keyword(None, "-", "direction of gravity, shape (3,); its magnitude stays"),
-    "ground": Keyword((), "", "names of parts that are also held; * and ? are globs"),
-    "floor": Keyword(None, "length unit", "True: a held table under the lowest point; or its top"),
-    "contacts": Keyword(None, "", "contacts of the assembly; by default they are detected"),
-    "tolerance": Keyword(None, "", "tolerances of this detection"),
-    "require": Keyword(REQUIRE, "", "level from which the answer is yes"),
-    "effort": Keyword(EFFORT, "-", "limit of counted work: each unit allows ten times more"),
-    "time_limit": Keyword(None, "s", "limit of time; the answer is what was proved until then"),
-    "progress": Keyword(None, "", "function that is called with the name of each stage"),
+    "friction": Keyword(
+        None, "-", "Coefficient of the contacts without a coefficient of their own"
+    ),
+    "down": Keyword(None, "-", "Direction of gravity, whose magnitude stays"),
+    "ground": Keyword((), "", "Parts that are also held; ``*`` and ``?`` are wildcards"),
+    "floor": Keyword(
+        None, "length", "True adds a held table under the lowest point; a number is its height"
+    ),
+    "contacts": Keyword(
+        None, "", "Contacts of this assembly; by default they are detected from its geometry"
+    ),
+    "tolerance": Keyword(None, "", "Tolerances of the detection: gap, angle and clearance"),
+    "require": Keyword(REQUIRE, "", "Level from which the answer is yes"),
+    "effort": Keyword(
+        EFFORT, "-", "Work limit; each further unit allows about ten times more work"
+    ),
+    "time_limit": Keyword(None, "s", "Time limit"),
+    "progress": Keyword(None, "", "Function that is called with the name of each stage"),
 }
 """Shared keywords by name."""
 CHANGES = ("friction", "down", "ground", "floor")
@@ -111,3 +134,36 @@ def asked_assembly(
     if floor is not None and floor is not False:
         assembly = assembly.with_floor(None if floor is True else floor)
     return assembly
+
+
+def require_unchanged(
+    subject: object,
+    *,
+    friction: float | None = None,
+    down: ArrayLike | None = None,
+    ground: str | Iterable[str] = (),
+    floor: bool | float | None = None,
+) -> None:
+    """Reject keywords that would change the assembly of a complete answer.
+
+    Raises
+    ------
+    InputError
+        If a keyword has another value than its default.
+
+    Examples
+    --------
+    >>> require_unchanged("answer", friction=0.5)
+    Traceback (most recent call last):
+        ...
+    kilter.errors.InputError: friction changes the assembly, but the argument has type str; give an assembly
+    """
+    names = [ground] if isinstance(ground, str) else list(ground)
+    changes = {"friction": friction, "down": down, "ground": names or None, "floor": floor}
+    changing = [name for name, value in changes.items() if value is not None]
+    if changing:
+        kind = type(subject).__name__
+        raise InputError(
+            f"{changing[0]} changes the assembly, but the argument has type {kind}",
+            hint="give an assembly",
+        )

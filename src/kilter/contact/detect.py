@@ -53,11 +53,9 @@ def contacts(
     ----------
     assembly : Assembly, or path
     friction, down, ground, floor : optional
-        Changes of the assembly before the question, as the options of `kilter.load`.
-    tolerance : Tolerance, optional
-        Largest gap and angle at which faces count as touching; by default that of the assembly.
-    progress : callable, optional
-        Called with the name of each stage.
+        Changes of the assembly before the question, as in `kilter.check`.
+    tolerance, progress : optional
+        As in `kilter.check`.
 
     Returns
     -------

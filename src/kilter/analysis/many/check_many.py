@@ -8,11 +8,13 @@ are left to `check`.
 
 from __future__ import annotations
 
+import os
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
 from kilter.analysis.many.decided_together import Together, decide_together
@@ -22,6 +24,7 @@ from kilter.assembly import Assembly
 from kilter.assembly.array_geometry import arrays_side_by_side
 from kilter.assembly.assembly_arrays import AssemblyArrays
 from kilter.assembly.side_by_side import SideBySide, side_by_side
+from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly, require_unchanged
 from kilter.contact import Tolerance
 from kilter.errors import InputError, KilterError
 from kilter.shape.primitives import Box, Mesh, Prism
@@ -39,8 +42,12 @@ SMALL = 100
 
 @on_one_thread
 def check_many(
-    assemblies: Iterable[Assembly] | AssemblyArrays,
+    assemblies: Iterable[AssemblyOrPath] | AssemblyArrays,
     *,
+    friction: float | None = None,
+    down: ArrayLike | None = None,
+    ground: str | Iterable[str] = (),
+    floor: bool | float | None = None,
     tolerance: Tolerance | None = None,
     require: str = REQUIRE,
     effort: float = EFFORT,
@@ -55,16 +62,19 @@ def check_many(
 
     Parameters
     ----------
-    assemblies : iterable of Assembly, or AssemblyArrays
+    assemblies : iterable of Assembly or path, or AssemblyArrays
         Assemblies, each with its own gravity, friction, units and size. `AssemblyArrays` avoid the
         construction of part objects.
+    friction, down, ground, floor : optional
+        Changes of each assembly before the question, as in `kilter.check`; `AssemblyArrays` accept
+        no change.
     tolerance : Tolerance, optional
-        Tolerance within which faces count as touching, for all assemblies; by default that of each
-        assembly.
+        Tolerances of the detection: gap, angle and clearance. They apply to all assemblies; by
+        default each assembly has its own.
     require : {"equilibrium", "settles", "proved", "strict"}
-        Level that `Verdicts.stable` requires.
+        Level from which the answer is yes. `Verdicts.stable` is true from this level.
     effort, time_limit : float
-        Limits for each assembly that `check` decides alone.
+        As in `kilter.check`, for each assembly that `check` decides alone.
     proofs : bool
         Whether to store every proof, about 10 kB each, for `Verdicts.certificate`.
     progress : callable, optional
@@ -73,7 +83,8 @@ def check_many(
     Raises
     ------
     InputError
-        If the tolerance or an option is invalid, or an element of `assemblies` is no Assembly.
+        If the tolerance or an option is invalid, a file cannot be read, a name matches no part of
+        an assembly, or an element of `assemblies` is neither an assembly nor a path.
 
     Examples
     --------
@@ -93,7 +104,13 @@ def check_many(
         "effort": effort,
         "time_limit": time_limit,
     }
-    given = assemblies if isinstance(assemblies, AssemblyArrays) else _as_tuple(assemblies)
+    changes: dict[str, Any] = {
+        "friction": friction,
+        "down": down,
+        "ground": ground if isinstance(ground, str) else tuple(ground),
+        "floor": floor,
+    }
+    given = _given(assemblies, changes)
     rows: dict[int, Row] = {}
     for first in range(0, len(given), AT_ONCE):
         last = min(first + AT_ONCE, len(given))
@@ -112,16 +129,29 @@ def check_many(
     return Verdicts(given, tuple(rows[k] for k in range(len(given))), options)
 
 
-def _as_tuple(assemblies: Iterable[Assembly]) -> tuple[Assembly, ...]:
-    """Return the assemblies as a tuple; raise InputError for any other object."""
-    listed = tuple(assemblies)
-    for k, assembly in enumerate(listed):
-        if not isinstance(assembly, Assembly):
+def _given(
+    assemblies: Iterable[AssemblyOrPath] | AssemblyArrays, changes: dict[str, Any]
+) -> tuple[Assembly, ...] | AssemblyArrays:
+    """Return the assemblies with their changes; raise InputError for any other object."""
+    if isinstance(assemblies, AssemblyArrays):
+        require_unchanged(assemblies, **changes)
+        return assemblies
+    if isinstance(assemblies, Assembly | str | os.PathLike):
+        raise InputError(
+            "check_many got a single assembly", hint="give a list, or use kilter.check"
+        )
+    listed = []
+    for k, assembly in enumerate(assemblies):
+        if not isinstance(assembly, Assembly | str | os.PathLike):
             raise InputError(
                 f"assembly {k} is of type {type(assembly).__name__}",
-                hint="give assemblies, as kilter.load or kilter.Assembly makes them",
+                hint="give assemblies, as kilter.load or kilter.Assembly makes them, or paths",
             )
-    return listed
+        try:
+            listed.append(asked_assembly(assembly, "check_many", **changes))
+        except InputError as error:
+            raise error.located(file=f"assembly {k}") from None
+    return tuple(listed)
 
 
 def _together(

@@ -10,23 +10,25 @@ again. If no strength is enough, the motion of the fall takes the place of the m
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
 from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
 from kilter.analysis.margins.load_limit import finite
 from kilter.analysis.turning_tolerances import MOVES
 from kilter.arrays import Array
-from kilter.assembly import Assembly, require_assembly
+from kilter.assembly import Assembly
 from kilter.assembly.brick import BRICK_PLATES
 from kilter.assembly.bricks import BrickModel, assembly_of_bricks
 from kilter.assembly.bricks.brick_assembly import bricks_of
 from kilter.assembly.bricks.brick_library import STATED, brick_mass
 from kilter.assembly.bricks.brick_model import NO_COLOR, cells_of
+from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact.detect import contacts
 from kilter.mechanics.program import Program, build_program
 from kilter.tell.improve_words import improve_sentence
@@ -147,15 +149,25 @@ class Improvement(Answer):
 
 
 @on_one_thread
-def improve(assembly: Assembly, *, progress: Callable[[str], None] | None = None) -> Improvement:
+def improve(
+    assembly: AssemblyOrPath,
+    *,
+    friction: float | None = None,
+    down: ArrayLike | None = None,
+    ground: str | Iterable[str] = (),
+    floor: bool | float | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> Improvement:
     """Find the brick whose addition or removal lowers the required strength of studs most.
 
     Parameters
     ----------
-    assembly : Assembly
+    assembly : Assembly, or path
         Assembly of bricks, as `kilter.load` reads it.
+    friction, down, ground, floor : optional
+        Changes of the assembly before the question, as in `kilter.check`.
     progress : callable, optional
-        Function that receives the name of each stage of the work.
+        Function that is called with the name of each stage.
 
     Raises
     ------
@@ -172,7 +184,9 @@ def improve(assembly: Assembly, *, progress: Callable[[str], None] | None = None
     (True, True)
     """
     report = progress or (lambda stage: None)
-    require_assembly(assembly, "improve")
+    assembly = asked_assembly(
+        assembly, "improve", friction=friction, down=down, ground=ground, floor=floor
+    )
     model, rules, cell = bricks_of(assembly)
     report("weakest studs")
     verdict = check(assembly)

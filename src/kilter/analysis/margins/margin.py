@@ -247,8 +247,7 @@ def margin(
     ----------
     assembly : Assembly, or path
     friction, down, ground, floor : optional
-        Changes of the assembly before the question, as the options of `kilter.load`.
-    contacts : ContactSet, optional
+        Changes of the assembly before the question, as in `kilter.check`.
     push : array_like, shape (3,), optional
         The load factor of a body force in this direction, in units of each part's weight;
         else that of the given loads, if there are any.
@@ -264,13 +263,11 @@ def margin(
     bracket : bool
         Also the load factors up to which no motion that obeys the contact law can start.
     require : {"equilibrium", "settles", "proved"}
-        Above "equilibrium", `Margin.at_level` has the values up to which this level is reached.
-        The default is lower than that of `check`, because each further value is a search.
-    tolerance : Tolerance, optional
-        When faces count as touching.
-    effort, time_limit : float
-        As in `kilter.check`, for the guarantee of friction.
-    progress : callable, optional
+        Level from which the answer is yes. Above "equilibrium", `Margin.at_level` has the values up
+        to which this level is reached. The default is lower than that of `check`, because each
+        further value is a search.
+    contacts, tolerance, effort, time_limit, progress : optional
+        As in `kilter.check`.
 
     Raises
     ------

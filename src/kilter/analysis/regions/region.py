@@ -320,19 +320,13 @@ def region(
     assembly : Assembly, or path
         It has at least one held part.
     friction, down, ground, floor : optional
-        Changes of the assembly before the question, as the options of `kilter.load`.
-    contacts : ContactSet, optional
-        Detected from the geometry by default.
+        Changes of the assembly before the question, as in `kilter.check`.
     gap_deg : float
         How far apart the inner and the outer cone may be, with friction in space [deg].
     rests : bool
         Also which of its axis, lines and rays are strict minima of energy (`Region.rests`).
-    tolerance : Tolerance, optional
-        When faces count as touching.
-    time_limit : float, optional
-        Limit of the time [s].
-    progress : callable, optional
-        Called with a word at each stage.
+    contacts, tolerance, time_limit, progress : optional
+        As in `kilter.check`.
 
     Raises
     ------

@@ -13,7 +13,7 @@ the levels of check.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -33,7 +33,8 @@ from kilter.analysis.transport.transport_proofs import transport_proofs
 from kilter.analysis.verdict.answers import joints_answer
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
-from kilter.assembly import Assembly, require_assembly
+from kilter.assembly import Assembly
+from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance
 from kilter.errors import InputError, TimeLimitReached
 from kilter.mechanics.bundle import make_bundle
@@ -300,8 +301,12 @@ class Transport:
 
 @on_one_thread
 def transport(
-    assembly: Assembly,
+    assembly: AssemblyOrPath,
     *,
+    friction: float | None = None,
+    down: ArrayLike | None = None,
+    ground: str | Iterable[str] = (),
+    floor: bool | float | None = None,
     accelerate: ArrayLike | None = None,
     turn: CarrierMotion | None = None,
     code: str | None = None,
@@ -319,9 +324,11 @@ def transport(
 
     Parameters
     ----------
-    assembly : Assembly
+    assembly : Assembly, or path
         Its frame is fixed in the carrier, and its held parts belong to the carrier. Loads and
         bonds are fixed in the carrier.
+    friction, down, ground, floor : optional
+        Changes of the assembly before the question, as in `kilter.check`.
     accelerate : array_like, shape (3,), optional
         Is this acceleration of the carrier carried [m/s^2]?
     turn : CarrierMotion, optional
@@ -335,10 +342,9 @@ def transport(
         How many times as fast may the carrier follow this path?
     polar : bool
         Without a question: also the boundary of all horizontal accelerations.
-    contacts : ContactSet, optional
     require : {"equilibrium", "settles", "proved"}
-        The level from which `Transport.carried` is true.
-    tolerance, effort, time_limit, progress
+        Level from which the answer is yes. `Transport.carried` is true from this level.
+    contacts, tolerance, effort, time_limit, progress
         As in `kilter.check`.
 
     Raises
@@ -359,7 +365,9 @@ def transport(
     """
     tell = progress or (lambda stage: None)
     started = time.perf_counter()
-    require_assembly(assembly, "transport")
+    assembly = asked_assembly(
+        assembly, "transport", contacts, friction=friction, down=down, ground=ground, floor=floor
+    )
     require = require_level(require)
     motions = _questions(assembly, accelerate, turn, code, forward, path)
     work = Work(units_of(effort), progress, time_limit=time_limit)

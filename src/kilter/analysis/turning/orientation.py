@@ -200,17 +200,11 @@ def orient(
     assembly : Assembly, or path
         It has at least one held part, and no loads.
     friction, down, ground, floor : optional
-        Changes of the assembly before the question, as the options of `kilter.load`.
-    contacts : ContactSet, optional
-        Detected from the geometry by default.
-    tolerance : Tolerance, optional
-        When faces count as touching.
+        Changes of the assembly before the question, as in `kilter.check`.
     method : {"joint", "walk"}
         For the nearest direction on the paper's diamond.
-    time_limit : float, optional
-        Limit of the time [s].
-    progress : callable, optional
-        Called with a word at each stage.
+    contacts, tolerance, time_limit, progress : optional
+        As in `kilter.check`.
 
     Raises
     ------

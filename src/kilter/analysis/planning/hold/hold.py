@@ -57,18 +57,19 @@ def hold(
     assembly : Assembly, or path
         Assembly; `Assembly.without` omits parts that are not inserted yet.
     friction, down, ground, floor : optional
-        Changes of the assembly before the question, as the options of `kilter.load`.
+        Changes of the assembly before the question, as in `kilter.check`.
     candidates : iterable of "grips", "props", "fingers" or Support
         Candidates: a grip on every part, a prop under every part, a finger on every flat
         face that is free, or the given supports.
     most : int, optional
         Largest number of supports to consider.
     require : {"equilibrium", "settles", "proved"}
-        The level that the assembly must reach with its supports.
+        Level from which the answer is yes. The assembly must reach it with its supports.
     effort : float
-        Work that the search may take, counted and not timed.
-    time_limit, contacts, tolerance, progress
-        As of `kilter.check`.
+        Work limit; each further unit allows about ten times more work [-]. It concerns the search
+        of supports, too.
+    contacts, tolerance, time_limit, progress : optional
+        As in `kilter.check`.
 
     Raises
     ------

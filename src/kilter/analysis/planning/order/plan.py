@@ -77,17 +77,18 @@ def plan(
     assembly : Assembly, or path
         Finished assembly with at least one grounded part; the grounded parts are the base.
     friction, down, ground, floor : optional
-        Changes of the assembly before the question, as the options of `kilter.load`.
+        Changes of the assembly before the question, as in `kilter.check`.
     rules : PlanRules, optional
         Allowed orders, held parts and paths, and the quantity to be minimised; by default up to 2
         parts are held, and their number is minimised.
     require : {"equilibrium", "settles", "proved"}
-        Level that `Order.holds` requires of every step. The default is lower than that of `check`,
-        because the search decides half-built states at "equilibrium".
+        Level from which the answer is yes. `Order.holds` requires it of every step. The default is
+        lower than that of `check`, because the search decides half-built states at "equilibrium".
     effort : float
-        Limit of the counted work of the search: 1 is usual, each further unit means ten times more.
-    time_limit, contacts, tolerance, progress
-        Same as in `kilter.check`.
+        Work limit; each further unit allows about ten times more work [-]. It concerns the search
+        of the order, too.
+    contacts, tolerance, time_limit, progress : optional
+        As in `kilter.check`.
 
     Raises
     ------

@@ -504,13 +504,9 @@ def states(
     assembly : Assembly, or path
         Finished assembly; its grounded parts are held in every state in which they are present.
     friction, down, ground, floor : optional
-        Changes of the assembly before the question, as the options of `kilter.load`.
-    contacts : ContactSet, optional
-        Contacts; detected from the geometry by default.
-    tolerance : Tolerance, optional
-        Tolerance within which faces count as touching.
-    progress : callable, optional
-        Called with a word at each stage.
+        Changes of the assembly before the question, as in `kilter.check`.
+    contacts, tolerance, progress : optional
+        As in `kilter.check`.
 
     Raises
     ------
