@@ -321,12 +321,15 @@ def test_wrong_choices_are_one_sentence(keys: dict[str, Any], words: str, say: A
 PLACES = {
     "elsewhere": ("save t.kilter.json -o sub/c.json", "or to a folder above it"),
     "no ending": ("save t.kilter.json -o c.txt", "choices need a file that ends in .json"),
-    "no name": ("save t.kilter.json", "the name of the choices is missing; add -o X.kilter.json"),
+    "no name": (
+        "save t.kilter.json",
+        "the name of the output file is missing; add -o X.kilter.json",
+    ),
     "an assembly": ("save t.kilter.json -o u.kilter.json", "has other content than choices"),
     "itself": ("save t.kilter.json -o t.kilter.json", "has other content than choices"),
     "missing": ("save gone.step -o c.json", "gone.step: no such file"),
     "unknown part": ("save t.kilter.json --ground d -o c.json", "no part is named 'd'"),
-    "stdin": ("save - -o c.json", "choices cannot name standard input"),
+    "stdin": ("save - -o c.json", "options for standard input cannot be saved"),
     "two files": ("save t.kilter.json u.kilter.json -o c.json", "unexpected extra argument"),
 }
 

@@ -87,7 +87,7 @@ def test_steps_exchanged_with_their_states_are_refused(name: str) -> None:
         a, b = where[0], where[-1]
         proof["proofs"][a], proof["proofs"][b] = proof["proofs"][b], proof["proofs"][a]
 
-    assert "its state does not have the parts that stand before it" in judged(name, change)
+    assert "its state differs from the parts that stand before the step" in judged(name, change)
 
 
 @pytest.mark.quick(2)
@@ -95,14 +95,14 @@ def test_steps_exchanged_with_their_states_are_refused(name: str) -> None:
     ("name", "steps", "why"),
     [
         ("tower", (1, 2), "'cube-3' touches no standing part"),
-        ("screw", (0, 1), "the nut 'ring' is on before its bolt 'post'"),
-        ("row", (0, 2), "'b0' is put in before 'b2'"),
+        ("screw", (0, 1), "the nut 'ring' is inserted before its bolt 'post'"),
+        ("row", (0, 2), "'b0' is inserted before 'b2'"),
     ],
 )
 def test_parts_exchanged_are_refused(name: str, steps: tuple[int, int], why: str) -> None:
     found = judged(name, lambda proof: exchange(proof, *steps))
     assert why in found
-    assert "its state does not have the parts that stand before it" in found
+    assert "its state differs from the parts that stand before the step" in found
 
 
 def held_step(proof: Proof) -> Proof:
@@ -152,14 +152,18 @@ CHANGES: list[tuple[str, str, Change]] = [
     ),
     (
         "row",
-        "is put in before 'b0'",
+        "is inserted before 'b0'",
         lambda p: p["rules"]["precedence"].append([entries(p, "step")[1]["parts"][0], "b0"])
         or p["rules"]["precedence"].append(["b0", entries(p, "step")[1]["parts"][0]]),
     ),
-    ("screw", "which is not its standing bolt", lambda p: entries(p, "step")[1].update(over=None)),
     (
         "screw",
-        "which is not its standing bolt",
+        "which is not its bolt or not in place",
+        lambda p: entries(p, "step")[1].update(over=None),
+    ),
+    (
+        "screw",
+        "which is not its bolt or not in place",
         lambda p: entries(p, "step")[0].update(over="ring"),
     ),
     (
@@ -174,7 +178,7 @@ CHANGES: list[tuple[str, str, Change]] = [
         lambda p: entries(p, "not fewer")[0]["change"]["held"].pop(),
     ),
     ("arch", "the finished assembly has no proof", lambda p: p["proofs"].pop(0)),
-    ("arch", "is never put in", lambda p: p["proofs"].remove(entries(p, "step")[-1])),
+    ("arch", "no step inserts", lambda p: p["proofs"].remove(entries(p, "step")[-1])),
     ("arch", "the verdict of its state is unstable", falls_in_a_step),
     (
         "row",
@@ -183,7 +187,7 @@ CHANGES: list[tuple[str, str, Change]] = [
     ),
     (
         "arch",
-        "it changes more of the assembly than its parts",
+        "it changes more than the present and held parts",
         lambda p: entries(p, "step")[0]["change"].update(mu=5.0),
     ),
     ("arch", "of the unknown kind 'else'", lambda p: entries(p, "step")[0].update(about="else")),

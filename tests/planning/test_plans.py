@@ -181,7 +181,7 @@ def test_two_steps_exchanged_are_refused() -> None:
     first["parts"], second["parts"] = second["parts"], first["parts"]
     why = reasons(order, proof)
     assert "touches no standing part" in why
-    assert "its state does not have the parts that stand before it" in why
+    assert "its state differs from the parts that stand before the step" in why
 
 
 def test_a_way_that_is_not_free_is_refused() -> None:

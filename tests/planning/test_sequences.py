@@ -35,7 +35,7 @@ def test_an_order_the_other_way_round_fails_at_each_step() -> None:
     assert order.verdict == "fails"
     first, second, *_, last = order.steps
     assert first.fails == ("it touches no standing part",)
-    assert second.fails == ("'cube-5' would fall before it",)
+    assert second.fails == ("'cube-5' would fall before it is in place",)
     assert second.level is None
     assert "no free path was found along the directions that were tried" not in last.fails
     words = order.to_dict()["sentence"]

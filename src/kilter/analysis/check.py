@@ -230,8 +230,8 @@ def _warnings(
     friction, program = decision.friction, decision.program
     if friction is not None and program.cohesion.any():
         warnings.append(
-            "the guarantee of friction is not computed for bonds with limited shear: only the "
-            "existence of equilibrium forces is proved"
+            "for bonds with limited shear, kilter proves only that equilibrium forces exist, not "
+            "that friction excludes every motion"
         )
     elif friction is not None and not friction.examined and require != "equilibrium":
         warnings.append(TOO_LARGE)
@@ -243,7 +243,7 @@ def _warnings(
     if decision.verdict in ("stable", "balanced"):
         return warnings + loose_parts(assembly, contacts)
     if left_open:
-        warnings.append("z, displacements and motions count only the certain contacts")
+        warnings.append("z, displacements and motions are computed without the open pairs")
     mass = program.mass[program.free]
     if len(mass) and mass.max() > FAR_APART * mass.min():
         warnings.append(

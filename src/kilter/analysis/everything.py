@@ -248,8 +248,8 @@ def everything(
     stable, recommended, none = directions or (None, None, False)
     rests = rays = vertex_map = None
     if stable is not None:
-        rests = in_time("the states of rest are", _with_rests, stable, assembly, contacts) or stable
-        rays = in_time("the forces of the region are", _ray_forces, assembly, contacts, stable)
+        rests = in_time("the places of rest are", _with_rests, stable, assembly, contacts) or stable
+        rays = in_time("the forces for turned gravity are", _ray_forces, assembly, contacts, stable)
         vertex_map = in_time("the stability map is", _map, assembly, contacts, tell, notes)
     return Everything(
         assembly=assembly,
@@ -436,8 +436,8 @@ def _map(
     """The stability map with a motion for each vertex; None if the assembly or map is too large."""
     free = _free_count(assembly)
     consequence = (
-        "so the ball shows the stable region without colours, and motions only for the directions "
-        "of the buttons"
+        "so the ball shows the stable region in a single colour, and the page shows motions only "
+        "for directions that have a button"
     )
     if free > MAP_PARTS:
         notes.append(f"the page computes the map for up to {MAP_PARTS} free parts, {consequence}")

@@ -152,8 +152,8 @@ def margin(
         typer.Option(
             "--about",
             metavar="X Y Z",
-            help="Also how far gravity may turn about this horizontal axis. Without loads and "
-            "bonds only.",
+            help="Also compute how far gravity may turn about this horizontal axis. Only without "
+            "loads and bonds.",
             rich_help_panel=ASKED,
             show_default=False,
         ),
@@ -173,8 +173,8 @@ def margin(
         bool,
         typer.Option(
             "--loads",
-            help="Also the additional load that each part carries straight down; with --part only "
-            "those parts.",
+            help="Also compute the greatest additional load straight down that each part can "
+            "carry; with --part only for those parts.",
             rich_help_panel=ASKED,
         ),
     ] = False,
@@ -182,8 +182,8 @@ def margin(
         bool,
         typer.Option(
             "--bracket",
-            help="Also bounds of the largest load factor under the contact law without dilation. "
-            "The load factor itself is the associative limit.",
+            help="Also compute bounds of the largest load factor if slipping contacts do not "
+            "dilate. The load factor itself is the associative limit, which assumes dilation.",
             rich_help_panel=ASKED,
         ),
     ] = False,

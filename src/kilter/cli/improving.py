@@ -50,6 +50,6 @@ def improve(
         dump(improvement.best.assembly, write)
         after = f"\nchanged model  written to {write}"
     elif write is not None:
-        after = "\nchanged model  not written: no change lowers the need"
+        after = "\nchanged model  not written: no change lowers the strength that the model needs"
     asked.tell(improvement.to_dict(), after=after)
     return IMPROVE[improvement.stands]

@@ -52,7 +52,7 @@ class PlanOptions:
         typer.Option(
             "--before",
             metavar="A B",
-            help="A is put in before B. Repeatable; * and ? are wildcards.",
+            help="A is inserted before B. Repeatable; * and ? are wildcards.",
             rich_help_panel=ORDER,
             show_default=False,
         ),

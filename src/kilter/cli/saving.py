@@ -31,7 +31,7 @@ def save(
             "-o",
             "--output",
             metavar="X.kilter.json",
-            help="File of the choices, in the folder of FILE or above it.",
+            help="File to write, in the folder of FILE or above it.",
             rich_help_panel=FORM,
             show_default=False,
         ),
@@ -52,7 +52,8 @@ def save(
         typer.Option(
             "--open",
             metavar="NAME NAME joined|touching|apart",
-            help="Decide about a pair whose contact the geometry leaves open. Repeatable.",
+            help="Decide how two parts touch whose contact the geometry leaves uncertain. "
+            "Repeatable.",
             rich_help_panel=TOUCH,
             show_default=False,
         ),
@@ -73,9 +74,11 @@ def save(
     from kilter.files.choices_writing import require_place
 
     if output is None:
-        raise InputError("the name of the choices is missing", hint="add -o X.kilter.json")
+        raise InputError("the name of the output file is missing", hint="add -o X.kilter.json")
     if asked.file == "-":
-        raise InputError("choices cannot name standard input", hint="give a file or a folder")
+        raise InputError(
+            "options for standard input cannot be saved", hint="give a file or a folder"
+        )
     replaces = require_place(output)
     entries = {
         "materials": [_material(words) for words in material or ()],

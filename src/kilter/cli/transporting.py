@@ -34,7 +34,8 @@ def transport(
         typer.Option(
             "--accelerate",
             metavar="X Y Z",
-            help="Is this acceleration of the carrier carried? In m/s^2, or in g as 0.5g.",
+            help="Does the assembly stay in place at this acceleration of the carrier? In m/s^2, "
+            "or in g as 0.5g.",
             rich_help_panel=QUESTION,
             show_default=False,
         ),
@@ -73,8 +74,9 @@ def transport(
         typer.Option(
             "--code",
             metavar="NAME",
-            help="Are the accelerations of a rule of load securing carried? en12195, "
-            "en12195:tipping, gdv, vdi2700:3.5t, vdi2700:up-to-3.5t, eumos, or eumos:K for K g.",
+            help="Does the assembly stay in place at the accelerations of this rule of load "
+            "securing? en12195, en12195:tipping, gdv, vdi2700:3.5t, vdi2700:up-to-3.5t, eumos, or "
+            "eumos:K for K g.",
             rich_help_panel=QUESTION,
             show_default=False,
         ),

@@ -258,5 +258,5 @@ def _unclear_reason(contacts: ContactSet, bound: Judgement, work: Work) -> str:
     if bound.stable is None:
         return f"with every possible contact, {_best_figures(bound)}"
     if contacts.open_pairs:
-        return "open pairs could hold it together with round rims"
+        return "open pairs and round rims, taken together, could hold it"
     return "the polygon in place of a round face could hold it, but the circle might not"

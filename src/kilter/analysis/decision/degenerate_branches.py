@@ -81,8 +81,8 @@ class Degenerates:
         sentences = []
         if self.branching:
             sentences.append(
-                "it is stable for every choice of normals at the edges and corners without a "
-                "unique normal (by branching, without a proof file)"
+                "where edges and corners meet without a unique normal, every possible normal was "
+                "tried: it is stable for all of them (without a proof file)"
             )
         if self.approximation is not None:
             word = "stable" if self.approximation else "unstable"

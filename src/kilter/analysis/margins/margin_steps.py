@@ -123,8 +123,8 @@ class MarginSteps:
         self.warnings += _missing_words(self.missing)
         if self.question.omits_pushes:
             self.warnings.append(
-                f"the pushes, and the gain of holding a part, are left out above {PUSHED} free"
-                " parts; --part NAME computes those of a part"
+                f"for more than {PUSHED} free parts, pushes and the gain of holding a part are "
+                "computed only for parts that --part NAME names"
             )
 
     def worst_case(self) -> Uncertainty | None:

@@ -187,7 +187,7 @@ def _hold(
     name, more = program.names[best[1]], _words(of, best[0])
     words = f"hold {name!r}: it adds {more}"
     if np.isinf(best[0]):
-        words = f"hold {name!r}: then every load factor is held"
+        words = f"hold {name!r}: then it withstands every load factor"
     return Help(of, "hold", (name,), best[0], words)
 
 

@@ -108,8 +108,8 @@ def trial_words(trial: OpenTrial, assembly: Assembly, count: int) -> str:
     """Describe the result of a trial with `count` open pairs, as a clause for the answer."""
     if trial.level == PROVED:
         return (
-            f"the guarantee of friction is valid for every subset of the {count} open pairs as "
-            f"ordinary contacts, too ({trial.tried} subsets checked)"
+            f"friction also excludes every motion if any of the {count} open pairs are ordinary "
+            f"contacts ({trial.tried} subsets checked)"
         )
     word = "is not proved" if trial.level == SETTLES else "does not reach the level settles"
     if not trial.lowest:

@@ -358,7 +358,9 @@ def region(
         contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
     rubs = bool((contacts.patch_mu > 0).any())
     if rests and rubs:
-        raise InputError("rests are available only without friction", hint="leave friction out")
+        raise InputError(
+            "places of rest can be computed only without friction", hint="leave friction out"
+        )
     limit = None if time_limit is None else time_limit - (time.perf_counter() - started)
     with given_direction_known(assembly, contacts, limit):
         stable = _region(assembly, contacts, rubs, gap_deg, started, progress)

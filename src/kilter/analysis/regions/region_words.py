@@ -111,7 +111,7 @@ def _knife_edge(program: Program, stable: StableCone) -> str:
     space = "the plane" if program.planar else "space"
     return (
         f"a knife edge: stable only for {what.get(cone.kind, f'a {cone.kind} of directions')}, "
-        f"which has no width in {space}. The slightest tilt along {along}, in either sense, moves "
+        f"which has no width in {space}. The slightest tilt along {along}, to either side, moves "
         f"these parts: {first}{some_names(names)}. Hold them against this motion by a stop, a "
         "clamp or friction"
     )

@@ -50,7 +50,7 @@ def inner_rows(known: KnownAccelerations) -> tuple[Array, Array]:
         facets = ConvexHull(carried[:, used]).equations
     except QhullError:
         raise InputError(
-            "the carried accelerations are thinner than space", hint="use outer rows"
+            "the carried accelerations lie in a plane or on a line", hint="use outer rows"
         ) from None
     facets = np.unique(facets.round(12), axis=0)
     rows = np.zeros((len(facets), 3))

@@ -58,7 +58,7 @@ def find_order(search: OrderSearch, lowest: int, most: int, fewest: str) -> Sear
     order, hold = None, lowest
     try:
         for hold in range(lowest, most + 1):
-            search.work.stage(f"an order with up to {hold} held")
+            search.work.stage(f"an order with up to {hold} held parts")
             order = search.find(hold)
             if order is not None or search.work.over:
                 break

@@ -58,7 +58,7 @@ def find_refused(search: OrderSearch, hold: int) -> list[Holds[State]]:
 
     Empty if they do not.
     """
-    search.work.stage("whether any paths would do")
+    search.work.stage("whether an order exists for any paths")
     refused: dict[int, Holds[State]] = {}
     holdable = bits_of(search.holdable)
 

@@ -98,7 +98,7 @@ def _judge_removal(search: OrderSearch, moved: int, present: int, hold: int) -> 
         if state.stable is None or needs.undecided:
             fails.append(UNDECIDED)
         else:
-            fails.append(f"{some_names(state.moving)} would fall before it{held}")
+            fails.append(f"{some_names(state.moving)} would fall before it is in place{held}")
     if search.pressing is not None and legs and not fails:
         pressed = next(search.pressed(search.pressing, moved, legs, present, hold), None)
         if pressed is not None:

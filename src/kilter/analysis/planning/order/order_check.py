@@ -72,7 +72,8 @@ def wrong_order(
         if (verdict == "unstable") != FALLS[kind]:
             yield f"{kind} {_subject_names(entry)}: the verdict of its state is {verdict}"
         if set(change) - CHANGES - MORE.get(kind, set()):
-            yield f"{kind} {_subject_names(entry)}: it changes more of the assembly than its parts"
+            subject = _subject_names(entry)
+            yield f"{kind} {subject}: it changes more than the present and held parts"
     shows = ("step", "falls alone", "finished falls", "locked", "refused")
     if not any(entries[kind] for kind in shows):
         yield "it has neither an order nor a proof that there is none"
@@ -117,8 +118,8 @@ def _wrong_impossibility(
     excludes = bool(entries["falls alone"] or entries["refused"])
     if excludes and (given["groups"] or given["turn"]):
         yield (
-            "a proof that no order exists is valid only for single parts and a fixed direction of "
-            "gravity"
+            "a proof that no order exists is valid only if parts move singly and gravity does not "
+            "turn"
         )
     yield from _wrong_closure(assembly, entries["falls alone"])
     if entries["refused"]:
@@ -161,7 +162,7 @@ def _wrong_steps(
         if standing.intersection(parts) or len(set(parts)) < len(parts) or not parts:
             reasons.append(f"{said} is standing already")
         if set(step["change"]["without"]) != set(assembly.names) - standing:
-            reasons.append("its state does not have the parts that stand before it")
+            reasons.append("its state differs from the parts that stand before the step")
         if not _hang_on(standing, parts, touching):
             reasons.append(f"{said} touches no standing part")
         is_present = np.array([name in standing and name != over for name in assembly.names])
@@ -173,7 +174,7 @@ def _wrong_steps(
         standing.update(parts)
     missing = set(assembly.names) - standing
     if missing:
-        yield f"{min(missing)!r} is never put in"
+        yield f"no step inserts {min(missing)!r}"
 
 
 def _hang_on(standing: set[str], parts: Sequence[str], touching: dict[str, set[str]]) -> bool:
@@ -228,9 +229,9 @@ def _enough(
         standing = set(assembly.names) - set(change["without"])
         known = number in range(1, len(steps) + 1)
         if not known or set(steps[number - 1]["change"]["without"]) != set(change["without"]):
-            yield f"fewest holds of step {number}: the proof is about another state"
+            yield f"fewest held parts of step {number}: the proof is about another state"
         elif set(change["held"]) != standing - base - parts:
-            yield f"fewest holds of step {number}: other parts are free in the proof"
+            yield f"fewest held parts of step {number}: other parts are free in the proof"
         else:
             may = np.array([name in parts - rules.never_held for name in assembly.names])
             sets.setdefault(number, []).append(bits_of(may))
@@ -263,7 +264,7 @@ def _wrong_exhaustion(
         parts, change = set(cut["parts"]), cut["change"]
         standing = set(names) - set(change["without"])
         if set(change["held"]) != standing - base - parts:
-            yield f"refused {_subject_names(cut)}: other parts are free in the proof"
+            yield f"rejected state of {_subject_names(cut)}: other parts are free in the proof"
             return
         present = bits_of(np.array([name in standing for name in names]))
         may = bits_of(np.array([name in parts - rules.never_held for name in names]))
@@ -298,7 +299,7 @@ def _wrong_locking(
         name, change = entry["part"], entry["change"]
         standing = set(assembly.names) - set(change["without"])
         if name in base or standing != core | base or set(change["held"]) != core - {name}:
-            yield f"{name!r} is not locked by the base and the other parts of the proof"
+            yield f"the state that locks {name!r} is not that of the base and the locked parts"
             continue
         present = np.array([other in standing for other in assembly.names])
         held = present & (np.array(assembly.names) != name)
@@ -308,7 +309,7 @@ def _wrong_locking(
         if multipliers.shape != rows.shape or not shuts(
             opening(program, part, rows), multipliers[rows]
         ):
-            yield f"{name!r} is not proved to be locked by its multipliers"
+            yield f"the multipliers do not prove that {name!r} cannot move"
 
 
 def _wrong_pressing(

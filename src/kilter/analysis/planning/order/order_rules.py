@@ -72,13 +72,13 @@ class Rules:
                 yield f"{name!r} is held, but must not be held"
         for first, second in self.precedence:
             if second in parts and first not in present:
-                yield f"{second!r} is put in before {first!r}"
+                yield f"{second!r} is inserted before {first!r}"
         for group in self.groups:
             if parts & group and not group <= parts:
                 yield f"{min(group - parts)!r} does not move with its group"
         for bolt, nut in self.threads:
             if bolt in parts and nut in standing:
-                yield f"the nut {nut!r} is on before its bolt {bolt!r}"
+                yield f"the nut {nut!r} is inserted before its bolt {bolt!r}"
         yield from self._thread(parts, step["over"], step["legs"], standing)
 
     def _thread(
@@ -90,8 +90,8 @@ class Rules:
             return
         nut = min(parts)
         if over not in on or len(parts) > 1:
-            yield f"{nut!r} comes over {over!r}, which is not its standing bolt"
+            yield f"{nut!r} moves along {over!r}, which is not its bolt or not in place"
             return
         axis = np.array(self.threads[over, nut])
         if len(legs) != 1 or np.linalg.norm(np.cross(axis, legs[0][0])) > AXIS:
-            yield f"{nut!r} does not come along the axis of its thread"
+            yield f"{nut!r} does not move along the axis of its thread"

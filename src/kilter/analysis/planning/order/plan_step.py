@@ -26,7 +26,7 @@ FAR = 2.0
 VERDICTS = {"proved": "stable", "settles": "settles", "equilibrium": "potentially-stable"}
 """Verdict of a step for each level."""
 NO_WAY = "no free path was found along the directions that were tried"
-UNDECIDED = "it is undecided whether the parts that stand before it hold"
+UNDECIDED = "it is undecided whether the parts in place before it hold"
 """Reasons, not proved for every path, why a step of a given order fails."""
 
 

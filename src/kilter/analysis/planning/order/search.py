@@ -184,7 +184,7 @@ class OrderSearch:
         if sum(len(out.parts) for out in order) > sum(len(out.parts) for out in self.best):
             self.best = order.copy()
             left = (order[-1].state.present & ~mask_of(self.base, len(self._near))).sum()
-            self.work.tell(f"order: {left} parts to go, {hold} held")
+            self.work.tell(f"order: {left} parts to place, {hold} held")
 
     def removals(self, present: int, last: int, hold: int) -> Iterator[Removed]:
         """Yield the possible removals from a set of parts, the best first; `last` went before."""

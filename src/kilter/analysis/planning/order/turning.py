@@ -97,7 +97,7 @@ class TurningSearch:
         if fewest == "turns":
             allowed.sort(key=lambda limits: limits[1])
         for hold, turns in allowed:
-            self.search.work.stage(f"an order with {hold} held, {turns} turns")
+            self.search.work.stage(f"an order with {hold} held parts and {turns} turns")
             order = self._find(hold, turns)
             if order is not None or self.search.work.over:
                 return order
