@@ -1,4 +1,4 @@
-"""Registry of functions that upper packages define and lower packages call by name.
+"""Functions by name: upper packages define them, lower packages call them.
 
 A method such as `Assembly.to_mjcf` needs a function of an upper package, but an import of that
 package would close a circle. The lower package therefore calls the function by a name that

@@ -1,4 +1,4 @@
-"""Rotations (matrices, quaternions), poses of parts, and common frames of normals.
+"""Rotations, poses of parts, and common frames of normals.
 
     x_world = R x_part + t,     R from the unit quaternion (w, x, y, z)
 

@@ -1,4 +1,4 @@
-"""Work budgets of computations (counted operations), time limits and progress messages.
+"""Work budgets in counted operations, time limits, and progress.
 
 A `Work` object is passed from a public function down to the steps of its computation. A step that
 may use only a fraction gets a share. Every solver call and every factorisation is *charged* by

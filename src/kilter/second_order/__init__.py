@@ -1,4 +1,4 @@
-"""Second order: does the energy fall along motions that cost none to first order (neutral)?
+"""Second order: does a motion of no first-order energy cost lead down?
 
 Folders, each of which uses only those before it:
 
