@@ -156,7 +156,7 @@ def require_unchanged(
     >>> require_unchanged("answer", friction=0.5)
     Traceback (most recent call last):
         ...
-    kilter.errors.InputError: friction changes the assembly, but the argument has type str; give an assembly
+    kilter.errors.InputError: friction changes the assembly, but the argument has type str; give ...
     """
     names = [ground] if isinstance(ground, str) else list(ground)
     changes = {"friction": friction, "down": down, "ground": names or None, "floor": floor}
