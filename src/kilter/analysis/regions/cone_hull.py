@@ -36,7 +36,7 @@ def distinct(vectors: Array, apart: float = SAME_RAY) -> Array:
 
 
 def extreme_rays(normals: Array) -> Array:
-    """Unit extreme rays of the cone {n.g <= 0}, and of its pieces between the coordinate planes.
+    """Unit extreme rays of the cone {n.g <= 0}, cut by the three coordinate planes.
 
     Parameters
     ----------

@@ -284,7 +284,7 @@ class _Cutting:
         return angle, self._facet(direction, toward, limit.mechanism.motion, BEYOND_FAR)
 
     def _normal(self, motion: Array) -> Array:
-        """Outward unit normal of the facet of a motion: mean displacement by mass; or zero."""
+        """Outward unit normal of the facet that a motion gives: its mass-weighted sum; or zero."""
         normal: Array = (self.program.mass * self.program.free) @ motion[:, :3]
         size = float(np.linalg.norm(normal))
         return normal / size if size > 0.0 else normal

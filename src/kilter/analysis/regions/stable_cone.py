@@ -52,7 +52,7 @@ PRICES = (1e2, 1e3, 1e4, 1e5)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Proof:
-    """Proof that a direction of gravity, unit, shape (3,), holds or fells the assembly.
+    """A direction of gravity, unit, shape (3,), and the proof that a program holds or falls there.
 
     `about` is "ray", "line", "facet" or "equation", `vector` the ray, line or normal.
     """

@@ -55,7 +55,7 @@ class Tipping:
 
 
 def find_tipping(geometry: Geometry, part: int, down: Array) -> Tipping | None:
-    """Find the tilt and the energy at which a body on a table tips over; None without a minimum.
+    """Find tilt and energy at which a body on a table tips over; None if not in an energy minimum.
 
     The body must stand in a strict minimum of its energy.
 
@@ -98,7 +98,7 @@ def _corners(geometry: Geometry, part: int) -> Array:
 
 
 def _of_polyhedron(corners: Array, down: Array, size: float) -> Tipping | None:
-    """Tipping of a polyhedron over the edges of its hull; None if not in a minimum of energy."""
+    """Tipping of a polyhedron over the edges of its hull; None if not in an energy minimum."""
     try:
         hull = ConvexHull(corners)
     except QhullError:

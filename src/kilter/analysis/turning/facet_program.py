@@ -39,9 +39,9 @@ __all__ = ["DiamondOptimum", "FacetOptimum", "joint"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FacetOptimum:
-    """The direction of gravity with the greatest z on a facet of the diamond |g|_1 = 1.
+    """The most nearly stable direction of gravity on a facet of the diamond |g|_1 = 1.
 
-    z is the optimum of the displacement program: 0 if stable, negative if unstable.
+    Its optimum z of the displacement program is the greatest: 0 if stable, negative if unstable.
 
     Attributes
     ----------
@@ -63,9 +63,9 @@ class FacetOptimum:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DiamondOptimum:
-    """The direction of gravity with the greatest z on the diamond |g|_1 = 1.
+    """The most nearly stable direction of gravity on the whole diamond |g|_1 = 1.
 
-    z is the optimum of the displacement program: 0 if stable, negative if unstable.
+    Its optimum z of the displacement program is the greatest: 0 if stable, negative if unstable.
 
     Attributes
     ----------

@@ -67,7 +67,10 @@ class Reachable:
         return SupportPoint(self.basis @ answer.q, direction, -answer.z)
 
     def _first_points(self) -> Array:
-        """Points of Q that form a simplex in its span, shape (dimension + 1, 3); else empty."""
+        """Points of the polytope Q that form a simplex in its span, shape (dimension + 1, 3).
+
+        Empty if Q is a single point.
+        """
         points: list[Array] = []
         rest = np.eye(3)[self.work.unit.axes]
         while len(rest):
@@ -85,7 +88,10 @@ class Reachable:
         return np.array(points).reshape(-1, 3)
 
     def _on_both_sides(self, direction: Array, level: float) -> list[Array]:
-        """Farthest points of Q on each side of a plane ``direction . q = level``; none on it."""
+        """Farthest points of the polytope Q on each side of the plane ``direction . q = level``.
+
+        None on the plane itself.
+        """
         sides = []
         for sign in (1.0, -1.0):
             answer = self.work.solve(sign * direction)
@@ -109,7 +115,7 @@ def _basis_across(points: Array, axes: Index) -> Array:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SphereDirection:
-    """The unit direction of gravity with the greatest z [kg x length unit].
+    """The most nearly stable unit direction of gravity, with its optimum z [kg x length unit].
 
     z is the optimum of the displacement program; `programs` is the number of LPs solved.
     """
@@ -120,7 +126,7 @@ class SphereDirection:
 
 
 def nearest_on_sphere(program: Program) -> SphereDirection | None:
-    """Find the unit direction of gravity with the greatest z; None if a direction is stable.
+    """Find the most nearly stable unit direction of gravity; None if some direction is stable.
 
     z is the optimum of the displacement program: 0 if stable, negative if unstable.
 

@@ -100,7 +100,7 @@ class StabilityMap:
 
     @property
     def nearest(self) -> tuple[Array, float] | None:
-        """Unit direction of gravity with the greatest z, and z; None if a direction is stable."""
+        """Most nearly stable unit direction of gravity, with z; None if a direction is stable."""
         full = 2 if self.planar else 3
         if self.dimension < full or self.offsets.min() <= OUTSIDE_HULL * self.mass:
             return None
@@ -109,7 +109,7 @@ class StabilityMap:
 
 
 def stability_map(program: Program, *, limit: int = PROGRAMS) -> StabilityMap:
-    """Compute the map from which z follows for every direction of gravity.
+    """Compute the stability map, which gives optimum z for every direction of gravity.
 
     Parameters
     ----------

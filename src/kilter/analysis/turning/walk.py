@@ -65,7 +65,7 @@ RESTARTS = 100
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WalkFacet:
-    """The walk in a facet of the diamond: directions, their values z, and how it ended.
+    """The walk in a facet of the diamond: visited directions, their optimum z, and its end.
 
     Attributes
     ----------
@@ -157,7 +157,7 @@ class _Trail:
 
 
 def walk(program: Program, *, every: bool = False) -> Walk:
-    """Find the direction of greatest z on the diamond, by the paper's walk through partitions.
+    """Find the most nearly stable direction on the diamond, by the paper's walk.
 
     Parameters
     ----------
@@ -264,9 +264,9 @@ def _one_walk(work: VirtualWork, trail: _Trail, start: Array) -> None:
 def _summit(
     work: VirtualWork, trail: _Trail, optimum: Optimum, partition: Array, here: Array
 ) -> Array:
-    """Direction with the greatest z in a partition of a facet; `here` if none is greater.
+    """Most stable direction in a partition of a facet; `here` if none is better.
 
-    z = -q.g is linear in a partition.
+    It has the greatest z = -q.g, which is linear in a partition.
     """
     axes, signs = work.unit.axes, trail.signs[work.unit.axes]
     rows = np.vstack([partition[:, axes] * signs, np.ones((1, len(axes)))])
@@ -295,7 +295,7 @@ def _on_facet(point: Array, signs: Array) -> Array:
 
 
 def _ascent(work: VirtualWork, trail: _Trail, test: Optimality) -> Array | None:
-    """A direction higher in z than all before, on the ascent of a failed test; None if none is."""
+    """A direction that is better than all before, on the ascent of a failed test; else None."""
     at = trail.best
     for k in range(40):
         point = trail.path[at] + (test.toward - trail.path[at]) * 0.5**k
@@ -307,7 +307,7 @@ def _ascent(work: VirtualWork, trail: _Trail, test: Optimality) -> Array | None:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Optimality:
-    """Whether a direction has the greatest z of its facet, or else a direction with greater z.
+    """Whether a direction is the most stable of its facet, or else a more stable direction.
 
     `bound`: no direction of the facet has a greater z over the mass. `toward`, shape (3,):
     the point of the facet toward which z rises, if it does.
@@ -319,7 +319,7 @@ class Optimality:
 
 
 def is_best(unit: UnitProgram, signs: Array, gravity: Array, z: float) -> Optimality:
-    """Test whether a direction has the greatest z of its facet; `z` is its value over the mass."""
+    """Test whether a direction is the most stable of its facet; `z` is its value over the mass."""
     lp, axes = unit.lp, unit.axes
     count, rows = len(lp.cost), lp.matrix.shape[0]
     corners = signs[axes, None] * unit.pull[axes]

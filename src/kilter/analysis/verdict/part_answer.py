@@ -15,7 +15,7 @@ __all__ = ["PartAnswer", "PartMotion", "PointForces"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartMotion:
-    """How a part starts to move from rest: accelerations and words; arrays are read-only.
+    """Accelerations with which a part starts to move from rest; arrays are read-only.
 
     Attributes
     ----------

@@ -236,7 +236,7 @@ class Verdict(InCells, Answer):
 
     @property
     def tries(self) -> tuple[int, int] | None:
-        """Numbers of passed and of all numerical experiments of settling; None if not examined."""
+        """Numbers of passed and of all numerical tries of settling; None if not examined."""
         if self.friction is None or not self.friction.examined:
             return None
         return len(self.friction.tries), len(self.friction.settling.ends)
@@ -250,7 +250,7 @@ class Verdict(InCells, Answer):
 
     @property
     def modelled(self) -> Program:
-        """The program of the certain contacts, without rows of possible further contacts."""
+        """The program of the certain contacts, without rows for contacts that are only possible."""
         if not self.program.kind.size or not (self.program.kind == POSSIBLE).any():
             return self.program
         return sealed(build_program(self.assembly, self.contacts))

@@ -88,7 +88,7 @@ def _shares(
     present: frozenset[int],
     entry: About,
 ) -> dict[int, float]:
-    """Fraction of a proved motion's work that each absent candidate support would take."""
+    """Fraction of the work of a proved motion that each absent candidate support would take."""
     every = with_supports(
         assembly, contacts, [support for support in candidates if support.kind != "grip"]
     )
