@@ -207,7 +207,7 @@ def _opening_idle(
 def _away(
     program: Program, idle: Mask, free: Array, points: SharpPoints, work: Work
 ) -> Array | None:
-    """Coefficients of free motions (n, f) whose sum opens all idle contacts, shape (f,), or None.
+    """Coefficients (f,) of free motions (n, f) whose sum opens idle (forceless) contacts, or None.
 
     The sum may also shift all parts alike, and open the idle contacts with held parts. None if no
     such sum was found.

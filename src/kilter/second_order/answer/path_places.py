@@ -157,7 +157,7 @@ class _Descent:
         self.kept = np.zeros(len(program.part_a), dtype=bool)
 
     def keep(self, planes: Mask, start: Array) -> None:
-        """Keep contacts with planes, shape (K,), as sliding contacts if the start needs them.
+        """Keep plane contacts, shape (K,), closed in the fall, if parts are apart only that way.
 
         Parts that are pressed between planes shift along them and do not turn.
         """
@@ -293,7 +293,7 @@ class _Descent:
     def _steepest_step(
         self, place: Places, basis: Array, h: float, gap: float, holds: float = 0.0
     ) -> Array | None:
-        """Step of most energy loss, over h and in the basis, shape (n,); None if not solved.
+        """Displacement in the basis, (n,), that loses most energy in a step h; None if unsolved.
 
         `holds` is a stiffness: this times half the squared length is added to the cost. None if the
         program was not solved.

@@ -218,7 +218,7 @@ class _ClusterSearch:
         return answer
 
     def by_forces(self, program: Program, forces: Array | None) -> SecondOrder | None:
-        """Answer from contact forces alone (level rests, held parts); None if they are no proof."""
+        """Answer from contact forces (parts rest level or are held); None if they prove nothing."""
         count = int(program.free.sum())
         if count <= MOST_LEVEL and not self.slanted[program.free].any():
             level, sharp = level_rows(program, self.contacts), sharp_points(program, self.contacts)
@@ -249,7 +249,7 @@ class _ClusterSearch:
 
 
 def _on_level(program: Program, rest: LevelRest) -> SecondOrder:
-    """Answer "free" for parts that slide and turn freely on level faces."""
+    """Answer "free" for parts that slide and turn freely on level (horizontal) faces."""
     parts = np.flatnonzero(program.free)
     free = len(parts) * (1 if program.planar else 3)
     decision = Decision("minimum", free, free, 0, 0, rest)

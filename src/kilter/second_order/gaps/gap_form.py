@@ -98,7 +98,7 @@ def _forms(program: Program, features: Features, rows: Index) -> Array:
 
 
 def corner_slips(program: Program, features: Features) -> Array:
-    """Linear maps from part motions to turn and slip at flush corners, shape (K, 4, 12).
+    """Linear maps from part motions to turn and slip of corners where two faces end, (K, 4, 12).
 
     If two faces end together, the corner of b touches the face of a as long as it stays on it: the
     form of the row is that of this gap. If it has slipped off, the corner of a touches the face of

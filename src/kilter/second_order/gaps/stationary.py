@@ -87,7 +87,7 @@ class Stationary:
         return self.on_plane
 
     def _spread(self, vectors: Array) -> Array:
-        """Entries of vectors (n, d) for the two parts of each row, shape (K, 12, d)."""
+        """Entries of vectors (n, d) that belong to the two parts of each row, shape (K, 12, d)."""
         padded = np.vstack([vectors, np.zeros((1, vectors.shape[1]))])
         return padded[self.columns]
 
@@ -102,14 +102,14 @@ class Stationary:
         return np.asarray(np.einsum("ki,kij,kj->k", spread, self.forms, spread))
 
     def sliding(self, motions: Array) -> Array:
-        """Slips of flush corners along motions (n, d), shape (2 K, d); empty without corners."""
+        """Slips of flush corners (both faces end) along motions (n, d), (2 K, d); else empty."""
         if self.slips is None:
             return np.zeros((0, motions.shape[1]))
         slips = self.slips[:, 2:] @ self._spread(motions)
         return np.asarray(slips.reshape(2 * len(slips), motions.shape[1]))
 
     def slipped(self, forces: Array, basis: Array) -> Array:
-        """Change of the energy's curvature, (d, d), if all flush corners have slipped off."""
+        """Change of the energy's curvature, (d, d), if all corners where two faces end slip off."""
         if self.slips is None:
             return np.zeros((basis.shape[1],) * 2)
         turn, slip = np.split(self.slips @ self._spread(basis), 2, axis=1)
@@ -117,7 +117,7 @@ class Stationary:
         return np.asarray(more + more.T)
 
     def one_form(self, motions: Array) -> Mask:
-        """Mask of rows, (K,), where no flush corner slips off along any of the motions (n, d).
+        """Mask of rows, (K,), where no corner of ending faces slips off along motions (n, d).
 
         The motions do not turn the parts there, or do not slip.
         """

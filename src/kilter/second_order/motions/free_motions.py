@@ -61,7 +61,7 @@ class FreeMotions:
 
     @property
     def symmetries(self) -> FreeMotions:
-        """The free motions that may always be divided out: spins, level motions and pivots."""
+        """The free motions that may be divided out: spins, pivots, level (horizontal) motions."""
         chosen = [k for k, kind in enumerate(self.kinds) if kind in ("spin", "level", "pivot")]
         return FreeMotions(self.motions[chosen], tuple(self.kinds[k] for k in chosen))
 
@@ -110,7 +110,7 @@ class _FreeSearch:
         self.kinds: list[str] = []
 
     def _level_edges(self) -> Mask:
-        """Mask of rows at which a level straight edge crosses a level edge or cylinder, (K,)."""
+        """Mask of rows at which a horizontal edge crosses a horizontal edge or cylinder, (K,)."""
         program, features = self.program, self.features
         level = np.linalg.norm(np.cross(program.normal, program.down), axis=1) < EXACT
         level &= formed(program, features) & (self.a.kind == LINE) & (self.b.kind == LINE)
