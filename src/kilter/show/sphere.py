@@ -181,7 +181,7 @@ def _arc(normal: Array, facets: Array) -> Array:
 
 
 def _marks(axes: Axes, region: Region, camera: Camera, given: Array) -> dict[str, Any]:
-    """Draw single stable directions, the recommended direction, rests, and given gravity.
+    """Draw stable directions, the recommended direction, places of rest, and given gravity.
 
     Return their legend entries.
     """

@@ -86,7 +86,7 @@ class DiamondOptimum:
 
 
 def joint(program: Program, *, every: bool = False) -> DiamondOptimum:
-    """Find the most nearly stable direction on the diamond, by a linear program for each facet.
+    """Find the most nearly stable direction on |g|_1 = 1, by a linear program for each facet.
 
     Parameters
     ----------

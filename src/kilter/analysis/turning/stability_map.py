@@ -189,7 +189,7 @@ def _merge_facets(hull: GrowingHull) -> tuple[Array, Array, Array, tuple[Index, 
 
 
 def _planes(hull: GrowingHull) -> tuple[Index, list[int]]:
-    """Index of the facet of each simplex of a hull, and a simplex of each facet."""
+    """Index of the facet that contains each simplex of a hull, and a simplex for each facet."""
     corners = hull.points[hull.facets]
     spread = np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=(1, 2))
     beside: dict[tuple[int, ...], list[int]] = {}

@@ -157,7 +157,7 @@ class _Trail:
 
 
 def walk(program: Program, *, every: bool = False) -> Walk:
-    """Find the most nearly stable direction on the diamond, by the paper's walk.
+    """Find the most nearly stable direction on the diamond |g|_1 = 1 by the paper's walk.
 
     Parameters
     ----------

@@ -170,7 +170,7 @@ def plan(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Obstacles:
-    """Proofs from the whole assembly alone that no order exists, or none without held parts.
+    """Proofs, from the whole assembly alone, that no order exists or that parts must be held.
 
     `applies` is false if the rules move several parts at once, or if the whole assembly falls:
     then the proofs say nothing about the orders of the search, and both lists are empty.
