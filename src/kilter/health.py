@@ -189,7 +189,10 @@ def _packages() -> str:
 
 
 def _highs() -> str:
-    """Check HiGHS: max x + y with x + 2 y <= 4, 3 x + y <= 6 is at (1.6, 1.2); x + y >= 9 fails."""
+    """Check HiGHS: it must find a known vertex, and must detect an infeasible program.
+
+    max x + y with x + 2 y <= 4, 3 x + y <= 6 is at (1.6, 1.2); x + y >= 9 is infeasible.
+    """
     import numpy as np
     from scipy.sparse import csc_array
 
@@ -216,7 +219,10 @@ def _highs() -> str:
 
 
 def _clarabel() -> str:
-    """Check Clarabel: the minimum of x + y on the disk of radius 1 is at -(1, 1) / sqrt(2)."""
+    """Check Clarabel: it must find the known minimum of x + y on the disk of radius 1.
+
+    The minimum is at -(1, 1) / sqrt(2).
+    """
     import numpy as np
     from scipy.sparse import csc_array
 
