@@ -28,8 +28,11 @@ def test_the_parts_of_the_proof_are_listed_first() -> None:
     assert set(proved) <= {"upper", "lower"}  # joined to the base, "sunk" stays
     assert set(verdict.moving) == {"sunk", "upper", "lower"}
     text = text_of(verdict.to_dict())
-    which = "the first:" if len(proved) == 1 else "the first 2:"
-    assert f"3 of 4 free parts move; whatever the open pairs do, the proof moves {which}" in text
+    which = "the first" if len(proved) == 1 else "the first 2"
+    assert (
+        f"3 of 4 free parts move; for {which} this is proved, whatever happens at the open pairs:"
+        in text
+    )
     assert max(text.index(f"\n  {name}") for name in proved) < text.index("\n  sunk")
 
 

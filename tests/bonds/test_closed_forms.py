@@ -170,7 +170,7 @@ def test_wrong_bonds_are_one_sentence():
     twice = [Bond(("low", "top"), pull=1.0), Bond(("top", "low"), pull=2.0)]
     for wrong, why in (
         (lambda: Bond(("a", "b"), pull=-1.0), "pull of the bond"),
-        (lambda: Bond(("a", "b"), pull=1.0, pull_per_area=1.0), "has pull and pull_per_area"),
+        (lambda: Bond(("a", "b"), pull=1.0, pull_per_area=1.0), "has both pull and pull_per_area"),
         (lambda: Bond(("a", "b"), pull=1.0, shear="my"), "shear of the bond"),
         (lambda: Bond(("a", "b"), pull=1.0, kind="morter"), "did you mean 'mortar'"),
         (lambda: Bond(("a", "b"), pull=1.0, points=[[0, 0, 0]]), "no normal"),

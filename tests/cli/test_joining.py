@@ -164,7 +164,7 @@ def test_python_joins_as_the_command_does(word: str, capsys: pytest.CaptureFixtu
         (["--fasten", "pots", "arm-1"], "did you mean 'post'"),
         (["--fasten", "post", "screw*"], "no part is named 'screw*'"),
         (["--fasten", "table", "arm-1"], "none touches"),
-        (["--fasten", "t*", "post"], "'t*' matches held parts alone: 'table'; name a held part"),
+        (["--fasten", "t*", "post"], "'t*' matches only held parts: 'table'; name a held part"),
         (["--fasten-suggested=yes"], "--fasten-suggested"),
         (["--fasten-overlap"], "--fasten-overlaps"),
         (["--clearance", "0"], "--clearance is 0"),

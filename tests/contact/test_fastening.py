@@ -50,13 +50,13 @@ def test_globs_match_no_held_part_and_names_in_full_do():
     every = fastened(stack(), [("*", "*")])
     assert [set(j.parts) for j in every.joints] == [{"post", "arm-1"}]
     assert every.notes == (
-        "globs match no held part: nothing is fastened to 'floor'; name it in full where it should "
-        "be",
+        "wildcards match no held part: nothing is fastened to 'floor'; name it in full where it "
+        "should be",
     )
     named = fastened(stack(), [("floor", "*")])
     assert [j.parts for j in named.joints] == [("floor", "post")]
     assert named.notes == ()
-    with pytest.raises(InputError, match="'f\\*r' matches held parts alone: 'floor'; name"):
+    with pytest.raises(InputError, match="'f\\*r' matches only held parts: 'floor'; name"):
         fastened(stack(), [("f*r", "post")])
 
 
@@ -510,7 +510,7 @@ def test_suggested_and_overlaps_join_and_say_what():
         (("bolt", "nut"), "thread"),
     ]
     assert both.notes[-1] == (
-        "nothing is fastened as they overlap: no pair overlaps that is free to be joined"
+        "nothing is fastened as they overlap: no overlapping pair can be joined"
     )
     again = fastened(joined, suggested=True)
     assert len(again.joints) == 2

@@ -138,13 +138,16 @@ FACE = {"kind": "face", "curvature": 1.0}
 FEATURE = [
     ([FACE], "feature has 1 entries"),
     ([FACE, None], "feature[1] is null"),
-    ([{"kind": "edge", "curvature": 1}, FACE], "the feature 'edge' has no direction"),
-    ([{"kind": "face", "curvature": [0, 1]}, FACE], "the feature 'face' has no direction"),
+    ([{"kind": "edge", "curvature": 1}, FACE], "the direction of the feature 'edge' is missing"),
+    (
+        [{"kind": "face", "curvature": [0, 1]}, FACE],
+        "the direction of the feature 'face' is missing",
+    ),
     ([{"kind": "face", "radius": 2}, FACE], "feature[0].radius'; give its curvature, 1 / radius"),
     ([{"kind": "face", "curvature": "round"}, FACE], 'feature[0].curvature is "round"; give a num'),
     ([{**FACE, "along": [1, 0, 0], "curvature": [0, 1, 2]}, FACE], "curvature is a list; give a n"),
-    ([{"kind": "vertex", "curvature": 1}, FACE], "a vertex has a curvature or a direction"),
-    ([{**FACE, "axis": [0, 0, 1]}, FACE], "has a point or an axis, but not both"),
+    ([{"kind": "vertex", "curvature": 1}, FACE], "a vertex cannot have a curvature or a direction"),
+    ([{**FACE, "axis": [0, 0, 1]}, FACE], "has only one of point and axis"),
     ([{**FACE, "along": [0, 0, 1]}, FACE], "is not across its normal"),
 ]
 

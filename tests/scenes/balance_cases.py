@@ -184,12 +184,21 @@ def _ellipsoid(c: float) -> Assembly:
     return _one(c * Z, _touch(0 * Z, Z, PLANE, Feature("face", X, (c / 1.44, c))))
 
 
-@_case("09", "a weeble of radius 1, centre h up", "free", 3, limit=1.0, above="balanced")
+@_case(
+    "09", "a weeble of radius 1, centre of mass at height h", "free", 3, limit=1.0, above="balanced"
+)
 def _weeble(h: float) -> Assembly:
     return _one(h * Z, _touch(0 * Z, Z, PLANE, _ball(1.0)))
 
 
-@_case("10", "a half cylinder of radius 1, centre h up", "free", 3, limit=1.0, above="balanced")
+@_case(
+    "10",
+    "a half cylinder of radius 1, centre of mass at height h",
+    "free",
+    3,
+    limit=1.0,
+    above="balanced",
+)
 def _half_cylinder(h: float) -> Assembly:
     rim = Feature("edge", X, 1.0)
     return _one(h * Z, *(_touch(y * Y, Z, PLANE, rim) for y in (-2, 2)))
@@ -282,7 +291,7 @@ def _plank(h: float, slope: float) -> Assembly:
     return _one(h * Z, *touches)
 
 
-@_case("19", "a plank in a V, centre h up", "free", 1, limit=-1.0, above="balanced")
+@_case("19", "a plank in a V, centre of mass at height h", "free", 1, limit=-1.0, above="balanced")
 def _plank_in_v(h: float) -> Assembly:
     return _plank(h, np.pi / 4)
 
@@ -306,7 +315,9 @@ def _ring_on_peg(_: float) -> Assembly:
     return _hook(-RING)
 
 
-@_case("22", "a hook on a peg, centre h up", "free", 2, limit=-RING, above="balanced")
+@_case(
+    "22", "a hook on a peg, centre of mass at height h", "free", 2, limit=-RING, above="balanced"
+)
 def _hook_on_peg(h: float) -> Assembly:
     return _hook(h)
 
@@ -337,7 +348,7 @@ def _table_edge_stopped(h: float) -> Assembly:
     return _one(h * Z, *_over_edge(h), *stops)
 
 
-@_case("25", "a pivot, centre h up", "free", 3, limit=0.0, above="balanced")
+@_case("25", "a pivot, centre of mass at height h", "free", 3, limit=0.0, above="balanced")
 def _pivot(h: float) -> Assembly:
     return _one(h * Z, _touch(0 * Z, Z, PLANE, VERTEX))
 
@@ -428,7 +439,14 @@ def _plank_on_balls(_: float) -> Assembly:
     return _one(0.2 * Z, *(_touch(s * X, Z, _ball(0.5), PLANE) for s in (1, -1)))
 
 
-@_case("37", "two round feet of radius 1, centre h up", "free", 3, limit=1.0, above="balanced")
+@_case(
+    "37",
+    "two round feet of radius 1, centre of mass at height h",
+    "free",
+    3,
+    limit=1.0,
+    above="balanced",
+)
 def _round_feet(h: float) -> Assembly:
     return _one(h * Z, *(_touch(s * X, Z, PLANE, _ball(1.0)) for s in (1, -1)))
 
@@ -440,7 +458,7 @@ def _two_bowls(_: float) -> Assembly:
     return _one(-0.3 * Z, *touches)
 
 
-@_case("39", "six feet on saddles, sunk by d", "minimum", 0, limit=0.5, above="balanced")
+@_case("39", "six feet sunk by d into saddles", "minimum", 0, limit=0.5, above="balanced")
 def _six_feet(sink: float) -> Assembly:
     touches = []
     for j in range(3):
@@ -461,15 +479,15 @@ def _rolls(on: Feature, body: Feature, h: float, normal: Array = Z) -> Assembly:
     return _one(h * Z, _touch(0 * Z, normal, on, body), mu=GRIP)
 
 
-@_case("R1", "a board on a cylinder, centre h up", "minimum", limit=1.0, above="balanced",
-       among=ROLLING)  # fmt: skip
+@_case("R1", "a board on a cylinder, centre of mass at height h", "minimum", limit=1.0,
+       above="balanced", among=ROLLING)  # fmt: skip
 def _board(h: float) -> Assembly:
     line = [_touch(y * Y, Z, _cylinder(Y, 1.0), Feature("edge", X)) for y in (-1, 1)]
     return _one(h * Z, *line, mu=GRIP)
 
 
-@_case("R2", "a board on a ball, centre h up", "minimum", limit=1.0, above="balanced",
-       among=ROLLING)  # fmt: skip
+@_case("R2", "a board on a ball, centre of mass at height h", "minimum", limit=1.0,
+       above="balanced", among=ROLLING)  # fmt: skip
 def _board_on_ball(h: float) -> Assembly:
     return _rolls(_ball(1.0), PLANE, h)
 
@@ -502,13 +520,13 @@ def _crossed_rolls(r: float) -> Assembly:
 SLOPE = 0.4
 
 
-@_case("R7", "a weeble of radius 1 on a slope of 0.4, centre h up", "minimum",
+@_case("R7", "a weeble of radius 1 on a slope of 0.4, centre of mass at height h", "minimum",
        limit=float(np.cos(SLOPE)), above="balanced", among=ROLLING)  # fmt: skip
 def _weeble_on_slope(h: float) -> Assembly:
     return _rolls(PLANE, _ball(1.0), h, np.array([np.sin(SLOPE), 0, np.cos(SLOPE)]))
 
 
-@_case("R8", "a hook on a peg in its plane, centre h up", "minimum",
+@_case("R8", "a hook on a peg in its plane, centre of mass at height h", "minimum",
        limit=PEG * RING / (RING - PEG), above="balanced", among=ROLLING)  # fmt: skip
 def _hook_rolls(h: float) -> Assembly:
     return _hook(h, GRIP)

@@ -110,7 +110,7 @@ class Bond(Value):
         """Verify pull and shear strength; `what` names the bond in error messages."""
         given = [self.pull, self.pull_per_area]
         if given.count(None) != 1:
-            has = "has no strength" if given.count(None) == 2 else "has pull and pull_per_area"
+            has = "has no strength" if given.count(None) == 2 else "has both pull and pull_per_area"
             raise InputError(f"{what} {has}", hint="give pull or pull_per_area")
         for name in ("pull", "pull_per_area"):
             if getattr(self, name) is not None:

@@ -75,24 +75,28 @@ class Feature(Value):
             object.__setattr__(self, "along", unit(self.along, f"direction of a {self.kind}"))
         directed = self.kind == "edge" or (self.kind == "face" and curvature[0] != curvature[1])
         if directed and self.along is None:
-            raise InputError(f"the feature {self.kind!r} has no direction", hint='give "along"')
+            raise InputError(
+                f"the direction of the feature {self.kind!r} is missing", hint='give "along"'
+            )
         if self.kind == "edge" and curvature[1]:
-            raise InputError("an edge has two curvatures", hint="give only that along the edge")
+            raise InputError(
+                "two curvatures are given for an edge", hint="give only that along the edge"
+            )
         if self.kind == "vertex" and (curvature.any() or self.along is not None):
-            raise InputError("a vertex has a curvature or a direction", hint="remove it")
+            raise InputError("a vertex cannot have a curvature or a direction", hint="remove it")
         self._set_axis()
 
     def _set_axis(self) -> None:
         """Check the axis of revolution of the feature, and store it as an array."""
         if (self.point is None) != (self.axis is None):
             raise InputError(
-                f"the feature {self.kind!r} has a point or an axis, but not both",
+                f"the feature {self.kind!r} has only one of point and axis",
                 hint='give both "point" and "axis", or neither',
             )
         if self.axis is None:
             return
         if self.kind == "vertex":
-            raise InputError("a vertex has an axis of revolution", hint="remove it")
+            raise InputError("a vertex cannot have an axis of revolution", hint="remove it")
         object.__setattr__(self, "point", finite(self.point, (3,), f"point of a {self.kind}"))
         object.__setattr__(self, "axis", unit(self.axis, f"axis of a {self.kind}"))
 

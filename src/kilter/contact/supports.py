@@ -86,10 +86,12 @@ class Support(Value):
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
-            raise InputError(f"a support is a {self.kind!r:.40}", hint=f"give {', '.join(KINDS)}")
+            raise InputError(
+                f"the kind of support {self.kind!r:.40} is unknown", hint=f"give {', '.join(KINDS)}"
+            )
         label = f"{self.kind} on {self.part!r:.60}"
         if not isinstance(self.part, str):
-            raise InputError(f"{label}: a part is named", hint="give its name")
+            raise InputError(f"{label}: the part is no name", hint="give its name")
         set_field = object.__setattr__
         set_field(self, "name", self.name or f"{self.kind} on {self.part}")
         set_field(self, "mu", number(self.mu, f"{label}: mu", lowest=0))
@@ -104,16 +106,21 @@ class Support(Value):
         """Raise an InputError if the values do not suit the kind of support; `label` begins it."""
         if self.kind == "grip":
             if self.point is not None or self.direction is not None or self.mu:
-                raise InputError(f"{label}: it has a point", hint="a grip holds the whole part")
+                raise InputError(
+                    f"{label}: a point, a direction or mu is given",
+                    hint="leave them out: a grip holds the whole part",
+                )
         elif self.point is None:
-            raise InputError(f"{label}: it has no point", hint="give the point of action")
+            raise InputError(f"{label}: the point is missing", hint="give the point of action")
         elif self.direction is None and self.kind != "prop":
-            raise InputError(f"{label}: it has no direction", hint="give the direction of its push")
-        if (self.capacity > 0) != (self.kind in PULLING):
-            word = "no capacity" if self.kind in PULLING else "a capacity"
             raise InputError(
-                f"{label}: it has {word}",
-                hint="a vacuum or magnet, and no other kind, has a capacity",
+                f"{label}: the direction is missing", hint="give the direction of its push"
+            )
+        if (self.capacity > 0) != (self.kind in PULLING):
+            word = "is missing" if self.kind in PULLING else "is not allowed"
+            raise InputError(
+                f"{label}: a capacity {word}",
+                hint="only a vacuum or magnet has a capacity, and it needs one",
             )
         if self.on is not None and (self.kind != "prop" or self.on == self.part):
             raise InputError(
@@ -136,7 +143,7 @@ class Support(Value):
             if key not in keys:
                 near = nearest_name(key, keys)
                 hint = f"did you mean {near!r}?" if near else f"there are: {', '.join(keys)}"
-                raise InputError(f"a support has the key {key!r:.40}", hint=hint)
+                raise InputError(f"a support has the unknown key {key!r:.40}", hint=hint)
         return cls(**data)
 
     def to_dict(self) -> dict[str, Any]:

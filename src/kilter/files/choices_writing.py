@@ -83,7 +83,7 @@ def require_place(output: Path) -> bool:
         replaces = False
     if not replaces:
         raise InputError(
-            "has other content than choices and would be overwritten",
+            "is not overwritten, since it holds something other than saved choices",
             file=str(output),
             hint="write to another file",
         )

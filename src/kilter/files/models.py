@@ -249,9 +249,12 @@ class JointEntry(Entry):
     parts: Pair
     kind: Literal["fixed", "revolute", "prismatic", "cylindrical", "spherical"]
     point: Vector | None = Field(
-        None, description="needed for revolute and cylindrical (on the axis), and for spherical"
+        None,
+        description="required: a point on the axis (revolute, cylindrical), the centre (spherical)",
     )
-    axis: Vector | None = Field(None, description="needed for revolute, prismatic and cylindrical")
+    axis: Vector | None = Field(
+        None, description="direction of the axis; required for revolute, prismatic, cylindrical"
+    )
 
 
 class BondEntry(Entry):
@@ -270,7 +273,7 @@ class BondEntry(Entry):
         None, description="default all contact points of the pair"
     )
     normal: Vector | None = Field(
-        None, description="from the first part to the second; needed with points"
+        None, description="normal from the first part to the second; required if points are given"
     )
     kind: Literal["glue", "mortar", "magnet", "suction", "press-fit"] | None = None
 

@@ -35,7 +35,7 @@ SEATED = {
 }
 WHY = {
     "refuted": "Coulomb's law also allows a motion",
-    "jams": "it can jam, but put down loosely it did not come to rest in every try",
+    "jams": "forces that hold it exist, but put down loosely it did not always come to rest",
     "squeeze": "it holds only if forces other than its weight press the parts together",
     "balanced": "the slightest push makes it fall",
     "not-asked": "settling and other motions were not examined",

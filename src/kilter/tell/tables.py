@@ -44,7 +44,7 @@ KINDS = {
     "fan": "The stable directions of gravity are a fan: a flat sector.",
     "half-plane": "The stable directions of gravity are a half-plane.",
     "plane": "The stable directions of gravity are all those of a plane.",
-    "cone": "The stable directions of gravity are a cone with a tip.",
+    "cone": "The stable directions of gravity are a solid cone, like a pyramid.",
     "wedge": "The stable directions of gravity are a wedge between two planes.",
     "half-space": "The stable directions of gravity are a half-space.",
     "all": "Every direction of gravity is stable: it is locked.",
@@ -225,7 +225,7 @@ def _moving_title(answer: Answer, moving: Sequence[Answer]) -> str:
         proved = sum(bool(part.get("moved_by_proof")) for part in moving)
         if 0 < proved < len(moving):
             first = "the first" if proved == 1 else f"the first {proved}"
-            title += f"; whatever the open pairs do, the proof moves {first}"
+            title += f"; for {first} this is proved, whatever happens at the open pairs"
         return f"{title}:"
     if answer["verdict"] == "potentially-stable":
         return f"{counts} could move:"

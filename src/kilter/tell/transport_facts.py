@@ -32,7 +32,7 @@ def transport_sentence(answer: Answer) -> str:
     if least is None:
         why = UNKNOWN[answer["missing"].get("least", "failed")]
         return f"The least horizontal acceleration is {why}."
-    opened = "As drawn, without its open pairs, it" if answer["open_pairs"] else "It"
+    opened = "As drawn, without forces at its open pairs, it" if answer["open_pairs"] else "It"
     if least["g"] is None:
         return f"{opened} carries every horizontal acceleration up to 100 g."
     verb = "holds by proof" if answer["level"] == "proved" else "can hold"
@@ -112,7 +112,7 @@ def _case_sentence(answer: Answer) -> str:
         start = f": {moving}" if moving else ""
         return f"Not carried: {rigid.lower()} {about}{where} no forces can hold it{start}."
     if answer["carried"] is None:
-        return f"Undecided: open pairs or a limit leave {about} open."
+        return f"Undecided for {about}: open pairs decide, or a limit was reached."
     return (
         f"Forces that hold it exist under {about}, but it reaches only the level "
         f"{answer['level']}, not {answer['require']}."
@@ -125,7 +125,7 @@ def _path_sentence(answer: Answer) -> str:
     if path is None:
         why = answer["missing"]["path"]
         if why == "none":
-            return "The path is carried at no speed: a part moves in one of its poses at rest."
+            return "A part moves at every speed: in a pose of the path it moves even at rest."
         return f"The speed of the path is {UNKNOWN[why]}."
     if path["factor"] is None:
         return "The path is carried at every speed up to 100 times as fast."

@@ -61,8 +61,8 @@ SENTENCES = {
         "weight press the parts together. Otherwise it moves like this."
     ),
     ("potentially-stable", "jams"): (
-        "Potentially stable{within}: it can jam. Put down loosely, it came to rest in only "
-        "{passed} of {tried} tries. No motion from rest was found."
+        "Potentially stable{within}: forces that hold it exist. Put down loosely, it came to rest "
+        "in only {passed} of {tried} tries. No motion from rest was found."
     ),
     ("potentially-stable", "squeeze"): (
         "Potentially stable{within}, held only by preload: it stays only if forces other than its "

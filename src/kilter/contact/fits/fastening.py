@@ -70,7 +70,7 @@ def fastened(
     >>> [joint.parts for joint in joined.joints]
     [('cube-1', 'cube-2')]
     >>> fastened(scene("tower"), suggested=True).notes[-1]
-    'nothing is fastened as suggested: no pair looks as if it were'
+    'nothing is fastened as suggested: no pair looks fastened'
     """
     patterns = [tuple(pair) for pair in pairs]
     if any(len(pair) != 2 for pair in patterns):
@@ -95,7 +95,7 @@ def _fasten_found(
     """The assembly with fixed joints at all suggested or overlapping pairs, and a note on it."""
     suggestions = [s for s in suggest_joints(assembly, contacts) if s.fixed]
     if suggested:
-        how = "as suggested", "no pair looks as if it were"
+        how = "as suggested", "no pair looks fastened"
         assembly = assembly.with_joints(
             _suggested_joints(suggestions), notes=[_fastening_note(suggestions, *how)]
         )
@@ -104,7 +104,7 @@ def _fasten_found(
             frozenset(contacts.assembly.names[k] for k in o.parts) for o in contacts.overlaps
         }
         suggestions = [s for s in suggestions if frozenset(s.parts) in overlapping]
-        how = "as they overlap", "no pair overlaps that is free to be joined"
+        how = "as they overlap", "no overlapping pair can be joined"
         joints = [] if suggested else _suggested_joints(suggestions)
         assembly = assembly.with_joints(joints, notes=[_fastening_note(suggestions, *how)])
     return assembly
@@ -179,7 +179,7 @@ def _parts_matching(assembly: Assembly, pattern: str) -> set[str]:
     free = {name for name in names if name == pattern or not assembly[name].grounded}
     if not free:
         raise InputError(
-            f"{pattern!r} matches held parts alone: {some_names(sorted(names), 3)}",
+            f"{pattern!r} matches only held parts: {some_names(sorted(names), 3)}",
             file=assembly.source or None,
             hint="name a held part in full to fasten something to it",
         )
@@ -229,7 +229,8 @@ def _skipped_held_notes(
     if not skipped_parts:
         return []
     return [
-        f"globs match no held part: nothing is fastened to {some_names(sorted(skipped_parts))}; "
+        "wildcards match no held part: "
+        f"nothing is fastened to {some_names(sorted(skipped_parts))}; "
         "name it in full where it should be"
     ]
 

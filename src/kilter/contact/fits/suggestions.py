@@ -162,7 +162,7 @@ def _kind_of_fit(assembly: Assembly, fit: Fit, why: str) -> tuple[Kind, str]:
     if thread:
         return "thread", f"{why}, by its name {_with_article(thread[1])}"
     if is_tube(assembly, fit):
-        return "insert", f"{why}, hollow itself: an insert or a bushing"
+        return "insert", f"{why}, and the shaft is hollow: an insert or a bushing"
     if fit.interference > PRESS_FIT * fit.radius:
         return "thread", f"{why}: a screw in its thread"
     return "press fit", f"{why}: pressed in"
@@ -192,7 +192,7 @@ def _from_overlap(assembly: Assembly, overlap: Overlap) -> Suggestion:
         return _fixed_joint(
             parts, "press fit", f"interfere by {overlap.depth:.3g} {unit}: pressed in"
         )
-    return _fixed_joint(parts, "overlap", f"{why}: glued or welded, or not modelled true")
+    return _fixed_joint(parts, "overlap", f"{why}: glued or welded, or not modelled exactly")
 
 
 def _short_name(name: str) -> str:
