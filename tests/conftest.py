@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import gc
+import os
+import signal
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
+from types import FrameType
 
 import pytest
 from hypothesis import settings
@@ -22,6 +26,21 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--each-solver", metavar="FILE", type=Path, help="ask each solver by itself")
     parser.addoption("--block", metavar="K/N", help="run the K-th of N blocks of the tests")
     parser.addoption("--kills", type=int, default=40, help="moments at which a writer is killed")
+
+
+def pytest_configure() -> None:
+    """Let SIGTERM, as `timeout` sends it, end the session also during a command.
+
+    `kilter.cli.main` turns the signal into exit code 130 unless the program has a handler. So a
+    session at its time limit went on, with a failure of the test whose command was interrupted.
+    """
+
+    def end(number: int, frame: FrameType | None) -> None:
+        os._exit(128 + number)
+
+    with suppress(ValueError):  # only the main thread may set handlers
+        if signal.getsignal(signal.SIGTERM) == signal.SIG_DFL:
+            signal.signal(signal.SIGTERM, end)
 
 
 @pytest.hookimpl(wrapper=True)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import kilter
-from kilter.cli.interruption import GRACE
+from kilter.cli.interruption import GRACE, REPLACED, interruptible
 from kilter.scenes import walls
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
@@ -195,3 +195,11 @@ def test_a_write_that_is_ended_leaves_nothing_beside(tmp_path: Path) -> None:
     assert ended(process, signal.SIGTERM)[:2] == (130, "kilter: interrupted\n")
     assert [path.name for path in tmp_path.iterdir()] == ["a.json"]
     assert target.read_text("utf-8") == "old"
+
+
+def test_a_request_to_end_ends_the_tests_too() -> None:
+    """`main` in a test keeps the handler of `conftest.py`, so a time limit is no failed test."""
+    given = signal.getsignal(signal.SIGTERM)
+    assert given not in REPLACED
+    with interruptible(alone=False):
+        assert signal.getsignal(signal.SIGTERM) is given
