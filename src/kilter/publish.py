@@ -411,6 +411,8 @@ def _require_steps(order: Order) -> None:
     """Raise `InputError` if a plan has no steps to show."""
     if not order.found:
         raise InputError("no order was found: there are no steps to show")
+    if not order.steps:
+        raise InputError("every part is held: there are no steps to show")
 
 
 def draw(

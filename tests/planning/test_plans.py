@@ -325,12 +325,28 @@ def test_the_table_of_steps_is_read_as_csv() -> None:
     ] * 9  # fmt: skip
 
 
+def test_a_plan_of_held_parts_needs_no_step() -> None:
+    held = scene("tower").with_grounded("*")
+    order = kilter.plan(held)
+    answer = order.to_dict()
+    assert (order.verdict, order.holds, answer["steps"]) == ("found", True, [])
+    assert answer["warnings"] == ["every part is held: nothing can move"]
+    assert answer["sentence"] == "Every part is held, so that no step is needed."
+    assert kilter.verify(held, order.proof()).holds
+    # the same file proves nothing about an assembly with a free part
+    assert not kilter.verify(scene("tower"), order.proof()).holds
+    verdict = kilter.check(held).to_dict()
+    assert (verdict["verdict"], verdict["level"]) == ("stable", order.level)
+    assert verdict["warnings"] == answer["warnings"]
+    with pytest.raises(InputError, match="every part is held: there are no steps to show"):
+        kilter.draw(order)
+    assert kilter.report(order).verdict == "found"
+
+
 def test_wrong_input() -> None:
     tower = scene("tower")
     with pytest.raises(InputError, match="no part is named"):
         kilter.plan(tower, kilter.PlanRules(before=[("cube-1", "nobody")]))
-    with pytest.raises(InputError, match="everything is held"):
-        kilter.plan(tower.with_grounded("*"))
     with pytest.raises(InputError, match="hold is -1"):
         kilter.plan(tower, kilter.PlanRules(hold=-1))
     with pytest.raises(InputError, match="fewest is 'parts'"):

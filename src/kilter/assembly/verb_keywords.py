@@ -156,7 +156,7 @@ def require_unchanged(
     >>> require_unchanged("answer", friction=0.5)
     Traceback (most recent call last):
         ...
-    kilter.errors.InputError: friction changes the assembly, but the argument has type str; give ...
+    kilter.errors.InputError: friction changes an assembly, but the type is str; give an assembly
     """
     names = [ground] if isinstance(ground, str) else list(ground)
     changes = {"friction": friction, "down": down, "ground": names or None, "floor": floor}
@@ -164,6 +164,6 @@ def require_unchanged(
     if changing:
         kind = type(subject).__name__
         raise InputError(
-            f"{changing[0]} changes the assembly, but the argument has type {kind}",
+            f"{changing[0]} changes an assembly, but the type is {kind}",
             hint="give an assembly",
         )

@@ -46,7 +46,7 @@ def written(order: Order, answer: dict[str, Any], asked: Asked, typed: list[str]
             command=asked.command("plan", *typed, "-o", str(asked.output)),
         )
     elif ending in (*publish.FILMS, *SUFFIXES):
-        if not order.found:
+        if not order.found or not order.steps:
             replace(asked, output=None).tell(answer)
             return _report(asked, "not written, because the plan has no steps")
         if ending in publish.FILMS:

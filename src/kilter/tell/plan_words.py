@@ -22,6 +22,8 @@ def order_sentence(answer: Answer) -> str:
         Data of the plan; the key `sentence` is not used.
     """
     fewer = _without_holds(answer)
+    if answer["found"] and not answer["steps"]:
+        return "Every part is held, so that no step is needed."
     if answer["found"]:
         held = answer["held_steps"]
         words = "with nothing held"

@@ -22,6 +22,7 @@ from kilter.analysis.planning.order.removal import Screw
 from kilter.analysis.planning.states.holds import Holds
 from kilter.analysis.planning.states.state import State
 from kilter.analysis.planning.states.states import States
+from kilter.analysis.verdict.remarks import remarks
 from kilter.errors import InputError
 from kilter.tell.cells import InCells
 from kilter.tell.html import html_of
@@ -127,14 +128,15 @@ class Order(InCells, Answer):
     def verdict(self) -> str:
         """Verdict of the plan as a word.
 
-        "found"; "none-found"; "impossible": it is proved that no order exists, or the finished
-        assembly falls; "undecided": open pairs decide whether the finished assembly holds;
-        "fails": in the given order parts fall, touch nothing or come too early, for every path.
+        "found": an order, which has no steps if every part is held; "none-found";
+        "impossible": it is proved that no order exists, or the finished assembly falls;
+        "undecided": open pairs decide whether the finished assembly holds; "fails": in the given
+        order parts fall, touch nothing or come too early, for every path.
         """
         if not self.whole.stable:
             return "undecided" if self.whole.stable is None else "impossible"
         fails = [step for step in self.steps if step.fails]
-        if self.steps and not fails:
+        if not fails and (self.steps or not self.whole.free.any()):
             return "found"
         if fails:
             return "fails" if any(step.broken for step in fails) else "none-found"
@@ -148,10 +150,10 @@ class Order(InCells, Answer):
 
     @property
     def level(self) -> str | None:
-        """Lowest verdict level over all steps and the finished assembly; None without steps."""
+        """Lowest verdict level over all steps and the finished assembly; None without an order."""
         levels = [step.level for step in self.steps if step.level is not None]
         if not levels:
-            return None
+            return self.finished.level if self.found else None
         order = list(VERDICTS)
         return lower_level(max(levels, key=order.index), self.finished.level)
 
@@ -209,7 +211,7 @@ class Order(InCells, Answer):
             },
             "interrupted": self.interrupted,
             "time_limit": self.time_limit,
-            "warnings": self.states.contacts.remarks(),
+            "warnings": remarks(assembly, self.states.contacts),
             "seconds": {key: round(value, 6) for key, value in self.seconds.items()},
         }
         return {**answer, "sentence": order_sentence(answer)}

@@ -75,7 +75,7 @@ def wrong_order(
             subject = _subject_names(entry)
             yield f"{kind} {subject}: it changes more than the present and held parts"
     shows = ("step", "falls alone", "finished falls", "locked", "refused")
-    if not any(entries[kind] for kind in shows):
+    if not (any(entries[kind] for kind in shows) or _is_held(assembly, entries)):
         yield "it has neither an order nor a proof that there is none"
     if entries["finished falls"] and not _is_finished(entries["finished falls"]):
         yield "the motion is not a motion of the finished assembly"
@@ -88,6 +88,11 @@ def _is_finished(entries: list[About]) -> bool:
     return [entry["change"] for entry in entries] == [{"without": [], "held": []}]
 
 
+def _is_held(assembly: Assembly, entries: Mapping[str, list[About]]) -> bool:
+    """Whether every part is held and the finished assembly is proved: no step is needed."""
+    return bool(assembly.geometry.grounded.all()) and _is_finished(entries["whole"])
+
+
 def _wrong_construction(
     assembly: Assembly,
     contacts: ContactSet,
@@ -96,7 +101,13 @@ def _wrong_construction(
 ) -> Iterator[str]:
     """Yield the reasons why the steps of a plan do not build the assembly under its rules."""
     if not entries["step"]:
-        if any(entries[kind] for kind in ("whole", "not fewer", "pressed", "turned")):
+        kinds = (
+            "not fewer",
+            "pressed",
+            "turned",
+            *([] if _is_held(assembly, entries) else ["whole"]),
+        )
+        if any(entries[kind] for kind in kinds):
             yield "it is about an order, but has no steps"
         return
     if not _is_finished(entries["whole"]):

@@ -66,7 +66,7 @@ def order_proof(
         Rules that the order keeps; options with which the file is read.
     """
     names, proofs = states.assembly.names, []
-    stated = _of_steps(states, whole, steps) if steps else []
+    stated = _of_steps(states, whole, steps) if steps or not whole.free.any() else []
     if whole.stable is False:
         stated.append(({"about": "finished falls"}, whole, states))
     stated += [

@@ -42,7 +42,6 @@ from kilter.assembly import Assembly
 from kilter.assembly.bonds import NOT_SET, require_no_bonds
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance
-from kilter.errors import InputError
 from kilter.tell.levels import require_level
 from kilter.threads import on_one_thread
 from kilter.validate import number
@@ -93,7 +92,7 @@ def plan(
     Raises
     ------
     InputError
-        If no part or every part is grounded, a name matches no part,
+        If no part is grounded, a name matches no part,
         the precedence has a cycle, no thread joins the parts of a screw, a part is in
         two groups, or the sequence does not name each part exactly once.
 
@@ -213,7 +212,7 @@ def _never_held(part_states: States, rules: PlanRules) -> Mask:
 
 def _find_obstacles(search: OrderSearch, rules: PlanRules, whole: State) -> _Obstacles:
     """Find parts that block each other; if there are none, find parts that always fall."""
-    several = rules.together or any(map(_has_several, search.units))
+    several = rules.together or any(map(_has_several, search.units)) or not whole.free.any()
     if rules.sequence is not None or several or not whole.stable:
         return _Obstacles(applies=False, locked=[], falling=[])
     search.work.stage("locked parts")
@@ -285,8 +284,6 @@ def _whole_state(part_states: States) -> State:
     """State of the finished assembly with only its grounded parts held."""
     assembly = part_states.assembly
     grounded = assembly.geometry.grounded
-    if grounded.all():
-        raise InputError("everything is held: there is nothing to put together")
     return part_states.judge(np.ones(len(assembly), dtype=bool), grounded)
 
 
