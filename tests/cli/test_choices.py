@@ -206,7 +206,7 @@ def test_material_and_open_are_options_of_save(say: Any) -> None:
 
 def test_every_command_reads_choices(say: Any) -> None:
     write_choices(left_out=["c"], friction=0.5)
-    for verb in ("check", "contacts", "orient", "region", "margin", "plan", "hold"):
+    for verb in ("check", "contacts", "orient", "region", "margin", "plan", "hold", "transport"):
         options = "t.kilter.json --ground a --without c --friction 0.5"
         assert answer_of(say, f"{verb} c.json") == answer_of(say, f"{verb} {options}"), verb
     code, _, err = say("report c.json -o c.html")
