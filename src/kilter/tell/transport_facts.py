@@ -101,7 +101,7 @@ def _case(case: Answer) -> str:
 def _case_sentence(answer: Answer) -> str:
     """Return whether the assembly stands the given motions of its carrier, or which not."""
     about = "the accelerations of " + answer["code"] if answer["code"] else "this acceleration"
-    rigid = "Rigid statics under" if answer["code"] else "Under"
+    rigid = "In rigid statics under" if answer["code"] else "Under"
     if answer["carried"]:
         return f"Carried: {rigid.lower()} {about} it holds, level {answer['level']}."
     falls = [case for case in answer["cases"] if case["verdict"] == "unstable"]
@@ -110,7 +110,7 @@ def _case_sentence(answer: Answer) -> str:
         where = f" ({names})" if names else ""
         moving = motions(falls[0]["motion"])
         start = f": {moving}" if moving else ""
-        return f"Not carried: {rigid.lower()} {about}{where} no forces can hold it{start}."
+        return f"Not carried: no forces can hold it {rigid.lower()} {about}{where}{start}."
     if answer["carried"] is None:
         return f"Undecided for {about}: open pairs decide, or a limit was reached."
     return (
