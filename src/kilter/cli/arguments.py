@@ -101,7 +101,7 @@ def pair_of(option: str, words: str) -> tuple[str, str]:
 
 
 def triple_of(option: str, words: str) -> tuple[str, str, str]:
-    """The three words in an option value that was joined into a single word.
+    """Split an option value that was typed as a single word into its three words.
 
     Raises
     ------

@@ -12,7 +12,7 @@ __all__ = ["with_contacts_of", "with_density"]
 
 
 def with_contacts_of(assembly: Assembly, source: str | None, *, floor: bool) -> Assembly:
-    """The assembly with only its given contacts ("file"), or without them ("geometry").
+    """Copy with only its given contacts ("file"), or without them ("geometry").
 
     Without given contacts, kilter detects the contacts.
 

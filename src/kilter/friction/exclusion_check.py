@@ -81,7 +81,7 @@ class _ProofState:
         self.bounds = rescaled(self.relaxation.fastest, self.bounds, power / self.bounds.scale)
 
     def _is_closed(self, bounds: Enclosure, root: CaseStep) -> bool:
-        """True if a case, or every case into which it is divided, has no power left."""
+        """True if no motion of a case, or of any case into which it is split, gains power."""
         ready = [(bounds, root)]
         while ready:
             closed, case = ready.pop()

@@ -107,7 +107,7 @@ def _least(answer: Answer) -> str:
 
 
 def _without_holds(answer: Answer) -> str:
-    """Return the sentence that no assembly sequence exists, at all or without extra holding."""
+    """Return the sentence that no order of assembly exists, or none without further held parts."""
     impossible = answer["impossible"]
     if impossible is None:
         return ""

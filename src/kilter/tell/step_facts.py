@@ -56,7 +56,7 @@ def step_facts(step: Answer, hands: Sequence[Answer]) -> list[tuple[str, str]]:
 
 
 def hand_phrase(hand: Answer) -> str:
-    """Return the load of a helping hand that holds a part, and what would move without it.
+    """Return the force that a hand must exert on a part, and how the part moves without it.
 
     Examples
     --------

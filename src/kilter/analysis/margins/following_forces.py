@@ -146,7 +146,7 @@ class FollowingForces:
         return NoLimit("failed")
 
     def tilt(self) -> float | NoLimit:
-        """Angle [rad] by which gravity may tilt in any direction, for every mass and centre.
+        """Angle [rad] by which gravity may tilt, for all masses and centres in their intervals.
 
         The angle is a proved inner bound; `NoLimit` with reason "failed" if no bound is found.
         """

@@ -121,7 +121,7 @@ class Improvement(Answer):
 
     @property
     def stands(self) -> bool:
-        """True if the brick model stands, either unchanged or with the best change."""
+        """True if the brick model stands as given, or would stand with the best change."""
         with_it = self.best is not None and self.best.share < 1
         return self.verdict != "unstable" or with_it
 

@@ -111,7 +111,7 @@ class _Level:
     aside: Array
 
     def needed(self, mu: float, along: Array, aside: Array) -> float:
-        """Least factor of this squeeze [-] that brings further forces into the friction cones."""
+        """Least multiple of these squeeze forces whose sum with other forces obeys friction [-]."""
         rubs = np.linalg.norm(aside[self.rows], axis=1)
         missing = (rubs / mu - along[self.rows]) / self.along[self.rows]
         return float(missing.max(initial=0.0))

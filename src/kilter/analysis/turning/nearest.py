@@ -33,7 +33,7 @@ Method = Literal["joint", "walk"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NearestDirection:
-    """The direction of gravity nearest to stable by one of the measures, and its value.
+    """The direction of gravity with the least instability by a measure, and this instability.
 
     Attributes
     ----------

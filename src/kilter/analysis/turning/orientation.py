@@ -264,7 +264,7 @@ def _orient(
 
 
 def _require_turnable(assembly: Assembly, method: str) -> None:
-    """Reject an assembly without held parts, or with loads, which do not turn with it."""
+    """Reject an assembly without held parts, or with loads: loads do not turn with the parts."""
     if method not in ("joint", "walk"):
         raise InputError(f"the method {method!r} does not exist", hint="give 'joint' or 'walk'")
     require_no_bonds(assembly, "orient", NO_CONE)

@@ -194,7 +194,7 @@ class _Descent:
         return PathPlaces(path, self._energy(path), lengths, np.array(apart))
 
     def _energy(self, motion: Array) -> Array:
-        """Energy of displacements (..., N, 6) under the loads' forces [N x length unit]."""
+        """Potential energy of the loads at displacements (..., N, 6) [N x length unit]."""
         return np.asarray(0.0 - (motion[..., :3] * self.load[:, :3]).sum(axis=(-2, -1)))
 
     def _length(self, step: Array) -> float:

@@ -46,7 +46,7 @@ def bounded(program: Program, features: Features, sense: float) -> Stationary:
 
 
 def _bent(features: Features, normal: Array, sense: float) -> Features:
-    """Features with every curvature shifted by its doubt, in all tangent directions."""
+    """Features with each curvature moved by its uncertainty, in all tangent directions."""
     plane = np.eye(3) - normal[:, :, None] * normal[:, None, :]
     return replace(
         features,

@@ -285,7 +285,7 @@ def _wrong_spaces(problem: Stationary, proof: MinimumProof, carries: Mask, neutr
 
 
 def _wrong_free(problem: Stationary, proof: MinimumProof, forces: Array) -> str:
-    """Reason why the energy is not level to second order along free motions; else empty."""
+    """Reason why free motions change the energy to second order; empty if they do not."""
     both = np.hstack([proof.basis, proof.free])
     curvature = problem.curvature(forces, both)
     size = max(1.0, float(np.abs(curvature).max(initial=0.0)))
