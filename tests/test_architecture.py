@@ -120,7 +120,6 @@ def test_circles_finds_a_circle() -> None:
     assert circles({"a": {"b"}, "b": {"c"}, "c": {"b"}}) == [["b", "c"]]
 
 
-@pytest.mark.slow
 def test_no_two_files_import_each_other() -> None:
     """Not even for types, or from inside a function."""
     arrows: dict[str, set[str]] = defaultdict(set)
@@ -206,7 +205,6 @@ def test_no_two_files_have_one_name() -> None:
     assert [name for name, times in names.items() if times > 1] == []
 
 
-@pytest.mark.slow
 def test_no_two_classes_have_one_name() -> None:
     names: dict[str, list[str]] = defaultdict(list)
     for module in FILES:

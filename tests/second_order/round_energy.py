@@ -27,7 +27,7 @@ from kilter.second_order.gaps.gap_form import formed, gap_forms
 from kilter.second_order.gaps.stationary import Stationary, stationary
 from kilter.second_order.proofs.paths import Path
 from kilter.second_order.searches.critical import find_critical
-from kilter.second_order.searches.decide import Decision, decide
+from kilter.second_order.searches.decide import EnergyDecision, decide
 
 ENTERED = 1e-4
 """Largest loss of energy for a free state, over t^2; a hundredth of it is penetration [-]."""
@@ -35,7 +35,7 @@ RADII = (0.02, 0.01, 0.005)
 """Sizes t of the motions over which the energy is minimised."""
 
 
-def decided(made: Round) -> tuple[Decision, Stationary]:
+def decided(made: Round) -> tuple[EnergyDecision, Stationary]:
     contacts = kilter.contacts(made.assembly)
     program = build_program(made.assembly, contacts)
     features = features_of(program, contacts)

@@ -20,7 +20,7 @@ from kilter.second_order.proofs.minimum_proof import (
     split,
 )
 from kilter.second_order.proofs.paths import Path, judge_path
-from kilter.second_order.searches.decide import Decision, decide
+from kilter.second_order.searches.decide import EnergyDecision, decide
 
 UP = np.array([0.0, 0.0, 1.0])
 BEYOND = 1e-6
@@ -160,7 +160,7 @@ def test_without_forces_of_equilibrium_nothing_is_said() -> None:
     assert decide(one_part(contact, upward)).state == "open"
 
 
-def _minimum() -> tuple[Stationary, Decision, MinimumProof]:
+def _minimum() -> tuple[Stationary, EnergyDecision, MinimumProof]:
     problem = pivot(-0.3, BOWL)
     found = decide(problem, SPIN)
     assert isinstance(found.proof, MinimumProof)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,7 +25,6 @@ from kilter.validate import number
 from kilter.values import Value
 
 if TYPE_CHECKING:
-    from kilter.assembly.assembly import Assembly
     from kilter.assembly.geometry import Geometry
 
 __all__ = ["ChangedCopies"]
@@ -64,25 +63,25 @@ class ChangedCopies(Value):
         def index_of(self, part: str | int) -> int: ...  # noqa: D102
         def matching(self, patterns: str | Iterable[str]) -> set[str]: ...  # noqa: D102
 
-    def _replace(self, **changes: Any) -> Assembly:
+    def _replace(self, **changes: Any) -> Self:
         """A copy of the assembly with other values of the given fields."""
-        return dataclasses.replace(cast("Assembly", self), **changes)
+        return cast("Self", dataclasses.replace(cast("Any", self), **changes))
 
     # parts ---------------------------------------------------------------------------
 
-    def __add__(self, part: Part) -> Assembly:
+    def __add__(self, part: Part) -> Self:
         """A copy of the assembly with one more part; `with_parts` adds several."""
         return self.with_parts([part]) if isinstance(part, Part) else NotImplemented
 
-    def with_parts(self, parts: Iterable[Part]) -> Assembly:
+    def with_parts(self, parts: Iterable[Part]) -> Self:
         """A copy of the assembly with additional parts after the others."""
         return self._replace(parts=[*self.parts, *parts])
 
-    def with_pose(self, part: str | int, pose: Any) -> Assembly:
+    def with_pose(self, part: str | int, pose: Any) -> Self:
         """A copy of the assembly with a part in another pose; `pose` as for `Part`."""
         return self.with_poses({self.parts[self.index_of(part)].name: pose})
 
-    def with_poses(self, poses: Mapping[str, Any]) -> Assembly:
+    def with_poses(self, poses: Mapping[str, Any]) -> Self:
         """A copy of the assembly with some parts in other poses, by name."""
         parts = list(self.parts)
         for name, pose in poses.items():
@@ -90,7 +89,7 @@ class ChangedCopies(Value):
             parts[k] = dataclasses.replace(parts[k], pose=pose)
         return self._replace(parts=parts)
 
-    def renamed(self, names: Mapping[str, str]) -> Assembly:
+    def renamed(self, names: Mapping[str, str]) -> Self:
         """A copy of the assembly with other part names, given from old to new.
 
         Entries that name the parts (loads, joints, bonds, contacts, friction pairs) follow.
@@ -120,7 +119,7 @@ class ChangedCopies(Value):
             ],
         )
 
-    def merged(self, other: Assembly, *, prefix: str = "") -> Assembly:
+    def merged(self, other: Self, *, prefix: str = "") -> Self:
         """A copy of the assembly with all parts and entries of another assembly added.
 
         Parameters
@@ -154,25 +153,25 @@ class ChangedCopies(Value):
             **{name: [*getattr(self, name), *getattr(joined, name)] for name in entries}
         )
 
-    def with_loads(self, loads: Iterable[Load]) -> Assembly:
+    def with_loads(self, loads: Iterable[Load]) -> Self:
         """A copy of the assembly with additional loads."""
         return self._replace(loads=[*self.loads, *loads])
 
     # gravity, friction, held parts, connections --------------------------------------
 
-    def with_down(self, down: ArrayLike) -> Assembly:
+    def with_down(self, down: ArrayLike) -> Self:
         """A copy of the assembly with gravity turned to the direction `down`, same magnitude."""
         size = float(np.linalg.norm(self.gravity))
         return self._replace(gravity=unit(down, "down") * size)
 
-    def with_friction(self, friction: float) -> Assembly:
+    def with_friction(self, friction: float) -> Self:
         """A copy of the assembly with another friction coefficient.
 
         It applies to contacts without a coefficient of their own.
         """
         return self._replace(friction=friction)
 
-    def with_grounded(self, patterns: str | Iterable[str]) -> Assembly:
+    def with_grounded(self, patterns: str | Iterable[str]) -> Self:
         """A copy of the assembly in which the parts that match patterns are held, too."""
         chosen = self.matching(patterns)
         return self._replace(
@@ -182,7 +181,7 @@ class ChangedCopies(Value):
             ]
         )
 
-    def with_grips(self, names: Iterable[str]) -> Assembly:
+    def with_grips(self, names: Iterable[str]) -> Self:
         """A copy of the assembly in which a hand or gripper holds the given parts.
 
         Loads on them are left out: the grip carries them.
@@ -197,18 +196,18 @@ class ChangedCopies(Value):
             loads=loads,
         )
 
-    def with_bonds(self, bonds: Iterable[Bond]) -> Assembly:
+    def with_bonds(self, bonds: Iterable[Bond]) -> Self:
         """A copy of the assembly with additional bonds."""
         return self._replace(bonds=[*self.bonds, *bonds])
 
-    def with_joints(self, joints: Iterable[Joint], *, notes: Iterable[str] = ()) -> Assembly:
+    def with_joints(self, joints: Iterable[Joint], *, notes: Iterable[str] = ()) -> Self:
         """A copy of the assembly with additional joints, and with `notes` after its own notes.
 
         `kilter.contact.fastened` makes the joints of bolts and other fasteners.
         """
         return self._replace(joints=[*self.joints, *joints], notes=[*self.notes, *notes])
 
-    def without(self, patterns: str | Iterable[str]) -> Assembly:
+    def without(self, patterns: str | Iterable[str]) -> Self:
         """A copy of the assembly without the matching parts and all entries that name them."""
         gone = self.matching(patterns)
         keep = [part for part in self.parts if part.name not in gone]
@@ -228,7 +227,7 @@ class ChangedCopies(Value):
             loads=[load for load in self.loads if load.part not in gone],
         )
 
-    def with_floor(self, height: float | None = None) -> Assembly:
+    def with_floor(self, height: float | None = None) -> Self:
         """A copy of the assembly with a held table at a height, by default under the lowest point.
 
         The lowest point, with respect to gravity, is that of the exact surfaces.

@@ -144,7 +144,7 @@ def find_level_limits(
         Work whose time limit is kept.
     """
     allowed = SHARE * max(units, LEAST_UNITS)
-    search = _Search(assembly, contacts, LevelDecisions(level, units, work.beside(allowed)))
+    search = _LevelSearch(assembly, contacts, LevelDecisions(level, units, work.beside(allowed)))
     steps = search.steps(limits)
     drawn = None
     if any(name != "friction" for name, _ in steps):
@@ -173,7 +173,7 @@ _Step = tuple[Any, Callable[[LevelDecisions], LevelLimit | NoLimit]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Search:
+class _LevelSearch:
     """Searches for the margins of a verdict level, which start from the assembly as drawn."""
 
     assembly: Assembly

@@ -100,7 +100,7 @@ def find_deciding(
     """
     ranked = sorted(pairs, key=lambda pair: (KINDS.index(pair.kind), abs(pair.gap or 0.0)))
     ends = np.array([pair.parts for pair in ranked]).reshape(-1, 2)
-    search = _Search(program, group, ends, work)
+    search = _PairSearch(program, group, ends, work)
     if not pairs or search.holds(range(len(ranked))) is not True:
         return None
     chosen = search.smallest() if len(ranked) <= MOST else None
@@ -114,7 +114,7 @@ def find_deciding(
     return DecidingPairs(deciding, smallest, irreducible, search.programs)
 
 
-class _Search:
+class _PairSearch:
     """Search over sets of open pairs; each program with joined parts is solved once.
 
     Pairs are numbered from the likeliest to the least likely contact; `ends` has shape (n, 2).

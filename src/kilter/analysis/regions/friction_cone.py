@@ -42,7 +42,7 @@ import numpy as np
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.margins.load_limit import NoLimit, find_limit, gravity_wrench
 from kilter.analysis.regions.cone_hull import cone_around, edges_of, extreme_rays
-from kilter.analysis.regions.stable_cone import Proof, StableCone, stable_cone
+from kilter.analysis.regions.stable_cone import DirectionProof, StableCone, stable_cone
 from kilter.analysis.turning_tolerances import (
     BEYOND_FACET,
     BEYOND_FAR,
@@ -129,7 +129,7 @@ def _exact(program: Program, progress: Callable[[str], None] | None) -> StableCo
     cone = stable_cone(rays, progress=progress)
     opening = Opening(cone_problem(program))
 
-    def judged(proof: Proof) -> ForceProof | MotionProof:
+    def judged(proof: DirectionProof) -> ForceProof | MotionProof:
         turned, certificate = program.turned(proof.down), proof.certificate
         if isinstance(certificate, ForceProof):
             return check_forces(turned, *pyramid_forces(program, rays, certificate.forces))
@@ -149,12 +149,12 @@ class _Cutting:
         self.wide: ConeProblem = cone_problem(program)
         self.opening = Opening(self.wide)
         self.axes = np.array([gravity_wrench(program, axis) for axis in np.eye(3)])
-        self.rays: list[Proof] = []
-        self.facets: list[Proof] = []
+        self.rays: list[DirectionProof] = []
+        self.facets: list[DirectionProof] = []
         self.slack = 0.0
         self.seen = np.empty((0, 3))
         self.angle = np.empty(0)
-        self.between: list[Proof | None] = []
+        self.between: list[DirectionProof | None] = []
         self.programs = 0
 
     @property
@@ -190,7 +190,7 @@ class _Cutting:
         near = np.linalg.norm(self.seen - direction, axis=1)
         return int(near.argmin()) if len(near) and near.min() < SAME_RAY else None
 
-    def _project(self, direction: Array) -> tuple[float, Proof | None]:
+    def _project(self, direction: Array) -> tuple[float, DirectionProof | None]:
         """Angle from a direction to the stable cone [rad], and the facet that separates them.
 
         None for the facet if it has no proof.
@@ -220,7 +220,7 @@ class _Cutting:
         """Ray of the inner cone, moved inwards until forces prove it; None if no forces do."""
         proof = check_forces(self.program.turned(down), *forces)
         if proof.holds:
-            self.rays.append(Proof("ray", down, down, proof))
+            self.rays.append(DirectionProof("ray", down, down, proof))
             return down
         middle: Array = np.sum([ray.vector for ray in self.rays] or [down], axis=0)
         for pull in PULLED_IN[1 if self.rays else 0 :]:
@@ -228,13 +228,13 @@ class _Cutting:
             moved = moved / float(np.linalg.norm(moved))
             judged = judge(self.program.turned(moved))
             if judged.stable and judged.forces is not None:
-                self.rays.append(Proof("ray", moved, moved, judged.forces))
+                self.rays.append(DirectionProof("ray", moved, moved, judged.forces))
                 return moved
         return None
 
     def _facet(
         self, direction: Array, base: Array, motion: Array, steps: Sequence[float] = BEYOND_FACET
-    ) -> Proof | None:
+    ) -> DirectionProof | None:
         """Facet from a motion that cuts a direction off, with its proof; None without a proof."""
         normal = self._normal(motion)
         if normal @ direction <= ON_PLANE:
@@ -243,10 +243,10 @@ class _Cutting:
         on = base / length if length > NO_PROJECTION else np.zeros(3)
         on = on - (on @ normal) * normal
 
-        def judged(angle: float) -> Proof:
+        def judged(angle: float) -> DirectionProof:
             down = np.cos(angle) * on + np.sin(angle) * normal if on.any() else normal
             proof = check_motion(self.program.turned(down), motion)
-            return Proof("facet", -normal + 0.0, down, proof)
+            return DirectionProof("facet", -normal + 0.0, down, proof)
 
         for angle in steps:
             # twice as far as where it just holds: a reader's rounding is another
@@ -255,7 +255,7 @@ class _Cutting:
                 return judged(2 * angle)
         return None
 
-    def _from_within(self, direction: Array, angle: float) -> tuple[float, Proof | None]:
+    def _from_within(self, direction: Array, angle: float) -> tuple[float, DirectionProof | None]:
         """Angle to the stable cone and separating facet, searched from the known rays.
 
         In place of `_project`, if the conic program fails.
@@ -265,7 +265,7 @@ class _Cutting:
         if length < NO_DIRECTION:
             judged = judge(self.program.turned(direction))
             if judged.stable and judged.forces is not None:
-                self.rays.append(Proof("ray", direction, direction, judged.forces))
+                self.rays.append(DirectionProof("ray", direction, direction, judged.forces))
                 return 0.0, None
             if judged.motion is None:
                 return angle, None

@@ -15,7 +15,7 @@ import numpy as np
 
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.regions.polyhedral_cone import Cone
-from kilter.analysis.regions.stable_cone import Proof
+from kilter.analysis.regions.stable_cone import DirectionProof
 from kilter.analysis.turning_tolerances import BEYOND_CONE
 from kilter.arrays import Array
 from kilter.assembly import Assembly
@@ -53,7 +53,7 @@ class RegionProof:
 
 
 def region_proof(
-    proof: Proof,
+    proof: DirectionProof,
     assembly: Assembly,
     contacts: ContactSet,
     *,
@@ -64,7 +64,7 @@ def region_proof(
 
     Parameters
     ----------
-    proof : Proof
+    proof : DirectionProof
     assembly, contacts
         That it is about.
     friction : bool
@@ -86,7 +86,7 @@ def region_proof(
 
 
 def _certified(
-    program: Program, turned: Assembly, contacts: ContactSet, proof: Proof, friction: bool
+    program: Program, turned: Assembly, contacts: ContactSet, proof: DirectionProof, friction: bool
 ) -> ForceProof | MotionProof:
     """The forces or motion of a proof, recomputed on a program."""
     given = proof.certificate
@@ -101,7 +101,7 @@ def _certified(
 
 def common_proofs(
     cone: Cone, assemblies: Sequence[Assembly], contacts: Sequence[ContactSet]
-) -> list[tuple[Proof, int]]:
+) -> list[tuple[DirectionProof, int]]:
     """Proofs of the region of several assemblies, each with the index of its assembly.
 
     Forces in every assembly for each ray and both signs of each line; for each facet and
@@ -114,7 +114,7 @@ def common_proofs(
         for about, vector, down in stable:
             judged = judge(build_program(assembly.with_down(down), contact_set).frictionless).forces
             if judged is not None:
-                proofs.append((Proof(about, vector, down, judged), k))
+                proofs.append((DirectionProof(about, vector, down, judged), k))
     beyond = [("facet", q, -q, cone.rays[np.abs(cone.rays @ q) <= cone.blur]) for q in cone.facets]
     beyond += [("equation", e, s * e, cone.rays) for e in cone.equations for s in (1.0, -1.0)]
     for about, vector, outward, on in beyond:
@@ -130,7 +130,7 @@ def _unstable(
     outward: Array,
     assemblies: Sequence[Assembly],
     contacts: Sequence[ContactSet],
-) -> list[tuple[Proof, int]]:
+) -> list[tuple[DirectionProof, int]]:
     """Motion of the first assembly that falls just beyond a boundary of the common region.
 
     Empty list if no assembly is proved to fall.
@@ -143,5 +143,5 @@ def _unstable(
         for k, (assembly, contact_set) in enumerate(zip(assemblies, contacts, strict=True)):
             judged = judge(build_program(assembly.with_down(down), contact_set).frictionless)
             if judged.stable is False and judged.motion is not None:
-                return [(Proof(about, vector, down, judged.motion), k)]
+                return [(DirectionProof(about, vector, down, judged.motion), k)]
     return []

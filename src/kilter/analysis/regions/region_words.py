@@ -7,7 +7,7 @@ import numpy as np
 from kilter.analysis.decision.doubts import doubts_of
 from kilter.analysis.decision.fitted_normals import fits_left_out
 from kilter.analysis.open_pairs.open_question import open_pair_names
-from kilter.analysis.regions.stable_cone import Proof, StableCone
+from kilter.analysis.regions.stable_cone import DirectionProof, StableCone
 from kilter.analysis.verdict.motion import find_motion
 from kilter.analysis.verdict.remarks import remarks, touching_nothing
 from kilter.arrays import Array, Mask
@@ -117,7 +117,7 @@ def _knife_edge(program: Program, stable: StableCone) -> str:
     )
 
 
-def _starts(program: Program, proof: Proof) -> Mask:
+def _starts(program: Program, proof: DirectionProof) -> Mask:
     """Mask of the parts that start to move for the direction of a proof.
 
     For many parts, those that move in the proof.

@@ -43,7 +43,7 @@ from kilter.mechanics.forms import ScaledProblem, scaled_problem
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program
 
-__all__ = ["Proof", "StableCone", "stable_cone"]
+__all__ = ["DirectionProof", "StableCone", "stable_cone"]
 
 
 PRICES = (1e2, 1e3, 1e4, 1e5)
@@ -51,7 +51,7 @@ PRICES = (1e2, 1e3, 1e4, 1e5)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Proof:
+class DirectionProof:
     """A direction of gravity, unit, shape (3,), and the proof that a program holds or falls there.
 
     `about` is "ray", "line", "facet" or "equation", `vector` the ray, line or normal.
@@ -73,7 +73,7 @@ class StableCone:
         Every direction in it is held, by sums of the forces of its rays.
     facets : ndarray, shape (f, 3)
         Unit inward normals: beyond any of them no forces hold it. Those of `cone` if `exact`.
-    proofs : tuple of Proof
+    proofs : tuple of DirectionProof
         Forces for every ray and both signs of every line; a motion for a direction just
         outside of every facet and for both sides of every equation (but that of the plane
         of a planar program).
@@ -89,7 +89,7 @@ class StableCone:
 
     cone: Cone
     facets: Array
-    proofs: tuple[Proof, ...]
+    proofs: tuple[DirectionProof, ...]
     programs: int
     exact: bool = True
     gap: float = 0.0
@@ -209,13 +209,15 @@ def _loads(problem: ScaledProblem) -> tuple[csc_array, Array]:
     return loads, problem.frame[[0, 2]] if problem.program.planar else problem.frame
 
 
-def _stable(problem: ScaledProblem, cone: Cone, grown: Grown, oracle: ConeOracle) -> list[Proof]:
+def _stable(
+    problem: ScaledProblem, cone: Cone, grown: Grown, oracle: ConeOracle
+) -> list[DirectionProof]:
     """Proofs by forces for every ray and for both directions of every line of the cone."""
     _, axes = _loads(problem)
     asked = [("ray", ray, ray) for ray in cone.rays]
     asked += [("line", line, sign * line) for line in cone.lines for sign in (1.0, -1.0)]
     return [
-        Proof(about, vector, down, _forces(problem, axes, down, grown, oracle))
+        DirectionProof(about, vector, down, _forces(problem, axes, down, grown, oracle))
         for about, vector, down in asked
     ]
 
@@ -237,7 +239,7 @@ def _forces(
     return proof
 
 
-def _unstable(problem: ScaledProblem, cone: Cone, grown: Grown) -> list[Proof]:
+def _unstable(problem: ScaledProblem, cone: Cone, grown: Grown) -> list[DirectionProof]:
     """Proofs by motions just outside each facet, and on both sides of each equation."""
     _, axes = _loads(problem)
     proofs = []
@@ -255,7 +257,7 @@ def _unstable(problem: ScaledProblem, cone: Cone, grown: Grown) -> list[Proof]:
 
 def _motion(
     problem: ScaledProblem, about: str, vector: Array, outward: Array, on: Array, reach: Reach
-) -> Proof:
+) -> DirectionProof:
     """The nearest direction outside a facet for which a motion proves that the assembly falls.
 
     The power of gravity along a direction grows with its angle to the boundary; the proof
@@ -271,7 +273,7 @@ def _motion(
         down = base + angle * outward
         down = down / np.linalg.norm(down)
         proof = check_motion(program.turned(down), motion)
-        last = Proof(about, vector, down, proof)
+        last = DirectionProof(about, vector, down, proof)
         if proof.holds:
             break
     assert last is not None
@@ -279,4 +281,8 @@ def _motion(
         return last
 
     other = judge(program.turned(last.down)).motion
-    return last if other is None or not other.holds else Proof(about, vector, last.down, other)
+    return (
+        last
+        if other is None or not other.holds
+        else DirectionProof(about, vector, last.down, other)
+    )

@@ -33,7 +33,7 @@ from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 
-__all__ = ["MOST", "CarriedSet", "LeastAcceleration", "Slice", "Support", "corner_gaps"]
+__all__ = ["MOST", "CarriedSet", "LeastAcceleration", "Slice", "SupportLine", "corner_gaps"]
 
 MOST = 100.0
 """Accelerations from here on count as unlimited [g]."""
@@ -48,7 +48,7 @@ ACCURACY = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Support:
+class SupportLine:
     """Boundary point of a plane section of the carried accelerations, with a line around it.
 
     In units of g.
@@ -226,7 +226,7 @@ class CarriedSet:
         accuracy : float
             The search ends if polygon and lines differ by at most this [g].
         """
-        supports: list[Support] = []
+        supports: list[SupportLine] = []
 
         def add(direction: Array) -> bool:
             limit = self.along(direction @ axes)
@@ -271,7 +271,7 @@ class CarriedSet:
             self.program, wrench, opening=self._opening, most=self.most, shared=self._shared
         )
 
-    def _support(self, axes: Array, direction: Array, limit: Limit) -> Support:
+    def _support(self, axes: Array, direction: Array, limit: Limit) -> SupportLine:
         """Boundary point along a direction in the plane, and the line from its mechanism, in [g].
 
         No acceleration beyond the line is carried.
@@ -280,7 +280,7 @@ class CarriedSet:
         point = reach * direction
         limited = bool(np.isfinite(limit.value))
         if limit.mechanism is None:
-            return Support(direction, point, direction, reach, limited, False)
+            return SupportLine(direction, point, direction, reach, limited, False)
         program, motion = self.program, limit.mechanism.motion
         moment = (program.mass * program.free) @ motion[:, :3]
         # the power of the load w(g) - m g a on the motion is not positive for any carried a
@@ -288,18 +288,18 @@ class CarriedSet:
         size = float(np.linalg.norm(outward))
         distance = -program.power(motion) / size if size > 0.0 else np.inf
         if not 0.0 <= distance <= reach * (1 + TILT_AGREES) + TOLERANCE:
-            return Support(direction, point, direction, reach, limited, False)
-        return Support(direction, point, outward / size, distance, limited, True)
+            return SupportLine(direction, point, direction, reach, limited, False)
+        return SupportLine(direction, point, outward / size, distance, limited, True)
 
 
-def corner_gaps(supports: list[Support]) -> tuple[Array, Array]:
+def corner_gaps(supports: list[SupportLine]) -> tuple[Array, Array]:
     """Distance from the corner of two neighbouring lines to the polygon edge between them.
 
     Also the direction of each corner.
 
     Parameters
     ----------
-    supports : list of Support
+    supports : list of SupportLine
         Points and lines of a plane section, sorted by the angle of the points.
 
     Returns

@@ -113,7 +113,7 @@ class PathLimit:
         }
 
 
-class _Search:
+class _PathSearch:
     """Search for the speed limit of a path, with carried loads and bounds shared by all samples."""
 
     def __init__(self, program: Program, path: CarrierPath) -> None:
@@ -219,7 +219,7 @@ def find_path_limit(
     tell : callable
         Function that is called with each progress message.
     """
-    search = _Search(program, path)
+    search = _PathSearch(program, path)
     failed = _descend(search, tell)
     if failed is not None:
         return failed
@@ -241,7 +241,7 @@ def find_path_limit(
     return _path_limit(search, slowest)
 
 
-def _descend(search: _Search, tell: Callable[[str], None]) -> NoLimit | None:
+def _descend(search: _PathSearch, tell: Callable[[str], None]) -> NoLimit | None:
     """Compute limits at the sample of the least bound, until that bound is attained.
 
     Return the reason if a limit has no value.
@@ -260,7 +260,7 @@ def _descend(search: _Search, tell: Callable[[str], None]) -> NoLimit | None:
     return None
 
 
-def _path_limit(search: _Search, slowest: float) -> PathLimit | NoLimit:
+def _path_limit(search: _PathSearch, slowest: float) -> PathLimit | NoLimit:
     """The speed limit of a path from a finished search."""
     bounds = search.upper_bounds()
     first = min(search.limits, key=lambda sample: search.limits[sample][0])

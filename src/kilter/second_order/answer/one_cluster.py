@@ -35,7 +35,7 @@ from kilter.second_order.proofs.minimum_proof import MinimumProof
 from kilter.second_order.proofs.paths import Path
 from kilter.second_order.proofs.stopped import stop_forms, stop_question
 from kilter.second_order.searches.critical import Critical, find_critical
-from kilter.second_order.searches.decide import Decision, decide
+from kilter.second_order.searches.decide import EnergyDecision, decide
 from kilter.second_order.searches.every_surface import decided_for_all
 from kilter.second_order.searches.level_rest_search import find_parting
 from kilter.second_order.searches.locking_stress import find_locked
@@ -107,7 +107,7 @@ def answer_alone(
 
 def _decide_across_free(
     facts: ClusterFacts, critical: Critical | None, work: Work, only_if_stays: bool
-) -> tuple[Decision, FreeMotions]:
+) -> tuple[EnergyDecision, FreeMotions]:
     """Decide across (orthogonal to) the free motions; returns the decision and these motions.
 
     If motions are left beside the free ones, only symmetries may be divided out.
@@ -131,7 +131,7 @@ def _decide_across_free(
 
 
 def _minimum_or_free(
-    facts: ClusterFacts, problem: Stationary, decision: Decision, free: FreeMotions
+    facts: ClusterFacts, problem: Stationary, decision: EnergyDecision, free: FreeMotions
 ) -> SecondOrder:
     """Answer for a proved minimum: "free" if a free motion moves a part visibly, else "minimum"."""
     answer = answer_of(facts.program, problem, decision)
@@ -247,7 +247,7 @@ def _sliding(facts: ClusterFacts, critical: Critical | None, work: Work) -> Seco
         return None
     free, across = shifts(problem)
     count, blocked = free.shape[1], across.shape[1]
-    decision = Decision("minimum", count + blocked, count, blocked, 0, proof)
+    decision = EnergyDecision("minimum", count + blocked, count, blocked, 0, proof)
     all_alike = free @ (free.T @ np.ones(len(free)))
     motion = all_alike if np.abs(all_alike).max() > ACROSS else free[:, 0]
     return _sliding_by(program, problem, decision, motion)
@@ -261,12 +261,12 @@ def _stopped_or_none(facts: ClusterFacts, work: Work) -> SecondOrder | None:
         return None
     forms = stop_forms(*question, proof.forces)
     blocked = forms.tilts.shape[1]
-    decision = Decision("minimum", forms.neutral, forms.neutral - blocked, blocked, 0, proof)
+    decision = EnergyDecision("minimum", forms.neutral, forms.neutral - blocked, blocked, 0, proof)
     return _sliding_by(facts.program, facts.problem, decision, proof.opening)
 
 
 def _sliding_by(
-    program: Program, problem: Stationary, decision: Decision, motion: Array
+    program: Program, problem: Stationary, decision: EnergyDecision, motion: Array
 ) -> SecondOrder:
     """Answer "free", for parts that slide along `motion`, shape (n,), in scaled unknowns."""
     assert problem.scale is not None
@@ -300,7 +300,7 @@ def _first(program: Program, rows: Mask) -> str:
 
 
 def _falling(
-    facts: ClusterFacts, whole: Program, problem: Stationary, decision: Decision, work: Work
+    facts: ClusterFacts, whole: Program, problem: Stationary, decision: EnergyDecision, work: Work
 ) -> SecondOrder:
     """Answer "balanced", with an exact lower place on the path down; "open" if none was found.
 

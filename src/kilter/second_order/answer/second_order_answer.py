@@ -24,8 +24,8 @@ from kilter.second_order.motions.rolling import Rolling
 from kilter.second_order.parts.clusters import State
 from kilter.second_order.proofs.fall_proof import Configuration, Fall
 from kilter.second_order.proofs.paths import Path
-from kilter.second_order.proofs.proof_kinds import Proof
-from kilter.second_order.searches.decide import Decision
+from kilter.second_order.proofs.proof_kinds import SecondOrderProof
+from kilter.second_order.searches.decide import EnergyDecision
 
 __all__ = ["LATE", "SPENT", "SecondOrder", "answer_of", "open_answer"]
 
@@ -54,7 +54,7 @@ class SecondOrder:
         Parts that this motion moves.
     why : str
         Reason for an open answer.
-    decision : Decision or None
+    decision : EnergyDecision or None
         Decision with its proof.
     problem : Stationary or None
         Problem that the proof is about.
@@ -81,7 +81,7 @@ class SecondOrder:
     motion: Array | None
     moving: Index
     why: str
-    decision: Decision | None = None
+    decision: EnergyDecision | None = None
     problem: Stationary | None = None
     configuration: Configuration | None = None
     program: Program | None = None
@@ -90,7 +90,7 @@ class SecondOrder:
     clusters: tuple[SecondOrder, ...] = ()
 
     @property
-    def proof(self) -> Proof | None:
+    def proof(self) -> SecondOrderProof | None:
         """Proof of the answer for a single cluster; None for several clusters or an open answer."""
         proof = None if self.decision is None else self.decision.proof
         if isinstance(proof, Path):
@@ -165,7 +165,7 @@ def open_answer(why: str, program: Program) -> SecondOrder:
     return SecondOrder("open", 0, 0, 0, 0, None, None, none, why, program=program)
 
 
-def answer_of(program: Program, problem: Stationary, decision: Decision) -> SecondOrder:
+def answer_of(program: Program, problem: Stationary, decision: EnergyDecision) -> SecondOrder:
     """Make the answer that has the state and the motion counts of a decision."""
     none = np.zeros(0, dtype=np.int64)
     return SecondOrder(

@@ -42,7 +42,7 @@ from kilter.second_order.proofs.modelled import (
     why_unmodelled,
 )
 from kilter.second_order.searches.critical import find_critical
-from kilter.second_order.searches.decide import Decision
+from kilter.second_order.searches.decide import EnergyDecision
 from kilter.second_order.searches.held_search import find_held
 from kilter.second_order.searches.level_rest_search import find_level_rest
 from kilter.work import PER_EFFORT, Work
@@ -252,7 +252,7 @@ def _on_level(program: Program, rest: LevelRest) -> SecondOrder:
     """Answer "free" for parts that slide and turn freely on level (horizontal) faces."""
     parts = np.flatnonzero(program.free)
     free = len(parts) * (1 if program.planar else 3)
-    decision = Decision("minimum", free, free, 0, 0, rest)
+    decision = EnergyDecision("minimum", free, free, 0, 0, rest)
     return SecondOrder(
         "free", free, free, 0, 0, None, rest.motion, parts, "", decision, program=program
     )
@@ -261,7 +261,7 @@ def _on_level(program: Program, rest: LevelRest) -> SecondOrder:
 def _without_neutral(program: Program, held: Held) -> SecondOrder:
     """Answer "minimum" for parts whose contact forces leave no motion neutral."""
     none = np.zeros(0, dtype=np.int64)
-    decision = Decision("minimum", 0, 0, 0, 0, held)
+    decision = EnergyDecision("minimum", 0, 0, 0, 0, held)
     return SecondOrder("minimum", 0, 0, 0, 0, None, None, none, "", decision, program=program)
 
 

@@ -18,10 +18,10 @@ from kilter.second_order.proofs.locked import LockedTurns
 from kilter.second_order.proofs.minimum_proof import MinimumProof
 from kilter.second_order.proofs.stopped import Stopped
 
-__all__ = ["KINDS", "Proof"]
+__all__ = ["KINDS", "SecondOrderProof"]
 
 
-class Proof(Protocol):
+class SecondOrderProof(Protocol):
     """Second-order proof of the state of a cluster.
 
     Attributes
@@ -40,7 +40,7 @@ class Proof(Protocol):
         """JSON data of this proof, for a proof file."""
 
     @classmethod
-    def from_data(cls, facts: ClusterFacts, data: dict[str, Any]) -> Proof:
+    def from_data(cls, facts: ClusterFacts, data: dict[str, Any]) -> SecondOrderProof:
         """Read a proof from JSON data of the form `FORM`.
 
         Raises
@@ -53,7 +53,7 @@ class Proof(Protocol):
         """Check the proof against facts: why it fails, or the state and counts it proves."""
 
 
-KINDS: dict[str, type[Proof]] = {
+KINDS: dict[str, type[SecondOrderProof]] = {
     "held": Held,
     "level": LevelRest,
     "locked": LockedTurns,

@@ -44,7 +44,7 @@ from kilter.second_order.proofs.modelled import (
     why_beyond,
     why_unmodelled,
 )
-from kilter.second_order.proofs.proof_kinds import KINDS, Proof
+from kilter.second_order.proofs.proof_kinds import KINDS, SecondOrderProof
 from kilter.second_order.proofs.proof_numbers import (
     MalformedProof,
     counts,
@@ -94,7 +94,7 @@ def _entries(data: dict[str, Any]) -> list[dict[str, Any]]:
     return [entry for entry in data.get("clusters", [data]) if entry is not None]
 
 
-def _kind_of(entry: Any) -> type[Proof]:
+def _kind_of(entry: Any) -> type[SecondOrderProof]:
     """Class of a cluster's proof, found by its key; raises if the data do not have its form.
 
     Raises

@@ -43,7 +43,7 @@ from kilter.second_order.searches.path_search import find_path
 from kilter.second_order.second_order_tolerances import CURVED, FLAT, LEVEL, SPLITS
 from kilter.work import Work
 
-__all__ = ["EXACT_DIMENSION", "Decision", "decide"]
+__all__ = ["EXACT_DIMENSION", "EnergyDecision", "decide"]
 
 EXACT_DIMENSION = 4
 """Largest dimension in which motions are split into cones."""
@@ -58,7 +58,7 @@ ROUNDS = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Decision:
+class EnergyDecision:
     """Decision about an equilibrium (minimum, balanced or open), with its proof.
 
     Attributes
@@ -95,7 +95,7 @@ def decide(
     critical: Critical | None = None,
     only_if_stays: bool = False,
     work: Work | None = None,
-) -> Decision:
+) -> EnergyDecision:
     """Decide if an equilibrium is an energy minimum, balanced (a path leads down) or open.
 
     Parameters
@@ -111,7 +111,7 @@ def decide(
     work = work or Work()
     critical = critical or find_critical(problem, work=work)
     if critical is None:
-        return Decision("open", 0, 0, 0, 0, why="no forces of equilibrium were found")
+        return EnergyDecision("open", 0, 0, 0, 0, why="no forces of equilibrium were found")
     free = np.zeros((len(problem.load), 0)) if free is None else _even(problem, critical, free)
     across = critical.basis @ null_space(free.T @ critical.basis, problem.blur)
     return _Question(problem, critical, free, across, only_if_stays, work).answer()
@@ -154,14 +154,14 @@ class _Question:
         self.neutral = critical.basis.shape[1]
         self.flat = 0
 
-    def answer(self) -> Decision:
+    def answer(self) -> EnergyDecision:
         """Decide by the critical motions: minimum, balanced by a path that leads down, or open."""
         if not self.across.shape[1]:
             return self._minimum((), (Leaf(self.critical.forces, self._no_weights()),))
         if self.across.shape[1] > MOST_MOTIONS:
             why = f"more than {MOST_MOTIONS} neutral motions are not proved free"
             rest = self.across.shape[1]
-            return Decision("open", self.neutral, self.free.shape[1], 0, rest, why=why)
+            return EnergyDecision("open", self.neutral, self.free.shape[1], 0, rest, why=why)
         if len(self.sides):
             return self._decide_on_basis(self.across, np.zeros(len(self.carrying.rows)))
         curved = self._without_flat()
@@ -206,7 +206,7 @@ class _Question:
             basis = basis @ vectors[:, ~blocked]
         return basis, total
 
-    def _decide_on_basis(self, basis: Array, stress: Array) -> Decision:
+    def _decide_on_basis(self, basis: Array, stress: Array) -> EnergyDecision:
         """Find a minimum or a descending path in a span of motions, beside a self-stress."""
         if self._only_forces():
             forces = self.critical.forces[self.critical.carries]
@@ -346,7 +346,7 @@ class _Question:
 
     def _strengthened_minimum(
         self, forces: Array, stress: Array, weights: Array | None = None
-    ) -> Decision | None:
+    ) -> EnergyDecision | None:
         """Minimum proved by forces plus enough self-stress; None if no amount suffices."""
         forces = self._nearest_balanced_forces(forces)
         weights = self._no_weights() if weights is None else weights
@@ -372,7 +372,7 @@ class _Question:
         total[self.critical.carries] = forces
         return total
 
-    def _by_cones(self, basis: Array) -> Decision:
+    def _by_cones(self, basis: Array) -> EnergyDecision:
         """Split the critical motions into cones; prove each by its own forces, or find a path."""
         dimension, sides = basis.shape[1], self.sides_of(basis)
         todo = orthants(dimension, half=not len(sides))[::-1]
@@ -421,7 +421,7 @@ class _Question:
 
     def _minimum(
         self, splits: tuple[tuple[int, int] | None, ...], leaves: tuple[Leaf, ...]
-    ) -> Decision:
+    ) -> EnergyDecision:
         """Decision "minimum" by the forces of all cones; "open" if the judge rejects the proof."""
         proof = MinimumProof(self.across, self.sides, self.free, splits, leaves)
         wrong = judge_minimum(self.problem, proof)
@@ -429,13 +429,13 @@ class _Question:
 
     def _decision(
         self, state: Literal["minimum", "balanced"], proof: MinimumProof | Path, *others: Path
-    ) -> Decision:
+    ) -> EnergyDecision:
         """A proved decision with the counts of neutral, free and blocked motions."""
         free = self.free.shape[1]
         blocked = self.neutral - free - self.flat
-        return Decision(state, self.neutral, free, blocked, self.flat, proof, others=others)
+        return EnergyDecision(state, self.neutral, free, blocked, self.flat, proof, others=others)
 
-    def _open(self, why: str) -> Decision:
+    def _open(self, why: str) -> EnergyDecision:
         """Decision "open"; motions that the critical forces curve upward count as blocked."""
         free = self.free.shape[1]
         forces = self._nearest_balanced_forces(self.critical.forces[self.critical.carries])
@@ -443,4 +443,4 @@ class _Question:
         size = max(1.0, float(np.abs(values).max(initial=TINY)))
         curved = int((values > CURVED * size).sum())
         undecided = self.across.shape[1] - curved
-        return Decision("open", self.neutral, free, curved, undecided, why=why)
+        return EnergyDecision("open", self.neutral, free, curved, undecided, why=why)

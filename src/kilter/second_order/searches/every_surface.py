@@ -10,7 +10,7 @@ from kilter.second_order.gaps.recognised import bounded
 from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.proofs.minimum_proof import MinimumProof, judge_minimum
 from kilter.second_order.proofs.paths import Path
-from kilter.second_order.searches.decide import Decision
+from kilter.second_order.searches.decide import EnergyDecision
 from kilter.second_order.searches.path_search import find_path
 from kilter.work import Work
 
@@ -25,9 +25,9 @@ def decided_for_all(
     program: Program,
     features: Features,
     problem: Stationary,
-    decision: Decision,
+    decision: EnergyDecision,
     work: Work,
-) -> tuple[Stationary, Decision]:
+) -> tuple[Stationary, EnergyDecision]:
     """The decision if valid for all surfaces within their doubt, else "open"; and its problem.
 
     Parameters
@@ -37,14 +37,14 @@ def decided_for_all(
         Features of its rows; all gaps have a form for all surfaces.
     problem : Stationary
         Problem with the surfaces as they were recognised.
-    decision : Decision
+    decision : EnergyDecision
         Decision about this problem.
 
     Returns
     -------
     Stationary
         The problem at the worst bounds, which the proof is about.
-    Decision
+    EnergyDecision
     """
     proof = decision.proof
     if isinstance(proof, MinimumProof):
