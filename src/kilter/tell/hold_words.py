@@ -51,10 +51,10 @@ def _held_sentence(answer: Answer, candidates: str) -> str:
         return "Balanced with nothing held: the slightest push makes it fall."
     if not answer["holds"]:
         with_supports = f"with {count(held, 'support')}" if held else "with nothing held"
-        return (
-            f"Forces that hold it exist {with_supports} (level {answer['level']}); no set of "
-            f"supports that was tried reaches the level {answer['require']}."
-        )
+        first = f"Forces that hold it exist {with_supports} (level {answer['level']})"
+        if not answer["exhausted"]:
+            return f"{first}. A higher level was not found within the {_limit(answer)}."
+        return f"{first}; no set of supports that was tried reaches the level {answer['require']}."
     if not held:
         return "It holds by itself: nothing must be held."
     first = f"It holds with {count(held, 'support')} of {candidates} (level {answer['level']})"
@@ -63,6 +63,11 @@ def _held_sentence(answer: Answer, candidates: str) -> str:
     if least == 0 or answer["require"] != "equilibrium":
         return f"{first}. No smaller set that was tried reaches this level, but this is no proof."
     return f"{first}. It is proved that at least {count(least, 'support')} must be used."
+
+
+def _limit(answer: Answer) -> str:
+    """Return the limit that ended an incomplete search."""
+    return "effort" if answer["time_limit"] is None else "time limit"
 
 
 def hold_facts(answer: Answer) -> list[tuple[str, str]]:

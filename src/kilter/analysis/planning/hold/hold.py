@@ -117,6 +117,6 @@ def hold(
         require=require,
         time_limit=time_limit if work.cut else None,
         interrupted=interrupted,
-        exhausted=not work.over and not interrupted,
+        exhausted=least.complete and not work.over and not interrupted,
         seconds=seconds,
     )

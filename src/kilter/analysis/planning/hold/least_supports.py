@@ -24,6 +24,8 @@ __all__ = ["LeastSupports", "Stopping", "find_least_supports"]
 
 JUDGED, FEW = 2000.0, 4
 """Units of work of a set of supports: for each part, and the number of additional parts."""
+RAISING = 1 / 80
+"""Share of the remaining work that the search for a set of a higher level may take [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,12 +57,15 @@ class LeastSupports:
     enough : bool or None
         Whether supports were found that hold it; False: all together do not, that is proved.
     motions : tuple of Stopping
+    complete : bool
+        Whether the search ended before its work limit.
     """
 
     state: SupportedState | None
     least: int
     enough: bool | None
     motions: tuple[Stopping, ...]
+    complete: bool = True
 
 
 def find_least_supports(
@@ -73,9 +78,10 @@ def find_least_supports(
 ) -> LeastSupports:
     """Find the fewest candidate supports with which an assembly reaches the required level.
 
-    Forces of equilibrium and the proof that fewer supports are not enough come first. A set that
-    does not reach the required level is left for a set with a support on a part that may still
-    move. If no set reaches the level, the first set in equilibrium is the answer.
+    Forces of equilibrium and the proof that fewer supports are not enough come first. The first set
+    in equilibrium is decided with the effort of a check. If it does not reach the required level,
+    sets with a support on a part that may still move are tried within a share of the work
+    (`RAISING`). If none of them reaches the level, the first set in equilibrium is the answer.
 
     Parameters
     ----------
@@ -97,11 +103,12 @@ def find_least_supports(
     def answer(state: SupportedState | None, enough: bool | None) -> LeastSupports:
         sure = least_cover([motion.shares for motion in motions], limit)
         least = limit + 1 if sure is None else len(sure)
-        return LeastSupports(state, least, enough, tuple(motions))
+        return LeastSupports(state, least, enough, tuple(motions), not share.over)
 
+    share = work  # of the current search: for equilibrium, then for the level
     while True:
         chosen = least_cover([*(motion.shares for motion in motions), *passed], limit)
-        if chosen is None or work.over:
+        if chosen is None or share.over:
             if lower is not None:
                 return answer(lower, True)
             none = chosen is None and not passed and limit == count
@@ -109,12 +116,14 @@ def find_least_supports(
         work.tell(f"{len(chosen)} supports")
         state = _judge_supports(given, chosen, work)
         if state.stable:
-            part = work.beside(units_of(effort))
+            left = units_of(effort) if lower is None else min(units_of(effort), share.left)
+            part = work.beside(left)
             state = given.decide(state, require=require, work=part)
             work.charge(part.spent)
             if state.decision is not None and holds(state.decision.level, require):
                 return answer(state, True)
-            lower = state if lower is None else lower
+            if lower is None:
+                lower, share = state, work.fraction_left(RAISING)
             passed.append(_stops_witness(given, state))
         elif state.stable is None:
             passed.append({k: 1.0 for k in range(count) if k not in chosen})

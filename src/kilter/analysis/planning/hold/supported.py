@@ -101,7 +101,9 @@ class Supported:
     def decide(self, state: SupportedState, *, require: str, work: Work) -> SupportedState:
         """Extend an equilibrium with chosen supports by its decision, up to the required level."""
         gripped, others = self.given(state.chosen)
-        change = {"held": gripped, "supports": [support.to_dict() for support in others]}
+        # without other supports the assembly has no part for the outside, as in a check
+        supports = [support.to_dict() for support in others] or None
+        change = {"held": gripped, "supports": supports}
         assembly, contacts = apply_change(self.assembly, self.contacts, change)
         decision = decide(
             assembly,
