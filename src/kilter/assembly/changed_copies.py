@@ -60,6 +60,8 @@ class ChangedCopies(Value):
         def down(self) -> Array: ...  # noqa: D102
         @property
         def index(self) -> dict[str, int]: ...  # noqa: D102
+        @property
+        def names(self) -> tuple[str, ...]: ...  # noqa: D102
         def index_of(self, part: str | int) -> int: ...  # noqa: D102
         def matching(self, patterns: str | Iterable[str]) -> set[str]: ...  # noqa: D102
 
