@@ -452,3 +452,13 @@ def test_a_grip_on_a_loaded_part_carries_its_load() -> None:
     gripped = row.with_grips(loaded)
     assert not gripped.loads
     assert all(gripped.parts[gripped.index[name]].grounded for name in loaded)
+
+
+def test_a_balanced_assembly_needs_a_grip_as_check_states() -> None:
+    """Without supports, the decision sees no part for the outside, which would cover all places."""
+    assembly = scene("paper-figure-11-in-space")
+    assert kilter.check(assembly).verdict == "balanced"
+    fixture = kilter.hold(assembly)
+    assert len(fixture.supports or ()) == 1
+    assert fixture.holds
+    assert fixture.level == "proved"
