@@ -454,6 +454,7 @@ def test_a_grip_on_a_loaded_part_carries_its_load() -> None:
     assert all(gripped.parts[gripped.index[name]].grounded for name in loaded)
 
 
+@pytest.mark.slow
 def test_a_balanced_assembly_needs_a_grip_as_check_states() -> None:
     """Without supports, the decision sees no part for the outside, which would cover all places."""
     assembly = scene("paper-figure-11-in-space")
