@@ -13,6 +13,7 @@ from types import FrameType
 import pytest
 from hypothesis import settings
 
+from published import judged_answers
 from sampled import in_block, mark_rest_slow
 
 collect_ignore_glob = ["*conftest.py"]  # no doctests there, and their names are alike
@@ -77,4 +78,11 @@ def asked_of_each_solver(request: pytest.FixtureRequest) -> Iterator[None]:
     from solvers_apart import each_solver
 
     with each_solver(request.node.nodeid, file):
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def answers_match_their_schemas() -> Iterator[None]:
+    """Validate every answer of the tests by its published schema."""
+    with judged_answers():
         yield

@@ -8,7 +8,7 @@ and forces for every ray. `notes` lists the omitted answers.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
@@ -107,7 +107,7 @@ class Answered:
     """
 
     down: Array
-    check: dict[str, Any]
+    check: Mapping[str, Any]
     balance: Balance | None
     sentence: str = ""
     path: PathPlaces | None = None
@@ -169,12 +169,12 @@ class Everything:
     contacts: ContactSet
     given: Answered
     recommended: Answered | None
-    region: dict[str, Any] | None
+    region: Mapping[str, Any] | None
     inner: Cone | None
     none: bool
     rays: Sequence[Balance]
     map: MapMotions | None
-    margin: dict[str, Any] | None
+    margin: Mapping[str, Any] | None
     change: Improvement | None
     notes: Sequence[str]
 
@@ -397,7 +397,7 @@ def _ray_forces(assembly: Assembly, contacts: ContactSet, stable: Region) -> tup
 
 def _margin(
     assembly: Assembly, contacts: ContactSet, always: bool, tell: Tell, notes: list[str]
-) -> dict[str, Any] | None:
+) -> Mapping[str, Any] | None:
     """The margins for the given gravity; None for a large assembly unless `always` is set."""
     free = _free_count(assembly)
     if not free:

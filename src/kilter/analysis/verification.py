@@ -12,7 +12,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from kilter.analysis.planning.hold.hold_check import wrong_hold
 from kilter.analysis.planning.order.order_check import wrong_order
@@ -32,6 +32,9 @@ from kilter.mechanics.proof_form import MalformedProof, require_form
 from kilter.mechanics.recheck import recheck
 from kilter.second_order.proofs.second_order_recheck import recheck_second_order
 from kilter.tell.json_answer import Answer
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.other_data import VerifyData
 
 __all__ = ["Verification", "proof_tolerance", "verify", "verify_proof"]
 
@@ -78,7 +81,7 @@ class Verification(Answer):
     options: Mapping[str, Any]
     tolerance: Mapping[str, Any]
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> VerifyData:
         """The verification result as JSON data, as ``kilter verify --json`` prints it."""
         return {
             "holds": self.holds,

@@ -15,7 +15,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -32,6 +32,10 @@ from kilter.rigid import unit
 from kilter.tell.html import html_of
 from kilter.units import metres_per_unit
 from kilter.validate import frozen, in_range, number
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.check_data import BondData
+    from kilter.tell.answer_data.common_data import JointData
 
 __all__ = ["Assembly", "require_assembly"]
 
@@ -243,15 +247,16 @@ class Assembly(ChangedCopies):
             }
         )
 
-    def joints_data(self) -> list[dict[str, Any]]:
+    def joints_data(self) -> list[JointData]:
         """The joints as JSON data; joints that an option added have the key "why"."""
-        return [
-            {"parts": list(joint.parts), "kind": joint.kind}
-            | ({"why": joint.why} if joint.why else {})
-            for joint in self.joints
-        ]
+        entries: list[JointData] = []
+        for joint in self.joints:
+            entries.append({"parts": list(joint.parts), "kind": joint.kind})
+            if joint.why:
+                entries[-1]["why"] = joint.why
+        return entries
 
-    def bonds_data(self) -> list[dict[str, Any]]:
+    def bonds_data(self) -> list[BondData]:
         """The bonds as JSON data: the two parts, and the strength."""
         return [bond.to_dict() for bond in self.bonds]
 

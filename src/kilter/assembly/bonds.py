@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from kilter.errors import InputError, nearest_name
 from kilter.rigid import in_brackets, unit
 from kilter.validate import frozen, in_range, number
 from kilter.values import Value
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.check_data import BondData
 
 __all__ = [
     "KINDS",
@@ -158,11 +161,16 @@ class Bond(Value):
         """Shear strength of the bond: a force per point [N], "mu" for friction, None: no limit."""
         return KINDS[self.kind] if self.shear is None and self.kind is not None else self.shear
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> BondData:
         """JSON data of the bond: its parts, its kind, and its strength."""
-        values = {name: getattr(self, name) for name in ("pull", "pull_per_area", "kind")}
-        given = {name: value for name, value in values.items() if value is not None}
-        return {"parts": list(self.parts), **given, "shear": self.bears}
+        data: BondData = {"parts": list(self.parts), "shear": self.bears}
+        if self.pull is not None:
+            data["pull"] = self.pull
+        if self.pull_per_area is not None:
+            data["pull_per_area"] = self.pull_per_area
+        if self.kind is not None:
+            data["kind"] = self.kind
+        return data
 
     def with_strength(self, share: float) -> Bond:
         """The bond with its pull and shear strength multiplied by `share`."""

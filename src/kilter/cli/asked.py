@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from kilter.assembly import Assembly
     from kilter.contact import ContactSet, Tolerance
     from kilter.files.reading import Reading
+    from kilter.tell.answer_data.common_data import WarnedData
     from kilter.tell.tables import Table
 
 __all__ = ["Asked"]
@@ -203,7 +204,7 @@ class Asked:
             assembly = replace(assembly, notes=notes, tolerance=self.tolerance)
         return fasten_as_read(assembly, self.reading, tolerance=self.tolerance, progress=progress)
 
-    def keep_proof(self, make: Callable[..., dict[str, Any]] | None, answer: dict[str, Any]) -> str:
+    def keep_proof(self, make: Callable[..., dict[str, Any]] | None, answer: WarnedData) -> str:
         """Write the proof file if `--proof` requires it; return a line about it for users.
 
         Parameters
@@ -220,7 +221,7 @@ class Asked:
             return f"\nproof file   written to {self.proof}"
         if self.proof.exists():
             caution = f"this answer has no proof: the earlier file {self.proof} was not changed"
-            answer["warnings"] = [*answer.get("warnings", ()), caution]
+            answer["warnings"] = [*answer["warnings"], caution]
         return "\nproof file   not written: this answer has no proof"
 
     def tell(

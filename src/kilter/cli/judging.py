@@ -6,7 +6,7 @@ import re
 import sys
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -20,6 +20,7 @@ from kilter.tell.levels import REQUIRE
 
 if TYPE_CHECKING:
     from kilter.analysis.verdict.verdict import Verdict
+    from kilter.tell.answer_data.check_data import CheckData
 
 __all__ = ["check", "contacts", "example", "verify"]
 
@@ -99,7 +100,7 @@ def check(
     return code_of(answer)
 
 
-def _check_file(asked: Asked, require: str, measures: bool) -> tuple[Verdict, dict[str, Any]]:
+def _check_file(asked: Asked, require: str, measures: bool) -> tuple[Verdict, CheckData]:
     """Check a single file; return its verdict, and the answer with the reading time."""
     from kilter.analysis.check import check as decide
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["as_typed", "written"]
 
 
-def written(order: Order, answer: dict[str, Any], asked: Asked, typed: list[str]) -> bool:
+def written(order: Order, answer: Mapping[str, Any], asked: Asked, typed: list[str]) -> bool:
     """Write a plan in the format of the output suffix; False if the suffix is no plan format.
 
     With any other suffix nothing is written: the caller writes text or JSON.

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -44,6 +44,10 @@ from kilter.contact.patch import Patch
 from kilter.errors import InputError
 from kilter.tell.contact_words import copy_warnings, overlap_warnings
 from kilter.tell.json_answer import Answer
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.common_data import LoneData, NeighbourData
+    from kilter.tell.answer_data.contacts_data import ContactsData, OverlapData, PatchData
 
 __all__ = [
     "INTERFERE",
@@ -433,18 +437,21 @@ class ContactSet(Answer):
         touched[[index[name] for name in joined if name in index]] = True
         return np.flatnonzero(~touched)
 
-    def nearest(self) -> list[dict[str, Any]]:
+    def nearest(self) -> list[LoneData]:
         """JSON data: for each part that touches nothing, the nearest part and its distance."""
         by_part = {neighbour.part: neighbour for neighbour in self.neighbours}
         names, held = self.assembly.names, self.assembly.geometry.grounded
-        none = {"nearest": None, "gap": None, "accuracy": None}
-        return [
-            (by_part[k].to_dict(names) if k in by_part else {"part": names[k], **none})
-            | {"grounded": bool(held[k])}
-            for k in self.alone.tolist()
-        ]
+        entries: list[LoneData] = []
+        for k in self.alone.tolist():
+            data: NeighbourData = {
+                "part": names[k], "nearest": None, "gap": None, "accuracy": None
+            }  # fmt: skip
+            if k in by_part:
+                data = by_part[k].to_dict(names)
+            entries.append({**data, "grounded": bool(held[k])})
+        return entries
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> ContactsData:
         """JSON data of the contacts, as ``kilter contacts --json`` prints them."""
         assembly = self.assembly
         sizes = assembly.geometry.size
@@ -499,14 +506,19 @@ class ContactSet(Answer):
             *copy_warnings(odd),
         ]
 
-    def _overlap(self, overlap: Overlap) -> dict[str, Any]:
-        sizes = {"volume": overlap.volume, "depth": overlap.depth, "share": overlap.share}
-        return {"parts": self._names(overlap.parts), **sizes, "why": overlap.why}
+    def _overlap(self, overlap: Overlap) -> OverlapData:
+        return {
+            "parts": self._names(overlap.parts),
+            "volume": overlap.volume,
+            "depth": overlap.depth,
+            "share": overlap.share,
+            "why": overlap.why,
+        }
 
     def _names(self, parts: Any) -> list[str]:
         return [self.assembly.names[k] for k in parts]
 
-    def _patch(self, k: int, pull: float) -> dict[str, Any]:
+    def _patch(self, k: int, pull: float) -> PatchData:
         """JSON data of the patch with index k; `pull` is the largest tension of its bond [N]."""
         gap = self.patch_gap[k]
         return {

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from kilter.arrays import Array, Index, nearest
 from kilter.assembly.geometry import Geometry
 from kilter.contact.fits.shared_body import PartSolids
 from kilter.contact.triangle_distance import surface_distance
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.common_data import NeighbourData
 
 __all__ = ["MOST_PARTS", "Neighbour", "nearest_parts"]
 
@@ -48,10 +51,14 @@ class Neighbour:
     gap: float
     accuracy: float
 
-    def to_dict(self, names: Sequence[str]) -> dict[str, Any]:
+    def to_dict(self, names: Sequence[str]) -> NeighbourData:
         """JSON data: the part, the part nearest to it, and the gap."""
-        parts = {"part": names[self.part], "nearest": names[self.other]}
-        return {**parts, "gap": self.gap, "accuracy": self.accuracy}
+        return {
+            "part": names[self.part],
+            "nearest": names[self.other],
+            "gap": self.gap,
+            "accuracy": self.accuracy,
+        }
 
 
 def nearest_parts(geometry: Geometry, parts: Iterable[int]) -> tuple[Neighbour, ...]:

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 
@@ -32,6 +32,9 @@ from kilter.assembly.geometry import Geometry
 from kilter.contact.contact_tolerances import LOOSE_ANGLE, LOOSE_GAP
 from kilter.contact.gaps import THIN, RejectedPair
 from kilter.contact.left_out import Overlap, PossibleContacts, UnsupportedContact
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.common_data import PlainOpenPairData
 
 __all__ = [
     "KINDS",
@@ -73,7 +76,7 @@ class OpenPair:
     volume: float | None = None
     why: str = ""
 
-    def to_dict(self, names: Sequence[str]) -> dict[str, Any]:
+    def to_dict(self, names: Sequence[str]) -> PlainOpenPairData:
         """JSON data of the open pair, with the names of its parts."""
         return {
             "parts": [names[k] for k in self.parts],

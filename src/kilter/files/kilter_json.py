@@ -34,18 +34,23 @@ __all__ = ["from_dict", "schema", "to_dict"]
 VERSION = 1
 """Version of the file format."""
 GRAVITY = [0.0, 0.0, -9.81]
+SCHEMA = ".schema.json"
+"""End of the name of a published schema."""
 
 
-def schema() -> dict[str, Any]:
+def schema(name: str = "assembly") -> dict[str, Any]:
     """The JSON schema of kilter's assembly file.
 
     Examples
     --------
-    >>> schema()["title"]
-    'kilter assembly'
+    >>> schema()["title"], schema("check")["title"]
+    ('kilter assembly', 'kilter answer of check')
     """
-    text = resources.files("kilter.files").joinpath("assembly.schema.json").read_text("utf-8")
-    content: dict[str, Any] = json.loads(text)
+    folder = resources.files("kilter.files").joinpath("schemas")
+    names = sorted(file.name.removesuffix(SCHEMA) for file in folder.iterdir())
+    if name not in names:
+        raise InputError(f"no schema is named {name!r:.40}", hint=f"there are: {', '.join(names)}")
+    content: dict[str, Any] = json.loads(folder.joinpath(name + SCHEMA).read_text("utf-8"))
     return content
 
 

@@ -10,6 +10,7 @@ The parts on which p is seated are those that it touches without sliding along t
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -71,7 +72,7 @@ def build_plan_scene(order: Order, explained: Explained) -> dict[str, Any]:
 
 
 def _step(
-    assembly: Assembly, step: dict[str, Any], support: StepForces, center: Array
+    assembly: Assembly, step: Mapping[str, Any], support: StepForces, center: Array
 ) -> dict[str, Any]:
     """JSON data of a step of a plan, for the page.
 
@@ -139,7 +140,7 @@ def _falls(order: Order) -> list[dict[str, Any]]:
     return [group for group in groups if group["motion"] is not None]
 
 
-def _thread(assembly: Assembly, step: dict[str, Any], over: str) -> float:
+def _thread(assembly: Assembly, step: Mapping[str, Any], over: str) -> float:
     """Length of the path of a step's nut on the bolt named `over` [length unit]."""
     along = np.array(step["direction"])
     nut, bolt = (
@@ -155,7 +156,7 @@ def _in_view(apart: Array, radius: float) -> Array:
     return apart * min(1.0, FARTHEST * radius / farthest) if farthest > 0 else apart
 
 
-def pulled_apart(assembly: Assembly, steps: list[dict[str, Any]]) -> Array:
+def pulled_apart(assembly: Assembly, steps: Sequence[Mapping[str, Any]]) -> Array:
     """Displacement of each part in the exploded view, shape (N, 3), from its final position.
 
     Parameters

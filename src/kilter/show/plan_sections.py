@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from kilter.show.precedence import graph_svg
@@ -53,7 +54,7 @@ def plan_sections(
     return "\n".join(filter(None, parts))
 
 
-def _result(answer: dict[str, Any]) -> str:
+def _result(answer: Mapping[str, Any]) -> str:
     rows = [("in words", text(answer["sentence"]))]
     rows += [(term, text(words)) for term, words in facts(answer)]
     if answer["level"] is not None:
@@ -61,12 +62,12 @@ def _result(answer: dict[str, Any]) -> str:
     return section("Result", facts_html(rows))
 
 
-def _steps(answer: dict[str, Any]) -> str:
+def _steps(answer: Mapping[str, Any]) -> str:
     """HTML section with a table of the steps of a plan; empty without steps."""
     if not answer["steps"]:
         return ""
 
-    def row(k: int, step: dict[str, Any]) -> list[str]:
+    def row(k: int, step: Mapping[str, Any]) -> list[str]:
         way, held, freed, level = step_cells(step)
         names = "".join(name_html(name) for name in step["parts"])
         button = f'<button type="button" class="link" data-step="{k}">{names}</button>'
@@ -78,7 +79,7 @@ def _steps(answer: dict[str, Any]) -> str:
     return section(f"Steps ({len(answer['steps'])})", body)
 
 
-def _graph(answer: dict[str, Any], explained: Explained) -> str:
+def _graph(answer: Mapping[str, Any], explained: Explained) -> str:
     """HTML section with the precedence graph of a plan.
 
     Empty without steps or with more than `DRAWN` steps.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 __all__ = ["SCHEMA_VERSION", "Answer"]
@@ -19,7 +20,7 @@ class Answer:
     answer: ClassVar[str] = ""
     """Name of the verb that gives the answer."""
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Mapping[str, Any]:
         """The answer as JSON data."""
         raise NotImplementedError
 

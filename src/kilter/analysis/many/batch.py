@@ -13,7 +13,7 @@ from collections import Counter, deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from kilter.analysis.many.batch_cluster import ClusterWorkers
 from kilter.analysis.many.batch_folder import BatchFolder, open_folder
@@ -25,6 +25,9 @@ from kilter.errors import InputError
 from kilter.files.reading import reading_for
 from kilter.tell.levels import REQUIRE, require_level
 from kilter.work import EFFORT
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.other_data import BatchData
 
 __all__ = ["CHUNK", "Batch", "batch", "run_batch"]
 
@@ -70,7 +73,7 @@ class Batch:
         wrong = [(row["file"], row["error"] or "") for row in rows if row["verdict"] == "error"]
         self.errors += wrong[: TOLD - len(self.errors)]
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> BatchData:
         """The answer of ``kilter batch --json``."""
         return {
             "folder": str(self.folder),

@@ -12,7 +12,7 @@ have both signs along the normals of all bonded points and, with friction, any s
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,6 +26,9 @@ from kilter.mechanics.certificate import check_forces, check_motion
 from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT, ForceRows, bonded_rows
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.margin_data import BondLimitData
 
 __all__ = ["BondFactor", "find_bond_factor"]
 
@@ -58,7 +61,7 @@ class BondFactor:
     limit: Limit
     opens: tuple[tuple[int, float], ...]
 
-    def to_dict(self, program: Program, assembly: Assembly) -> dict[str, Any]:
+    def to_dict(self, program: Program, assembly: Assembly) -> BondLimitData:
         """JSON data for the answer of `kilter margin`: gap, moving parts, bonds that give way."""
         return {
             "gap": finite(self.limit.gap),

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -34,6 +34,9 @@ from kilter.mechanics.program import Program, build_program
 from kilter.tell.improve_words import improve_sentence
 from kilter.tell.json_answer import Answer
 from kilter.threads import on_one_thread
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.other_data import BrickChangeData, ImproveData
 
 __all__ = ["BrickChange", "Improvement", "improve"]
 
@@ -67,14 +70,14 @@ class BrickChange:
         The changed assembly.
     """
 
-    what: str
+    what: Literal["add", "remove"]
     name: str
     corner: Cell
     cells: tuple[int, int]
     share: float
     assembly: Assembly
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> BrickChangeData:
         """The change of the brick model as JSON data."""
         return {
             "what": self.what,
@@ -130,7 +133,7 @@ class Improvement(Answer):
         """Describe the weakest studs and the best change of the brick model in a sentence."""
         return improve_sentence(self.to_dict())
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> ImproveData:
         """The improvement as JSON data, as ``kilter improve --json`` prints it."""
         return {
             "verdict": self.verdict,
@@ -239,7 +242,7 @@ def _fastest_bricks(motion: Array) -> list[int]:
     return sorted(k for k in order.tolist() if speed[k] > 0)
 
 
-Try = tuple[str, int, BrickModel]
+Try = tuple[Literal["add", "remove"], int, BrickModel]
 
 
 def _trials(

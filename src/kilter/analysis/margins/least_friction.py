@@ -18,7 +18,7 @@ coefficient is then zero and not attained: as mu decreases, the forces grow with
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -39,6 +39,9 @@ from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.margin_data import FrictionLimitData
 
 __all__ = ["LeastFriction", "find_least_friction"]
 
@@ -87,7 +90,7 @@ class LeastFriction:
     mechanism: MotionProof | None
     programs: int
 
-    def to_dict(self, program: Program) -> dict[str, Any]:
+    def to_dict(self, program: Program) -> FrictionLimitData:
         """The bounds of the least friction as JSON data, with the parts that move below it."""
         return {
             "lower": float(self.lower),

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -32,6 +32,9 @@ from kilter.assembly import Assembly
 from kilter.assembly.interactions import Load
 from kilter.contact import ContactSet, detect
 from kilter.work import Work
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.margin_data import LevelLimitData, LevelLimitsData
 
 __all__ = ["LevelLimits", "Limits", "find_level_limits"]
 
@@ -98,7 +101,7 @@ class LevelLimits:
     pushes: dict[str, LevelLimit | NoLimit] = field(default_factory=dict)
     loads: dict[str, LevelLimit | NoLimit] = field(default_factory=dict)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> LevelLimitsData:
         """The verdict level and its margins as JSON data: `inside`, `outside`, or `why` unknown."""
         return {
             "level": self.level,
@@ -111,7 +114,7 @@ class LevelLimits:
         }
 
 
-def _answer(limit: LevelLimit | NoLimit | None) -> dict[str, Any] | None:
+def _answer(limit: LevelLimit | NoLimit | None) -> LevelLimitData | None:
     """A margin of a verdict level as JSON data; None if the margin does not exist."""
     if limit is None:
         return None

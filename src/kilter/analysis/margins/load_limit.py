@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -50,6 +50,9 @@ from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 from kilter.solvers.cone_interior_point import Start, common_start, iterates
 from kilter.solvers.solver_tolerances import CONIC
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.common_data import LimitData
 
 __all__ = [
     "Limit",
@@ -102,7 +105,7 @@ class Limit:
     mechanism: MotionProof | None
     gap: float
 
-    def to_dict(self, program: Program) -> dict[str, Any]:
+    def to_dict(self, program: Program) -> LimitData:
         """JSON data that prove a load limit: residual of forces, gap, moving parts, mechanism."""
         return {
             "residual": self.forces.residual,

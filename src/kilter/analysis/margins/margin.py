@@ -10,7 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -41,6 +41,10 @@ from kilter.mechanics.program import Program, build_program
 from kilter.tell.json_answer import Answer
 from kilter.threads import on_one_thread
 from kilter.work import EFFORT, Work, units_of
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.common_data import LimitData
+    from kilter.tell.answer_data.margin_data import BracketData, MarginData
 
 __all__ = ["Margin", "margin"]
 
@@ -128,7 +132,7 @@ class Margin(Answer):
     warnings: tuple[str, ...]
     seconds: dict[str, float]
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> MarginData:
         """The margin as JSON data, as ``kilter margin --json`` prints it."""
         program, tilt, factor = self.program, self.tilt, self.load_factor
         about, friction, down = self.about, self.friction, self.tilt_down
@@ -186,7 +190,7 @@ class Margin(Answer):
         """
         return make_bundle("margin", margin_proofs(self, options=options or {}))
 
-    def _bracket(self) -> dict[str, list[float | None] | None] | None:
+    def _bracket(self) -> BracketData | None:
         """Least and greatest load factor, each as two bounds; None if not requested."""
         if self.guaranteed is None or self.load_factor is None:
             return None
@@ -216,7 +220,7 @@ def _interval(factor: tuple[Limit | None, Limit | None]) -> list[float | None] |
     )
 
 
-def _limit(program: Program, limit: Limit | None) -> dict[str, Any] | None:
+def _limit(program: Program, limit: Limit | None) -> LimitData | None:
     return None if limit is None else limit.to_dict(program)
 
 

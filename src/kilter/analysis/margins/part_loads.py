@@ -10,7 +10,7 @@ that its two sides are near as seen from the load.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,6 +19,9 @@ from kilter.analysis.turning_tolerances import SIDES_NEAR
 from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.margin_data import PartLoadData
 
 __all__ = ["PartLoad", "find_part_load"]
 
@@ -46,7 +49,7 @@ class PartLoad:
     limit: Limit
     unit: float
 
-    def to_dict(self, program: Program) -> dict[str, Any]:
+    def to_dict(self, program: Program) -> PartLoadData:
         """The largest load on this part as JSON data for the answer of `kilter margin`."""
         return {
             "part": self.part,

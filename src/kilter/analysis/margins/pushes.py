@@ -10,7 +10,7 @@ planes outside (`kilter.analysis.regions.enclose`).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,6 +25,9 @@ from kilter.arrays import Array
 from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.margin_data import PushData
 
 __all__ = ["Push", "find_push", "find_weakest_push"]
 
@@ -58,7 +61,7 @@ class Push:
     limit: Limit
     programs: int
 
-    def to_dict(self, program: Program) -> dict[str, Any]:
+    def to_dict(self, program: Program) -> PushData:
         """The largest push as JSON data."""
         return {
             "part": self.part,

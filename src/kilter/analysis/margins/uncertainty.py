@@ -20,7 +20,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -46,6 +46,9 @@ from kilter.mechanics.coulomb_cones import pyramid
 from kilter.mechanics.forms import scaled_problem
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.margin_data import UncertaintyData, WorstData
 
 __all__ = ["CORNERS", "Ranges", "Uncertainty", "corner", "find_uncertainty", "weakened"]
 
@@ -144,9 +147,10 @@ class Uncertainty:
     corners: int
     worst: tuple[Array, Array] | None
 
-    def to_dict(self, program: Program) -> dict[str, Any]:
+    def to_dict(self, program: Program) -> UncertaintyData:
         """The worst-case margins and the data at which they occur, as JSON data."""
-        ranges, at = self.ranges, None
+        ranges = self.ranges
+        at: dict[str, WorstData] | None = None
         if self.worst is not None:
             mass, shift = self.worst
             at = {

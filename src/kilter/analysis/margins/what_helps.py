@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -35,6 +35,9 @@ from kilter.arrays import Array
 from kilter.mechanics.certificate import part_sizes
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.margin_data import HelpData
 
 __all__ = ["Help", "what_helps"]
 
@@ -70,7 +73,7 @@ class Help:
     gain: float
     sentence: str
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> HelpData:
         """The change as JSON data, for the answer of `kilter margin`."""
         return {
             "of": self.of,

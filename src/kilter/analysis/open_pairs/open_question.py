@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 from kilter.analysis.open_pairs.deciding_pairs import DecidingPairs, find_deciding
 from kilter.assembly import Assembly, Joint
@@ -18,6 +18,10 @@ from kilter.contact.open_pairs import OpenPair, rigid_groups, still_open
 from kilter.errors import some
 from kilter.mechanics.program import Program
 from kilter.work import Work
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.check_data import JoinedData
+    from kilter.tell.answer_data.common_data import OpenPairData
 
 __all__ = ["OpenQuestion", "ask_open", "open_pair_names", "open_pairs_answer"]
 
@@ -29,7 +33,7 @@ class OpenQuestion:
     deciding: DecidingPairs
     verdict: str
 
-    def to_dict(self, names: tuple[str, ...]) -> dict[str, Any]:
+    def to_dict(self, names: tuple[str, ...]) -> JoinedData:
         """JSON data for the key `if_joined` of an answer; `names` are the names of all parts."""
         return {
             "pairs": [[names[k] for k in pair.parts] for pair in self.deciding.pairs],
@@ -84,9 +88,11 @@ def open_pair_names(assembly: Assembly, contacts: ContactSet) -> str:
 
 def open_pairs_answer(
     assembly: Assembly, contacts: ContactSet, question: OpenQuestion | None = None
-) -> list[dict[str, Any]]:
+) -> list[OpenPairData]:
     """Entries of the key `open_pairs` of an answer, the deciding pairs first."""
     decides: tuple[OpenPair, ...] = () if question is None else question.deciding.pairs
     pairs = still_open(contacts.open_pairs, assembly)
-    entries = [{**pair.to_dict(assembly.names), "decides": pair in decides} for pair in pairs]
+    entries: list[OpenPairData] = [
+        {**pair.to_dict(assembly.names), "decides": pair in decides} for pair in pairs
+    ]
     return sorted(entries, key=lambda entry: not entry["decides"])

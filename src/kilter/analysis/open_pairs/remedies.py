@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 from kilter.analysis.decision.cascade import decide
 from kilter.analysis.decision.decision import Decision
@@ -27,6 +27,9 @@ from kilter.mechanics.program import Program
 from kilter.tell.levels import LEVELS
 from kilter.tell.open_words import OpenOption, open_options
 from kilter.work import Work
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.check_data import RemedyData
 
 __all__ = ["Remedy", "find_remedies"]
 
@@ -62,7 +65,7 @@ class Remedy:
     leads_to: str | None
     level: str | None
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> RemedyData:
         """The remedy as JSON data."""
         return {"option": self.option, "leads_to": self.leads_to, "level": self.level}
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -47,6 +47,9 @@ from kilter.tell.html import html_of
 from kilter.tell.json_answer import Answer
 from kilter.tell.region_facts import region_phrase
 from kilter.threads import on_one_thread
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.directions_data import RegionData
 
 __all__ = ["Region", "common_region", "region"]
 
@@ -236,7 +239,7 @@ class Region(InCells, Answer):
             proofs.append((about | {"change": {"down": entry.data["down"]}}, entry.data))
         return make_bundle("region", proofs)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> RegionData:
         """The region as JSON data, as ``kilter region --json`` prints it.
 
         Examples

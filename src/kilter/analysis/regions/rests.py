@@ -11,7 +11,7 @@ over (`kilter.analysis.regions.well`).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from kilter.mechanics.rows import CONTACT
 
 if TYPE_CHECKING:
     from kilter.second_order.parts.clusters import State
+    from kilter.tell.answer_data.directions_data import RestData
 
 __all__ = ["MOST_RESTS", "PlaceOfRest", "find_rests"]
 
@@ -74,7 +75,7 @@ class PlaceOfRest:
         """Whether the energy of the assembly has a strict minimum at this place of rest."""
         return self.state == "minimum"
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> RestData:
         """The place of rest as JSON data."""
         return {
             "down": (self.down + 0.0).tolist(),

@@ -18,7 +18,7 @@ The table is taken as endless, and the body as free of friction: it slides at no
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -35,6 +35,9 @@ from kilter.second_order.gaps.features import FACE, Features
 from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.gap_form import gap_forms
 from kilter.units import metres_per_unit
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.directions_data import WellData
 
 __all__ = ["Well", "find_well"]
 
@@ -70,7 +73,7 @@ class Well:
     axis: Array | None
     period: float | None
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> WellData:
         """The well as JSON data."""
         return {
             "part": self.part,

@@ -31,7 +31,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import nnls
@@ -42,6 +42,9 @@ from kilter.analysis.transport.carrier_path import CarrierPath
 from kilter.analysis.turning_tolerances import NOT_HELD
 from kilter.arrays import Array, Mask
 from kilter.mechanics.program import Program
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.transport_data import PathData
 
 __all__ = ["PathLimit", "find_path_limit"]
 
@@ -97,7 +100,7 @@ class PathLimit:
     rows: Array
     levels: Array
 
-    def to_dict(self, program: Program) -> dict[str, Any]:
+    def to_dict(self, program: Program) -> PathData:
         """The speed limit of the path as JSON data."""
         return {
             "samples": len(self.path.time),

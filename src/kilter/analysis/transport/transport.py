@@ -15,7 +15,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -46,6 +46,15 @@ from kilter.tell.words import motion_words
 from kilter.threads import on_one_thread
 from kilter.units import metres_per_unit
 from kilter.work import EFFORT, Work, stop_after, units_of
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.transport_data import (
+        CaseData,
+        DirectionLimitData,
+        FirstMotionData,
+        PolarData,
+        TransportData,
+    )
 
 __all__ = ["CarriedCase", "DirectionLimit", "Transport", "transport"]
 
@@ -79,7 +88,7 @@ class DirectionLimit:
     lower: float
     limit: Limit
 
-    def to_dict(self, program: Program) -> dict[str, Any]:
+    def to_dict(self, program: Program) -> DirectionLimitData:
         """The largest acceleration along the direction as JSON data."""
         return {
             "name": self.name,
@@ -111,7 +120,7 @@ class CarriedCase:
     verdict: Verdict
     factor: Limit | None
 
-    def to_dict(self, program: Program) -> dict[str, Any]:
+    def to_dict(self, program: Program) -> CaseData:
         """The decision on a carrier motion as JSON data."""
         size = float(np.linalg.norm(np.asarray(self.motion.acceleration)))
         return {
@@ -205,10 +214,11 @@ class Transport:
             return None
         return "equilibrium" if self.program.mu.any() else "proved"
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> TransportData:
         """The transport answer as JSON data, as ``kilter transport --json`` prints it."""
         program = self.program
-        answer = {
+        answer: TransportData = {
+            "sentence": "",  # made below from the other data
             "carried": self.carried,
             "verdict": self.rest.verdict,
             "level": self.level,
@@ -230,7 +240,8 @@ class Transport:
             "warnings": list(self.warnings),
             "seconds": self.seconds,
         }
-        return {"sentence": transport_sentence(answer), **answer}
+        answer["sentence"] = transport_sentence(answer)
+        return answer
 
     def rows(self, *, inner: bool = True) -> tuple[Array, Array]:
         """Linear constraints on the acceleration a of a straight carrier motion: ``A @ a <= b``.
@@ -514,7 +525,7 @@ def _least_limit(weakest: LeastAcceleration) -> DirectionLimit:
     return DirectionLimit("least", weakest.direction, weakest.value, weakest.lower, weakest.limit)
 
 
-def _polar_answer(polar: Slice) -> dict[str, Any]:
+def _polar_answer(polar: Slice) -> PolarData:
     """The boundary of the carried horizontal accelerations as JSON data."""
     return {
         "axes": polar.axes.tolist(),
@@ -527,7 +538,7 @@ def _polar_answer(polar: Slice) -> dict[str, Any]:
     }
 
 
-def first_motions(program: Program, limit: Limit) -> list[dict[str, str]]:
+def first_motions(program: Program, limit: Limit) -> list[FirstMotionData]:
     """How the parts of a mechanism start to move, seen from the carrier, the fastest first.
 
     As JSON data.
@@ -539,7 +550,7 @@ def first_motions(program: Program, limit: Limit) -> list[dict[str, str]]:
     size = part_sizes(program, motion, per_radius=False)
     order = [k for k in np.argsort(-size, kind="stable") if program.names[k] in names]
     metres = metres_per_unit(program.units)
-    words = []
+    words: list[FirstMotionData] = []
     for k in order:
         turn = float(np.linalg.norm(motion[k, 3:])) * program.radius[k]
         relative = np.array([np.linalg.norm(motion[k, :3]), turn])

@@ -11,7 +11,7 @@ first two, the initial accelerations for the third.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -25,6 +25,13 @@ from kilter.arrays import Array
 from kilter.errors import SolverError
 from kilter.mechanics.program import Program
 from kilter.validate import frozen
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.directions_data import (
+        BoundedDirectionData,
+        NearestData,
+        NearestDirectionData,
+    )
 
 __all__ = ["Method", "Nearest", "NearestDirection", "nearest"]
 
@@ -56,7 +63,7 @@ class NearestDirection:
     motion: Array | None
     programs: int
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> NearestDirectionData:
         """The nearest direction and its value as JSON data."""
         return {
             "direction": (self.direction + 0.0).tolist(),
@@ -74,10 +81,12 @@ class Nearest:
     sphere: NearestDirection
     kappa: NearestDirection | None
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> NearestData:
         """The three nearest directions as JSON data."""
         least = self.kappa
-        kappa = None if least is None else {**least.to_dict(), "bound": least.bound}
+        kappa: BoundedDirectionData | None = (
+            None if least is None else {**least.to_dict(), "bound": least.bound}
+        )
         return {"diamond": self.diamond.to_dict(), "sphere": self.sphere.to_dict(), "kappa": kappa}
 
     @property

@@ -21,7 +21,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -57,6 +57,9 @@ from kilter.tell.words import found_sentence
 from kilter.threads import on_one_thread
 from kilter.validate import frozen
 from kilter.work import seconds_left
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.directions_data import OrientData
 
 __all__ = ["Orientation", "orient"]
 
@@ -130,11 +133,10 @@ class Orientation(Answer):
         """Whether the direction `down` is stable, proved by contact forces."""
         return self.verdict == "found"
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> OrientData:
         """The orientation as JSON data, as ``kilter orient --json`` prints it."""
         near, verdict, forces = self.nearest, self.check, self.judgement.forces
-        verdict_data: dict[str, Any] = {"parts": [], "unsupported": [], "tolerance": None}
-        verdict_data = verdict_data if verdict is None else verdict.to_dict()
+        verdict_data = None if verdict is None else verdict.to_dict()
         return {
             "verdict": self.verdict,
             "found": self.found,
@@ -149,10 +151,10 @@ class Orientation(Answer):
             "instability": self.instability,
             "units": self.assembly.units,
             "joints": joints_answer(self.assembly),
-            "parts": verdict_data["parts"],
-            "unsupported": verdict_data["unsupported"],
+            "parts": [] if verdict_data is None else verdict_data["parts"],
+            "unsupported": [] if verdict_data is None else verdict_data["unsupported"],
             "open_pairs": open_pairs_answer(self.assembly, self.region.contacts[0]),
-            "tolerance": verdict_data["tolerance"],
+            "tolerance": None if verdict_data is None else verdict_data["tolerance"],
             "region": {
                 "kind": self.region.kind,
                 "half_angle_deg": self.region.half_angle_deg,

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -64,8 +64,14 @@ from kilter.units import metres_per_unit
 from kilter.work import EFFORT, Work, units_of
 
 if TYPE_CHECKING:
-    from kilter.friction.answer import FrictionAnswer
+    from kilter.friction.answer import FrictionAnswer, Why
     from kilter.second_order.answer.second_order_answer import SecondOrder
+    from kilter.tell.answer_data.check_data import (
+        BondsNeededData,
+        CheckData,
+        PartData,
+        SecondOrderData,
+    )
 
 __all__ = ["Verdict", "Word"]
 
@@ -194,7 +200,7 @@ class Verdict(InCells, Answer):
         neutral = self.neutral
         return neutral is not None and neutral.two_sided == neutral.one_sided == 0
 
-    def _second_order(self) -> dict[str, Any] | None:
+    def _second_order(self) -> SecondOrderData | None:
         """JSON data about curvature (second order); None if not examined or no neutral motion."""
         if self.second_order is None or self._none_neutral:
             return None
@@ -206,7 +212,7 @@ class Verdict(InCells, Answer):
         return "stable" if self.verdict == "balanced" else self.verdict
 
     @property
-    def why(self) -> str | None:
+    def why(self) -> Why | Literal["balanced"] | None:
         """Reason for the verdict potentially-stable or balanced; None for other verdicts.
 
         The values are "refuted", "jams", "squeeze", "not-found", "not-asked" and "balanced".
@@ -442,7 +448,7 @@ class Verdict(InCells, Answer):
         return other
 
     @on_one_thread
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> CheckData:
         """The verdict as JSON data, as ``kilter check --json`` prints it."""
         assembly, contacts, neutral = self.assembly, self.contacts, self.neutral
         tries, moved_by_proof = self.tries, self.moved_by_proof
@@ -498,7 +504,7 @@ class Verdict(InCells, Answer):
             "seconds": dict(self.seconds),
         }
 
-    def _bonds_needed(self) -> dict[str, Any] | None:
+    def _bonds_needed(self) -> BondsNeededData | None:
         """Least fraction of bond strength that suffices, and the pairs that fail first; else None.
 
         None without bonds, without a level, or for more than `BONDED_PARTS` free parts. The contact
@@ -520,7 +526,7 @@ class Verdict(InCells, Answer):
         open_motion = [] if self.motion.known else [NO_MOTION]
         return [*filter(None, [self.barely]), *([unfinished] if failed else []), *open_motion]
 
-    def _part(self, k: int, moved_by_proof: Mask) -> dict[str, Any]:
+    def _part(self, k: int, moved_by_proof: Mask) -> PartData:
         """JSON data of part `k`: its mass, and how it starts to move."""
         part, motion = self.assembly.parts[k], self.motion
         shift = self.displacement.displacement if self.measured else None

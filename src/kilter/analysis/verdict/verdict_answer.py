@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -16,11 +16,18 @@ from kilter.mechanics.program import Program
 
 if TYPE_CHECKING:
     from kilter.friction.answer import FrictionAnswer
+    from kilter.tell.answer_data.check_data import (
+        CertificateData,
+        DensityData,
+        ForcesData,
+        FrictionData,
+        PatchForceData,
+    )
 
 __all__ = ["certificate_answer", "density_answer", "forces_answer", "friction_answer"]
 
 
-def density_answer(assembly: Assembly) -> dict[str, Any]:
+def density_answer(assembly: Assembly) -> DensityData:
     """Densities from which masses of free parts are computed [kg/m^3], as JSON data.
 
     `given` is the range of the stated densities. `default` is the density of the parts without
@@ -38,10 +45,12 @@ def density_answer(assembly: Assembly) -> dict[str, Any]:
 
 def certificate_answer(
     proof: ForceProof | MotionProof | None, judgement: Judgement
-) -> dict[str, Any]:
+) -> CertificateData:
     """Kind of the proof that holds, and errors of the best forces and motion, as JSON data."""
     forces, motion = judgement.forces, judgement.motion
-    kind = None if proof is None else "forces" if isinstance(proof, ForceProof) else "motion"
+    kind: Literal["forces", "motion"] | None = "motion"
+    if proof is None or isinstance(proof, ForceProof):
+        kind = None if proof is None else "forces"
     return {
         "kind": kind,
         "residual": None if forces is None else forces.residual,
@@ -50,7 +59,7 @@ def certificate_answer(
     }
 
 
-def friction_answer(answer: FrictionAnswer | None, effort: float) -> dict[str, Any] | None:
+def friction_answer(answer: FrictionAnswer | None, effort: float) -> FrictionData | None:
     """Evidence that friction excludes motions, as JSON data; None if it was not examined."""
     if answer is None or not answer.examined:
         return None
@@ -81,14 +90,14 @@ def friction_answer(answer: FrictionAnswer | None, effort: float) -> dict[str, A
 
 def forces_answer(
     forces: ContactForces | None, contacts: ContactSet, program: Program
-) -> dict[str, Any] | None:
+) -> ForcesData | None:
     """Contact forces [N] on the second part of each patch, as JSON data; None without forces."""
     if forces is None:
         return None
     rows = np.argsort(forces.patch_of, kind="stable")
     ends = np.cumsum(np.bincount(forces.patch_of, minlength=len(forces.patch)))
     points = program.point[forces.rows]
-    patches = []
+    patches: list[PatchForceData] = []
     for k, members in enumerate(np.split(rows, ends[:-1]) if len(ends) else []):
         patch = forces.patch[k]
         presses, rubs = np.isfinite(forces.center[k]).all(), np.isfinite(forces.utilisation[k])

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from kilter.contact.contact_tolerances import ANGLE, FIT_LENGTH, INTERFERENCE
 from kilter.contact.curved.coaxial_faces import shared_region
 from kilter.contact.curved.coverage import bands_of
 from kilter.contact.gaps import Tolerance
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.contacts_data import FitData
 
 __all__ = ["Fit", "coaxial_fits", "is_tube"]
 
@@ -58,7 +61,7 @@ class Fit:
         """Whether the shaft is thicker than its hole by more than the gap tolerance."""
         return self.interference > self.doubt
 
-    def to_dict(self, names: Sequence[str]) -> dict[str, Any]:
+    def to_dict(self, names: Sequence[str]) -> FitData:
         """JSON data of the fit; `parts` are the part with the shaft and the part with the hole."""
         return {
             "parts": [names[k] for k in self.parts],
@@ -71,7 +74,7 @@ class Fit:
         }
 
     @property
-    def kind(self) -> str:
+    def kind(self) -> Literal["interference", "size on size", "clearance"]:
         """Kind of the fit: "interference", "size on size" or "clearance"."""
         if self.tight:
             return "interference"

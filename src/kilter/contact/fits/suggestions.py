@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
@@ -30,6 +30,9 @@ from kilter.contact.contact_set import INTERFERE, SAME_BODY, ContactSet, Overlap
 from kilter.contact.contact_tolerances import AXIS_ROUNDING, PRESS_FIT, THREAD
 from kilter.contact.fits.coaxial import Fit, coaxial_fits, is_tube
 from kilter.errors import shell_words
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.check_data import SuggestionData
 
 __all__ = ["Kind", "Suggestion", "suggest_joints", "touching_pairs"]
 
@@ -79,10 +82,15 @@ class Suggestion:
         """Whether the joint is fixed; if not, the parts may slide, or one should be left out."""
         return self.joint is not None and self.joint["kind"] == "fixed"
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> SuggestionData:
         """JSON data of the suggestion."""
-        entry = {"parts": list(self.parts), "kind": self.kind, "why": self.why}
-        return {**entry, "option": self.option, "joint": self.joint}
+        return {
+            "parts": list(self.parts),
+            "kind": self.kind,
+            "why": self.why,
+            "option": self.option,
+            "joint": self.joint,
+        }
 
 
 def touching_pairs(contacts: ContactSet) -> list[tuple[int, int]]:

@@ -12,7 +12,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,6 +26,9 @@ from kilter.second_order.proofs.fall_proof import Configuration, Fall
 from kilter.second_order.proofs.paths import Path
 from kilter.second_order.proofs.proof_kinds import SecondOrderProof
 from kilter.second_order.searches.decide import EnergyDecision
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.check_data import SecondOrderData
 
 __all__ = ["LATE", "SPENT", "SecondOrder", "answer_of", "open_answer"]
 
@@ -132,7 +135,7 @@ class SecondOrder:
             )
         return ""
 
-    def to_dict(self, names: tuple[str, ...]) -> dict[str, Any]:
+    def to_dict(self, names: tuple[str, ...]) -> SecondOrderData:
         """JSON data of the answer for `kilter check --json`, with the motion by part."""
         by_part = None if self.motion is None else {
             names[k]: (self.motion[k] + 0.0).tolist() for k in self.moving.tolist()

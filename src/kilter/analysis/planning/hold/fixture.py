@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -23,6 +23,9 @@ from kilter.tell.hold_words import hold_sentence
 from kilter.tell.html import html_of
 from kilter.tell.json_answer import Answer
 from kilter.tell.levels import holds
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.plan_data import HoldData
 
 __all__ = ["Fixture"]
 
@@ -120,11 +123,11 @@ class Fixture(Answer):
             pushes.append(push)
         return pushes
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> HoldData:
         """The fixture as JSON data, as printed by ``kilter hold --json``."""
         assembly = self.supported.assembly
         forces = self.forces()
-        answer: dict[str, Any] = {
+        answer: HoldData = {
             "verdict": self.verdict,
             "level": self.level,
             "require": self.require,
@@ -156,8 +159,10 @@ class Fixture(Answer):
             "time_limit": self.time_limit,
             "warnings": self.supported.contacts.remarks(),
             "seconds": {key: round(value, 6) for key, value in self.seconds.items()},
+            "sentence": "",  # made below from the other data
         }
-        return {**answer, "sentence": hold_sentence(answer)}
+        answer["sentence"] = hold_sentence(answer)
+        return answer
 
     def _why(self) -> str | None:
         """Reason why the verdict level is only equilibrium, as in `Verdict.why`; else None."""

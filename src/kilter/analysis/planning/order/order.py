@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -30,6 +30,9 @@ from kilter.tell.json_answer import Answer
 from kilter.tell.levels import holds
 from kilter.tell.numbers import count
 from kilter.tell.plan_words import order_sentence
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.plan_data import ImpossibleData, PlanData, StepData
 
 __all__ = ["Order"]
 
@@ -177,10 +180,10 @@ class Order(InCells, Answer):
         """Number of steps of the order during which a part is held."""
         return sum(bool(step.held) for step in self.steps)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> PlanData:
         """The plan as JSON data, as printed by ``kilter plan --json``."""
-        assembly = self.states.assembly
-        answer: dict[str, Any] = {
+        assembly, counts = self.states.assembly, self.counts
+        answer: PlanData = {
             "found": self.found,
             "verdict": self.verdict,
             "level": self.level,
@@ -199,7 +202,14 @@ class Order(InCells, Answer):
             "best": list(self.best),
             "given": self.given,
             "fewest": {"what": self.fewest, "least": self.least},
-            "search": {**self.counts, "exhausted": self.exhausted, "hold": self.hold},
+            "search": {
+                "states": counts["states"],
+                "programs": counts["programs"],
+                "sweeps": counts["sweeps"],
+                "no_goods": counts["no_goods"],
+                "exhausted": self.exhausted,
+                "hold": self.hold,
+            },
             "assumes": {
                 "directions": [d if isinstance(d, str) else list(d) for d in self.directions],
                 "tolerance": self.states.contacts.tolerance.relative_gap,
@@ -213,10 +223,12 @@ class Order(InCells, Answer):
             "time_limit": self.time_limit,
             "warnings": remarks(assembly, self.states.contacts),
             "seconds": {key: round(value, 6) for key, value in self.seconds.items()},
+            "sentence": "",  # made below from the other data
         }
-        return {**answer, "sentence": order_sentence(answer)}
+        answer["sentence"] = order_sentence(answer)
+        return answer
 
-    def _step(self, step: Step) -> dict[str, Any]:
+    def _step(self, step: Step) -> StepData:
         """A step of the plan as JSON data."""
         far = FAR * float(np.ptp(self.states.assembly.geometry.vertices, axis=0).max())
         return {
@@ -235,13 +247,13 @@ class Order(InCells, Answer):
             "fails": list(step.fails),
         }
 
-    def _impossible(self) -> dict[str, Any] | None:
+    def _impossible(self) -> ImpossibleData | None:
         """Proof that no order exists (or none without held parts) as JSON data; else None."""
         if self.whole.stable is False:
             motion = self.whole.motion
             moving = self.whole.moving
             index = self.states.assembly.index
-            motions = (
+            motions: list[dict[str, Any] | None] | None = (
                 None
                 if motion is None
                 else [{name: motion.motion[index[name]].tolist() for name in moving}]

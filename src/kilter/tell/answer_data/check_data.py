@@ -1,0 +1,272 @@
+"""Data of the answer of `kilter check`."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, NotRequired
+
+from pydantic import Field
+from typing_extensions import TypedDict
+
+from kilter.tell.answer_data.common_data import (
+    Guarantee,
+    JointData,
+    LevelWord,
+    Lines,
+    LoneData,
+    OpenPairData,
+    PairNames,
+    Seconds,
+    ToleranceData,
+    Twist,
+    Units,
+    UnsupportedData,
+    Vector,
+    Word,
+)
+
+__all__ = ["CheckData"]
+
+
+class TriesData(TypedDict):
+    """Number of loose tries that came to rest, and of all tries."""
+
+    passed: int
+    of: int
+
+
+class RemedyData(TypedDict):
+    """Options that were tried, and their result."""
+
+    option: str
+    leads_to: Word | None
+    level: LevelWord | None
+
+
+class NeutralData(TypedDict):
+    """Numbers of motions that cost no energy to first order."""
+
+    two_sided: int
+    one_sided: int | None
+
+
+class SecondOrderData(TypedDict):
+    """Answer of second order; counts are null if kilter did not count."""
+
+    state: Literal["minimum", "free", "balanced", "open"]
+    neutral: int | None
+    free: int | None
+    blocked: int | None
+    undecided: int | None
+    rate: Annotated[float | None, Field(description="angular frequency, or rate of growth [1/s]")]
+    motion: Annotated[
+        dict[str, Twist] | None, Field(description="a motion that falls or is free, by part")
+    ]
+    rolling: Literal["holds", "falls", "open"] | None
+    why: str | None
+    left_open: str | None
+
+
+class DensityData(TypedDict):
+    """Densities from which masses of free parts are computed."""
+
+    given: Annotated[
+        Annotated[list[float], Field(min_length=2, max_length=2)] | None,
+        Field(description="range of the stated densities [kg/m^3]"),
+    ]
+    default: Annotated[float | None, Field(description="[kg/m^3]")]
+
+
+class PartData(TypedDict):
+    """A part: its mass, and how it starts to move."""
+
+    name: str
+    grounded: bool
+    mass: Annotated[float, Field(description="[kg]")]
+    displacement: Annotated[Twist | None, Field(description="[length unit, rad]")]
+    acceleration: Annotated[Twist | None, Field(description="[m/s^2, rad/s^2]")]
+    relative: Annotated[
+        Annotated[list[float], Field(min_length=2, max_length=2)] | None,
+        Field(description="acceleration along and of rotation, relative to gravity [-]"),
+    ]
+    moves: bool
+    moved_by_proof: bool
+    motion: Annotated[str | None, Field(description="the motion in words")]
+    slow_motion: str | None
+
+
+class CountData(TypedDict):
+    """Numbers of touching pairs, contact patches and contact points."""
+
+    pairs: int
+    patches: int
+    points: int
+
+
+class JoinedData(TypedDict):
+    """Open pairs that decide, and the verdict with these pairs joined."""
+
+    pairs: list[PairNames]
+    verdict: Word
+    smallest: bool
+    irreducible: bool
+
+
+class BondData(TypedDict):
+    """A bond of two parts and its strength."""
+
+    parts: PairNames
+    pull: NotRequired[Annotated[float, Field(description="[N] at each point")]]
+    pull_per_area: NotRequired[Annotated[float, Field(description="[N/length unit^2]")]]
+    kind: NotRequired[Literal["glue", "mortar", "magnet", "suction", "press-fit"]]
+    shear: Annotated[
+        float | Annotated[str, Field(json_schema_extra={"enum": ["mu"]})] | None,
+        Field(description='[N] at each point; "mu": by friction'),
+    ]
+
+
+class BondsNeededData(TypedDict):
+    """Least share of the bond strength that suffices, and the pairs that fail first."""
+
+    share: float
+    fail: list[PairNames]
+
+
+class CertificateData(TypedDict):
+    """Kind of the proof, and errors of the best forces and of the best motion."""
+
+    kind: Literal["forces", "motion"] | None
+    residual: float | None
+    power: float | None
+    violation: float | None
+
+
+class WitnessData(TypedDict):
+    """A motion that obeys the contact law."""
+
+    power: float
+    residual: float
+    found: str
+
+
+class SeatingData(TypedDict):
+    """Whether forces near the contact law exist from which the parts do not run away."""
+
+    seated: Literal["yes", "runs-away", "not-found"]
+    residual: float
+    direction: list[Twist] | None
+
+
+class SettlingData(TypedDict):
+    """End of each loose try, and the number of tries."""
+
+    ends: list[Literal["balance", "runs-away", "not-found"]]
+    of: int
+
+
+class ExclusionData(TypedDict):
+    """Attempt to prove that no motion can start."""
+
+    proved: bool
+    kind: Literal["moments", "contraction", "modes", "sectors"] | None
+    programs: int
+    bound: float
+    assumes: str
+
+
+class FrictionData(TypedDict):
+    """Evidence of the guarantee of friction."""
+
+    witness: WitnessData | None
+    seating: SeatingData
+    settling: SettlingData
+    exclusion: ExclusionData | None
+    effort: float
+    work: float
+
+
+class PatchForceData(TypedDict):
+    """Forces on the second part of a patch [N]."""
+
+    parts: PairNames
+    kind: str
+    resultant: Vector
+    normal_force: float
+    center: Annotated[Vector | None, Field(description="centre of pressure [length unit]")]
+    utilisation: Annotated[float | None, Field(description="share of the friction [-]")]
+    bond_utilisation: Annotated[float | None, Field(description="share of the bond [-]")]
+    points: Annotated[Lines, Field(description="[length unit], world frame")]
+    forces: Annotated[Lines, Field(description="[N], world frame")]
+
+
+class ForcesData(TypedDict):
+    """Contact forces of an equilibrium."""
+
+    least: bool
+    residual: float
+    patches: list[PatchForceData]
+
+
+class CheckToleranceData(ToleranceData):
+    """Tolerances of contact detection and of the verdict."""
+
+    verdict: Annotated[float, Field(description="of the residual and the power of a proof [-]")]
+    moves: Annotated[float, Field(description="relative size of a motion that counts [-]")]
+
+
+class SuggestionData(TypedDict):
+    """A pair that looks fastened, and the option that fastens it."""
+
+    parts: PairNames
+    kind: Literal["thread", "press fit", "insert", "overlap", "same body", "size on size"]
+    why: str
+    option: str
+    joint: Annotated[
+        dict[str, object] | None, Field(description="entry for the joints of an assembly file")
+    ]
+
+
+class CheckData(TypedDict):
+    """Answer of check: the verdict, its level and proof, the moving parts and the forces."""
+
+    verdict: Word
+    level: LevelWord | None
+    require: LevelWord
+    holds: bool
+    first_order: Word
+    why: Literal["refuted", "jams", "squeeze", "not-found", "not-asked", "balanced"] | None
+    guarantee: Guarantee
+    seated: str | None
+    tries: TriesData | None
+    sentence: str
+    summary: str
+    remedies: list[RemedyData]
+    neutral: NeutralData | None
+    second_order: SecondOrderData | None
+    down: Vector
+    gravity: Annotated[Vector, Field(description="[m/s^2]")]
+    units: Units
+    density: DensityData
+    instability: Annotated[float | None, Field(description="kappa [-]")]
+    z: Annotated[
+        float | None, Field(description="value of the displacement program [kg x length unit]")
+    ]
+    parts: list[PartData]
+    contacts: CountData
+    unsupported: list[UnsupportedData]
+    open_pairs: list[OpenPairData]
+    counted_gap: Annotated[float | None, Field(description="[length unit]")]
+    if_joined: JoinedData | None
+    nearest: list[LoneData]
+    joints: list[JointData]
+    bonds: list[BondData]
+    bonds_needed: BondsNeededData | None
+    certificate: CertificateData
+    friction: FrictionData | None
+    forces: ForcesData | None
+    tolerance: CheckToleranceData
+    warnings: list[str]
+    time_limit: Annotated[float | None, Field(description="[s]")]
+    seconds: Seconds
+    suggested_joints: NotRequired[
+        Annotated[list[SuggestionData], Field(description="of the option --suggest-joints")]
+    ]

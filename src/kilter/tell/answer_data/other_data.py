@@ -1,0 +1,74 @@
+"""Data of the answers of `kilter improve`, `kilter verify` and `kilter batch`."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+from typing_extensions import TypedDict
+
+from kilter.tell.answer_data.common_data import PairNames, Units, Vector, Word
+
+__all__ = ["BatchData", "ImproveData", "VerifyData"]
+
+
+class BrickChangeData(TypedDict):
+    """A brick to add or to remove."""
+
+    what: Literal["add", "remove"]
+    name: str
+    corner: Annotated[
+        list[int], Field(min_length=3, max_length=3, description="x, y [cells], z [plates]")
+    ]
+    layer: float
+    cells: Annotated[list[int], Field(min_length=2, max_length=2)]
+    share: Annotated[float | None, Field(description="least share of the strength of studs [-]")]
+
+
+class ImproveData(TypedDict):
+    """Answer of improve: the weakest studs and the best change."""
+
+    verdict: Word
+    stands: bool
+    bricks: int
+    share: float | None
+    weakest: PairNames | None
+    best: BrickChangeData | None
+    tried: list[BrickChangeData]
+    warnings: list[str]
+
+
+class VerifyData(TypedDict):
+    """Answer of verify: whether the proof holds."""
+
+    holds: bool
+    verdict: str
+    residual: float | None
+    power: Annotated[float | None, Field(description="[W]")]
+    reasons: list[str]
+    notes: list[str]
+    held: list[str]
+    gravity: Annotated[Vector, Field(description="[m/s^2]")]
+    units: Units
+    options: Annotated[
+        dict[str, Any], Field(description="options with which the file was read for the proof")
+    ]
+    tolerance: dict[str, float | None]
+
+
+class BatchErrorData(TypedDict):
+    """A file without a verdict, and the reason."""
+
+    file: str
+    error: str
+
+
+class BatchData(TypedDict):
+    """Answer of batch: files with the rows, and the number of each verdict."""
+
+    folder: str
+    files: list[str]
+    rows: int
+    counts: dict[str, int]
+    errors: list[BatchErrorData]
+    found_there: int

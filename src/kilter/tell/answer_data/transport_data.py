@@ -1,0 +1,117 @@
+"""Data of the answer of `kilter transport`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+from typing_extensions import TypedDict
+
+from kilter.tell.answer_data.common_data import (
+    Guarantee,
+    JointData,
+    LevelWord,
+    LimitData,
+    OpenPairData,
+    Reason,
+    Seconds,
+    Units,
+    Vector,
+    Word,
+)
+
+__all__ = ["TransportData"]
+
+
+class FirstMotionData(TypedDict):
+    """How a part starts to move, in words."""
+
+    part: str
+    words: str
+
+
+class DirectionLimitData(TypedDict):
+    """Largest acceleration of the carrier in a direction."""
+
+    name: str
+    direction: Vector
+    g: Annotated[float | None, Field(description="[g]; null: unlimited")]
+    g_lower: Annotated[float | None, Field(description="acceleration proved to be carried [g]")]
+    m_s2: Annotated[float | None, Field(description="[m/s^2]")]
+    motion: list[FirstMotionData]
+    limit: LimitData
+
+
+class CarrierMotionData(TypedDict):
+    """A motion of the carrier."""
+
+    acceleration: Annotated[Vector, Field(description="[m/s^2]")]
+    angular_velocity: Annotated[Vector, Field(description="[rad/s]")]
+    angular_acceleration: Annotated[Vector, Field(description="[rad/s^2]")]
+    about: Annotated[Vector, Field(description="point of the carrier [length unit]")]
+
+
+class CaseData(CarrierMotionData):
+    """The decision about a motion of the carrier."""
+
+    name: str
+    g: Annotated[float, Field(description="size of the acceleration [g]")]
+    verdict: Word
+    level: LevelWord | None
+    guarantee: Guarantee
+    factor: Annotated[float | None, Field(description="largest factor of the motion [-]")]
+    motion: list[FirstMotionData]
+    limit: LimitData | None
+
+
+class PolarData(TypedDict):
+    """Boundary of the horizontal accelerations that are carried."""
+
+    axes: list[Vector]
+    points: list[list[float]]
+    limited: list[bool]
+    proved: list[bool]
+    normals: list[list[float]]
+    reach: list[float]
+    gap: float | None
+
+
+class PathData(TypedDict):
+    """Speed factor of a path of the carrier."""
+
+    samples: int
+    duration: Annotated[float, Field(description="[s]")]
+    factor: Annotated[float | None, Field(description="largest speed factor [-]")]
+    factor_lower: float | None
+    factor_least: float
+    time: Annotated[float | None, Field(description="time of the first motion [s]")]
+    between_samples: bool
+    moves: list[str]
+    factors: list[float | None]
+    times: Annotated[list[float], Field(description="[s]")]
+
+
+class TransportData(TypedDict):
+    """Answer of transport: accelerations of the carrier that the assembly withstands."""
+
+    sentence: str
+    carried: bool | None
+    verdict: Word
+    level: LevelWord | None
+    require: LevelWord
+    units: Units
+    down: Vector
+    gravity: Annotated[float, Field(description="[m/s^2]")]
+    friction: bool
+    joints: list[JointData]
+    open_pairs: list[OpenPairData]
+    exact: bool
+    accelerations: list[DirectionLimitData]
+    least: DirectionLimitData | None
+    polar: PolarData | None
+    code: str | None
+    cases: list[CaseData]
+    path: PathData | None
+    missing: dict[str, Reason]
+    warnings: list[str]
+    seconds: Seconds
