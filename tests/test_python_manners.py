@@ -10,6 +10,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -484,6 +485,7 @@ def test_answers_travel_as_text_and_as_files(verb: str, tmp_path: Any) -> None:
         loaded = kilter.load_answer(source)
         assert loaded.answer == verb
         assert loaded.to_dict() == answer.to_dict()
+        assert {"answer", "schema", *answer.to_dict()} <= set(dir(loaded))  # as notebooks complete
     if verb == "check":
         assert loaded.verdict == answer.verdict == loaded["verdict"]
         assert loaded.part("upper")["moves"] is answer["upper"].moves
@@ -536,13 +538,36 @@ def test_no_is_an_answer_of_a_plan() -> None:
     assert (order.found, order.verdict) == (False, "impossible")
 
 
+PAGE = (Path(__file__).resolve().parents[1] / "docs" / "python.md").read_text(encoding="utf-8")
+SNIPPETS = "\n".join(re.findall(r"```python\n(.*?)```", PAGE, re.S))
+
+
 @pytest.mark.slow
-def test_a_type_checker_accepts_the_python_page(tmp_path: Any) -> None:
-    page = (Path(__file__).resolve().parents[1] / "docs" / "python.md").read_text(encoding="utf-8")
-    snippets = tmp_path / "snippets.py"
-    snippets.write_text("\n".join(re.findall(r"```python\n(.*?)```", page, re.S)), encoding="utf-8")
-    command = [sys.executable, "-m", "mypy", "--strict", str(snippets)]
-    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, check=False)
-    if "No module named mypy" in done.stderr:
-        pytest.skip("mypy is not installed")
+@pytest.mark.parametrize(
+    "checker",
+    [["mypy", "--strict"], ["pyright", "--pythonpath", sys.executable]],
+    ids=lambda c: c[0],
+)
+def test_a_type_checker_accepts_the_python_page(checker: list[str], tmp_path: Path) -> None:
+    def judge(text: str) -> subprocess.CompletedProcess[str]:
+        (tmp_path / "snippets.py").write_text(text, encoding="utf-8")
+        command = [sys.executable, "-m", *checker, "snippets.py"]
+        return subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, check=False)
+
+    if find_spec(checker[0]) is None:
+        pytest.skip(f"{checker[0]} is not installed")
+    done = judge(SNIPPETS)
     assert done.returncode == 0, done.stdout
+    assert judge(SNIPPETS + "\nverdict.stabel\n").returncode == 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["kilter", "verdict", "stack", "forces", "pressed", "patch"])
+def test_an_editor_completes_the_names_of_the_python_page(name: str) -> None:
+    """Each attribute that the page shows is among the completions that jedi lists."""
+    jedi = pytest.importorskip("jedi", reason="jedi is not installed")
+    shown = set(re.findall(rf"(?<![\w.]){name}\.(\w+)", SNIPPETS))
+    text = f"{SNIPPETS}\n{name}."
+    listed = jedi.Script(text).complete(text.count("\n") + 1, len(name) + 1)
+    assert shown
+    assert shown <= {completion.name for completion in listed}

@@ -266,12 +266,6 @@ def test_standard_input(write, monkeypatch: pytest.MonkeyPatch) -> None:
     assert load("-").source == "standard input"
 
 
-def test_the_published_schema_is_that_of_the_models() -> None:
-    from kilter.files.models import build_schema
-
-    assert schema() == build_schema()
-
-
 def test_the_schema_knows_every_key_that_is_written() -> None:
     data, found = to_dict(full()) | {"planar": False}, schema()
     assert set(data) <= set(found["properties"])

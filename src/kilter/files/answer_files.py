@@ -29,6 +29,11 @@ class LoadedAnswer(Mapping[str, Any]):
 
     __slots__ = ("_data",)
 
+    answer: str
+    """Name of the verb that gave the answer."""
+    schema: int
+    """Version of the data."""
+
     def __init__(self, data: Mapping[str, Any]) -> None:
         self._data = dict(data)
 

@@ -13,7 +13,7 @@ from collections import Counter, deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from kilter.analysis.many.batch_cluster import ClusterWorkers
 from kilter.analysis.many.batch_folder import BatchFolder, open_folder
@@ -23,6 +23,7 @@ from kilter.analysis.many.batch_workers import LocalWorkers, Task, Workers
 from kilter.contact import Tolerance
 from kilter.errors import InputError
 from kilter.files.reading import reading_for
+from kilter.tell.json_answer import Answer
 from kilter.tell.levels import REQUIRE, require_level
 from kilter.work import EFFORT
 
@@ -41,7 +42,7 @@ TOLD = 1000
 
 
 @dataclass(slots=True, eq=False)
-class Batch:
+class Batch(Answer):
     """Result of a batch of verdicts: number of rows of each kind, and the files that contain them.
 
     Attributes
@@ -58,6 +59,8 @@ class Batch:
     found_there : int
         Rows that an earlier run had written.
     """
+
+    answer: ClassVar[str] = "batch"
 
     folder: Path
     files: list[Path] = field(default_factory=list)

@@ -15,7 +15,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -40,6 +40,7 @@ from kilter.errors import InputError, TimeLimitReached
 from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.certificate import part_sizes
 from kilter.mechanics.program import Program, build_program
+from kilter.tell.json_answer import Answer
 from kilter.tell.levels import LEVELS, REQUIRE, holds, require_level
 from kilter.tell.transport_facts import transport_sentence
 from kilter.tell.words import motion_words
@@ -137,7 +138,7 @@ class CarriedCase:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Transport:
+class Transport(Answer):
     """Answer of `kilter.transport`: accelerations under which an assembly stays in place.
 
     Attributes
@@ -167,6 +168,8 @@ class Transport:
     warnings : tuple of str
     seconds : dict
     """
+
+    answer: ClassVar[str] = "transport"
 
     assembly: Assembly
     contacts: ContactSet

@@ -1,0 +1,132 @@
+"""The published schemas: made from the models, and strict about every key of every answer."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import fastjsonschema
+import pytest
+
+import kilter
+from kilter.cli import main
+from kilter.errors import InputError
+from kilter.files import schema, to_text
+from kilter.tell.json_answer import SCHEMA_VERSION, Answer
+from published import WRITERS, validator
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+FIGURE = str(EXAMPLES / "paper-figure-8.kilter.json")
+INVALID = fastjsonschema.JsonSchemaValueException
+
+
+def test_the_published_schemas_are_those_of_the_models() -> None:
+    """After a change of a model: python docs/build_schemas.py."""
+    from kilter.files.answer_schemas import build_all_schemas
+
+    built = build_all_schemas()
+    assert {name: schema(name) for name in built} == built
+    with pytest.raises(InputError, match="no schema is named 'chek'") as caught:
+        schema("chek")
+    assert set(str(caught.value).partition("there are: ")[2].split(", ")) == set(built)
+
+
+def test_every_class_of_answers_is_validated() -> None:
+    kinds = Answer.__subclasses__()
+    assert {kind.answer: f"{kind.__module__}.{kind.__qualname__}" for kind in kinds} == WRITERS
+
+
+@pytest.fixture(scope="module")
+def answers() -> dict[str, Answer]:
+    """An answer of each verb about an assembly."""
+    assembly = kilter.example("paper-figure-8")
+    verbs = ("check", "contacts", "hold", "margin", "orient", "plan", "region", "transport")
+    return {verb: getattr(kilter, verb)(assembly) for verb in verbs}
+
+
+def test_a_text_matches_its_schema_and_a_wrong_key_does_not(answers: dict[str, Answer]) -> None:
+    for verb, answer in answers.items():
+        data = json.loads(answer.to_json())
+        assert (data["answer"], data["schema"]) == (verb, SCHEMA_VERSION)
+        judge = validator(verb)
+        judge(data)
+        for wrong in _wrong(data):
+            with pytest.raises(INVALID):
+                judge(wrong)
+
+
+def _wrong(data: dict[str, Any]) -> list[dict[str, Any]]:
+    """Data of an answer with an unlisted key, without a key, and of another answer or version."""
+    lacking = [{k: v for k, v in data.items() if k != key} for key in data]
+    others = [data | {"answer": "another"}, data | {"schema": SCHEMA_VERSION + 1}]
+    return [data | {"unlisted": None}, *others, *lacking[2:]]  # the first two keys are optional
+
+
+def test_an_unlisted_key_of_an_entry_fails(answers: dict[str, Answer]) -> None:
+    data = json.loads(answers["check"].to_json())
+    data["parts"][0]["unlisted"] = 1
+    with pytest.raises(INVALID, match="unlisted"):
+        validator("check")(data)
+    del data["parts"][0]["unlisted"]
+    data["parts"][0]["acceleration"] = [0.0] * 5
+    with pytest.raises(INVALID, match="acceleration"):
+        validator("check")(data)
+
+
+def test_a_writer_with_an_unlisted_key_fails_in_every_test() -> None:
+    """The session validates `to_dict`: an answer with a wrong word raises an error."""
+    verdict = kilter.check(kilter.example("paper-figure-8"))
+    verdict.to_dict()
+    object.__setattr__(verdict, "require", "wished")
+    with pytest.raises(INVALID, match="require"):
+        verdict.to_dict()
+
+
+def _of_file(verb: str) -> Callable[[Path], list[str]]:
+    return lambda folder: [verb, FIGURE]
+
+
+def _suggesting(folder: Path) -> list[str]:
+    return ["check", FIGURE, "--suggest-joints", "--friction", "0.3"]
+
+
+def _verifying(folder: Path) -> list[str]:
+    proof = str(folder / "proof.json")
+    main(["check", FIGURE, "--proof", proof, "--quiet", "-o", str(folder / "text")])
+    return ["verify", FIGURE, proof]
+
+
+def _improving(folder: Path) -> list[str]:
+    return ["improve", str(EXAMPLES / "brick-stair.txt")]
+
+
+def _batching(folder: Path) -> list[str]:
+    (folder / "in").mkdir()
+    text = to_text(kilter.example("paper-figure-8"))
+    (folder / "in" / "a.kilter.json").write_text(text, encoding="utf-8")
+    return ["batch", str(folder / "in"), "-o", str(folder / "rows"), "--processes", "1"]
+
+
+COMMANDS: dict[str, Callable[[Path], list[str]]] = {
+    **{
+        verb: _of_file(verb)
+        for verb in ("contacts", "hold", "margin", "orient", "plan", "region", "transport")
+    },
+    "check": _suggesting,
+    "verify": _verifying,
+    "improve": _improving,
+    "batch": _batching,
+}
+
+
+@pytest.mark.quick("check", "verify")
+@pytest.mark.parametrize("verb", sorted(WRITERS))
+def test_the_printed_data_of_a_command_match_the_schema(
+    verb: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = COMMANDS[verb](tmp_path)
+    capsys.readouterr()
+    assert main([*words, "--json"]) in (0, 1, 3, 4)
+    validator(verb)(json.loads(capsys.readouterr().out))
