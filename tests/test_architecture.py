@@ -120,6 +120,7 @@ def test_circles_finds_a_circle() -> None:
     assert circles({"a": {"b"}, "b": {"c"}, "c": {"b"}}) == [["b", "c"]]
 
 
+@pytest.mark.slow
 def test_no_two_files_import_each_other() -> None:
     """Not even for types, or from inside a function."""
     arrows: dict[str, set[str]] = defaultdict(set)

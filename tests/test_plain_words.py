@@ -105,6 +105,7 @@ def test_the_counter_finds_vague_words() -> None:
     assert {name: round(rate * 7 / 1000) for name, rate in found.items()} == dict.fromkeys(VAGUE, 1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "package", sorted(path.name for path in SOURCE.iterdir() if (path / "__init__.py").exists())
 )
@@ -112,6 +113,7 @@ def test_docstrings_of_a_package_are_plain(package: str) -> None:
     assert too_many([text for _, text in docstrings(SOURCE / package)]) == {}
 
 
+@pytest.mark.slow
 def test_no_docstring_begins_without_a_subject() -> None:
     bad = [f"{place}: {text.splitlines()[0]}" for place, text in docstrings(SOURCE)]
     assert [line for line in bad if OPENING.match(line.split(": ", 1)[1])] == []
@@ -129,6 +131,7 @@ def test_a_document_is_plain(path: Path) -> None:
     assert over == {}
 
 
+@pytest.mark.slow
 def test_messages_are_plain() -> None:
     assert too_many(messages()) == {}
 

@@ -121,6 +121,7 @@ def test_every_scene_equals_itself_made_again_and_a_change_makes_another() -> No
         assert dataclasses.replace(first, source="elsewhere.json") == first
 
 
+@pytest.mark.slow
 def test_a_pickled_hash_is_that_of_another_process() -> None:
     code = (
         "import kilter; from kilter import *;"
@@ -348,9 +349,7 @@ def content_of(answer: Any) -> Any:
     return {key: value for key, value in answer.to_dict().items() if key != "seconds"}
 
 
-@pytest.mark.quick(
-    "check", "check_many", "contacts", "hold", "orient", "plan", "region", "states", "transport"
-)
+@pytest.mark.quick("check", "contacts", "plan", "states")
 @pytest.mark.parametrize("verb", [verb for verb in VERBS if verb != "improve"])
 def test_keywords_and_paths_are_the_same_as_a_changed_assembly(verb: str, tmp_path: Any) -> None:
     if verb == "draw":

@@ -136,6 +136,7 @@ def test_a_cube_half_over_its_support_is_balanced_in_every_command(run) -> None:
         assert run("plan", assembly)[1]["finished"]["verdict"] == word
 
 
+@pytest.mark.slow
 def test_the_page_and_the_notebook_of_a_balanced_assembly_have_its_word_and_sentence() -> None:
     balls = scene("paper-figure-1-in-space")
     verdict = kilter.check(balls)

@@ -293,8 +293,10 @@ def test_arrays_that_do_not_fit_are_refused(change: dict[str, object], said: str
 
 
 def test_what_is_no_assembly_is_refused() -> None:
-    with pytest.raises(InputError, match="assembly 1 is of type str"):
+    with pytest.raises(InputError, match="tower: no such file"):
         kilter.check_many([scene("tower"), "tower"])
+    with pytest.raises(InputError, match="assembly 1 is of type int"):
+        kilter.check_many([scene("tower"), 3])  # type: ignore[list-item]
     with pytest.raises(InputError, match="does not exist"):
         kilter.check_many([], require="always")
     assert len(kilter.check_many([])) == 0

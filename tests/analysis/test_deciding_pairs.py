@@ -91,6 +91,7 @@ def test_random_sets_decide_and_agree_with_all_subsets(
         asked(seed, 7)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("rows", [1, 2000, 10**6])
 def test_a_search_that_stops_reports_a_set_that_holds(
     rows: int, monkeypatch: pytest.MonkeyPatch

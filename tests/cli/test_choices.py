@@ -204,6 +204,7 @@ def test_material_and_open_are_options_of_save(say: Any) -> None:
     assert Choices.read("c.json").to_dict() == {**choices, "friction": 0.3}
 
 
+@pytest.mark.slow
 def test_every_command_reads_choices(say: Any) -> None:
     write_choices(left_out=["c"], friction=0.5)
     for verb in ("check", "contacts", "orient", "region", "margin", "plan", "hold", "transport"):

@@ -175,6 +175,7 @@ def test_floor_ground_without_and_down_change_what_is_judged(
     assert main(["check", "free.json", "--ground", names[0], "--down", "0.1", "0", "-1"]) == 1
 
 
+@pytest.mark.slow
 def test_the_options_a_file_was_read_with_are_part_of_the_proof(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

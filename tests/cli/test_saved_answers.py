@@ -188,7 +188,7 @@ def random_options(rng: np.random.Generator, file: str, names: tuple[str, ...]) 
     return [word for chance, words in options if rng.random() < chance for word in words]
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("first", range(0, SETS, EACH))
 def test_random_options_answer_the_same_when_they_are_saved(
     first: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

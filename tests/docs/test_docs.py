@@ -65,7 +65,7 @@ def named_commands(line: str) -> list[list[str]]:
     return [shlex.split(text)[1:] for text in found if not text.startswith("kilter.")]
 
 
-@pytest.mark.quick("tutorial.md", "gallery.md")
+@pytest.mark.quick("gallery.md")
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
 def test_shell_of_a_page_runs_and_says_what_is_shown(
     page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

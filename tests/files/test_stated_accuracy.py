@@ -92,6 +92,7 @@ def test_bolts_whose_heads_are_off_by_less_than_the_file_knows() -> None:
     assert "0.000394 in" in found.sentence
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not DATA.is_dir(), reason="real data is not here")
 def test_files_that_a_file_names_state_it_too() -> None:
     assembly = load(DATA / "s1-tu-203" / "s1-tu-203.stp")

@@ -79,6 +79,7 @@ def test_proofs_are_verified_and_damage_is_found(
     assert main(["verify", stack, str(proof)]) == 1
 
 
+@pytest.mark.slow
 def test_python_and_the_command_give_the_same_answer(
     stack: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
