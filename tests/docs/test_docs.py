@@ -30,9 +30,10 @@ def test_python_of_a_page_runs(
     page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}  # a later block may use the names of an earlier block
     for block in blocks(page, "python"):
         try:
-            exec(compile(block, str(page), "exec"), {})
+            exec(compile(block, str(page), "exec"), names)
         except ModuleNotFoundError as missing:
             if str(missing.name).partition(".")[0] not in OTHERS:
                 raise
