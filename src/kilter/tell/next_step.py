@@ -77,6 +77,8 @@ def next_step(answer: Answer, name: str, *, bricks: bool = False) -> NextStep | 
         widest = NextStep(("orient",), "finds the direction with the widest margin")
         return HOLD if answer["kind"] == "none" else widest
     if kind == "transport":
+        if answer["verdict"] == "unstable":
+            return HOLD
         return None if answer["cases"] or answer["path"] else CARRIED
     if kind == "margin":
         return NextStep(("report", "-o", f"{name}.html"), "writes all answers to an offline page")
