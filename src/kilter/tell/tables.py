@@ -216,7 +216,7 @@ def _certain_alone(answer: Answer, moving: Sequence[Answer]) -> bool:
 
 
 def _moving_title(answer: Answer, moving: Sequence[Answer]) -> str:
-    """Return the title of the table of moving parts: their number, and what is proved."""
+    """Return the title of the table of moving parts, with their number and the proved part."""
     parts = answer["parts"]
     counts = f"{len(moving)} of {sum(not part['grounded'] for part in parts)} free parts"
     if _certain_alone(answer, moving):

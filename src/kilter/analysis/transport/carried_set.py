@@ -228,16 +228,18 @@ class CarriedSet:
         """
         supports: list[SupportLine] = []
 
-        def add(direction: Array) -> bool:
+        def add(direction: Array) -> NoLimit | None:
             limit = self.along(direction @ axes)
-            if not isinstance(limit, NoLimit):
-                supports.append(self._support(axes, direction, limit))
-            return not isinstance(limit, NoLimit)
+            if isinstance(limit, NoLimit):
+                return limit
+            supports.append(self._support(axes, direction, limit))
+            return None
 
         angle = 2 * np.pi * (np.arange(FIRST) + 0.5) / FIRST
         for direction in np.column_stack([np.cos(angle), np.sin(angle)]):
-            if not add(direction):
-                return NoLimit("none")
+            missing = add(direction)
+            if missing is not None:
+                return missing
         settled: set[float] = set()
         for _ in range(SLICE_PROGRAMS):
             supports.sort(key=lambda support: support.angle)
@@ -249,7 +251,8 @@ class CarriedSet:
             corner = corners[widest]
             before = len(supports)
             known = {support.angle for support in supports}
-            if not add(corner / float(np.linalg.norm(corner))) or supports[-1].angle in known:
+            missing = add(corner / float(np.linalg.norm(corner)))
+            if missing is not None or supports[-1].angle in known:
                 settled.add(supports[widest].angle)
                 del supports[before:]
         supports.sort(key=lambda support: support.angle)

@@ -34,7 +34,7 @@ PAIRS = 6000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Hand:
-    """A hand that holds a part during a step: its force, and what falls without it.
+    """A hand that holds a part during a step, its force, and the parts that fall without it.
 
     Attributes
     ----------
