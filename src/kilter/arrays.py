@@ -121,7 +121,7 @@ def across(n: Array) -> tuple[Array, Array]:
 
 
 def starts(count: ArrayLike) -> Index:
-    """First row of each run of `count` rows, then the total number of rows; shape (n + 1,).
+    """Index of the first row of each group, for groups of `count` rows; then the total number.
 
     Examples
     --------
@@ -135,7 +135,7 @@ def starts(count: ArrayLike) -> Index:
 
 
 def counted(count: ArrayLike) -> tuple[Index, Index]:
-    """Number the run of each row, and the row's position in its run, for runs of `count` rows.
+    """For each row, its group and its position within it; group k has ``count[k]`` rows.
 
     Examples
     --------
@@ -168,7 +168,7 @@ def group_sums(group: Index, values: Array, count: int) -> Array:
 
 
 def ragged(start: Index, which: Index) -> tuple[Index, Index]:
-    """Rows of the runs `which`: for each row, the position of its run in `which`, and its index.
+    """Rows of the chosen groups: for each row its position in `which`, and its row number.
 
     Examples
     --------
@@ -182,7 +182,7 @@ def ragged(start: Index, which: Index) -> tuple[Index, Index]:
 
 
 FEW = 50_000
-"""Up to this many pairs, dense code is used; importing sparse matrices or trees takes longer."""
+"""Largest number of pairs for dense code; importing sparse matrices or trees takes longer."""
 
 
 def nearest(among: Array, points: Array, count: int = 1) -> tuple[Array, Index]:
@@ -264,7 +264,7 @@ SCALAR = str | int | float
 
 
 def sealed(value: Held) -> Held:
-    """Make all arrays inside a value read-only, and return the same value.
+    """Make all arrays inside a value read-only, and return the value.
 
     Arrays in nested dataclasses, tuples and lists are included.
 
@@ -300,7 +300,7 @@ _KINDS: dict[Any, type | str] = {
 
 
 def columns(*shape: int) -> Any:
-    """Declare a field of a `Rows` class, with this shape of each row; ``columns()``: a number."""
+    """Declare a field of a `Rows` class with the shape of a row; without arguments, a number."""
     return field(metadata={"row": shape})
 
 

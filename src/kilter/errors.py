@@ -30,11 +30,11 @@ LIKE = 0.6
 
 
 class KilterError(Exception):
-    """Base class of the exceptions that kilter raises deliberately."""
+    """Base class of the exceptions that kilter raises: wrong input, time limit, solver failure."""
 
 
 class TimeLimitReached(KilterError):
-    """Error: the time limit ended a computation before its answer was complete.
+    """Error: the time limit ended a computation before its result was complete.
 
     Parameters
     ----------

@@ -53,7 +53,7 @@ EXTRAS = {
 }
 """For each extra: the imported module, the package that contains it, and its purpose."""
 EXACT = 1e-9
-"""Tolerance for the known vertex [-], and for the known volume from OCCT [its size]."""
+"""Tolerance for the known vertex [-], and relative tolerance for the volume that OCCT computes."""
 CONIC_EXACT = 1e-6
 """Tolerance for interior-point solvers, which stop before the boundary [-]."""
 METHODS: dict[Literal["simplex", "interior"], float] = {"simplex": EXACT, "interior": CONIC_EXACT}

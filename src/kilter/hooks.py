@@ -15,7 +15,8 @@ __all__ = ["hook", "register"]
 Function = Callable[..., Any]
 
 _LOADERS: dict[str, Callable[[], Function]] = {}
-"""Loader of each registered function; it imports the module of the function at the first call."""
+"""For each registered name, a function that imports the module and returns the registered function.
+"""
 
 
 def register(name: str, loader: Callable[[], Function]) -> None:

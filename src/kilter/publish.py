@@ -35,11 +35,11 @@ if TYPE_CHECKING:
 __all__ = ["Report", "animate", "draw", "report", "view"]
 
 DRAWING = 1.0
-"""Time of a limit that remains for the drawing of a figure, at most half of the limit [s]."""
+"""Time of a time limit that is kept for drawing the figure, at most half of it [s]."""
 PAUSE = 0.4
 """Time between two checks of a watched file [s]."""
 PAGES = (".html", ".htm")
-"""Endings of pages. No input file has them, so that a typing error cannot overwrite an input."""
+"""File endings of pages; no input file has them, so a typing error cannot overwrite an input."""
 FILMS = (".glb",)
 """Endings of films."""
 MOST = 50_000
@@ -141,7 +141,7 @@ def report(
 
 
 def _changed(subject: Any, verb: str, contacts: ContactSet | None, **changes: Any) -> Any:
-    """Return an assembly, read and changed by keywords, or an answer, which rejects changes."""
+    """Return an assembly with the changes of the keywords; an answer rejects changes."""
     from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region
     from kilter.analysis.transport.transport import Transport
@@ -292,7 +292,7 @@ def view(
 
 
 def _read(source: Any) -> Given:
-    """Load an assembly from a path, or return a given assembly; contacts are None."""
+    """The assembly, loaded from a path or as given, and None in place of its contacts."""
     if not isinstance(source, str | os.PathLike):
         return source, None
     from kilter.files import load

@@ -35,7 +35,7 @@ __all__ = [
 SAMPLE = 2000
 """Approximate number of normals that are sampled for the common frame."""
 ALL_PAIRS = 300
-"""Up to this many normals, every pair is compared."""
+"""Largest number of normals for which every pair is compared."""
 FRAME_SQUARE = 1e-3
 """Largest |cosine| at which a normal counts as perpendicular to the most common normal [-]."""
 FRAME_ALIKE = 1e-10
@@ -125,7 +125,7 @@ def rotation_between(a: ArrayLike, b: ArrayLike) -> Array:
 
 
 def in_brackets(values: ArrayLike) -> str:
-    """The numbers of a vector as text in brackets, to six digits.
+    """Format a vector as text in brackets, with six digits.
 
     Examples
     --------
@@ -278,7 +278,7 @@ class Pose(Value):
 
 
 def common_frame(normals: Array, areas: Array) -> Array:
-    """Frame (rotation matrix) whose rows are the most common normals by area, shape (3, 3).
+    """Rotation matrix whose first row is the most common normal by area, shape (3, 3).
 
     The second row is the most common normal perpendicular to the first.
 
@@ -308,7 +308,7 @@ def common_frame(normals: Array, areas: Array) -> Array:
 
 
 def common_frames(normals: Array, areas: Array, start: Index) -> Array:
-    """Frame of the most common normals for each of M runs of normals, shape (M, 3, 3).
+    """For each of M groups of normals, the frame (rotation matrix) of its most common normals.
 
     Normals that agree to about five digits count as equal.
 
@@ -341,7 +341,7 @@ def common_frames(normals: Array, areas: Array, start: Index) -> Array:
 
 
 def _most_common_of(normals: Array, areas: Array, run: Index, default: Array) -> Array:
-    """The normal with the largest total area in each run, shape (M, 3).
+    """The normal with the largest total area in each group, shape (M, 3).
 
     A run without normals gets its row of `default`, shape (M, 3).
     """
@@ -380,7 +380,7 @@ def _most_common(normals: Array, areas: Array) -> Array:
 
 
 def screwed(screw: ArrayLike, amounts: ArrayLike) -> tuple[Array, Array]:
-    """Rotations and centre shifts of a body that moves along a screw by several `amounts`.
+    """Rotations and shifts of the centre of a body that moves along a screw by several amounts.
 
         shift = a v + (1 - cos t)/t^2 a^2 w x v + (t - sin t)/t^3 a^3 w x (w x v),    t = a |w|
 

@@ -49,7 +49,7 @@ def number(value: Any, what: str, *, lowest: float = -np.inf, above: bool = Fals
 
 
 def in_range(values: Any, what: str, *, tiny: bool = False) -> None:
-    """Raise an error for numbers so large or small that float64 computations lose all digits.
+    """Raise an error if a number is larger than 1e100 or smaller than 1e-100.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def in_range(values: Any, what: str, *, tiny: bool = False) -> None:
 
 
 def frozen(values: ArrayLike, shape: tuple[int, ...] | None = None, what: str = "") -> Array:
-    """Copy values to a read-only float64 array, and check its shape.
+    """Copy values to a read-only float64 array; raises for another shape or other types.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def frozen(values: ArrayLike, shape: tuple[int, ...] | None = None, what: str = 
 
 
 def finite(values: ArrayLike, shape: tuple[int, ...], what: str) -> Array:
-    """Copy values to a read-only float64 array, and check its shape and that it is finite.
+    """Copy finite values to a read-only float64 array; raises for another shape, inf or NaN.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Value: the base class of frozen values; equal content is equal and has the same hash.
+"""Value: the base class of frozen values that are compared and hashed by content.
 
 The content of a value is the tuple of its fields. Arrays are compared by their numbers, so that
 values with arrays can be members of sets and keys of dictionaries.
@@ -71,7 +71,7 @@ def _equal(a: Any, b: Any) -> bool:
 
 
 def _add(digest: Any, value: Any) -> None:
-    """Add a content to a digest; contents that are equal add the same bytes."""
+    """Feed a value to a hash function; equal values feed the same bytes."""
     if isinstance(value, np.ndarray):
         digest.update(str(value.shape).encode())
         digest.update((value.astype(np.float64) + 0.0).tobytes())  # -0.0 becomes 0.0

@@ -35,7 +35,7 @@ PER_EFFORT = 1_000_000
 STEP = 10.0
 """Factor between the additional units of successive efforts [-]."""
 MOST = 12.0
-"""Efforts above this add no work, because the computation would take years."""
+"""Largest effort; more would take years of computation."""
 BETWEEN_WORDS = 1.0
 """Least time between two messages of `Work.tell` [s]."""
 LEAST = 1e-3
@@ -79,7 +79,7 @@ def units_of(effort: float) -> float:
 
 @dataclass(slots=True)
 class _Clock:
-    """Deadline [s], time of the last progress message [s], and True once the deadline cut work."""
+    """Deadline [s], time of the last progress message [s], whether the deadline ended a step."""
 
     deadline: float
     said: float
@@ -185,7 +185,7 @@ class Work:
         self.charge(LINEAR + LINEAR_ENTRY * steps * entries)
 
     def steps(self, most: int, entries: int) -> int:
-        """Number of simplex steps that the units allow: at least 1 and at most `most`."""
+        """Number of simplex steps that the remaining units pay for, from 1 to `most`."""
         return int(min(most, max(self.left / max(LINEAR_ENTRY * entries, LINEAR_ENTRY), 1.0)))
 
     def dense(self, unknowns: int) -> None:
@@ -217,15 +217,15 @@ class Work:
         self.charge(WEIGHED + WEIGHED_POINT * points)
 
     def until(self, fraction: float) -> Work:
-        """Part of the budget that ends when this fraction of the whole budget is spent."""
+        """Share of this budget, until the given fraction of the whole budget is spent."""
         return self._share(fraction * self.allowed if fraction else 0.0, self._from)
 
     def fraction_left(self, fraction: float) -> Work:
-        """Part of the budget: this fraction of the units left now."""
+        """Share of this budget: the given fraction of the units that are left now."""
         return self._share(fraction * self.left if fraction else 0.0, self._count[0])
 
     def beside(self, allowed: float = inf) -> Work:
-        """Separate budget with the same time limit; its charges do not count in this budget."""
+        """New budget with the same time limit; its charges do not count in this budget."""
         part = Work(allowed, self._progress)
         part._clock = self._clock
         return part

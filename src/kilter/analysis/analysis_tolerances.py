@@ -35,23 +35,27 @@ MOVES = 1e-6
 MOTION_GOOD = 1e-10
 """Residual of Gauss's conditions that ends the search for a motion [g]."""
 MOTION_ENOUGH = 1e-8
-"""Residual that ends the search for a motion of many parts [g]."""
+"""Residual that ends the search for a motion, if the assembly has many parts [g]."""
 MOTION_ASKED = 3e-9
-"""Tolerance of the solver for a motion of many parts; its rows have another scale [g]."""
+"""Tolerance passed to the solver for a motion of many parts; its rows are scaled differently [g].
+"""
 ZERO_MOTION = 1e-14
 """Accelerations below this are rounding of an exact zero [g]."""
 NO_DESCENT = 1e-12
-"""Optima of the displacement program above minus this count as 0, over the largest cost [-]."""
+"""An optimum of the displacement program above minus this counts as 0 [fractions of the largest
+cost]."""
 LEAST_IS_OPTIMAL = 1e-6
-"""Largest residual of the shortest displacement that counts as optimal, over the largest [-]."""
+"""Largest residual at which the shortest displacement counts as optimal, over the largest entry
+[-]."""
 RANK = 1e-9
 """Singular values below this fraction of the largest count as zero, for exact data."""
 PRESSES = 1e-9
-"""Normal forces below this fraction of the largest weight have no pressure centre."""
+"""A patch whose normal force is below this fraction of the largest weight has no pressure centre.
+"""
 ENTERS = 1e-9
-"""A motion of unit speed enters a contact if its opening is below minus this [-]."""
+"""A motion of unit speed penetrates a contact if its gap opens at less than minus this [-]."""
 STATED_MOST = 1e-2
-"""Larger accelerations are not explained by the accuracy that a file states [g]."""
+"""An acceleration above this cannot come from the stated inaccuracy of a file [g]."""
 LOCKS = 1e-4
 """Least opening at unit speed that the multipliers of a locked part must prove [-].
 

@@ -50,7 +50,7 @@ TOO_LARGE = (
     "settling and other motions were not examined, because the assembly has too many contact "
     "points for this effort"
 )
-"""Warning in an answer about friction that ends at equilibrium for its size."""
+"""Warning: the assembly is too large to examine settling and other motions."""
 
 FAR_APART = 1e9
 """Ratio of the largest to the least mass above which accelerations of light parts are inexact."""

@@ -233,7 +233,7 @@ def everything(
     deadline = None if time_limit is None else started + time_limit
 
     def in_time(name: str, step: Callable[..., T], *arguments: Any) -> T | None:
-        """Result of a step of the page's computation; None, with a note, after the time limit."""
+        """Run a step of the page's computation; return None and add a note after the time limit."""
         left = None if deadline is None else max(deadline - time.perf_counter(), 0.0)
         try:
             with stop_after(left):
@@ -339,7 +339,7 @@ def _directions(
 
 
 def _region(assembly: Assembly, contacts: ContactSet, notes: list[str]) -> Region:
-    """The stable region of an assembly.
+    """The stable region of an assembly; notes explain parts of the computation that were left out.
 
     Friction is left out for a large assembly in space.
     """
@@ -365,7 +365,7 @@ def _with_rests(stable: Region, assembly: Assembly, contacts: ContactSet) -> Reg
 
 
 def _nearest_line(stable: Region, down: Array) -> Array | None:
-    """Unit vector nearest to `down` among the lines of a stable region; None without lines."""
+    """Unit vector nearest to `down` on the lines of a stable region; None without lines."""
     if not len(stable.lines):
         return None
     along: Array = stable.lines.T @ (stable.lines @ down)

@@ -181,7 +181,7 @@ def _digest(path: Path) -> str | None:
 
 
 def _of_another_file(proof: Mapping[str, Any], path: Path) -> Verification:
-    """The result for a proof about an older version of the file, which is not read."""
+    """Failed verification of a proof that was made for an older version of the file."""
     reason = f"the proof is about another version of {path.name} (its sha256 differs)"
     return Verification(
         False,
@@ -271,7 +271,7 @@ form a plan or a fixture."""
 def _wrong_together(
     assembly: Assembly, contacts: ContactSet, bundle: Mapping[str, Any], verdicts: Sequence[str]
 ) -> list[str]:
-    """Reasons why proofs that hold separately do not form a valid plan or fixture.
+    """Reasons why proofs that are valid one by one do not prove a plan or a fixture.
 
     Raises
     ------
@@ -332,7 +332,7 @@ def verify_proof(assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]
 
 
 def _wrong_word(verdict: str, second: Mapping[str, Any] | None, *, rubs: bool) -> list[str]:
-    """Errors if the verdict without friction differs from the one that second order proves.
+    """Errors if the verdict of a proof differs from the verdict that its second order proves.
 
     As sentences; empty if both agree.
 

@@ -34,7 +34,7 @@ SOME_MESH = Part("part", Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0,
 
 
 def arrays_side_by_side(arrays: AssemblyArrays) -> tuple[SideBySide | None, Index]:
-    """Join the assemblies of a batch that have plain meshes only, and return their positions.
+    """Join the assemblies of a batch with only plain meshes; also return their indices.
 
     A mesh is plain if it needs no repair.
 

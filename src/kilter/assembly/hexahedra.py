@@ -14,7 +14,7 @@ from kilter.arrays import Array, Index, Mask, cross
 __all__ = ["box_moments", "box_orders"]
 
 PLACES: Index = np.array([1, 2, 4])
-"""Weight of each edge in the index of a corner."""
+"""Weight of each edge direction in the index (0 to 7) of a corner of a box."""
 TURNED: Index = np.array([1, 0, 2])
 """Order of the edges of a mirrored box: the first two are exchanged."""
 ROUNDINGS = 8.0

@@ -343,7 +343,7 @@ def _is_same(first: Surface, second: Surface) -> bool:
 def _measure(
     surfaces: Surfaces, vertices: Array, triangles: Index, label: Index, exact: Mask
 ) -> None:
-    """Compute, in place, the distance of triangles from their surfaces, and the error of these.
+    """Compute, in place, the distance of triangles from surfaces, and errors of surfaces.
 
     These are the sagitta and the doubt of each surface.
 

@@ -1,4 +1,4 @@
-"""Regions where the surface of a part is unknown: holes of an open mesh, or a whole stand-in.
+"""Regions where the surface of a part is unknown: mesh holes, and replaced unreadable solids.
 
 Contacts in these regions are undecided; `kilter.contact` reports them.
 """

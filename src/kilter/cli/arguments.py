@@ -32,7 +32,7 @@ NAMES = ("--ground", "--without")
 BOND, OPEN = "--bond", "--open"
 """Options with two names and a third word: a pull [N], or a decision about the pair."""
 THIRD = {BOND: (" and newtons", " 0.98"), OPEN: (" and a decision", " joined")}
-"""The third value of an option in words, and an example."""
+"""Phrase for the third value of an option, and an example of it."""
 
 
 def reading_of(
@@ -324,7 +324,7 @@ class ToleranceOptions:
 
 
 def _lowest() -> str:
-    """The word that puts a floor under the lowest point."""
+    """The value of `--floor` for a floor under the lowest point."""
     from kilter.files.choices import LOWEST
 
     return LOWEST

@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 __all__ = ["Asked"]
 
 NOTHING_TYPED = ToleranceOptions()
-"""Options of the tolerance if none is given."""
+"""Tolerance options of a command line that has none."""
 WORDS_SHARE, MOST_WORDS = 0.2, 1.0
-"""Share of a time limit [-], and largest time [s], that remain for the words of the answer."""
+"""Time that is kept for printing the answer: share of a time limit [-], and at most this [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +85,7 @@ class Asked:
 
     @classmethod
     def of(cls, given: Mapping[str, Any]) -> Asked:
-        """Collect the shared options from the values of all options by name.
+        """Take the shared options out of the values of all options of a command, by name.
 
         Raises
         ------
@@ -181,7 +181,7 @@ class Asked:
         )
 
     def apart(self, *outputs: Path | None) -> None:
-        """Reject output files that would overwrite the input file or each other."""
+        """Raise an error if an output file would overwrite the input file or another output."""
         keep_apart(self.file or "-", self.output, self.proof, *outputs)
 
     def read(self, progress: Callable[[str], None]) -> tuple[Assembly, ContactSet | None]:
@@ -205,7 +205,7 @@ class Asked:
         return fasten_as_read(assembly, self.reading, tolerance=self.tolerance, progress=progress)
 
     def keep_proof(self, make: Callable[..., dict[str, Any]] | None, answer: WarnedData) -> str:
-        """Write the proof file if `--proof` requires it; return a line about it for users.
+        """Write the proof file that `--proof` names; return the line for the user about it.
 
         Parameters
         ----------

@@ -29,7 +29,7 @@ def code_of(answer: Answer) -> int:
 
 
 def check_each(asked: Asked, files: Sequence[str], judge: Callable[[Asked], Answer]) -> int:
-    """Print the verdict of each file, or the error that prevented it; return the worst code.
+    """Print the verdict or the error of each file; return the worst exit code.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def check_each(asked: Asked, files: Sequence[str], judge: Callable[[Asked], Answ
 
 
 def _answer(asked: Asked, judge: Callable[[Asked], Answer]) -> tuple[Answer, int]:
-    """Check a file; return its answer and exit code, with an error as the answer if it fails."""
+    """Check a file and return its answer and exit code; an error becomes the answer."""
     try:
         answer = judge(asked)
     except InputError as error:

@@ -20,7 +20,7 @@ __all__ = [
 ]
 
 WRITTEN = 0
-"""The answer is printed or written, whatever its verdict."""
+"""Exit code if the answer was printed or written, whatever its verdict."""
 HOLDS, LOWER = 0, 3
 """Codes of `check` and `plan`: it holds at the required level, or at a lower level."""
 VERDICT = {"unstable": 1, "undecided": 4}

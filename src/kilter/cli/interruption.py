@@ -28,7 +28,8 @@ from kilter.cli.exit_codes import INTERRUPTED
 __all__ = ["end_interrupted", "interruptible"]
 
 GRACE = 0.6
-"""Time in which the main thread must handle a signal; signals within it count as the same [s]."""
+"""Time that the main thread has to handle a signal; signals within it count as a single signal [s].
+"""
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 REPLACED = (signal.SIG_DFL, signal.SIG_IGN, signal.default_int_handler)
 """Default handlers, which are replaced. A handler of the calling program stays in force."""

@@ -33,7 +33,7 @@ def usage_words(error: Any) -> str:
 
 
 def fault_words(error: Exception, words: Sequence[str]) -> str:
-    """Message for a fault of kilter: the error, its place, and how to report it."""
+    """Message for an internal error of kilter: the error, its place, and how to report it."""
     import traceback
 
     import kilter

@@ -378,7 +378,7 @@ FORMS: dict[str, tuple[Any, Any]] = {
 def asks(
     *, searches: bool = False, timed: bool = False, proves: bool = False, answers: bool = True
 ) -> Callable[[Callable[..., int]], Callable[..., int]]:
-    """Create a decorator that adds the shared options to a command ``act(asked, **own)``.
+    """Create a decorator that adds the shared options to a command ``act(asked, **options)``.
 
     A parameter whose annotation is a dataclass stands for the options that are its fields.
 
@@ -440,7 +440,7 @@ def asks(
 
 
 def _own_options(parameter: inspect.Parameter) -> list[inspect.Parameter]:
-    """The shared options that a parameter of a command stands for, or the parameter itself."""
+    """The shared options that replace a parameter such as `asked`, or the parameter itself."""
     if not is_dataclass(parameter.annotation):
         return [parameter]
     kinds = get_type_hints(parameter.annotation, include_extras=True)

@@ -68,7 +68,7 @@ def _report(asked: Asked, words: str) -> bool:
 
 
 def as_typed(**given: Any) -> list[str]:
-    """Options of a command as the words that a user types; None and False are left out.
+    """Convert option values to the words of a command line; None and False are left out.
 
     Examples
     --------

@@ -58,7 +58,7 @@ def tell_written(output: Path | None, content: str, quiet: bool) -> None:
 
 
 def keep_apart(file: str, *outputs: Path | None) -> None:
-    """Reject output files that would overwrite the input file or each other.
+    """Raise an error if an output file would overwrite the input file or another output.
 
     Raises
     ------

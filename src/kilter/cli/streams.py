@@ -9,7 +9,7 @@ import sys
 __all__ = ["is_full", "open_closed_streams"]
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
-"""System errors of a stream that accepts no more data."""
+"""Error numbers of the system if a stream accepts no more data."""
 
 
 def open_closed_streams() -> None:

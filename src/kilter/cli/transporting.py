@@ -190,7 +190,7 @@ def _motion(
     turn_faster: tuple[float, float, float] | None,
     about: tuple[float, float, float],
 ) -> Callable[[Assembly], CarrierMotion] | None:
-    """Function from an assembly to the carrier motion of the options; None without such options."""
+    """Return a function from an assembly to the carrier motion of the options; None without any."""
     if accelerate is None and turn is None and turn_faster is None:
         return None
     parts = [_acceleration(text) for text in accelerate or ("0", "0", "0")]

@@ -1,4 +1,4 @@
-"""Faces of a solid that lie on each other: the solid has no thickness there, so a face is wrong."""
+"""Find faces of a solid that lie on each other, so that the solid has no thickness there."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ __all__ = ["to_mjcf"]
 LEAST = 1e-5
 """Least friction coefficient that MuJoCo accepts [-]."""
 SMALL = 1e-9
-"""Least ratio of the smallest to the largest principal inertia [-]; MuJoCo rejects smaller."""
+"""Least ratio of the smallest to the largest principal inertia that MuJoCo accepts [-]."""
 Element = ElementTree.Element
 
 

@@ -69,7 +69,7 @@ def quiet() -> Iterator[None]:
 
 
 def inside(shape: Any, kind: Any, avoid: Any = None) -> Iterator[Any]:
-    """Subshapes of the type `kind` in a shape, without those inside a subshape of type `avoid`."""
+    """Subshapes of type `kind` of a shape, except those inside a subshape of type `avoid`."""
     from OCP.TopExp import TopExp_Explorer
 
     explorer = TopExp_Explorer(shape, kind) if avoid is None else TopExp_Explorer(

@@ -106,7 +106,7 @@ def _matches(name: str, patterns: Sequence[str]) -> bool:
 def _read(
     solids: list[Occurrence], tell: Callable[[str, int], None], broken: Collection[int]
 ) -> dict[int, ReadSolid]:
-    """Read each distinct solid of a STEP document once; the result maps its key to it."""
+    """Read each distinct solid of a STEP document once; return the solids by their keys."""
     first: dict[int, Occurrence] = {}
     for row in solids:
         first.setdefault(row.key, row)

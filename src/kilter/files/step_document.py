@@ -207,7 +207,7 @@ def occurrences(leaves: Sequence[TreeSolid], shapes: Any) -> list[Occurrence]:
 
 
 class TreeSolid(NamedTuple):
-    """A solid in the product tree: the names above it, its shape, its place, and `skin`."""
+    """A solid in the product tree: names, shape, place, and `skin`: its shells are open."""
 
     path: tuple[str, ...]
     shape: Any

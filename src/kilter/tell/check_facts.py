@@ -22,7 +22,7 @@ from kilter.tell.shared_facts import (
 __all__ = ["check_facts", "forces_phrase"]
 
 MOST_OF_FREE_FALL = 0.9
-"""A bound on the power of any motion is shown only below this share of free fall [-]."""
+"""Largest power bound that is shown, as a share of the power of free fall [-]."""
 GUARANTEE = {
     "proved": "proved: Coulomb's law allows no motion",
     "refuted": "refuted: Coulomb's law also allows a motion",
@@ -161,7 +161,7 @@ def _guarantee(guarantee: str, friction: Answer) -> str:
 
 
 def forces_phrase(forces: Answer | None) -> str | None:
-    """Return the largest contact force and the largest use of friction; None without forces."""
+    """Return the largest contact force, and the largest share of the friction limit in use."""
     patches = [] if forces is None else forces["patches"]
     if not patches:
         return None
@@ -182,7 +182,7 @@ def _pair(patch: Answer) -> str:
 def _neutral_words(
     two_sided: int, one_sided: int, *, second: Answer | None = None, closed: bool = False
 ) -> str:
-    """Return the words about motions that neither raise nor lower the parts, to first order.
+    """Return the words about motions whose potential energy is constant to first order.
 
     Parameters
     ----------

@@ -44,7 +44,7 @@ KIND_OF_KEY = {
     "reasons": "verify",
     "certificate": "check",
 }
-"""Keys that only one kind of answer has, and this kind. The first present key decides."""
+"""Keys that each occur in the answers of a single command, with this kind of answer."""
 
 
 DETAILS = {

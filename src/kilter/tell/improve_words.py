@@ -12,7 +12,7 @@ __all__ = ["HEAD", "change_cells", "improve_facts", "improve_sentence"]
 Answer = Mapping[str, Any]
 
 HEAD = ("change", "brick", "cell", "layer", "strength needed after it")
-"""Column heads of the tried changes."""
+"""Column heads of the table of changes that were tried."""
 NEAR = 1e-3
 """Shares within this distance of 1 are shown with more digits [-]."""
 VERBS = {"add": "add", "remove": "remove"}

@@ -74,7 +74,7 @@ def holds(level: str | None, require: str) -> bool:
 
 
 def require_level(word: str, *, strict: bool = False) -> str:
-    """Return a level that a user requires, after validation; raises an error for unknown words.
+    """Return `word` if it is a level that a user may require; else raise an error.
 
     Parameters
     ----------

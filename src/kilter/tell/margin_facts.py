@@ -108,7 +108,7 @@ def _tilt(answer: Answer) -> str:
 def _at_level(
     answer: Answer, key: str, words: Callable[[float], str], more: str = "", bound: str = "up to"
 ) -> str:
-    """Return a limit up to which the required level of stability is reached, or nothing."""
+    """Return the words about a limit at the required level; empty if none was computed."""
     at_level = answer["at_level"]
     return (
         ""
@@ -124,7 +124,7 @@ def level_words(
     more: str = "",
     bound: str = "up to",
 ) -> str:
-    """Return a limit at a level of stability, in words that continue those of equilibrium.
+    """Return the words about a limit at a higher level, to follow the limit of equilibrium.
 
     Parameters
     ----------
@@ -162,7 +162,7 @@ def level_words(
 
 
 def part_level_words(answer: Answer, key: str, part: str) -> str:
-    """Return the push or load of a part up to which the required level is reached, or nothing.
+    """Return the words about the push or load of a part at the required level; empty if unknown.
 
     `key` is "pushes" or "loads".
     """
@@ -173,7 +173,7 @@ def part_level_words(answer: Answer, key: str, part: str) -> str:
 
 
 def _factor_at_level(answer: Answer) -> str:
-    """Return the load factors at which the required level of stability is reached, or nothing."""
+    """Return the words about load factors at the required level; empty if none were computed."""
     at_level = answer["at_level"]
     ends = None if at_level is None else at_level["load_factor"]
     if ends is None:

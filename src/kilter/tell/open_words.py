@@ -99,7 +99,7 @@ joined."
 
 @dataclass(frozen=True, slots=True)
 class OpenOption:
-    """A command-line option by which the user states that undecided pairs hold together."""
+    """A command-line option that joins undecided pairs or makes them touch, and its values."""
 
     text: str
     fasten: tuple[tuple[str, str], ...] = ()
@@ -151,7 +151,7 @@ def open_options(open_pairs: Sequence[Pair]) -> list[OpenOption]:
 
 
 def _rounded_gap(pairs: Sequence[Pair]) -> str:
-    """Return a length with three digits, just above the widest gap of the pairs [length unit]."""
+    """Return a gap tolerance as text: three digits, just above the widest gap of the pairs."""
     widest = ABOVE * max(abs(pair["gap"]) for pair in pairs)
     step = 10.0 ** (math.floor(math.log10(widest)) - 2)
     return f"{math.ceil(widest / step - 1e-9) * step:.3g}"

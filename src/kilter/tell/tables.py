@@ -211,7 +211,7 @@ def moving_table(answer: Answer) -> Table | None:
 
 
 def _certain_alone(answer: Answer, moving: Sequence[Answer]) -> bool:
-    """Return whether the motions were computed with the certain contacts only."""
+    """Return whether the listed motions come from the certain contacts alone."""
     return answer["verdict"] == "undecided" or (bool(answer["open_pairs"]) and bool(moving))
 
 

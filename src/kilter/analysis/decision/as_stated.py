@@ -29,7 +29,7 @@ __all__ = ["explained_by_accuracy", "stated_accuracy"]
 
 
 def explained_by_accuracy(assembly: Assembly, contacts: ContactSet, program: Program) -> str:
-    """Reason why inaccurate coordinates may cause a proved motion; "" if they cannot cause it.
+    """Explain how inaccurate coordinates may cause a proved motion; empty if they cannot cause it.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def _net_force_and_torque(program: Program, acceleration: Array) -> tuple[Array,
 
 
 def _inaccuracy_and_width(contacts: ContactSet, off: Array) -> tuple[Array, Array]:
-    """For each part: inaccuracy of its contact points, and least width of its contacts, (N,) each.
+    """Inaccuracy of the contact points, and least width of the contacts, of each part, (N,).
 
     Both are in length units.
 

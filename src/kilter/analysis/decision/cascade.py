@@ -58,7 +58,7 @@ def decide(
     second_order: bool = True,
     question: bool = True,
 ) -> Decision:
-    """Decide whether an assembly with these contacts holds, up to the required verdict level.
+    """Decide which verdict level an assembly with these contacts reaches, up to a required level.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def _first_order(
     known: Judgement | None,
     question: bool,
 ) -> Decision:
-    """Decide an assembly by first-order motions only, and as if its coordinates were exact."""
+    """Decide an assembly by first-order motions, as if its coordinates were exact."""
     program = build_program(assembly, contacts)
     smooth = program.frictionless
     judgement = judge(smooth, work=work)
@@ -200,14 +200,14 @@ def _with_friction(
 
 
 def _friction_level(friction: FrictionAnswer) -> int:
-    """The strength of a statement with friction, as an integer: EQUILIBRIUM < SETTLES < PROVED."""
+    """Strength of the statement about friction: EQUILIBRIUM < SETTLES < PROVED, as an integer."""
     if friction.guarantee == "proved":
         return PROVED
     return SETTLES if friction.settles else EQUILIBRIUM
 
 
 def _word_of(friction: FrictionAnswer) -> Word:
-    """The verdict word of an assembly whose equilibrium needs friction."""
+    """The verdict word of an assembly that only friction can hold."""
     if friction.guarantee == "proved":
         return "stable"
     return "settles" if friction.settles else "potentially-stable"
@@ -216,7 +216,7 @@ def _word_of(friction: FrictionAnswer) -> Word:
 def _with_second_order(
     decision: Decision, assembly: Assembly, contacts: ContactSet, require: str, work: Work
 ) -> Decision:
-    """Extend a decision by curvature, which separates stable assemblies from balanced ones."""
+    """Extend a decision by second order (curvature): does a small push make it fall?"""
     # imported late, since the import is slow
     from kilter.second_order.answer.whole import find_second_order, with_rolling
 
@@ -236,7 +236,7 @@ def _with_second_order(
 
 
 def _best_figures(judgement: Judgement) -> str:
-    """Describe the errors of the best forces and the best motion, if neither of them is a proof."""
+    """Errors of the best forces and of the best motion, in words, if neither of them is a proof."""
     residual = judgement.forces.residual if judgement.forces else float("nan")
     motion = judgement.motion
     ratio = "no motion"

@@ -77,7 +77,7 @@ class Degenerates:
 
     @property
     def words(self) -> list[str]:
-        """Sentences for users about degenerate contact points, if the verdict stays undecided."""
+        """Sentences about degenerate contact points for an answer that stays undecided."""
         sentences = []
         if self.branching:
             sentences.append(
@@ -172,7 +172,7 @@ class _Branches:
         return None if self.inner else True
 
     def _violated_clause(self, program: Program, motion: Array) -> list[PossibleContacts] | None:
-        """Alternative pushes at the point that a motion violates most; None without a violation."""
+        """Possible contacts at the degenerate point that a motion violates most; or None."""
         inner_points = [
             [pushes.take([row]) for row in range(len(pushes))]
             for pushes in between(program, self.contacts, motion)
@@ -188,7 +188,7 @@ class _Branches:
         return clauses[worst]
 
     def _store_motion(self, judgement: Judgement, motion: Array) -> bool | None:
-        """Store a motion as the proof if it is verified, and return False; else return None."""
+        """Store a motion as the proof and return False; return None if it is no proof."""
         program = allowed_program(self.assembly, self.contacts, motion)
         if program is None:
             return None

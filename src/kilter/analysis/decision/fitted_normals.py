@@ -24,12 +24,12 @@ __all__ = ["fits_left_out", "rests_on_fits", "why_fits_leave_it_open"]
 
 
 def rests_on_fits(program: Program, assembly: Assembly) -> bool:
-    """Whether a contact with an uncertain fitted normal is between parts that can move apart."""
+    """Whether any contact between separate rigid bodies has a fitted, uncertain normal."""
     return len(_fitted_patches(program, assembly)) > 0
 
 
 def _fitted_patches(program: Program, assembly: Assembly) -> Index:
-    """Indices of patches with fitted normals between parts that can move apart, without repeats."""
+    """Indices, without repeats, of patches with fitted normals between separate rigid bodies."""
     group = rigid_groups(assembly)
     rows = np.flatnonzero(program.doubt)
     rows = rows[group[program.part_a[rows]] != group[program.part_b[rows]]]
@@ -39,7 +39,7 @@ def _fitted_patches(program: Program, assembly: Assembly) -> Index:
 def why_fits_leave_it_open(
     assembly: Assembly, contacts: ContactSet, certain: Program, work: Work
 ) -> tuple[str, ...]:
-    """Reason why an assembly is undecided although contacts with fitted normals could hold it.
+    """Explain why contacts with fitted normals leave an assembly undecided; empty if they do not.
 
     The certain contacts alone do not hold it.
 
@@ -59,7 +59,7 @@ def why_fits_leave_it_open(
 
 
 def fits_left_out(assembly: Assembly, contacts: ContactSet, certain: Program) -> list[str]:
-    """Warnings that name the pairs whose contacts, with fitted normals, a program leaves out.
+    """Warnings that name the pairs whose contacts were left out because their normals are fitted.
 
     Parameters
     ----------

@@ -116,7 +116,7 @@ class Judgement:
 
 
 class _Candidate(NamedTuple):
-    """Forces or a motion that a solver offers as a proof, not yet verified.
+    """Forces or a motion that a solver proposes as a proof, before verification.
 
     `forces` along the normals have shape (K,) [N], `friction` across them (K, 3) [N], and
     `motion` (N, 6). `word` describes the solver run.
@@ -249,7 +249,7 @@ def _candidates_without_friction(program: Program, work: Work) -> Iterator[_Cand
 
 
 def _by_rounded_rows(problem: ScaledProblem, work: Work) -> Iterator[_Candidate]:
-    """Yield candidate proofs from a problem whose smallest entries are dropped.
+    """Yield candidate proofs from the problem after its smallest entries were rounded to zero.
 
     Coordinates far from the origin make entries of 1e-12 that are rounding errors. A simplex that
     scales rows and columns makes them as large as other entries, and fails.

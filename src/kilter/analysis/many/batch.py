@@ -35,10 +35,10 @@ __all__ = ["CHUNK", "Batch", "batch", "run_batch"]
 CHUNK = 1000
 """Default number of rows of a file."""
 TRIES = 2
-"""Number of tries of a task before it is halved; a task of a single assembly then fails."""
+"""Number of attempts at a task before it is halved; a task with a single assembly then fails."""
 KILLED = "ended the process that checked it, in every attempt"
 TOLD = 1000
-"""Largest number of errors that an answer lists."""
+"""Largest number of errors that an answer of `batch` lists."""
 
 
 @dataclass(slots=True, eq=False)
@@ -222,7 +222,7 @@ def _run(
 
 
 def _rows_of_dead_task(task: Task) -> tuple[list[BatchRow], list[Task]]:
-    """Rows of errors, or smaller tasks to try again, in place of a task whose worker died."""
+    """Rows of errors, and smaller tasks to try again, for a task whose worker died."""
     if task.tries + 1 < TRIES:
         return [], [Task(task.chunk, task.files, task.tries + 1)]
     if len(task.files) == 1:

@@ -52,7 +52,7 @@ class ClusterWorkers:
         future.add_done_callback(self._done.put)
 
     def finished(self, seconds: float) -> list[tuple[Task, list[BatchRow] | None]]:
-        """Tasks that end within a time [s], each with its rows; None for rows if a worker died."""
+        """Tasks that end within a time [s], with their rows; None for rows if a worker died."""
         try:
             future = self._done.get(timeout=seconds)
         except queue.Empty:

@@ -34,7 +34,7 @@ COLUMNS: dict[str, type] = {
     "violation": float,
     "error": str,
 }
-"""Columns of a row and what they hold; None where there is nothing to say."""
+"""Columns of a table of verdicts with their types; a cell without a value is None."""
 BatchRow = dict[str, Any]
 
 

@@ -157,7 +157,7 @@ def _given(
 def _together(
     given: Sequence[Assembly] | AssemblyArrays, first: int, last: int, tolerance: Tolerance
 ) -> Iterable[tuple[Index, Together]]:
-    """Yield the indices of assemblies that were processed together, and their joint results."""
+    """Judge suitable assemblies in groups; yield the indices and results of each group."""
     if isinstance(given, AssemblyArrays):
         apart, which = arrays_side_by_side(given.among(np.arange(first, last)))
         if apart is not None:
@@ -176,7 +176,7 @@ def _together(
 
 
 def _plain(assembly: Assembly) -> bool:
-    """Whether an assembly is small, flat-faced and grounded, with detected contacts only."""
+    """Whether an assembly is small, flat-faced and grounded, and has detected contacts only."""
     beside = assembly.contacts or assembly.joints or assembly.loads or assembly.bonds
     if (
         beside
@@ -196,7 +196,7 @@ def _rough(assembly: Assembly) -> bool:
 def _side_by_side(
     given: Sequence[Assembly], chosen: list[int]
 ) -> tuple[SideBySide | None, list[int]]:
-    """Arrange assemblies of flat, closed parts for joint processing; return also their indices."""
+    """Join assemblies of flat, closed parts to one value; return it with their indices."""
     try:
         apart = side_by_side([given[k] for k in chosen])
     except InputError:

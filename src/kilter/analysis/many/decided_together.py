@@ -53,7 +53,7 @@ class Together:
     in_outer: Mask
 
     def settles(self, k: int) -> bool:
-        """Whether the joint computation proves assembly k stable or unstable."""
+        """Whether the joint computation proves that assembly k is stable or unstable."""
         return bool(self.stable[k] or self.unstable[k])
 
     def _block_of(self, k: int) -> tuple[ProgramBlocks, BlockProofs]:
@@ -102,7 +102,7 @@ def decide_together(apart: SideBySide, rough: Mask, tolerance: Tolerance) -> Tog
 
 
 def _odd(apart: SideBySide, contacts: ContactSet) -> Mask:
-    """Return the mask of assemblies with coincident parts or fitted contacts, shape (M,)."""
+    """Mask of the assemblies with coincident parts or with fitted contact normals, shape (M,)."""
     owner = apart.owner
     odd = np.zeros(len(apart), dtype=bool)
     parts: Index = np.array([pair.parts[0] for pair in coincident(contacts)], dtype=np.int64)

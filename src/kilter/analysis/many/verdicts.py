@@ -29,7 +29,7 @@ Certificate = tuple[Program, ForceProof | MotionProof]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Row:
-    """Stored data of a verdict: its word, the errors of its proof, and the proof."""
+    """Verdict word of an assembly, the numerical errors of its proof, and the proof itself."""
 
     verdict: str
     residual: float = np.nan

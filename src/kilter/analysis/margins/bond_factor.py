@@ -116,7 +116,7 @@ def find_bond_factor(program: Program, contacts: ContactSet) -> BondFactor | NoL
 
 
 def _by_weight(program: Program) -> Limit | NoLimit:
-    """Compute minus the bond factor as a load limit, with pulls in units of the parts' weight."""
+    """Compute minus the bond factor, as the limit of a load: the pulls over the total weight."""
     unit = float(program.weight[program.free].sum() / program.pull.sum())
     loose = program.with_rows(clamp=np.zeros_like(program.clamp))
     scaled = find_limit(loose, -unit * program.clamp, most=1.0)
@@ -146,7 +146,7 @@ def unbreakable(program: Program) -> Program:
 
 
 def _by_strength(program: Program, contacts: ContactSet) -> BondFactor | NoLimit:
-    """Compute the bond factor if tension and shear strength scale with the same fraction."""
+    """Compute the bond factor if tension and shear strength scale by a common fraction."""
     wide = cone_problem(program)
     strength = find_strength(wide)
     if strength is None or np.isinf(strength.share):

@@ -37,7 +37,7 @@ SIMPLEX = 30_000
 
 
 class FollowingForces:
-    """Limits of tilt and loads for uncertain masses, from forces affine in masses and centres.
+    """Limits of tilt and loads for uncertain masses, by forces affine in masses and centres.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ class FollowingForces:
         return self._largest_share(load, most)
 
     def _largest_share(self, load: UncertainLoad, most: float) -> float | NoLimit:
-        """Largest multiple of an uncertain load that any of the methods proves to be held."""
+        """Largest multiple of an uncertain load that any of several methods proves to be held."""
         from kilter.solvers.highs import solve_linear
 
         program = affine_forces(self.problem, load, min(most, STEEP))

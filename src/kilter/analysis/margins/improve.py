@@ -230,7 +230,7 @@ def _needed_share(assembly: Assembly) -> float:
 
 
 def _weakest_bricks(assembly: Assembly, factor: BondFactor) -> list[int]:
-    """Indices of the bricks whose bonds break first."""
+    """Indices of the bricks at the bonds that break first."""
     bonds = [assembly.bonds[k] for k, _ in factor.opens[:WEAKEST]]
     return sorted({assembly.index_of(name) for bond in bonds for name in bond.parts})
 
@@ -253,7 +253,7 @@ def _trials(
 
 
 def _removals(model: BrickModel, program: Program, motion: Array) -> Iterator[Try]:
-    """Yield models with a brick removed, for each brick whose weight drives the motion most."""
+    """Yield models without one of the bricks whose weight drives the motion most."""
     power = program.mass * (motion[:, :3] @ program.gravity)
     power[model.held] = 0.0
     for k in np.argsort(-power, kind="stable")[:TRIED].tolist():
@@ -262,7 +262,7 @@ def _removals(model: BrickModel, program: Program, motion: Array) -> Iterator[Tr
 
 
 def _additions(model: BrickModel, cell: float, motion: Array, near: list[int]) -> Iterator[Try]:
-    """Yield models with a brick added near given bricks, at each place that a motion tears most."""
+    """Yield models with a new brick near given bricks, where a motion tears studs apart most."""
     scored = [
         (_tearing(speeds), corner, size)
         for corner, size, speeds in _places(model, cell, motion, near)
@@ -283,14 +283,14 @@ def _additions(model: BrickModel, cell: float, motion: Array, near: list[int]) -
 
 
 def _tearing(speeds: list[float]) -> float:
-    """Measure of how strongly a motion tears studs apart, from their vertical velocities."""
+    """How strongly a motion tears studs apart: spread of their vertical velocities times n."""
     return float(np.std(speeds)) * len(speeds)
 
 
 def _places(
     model: BrickModel, cell: float, motion: Array, near: list[int]
 ) -> Iterator[tuple[Cell, tuple[int, int], list[float]]]:
-    """Free places above or below the bricks `near`: corner, size, and vertical stud velocities.
+    """Free places directly above or below given bricks: corner, size, vertical velocities of studs.
 
     The velocities are vertical, at the cells directly below and above the place.
     """

@@ -166,7 +166,7 @@ class _Sides:
         self._opening: Opening | None = None
 
     def near(self, agree: float) -> bool:
-        """True if the bounds agree to the fraction `agree`, or as closely as motions can prove."""
+        """True if the relative gap of the bounds is at most `agree`, or as small as provable."""
         return self.upper - self.lower <= self._tolerated_gap(agree)
 
     def _tolerated_gap(self, agree: float) -> float:
@@ -274,7 +274,7 @@ class _Sides:
 
 
 def _middle(low: float, high: float) -> float:
-    """Arithmetic mean of two coefficients, or geometric mean if they differ by a factor of 2."""
+    """Mean of two coefficients: arithmetic, or geometric if their ratio is above 2."""
     if high < 2 * low:
         return 0.5 * (low + high)
     return float(np.sqrt(max(low, MU_NOTHING / 10) * high))

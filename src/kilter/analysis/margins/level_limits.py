@@ -177,7 +177,7 @@ _Step = tuple[Any, Callable[[LevelDecisions], LevelLimit | NoLimit]]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _LevelSearch:
-    """Searches for the margins of a verdict level, which start from the assembly as drawn."""
+    """Searches for the margins of a verdict level; each starts from the assembly as drawn."""
 
     assembly: Assembly
     contacts: ContactSet
@@ -211,7 +211,7 @@ class _LevelSearch:
     def _turn(
         self, toward: Array, angle: float
     ) -> Callable[[LevelDecisions], LevelLimit | NoLimit]:
-        """Create the search over tilts of gravity toward a horizontal direction up to `angle`.
+        """Create the search over tilts of gravity toward a horizontal direction, from 0 to `angle`.
 
         The angle is in radians; the search returns degrees.
         """
@@ -231,7 +231,7 @@ class _LevelSearch:
     def _factor(
         self, force: Array | None, first: float, sign: float, end: float
     ) -> Callable[[LevelDecisions], LevelLimit | NoLimit]:
-        """Create the search over load factors, from the drawn factor to `sign` times `end`."""
+        """Create the search over load factors, from the given factor to `sign` times `end`."""
         assembly = self.assembly
         size = float(np.linalg.norm(assembly.gravity))
 
@@ -257,7 +257,7 @@ class _LevelSearch:
     def _pushed(
         self, part: str, direction: Array, force: float
     ) -> Callable[[LevelDecisions], LevelLimit | NoLimit]:
-        """Create the search over forces on a part in a direction, up to `force` [N]."""
+        """Create the search over pushes on a part in a direction, from 0 to `force` [N]."""
         assembly = self.assembly
         weight = float(np.linalg.norm(assembly.gravity)) * float(assembly.geometry.mass.sum())
 

@@ -44,7 +44,7 @@ DECISION = 200_000.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LevelLimit:
-    """The change of an assembly (tilt, load, ...) up to which it reaches a verdict level.
+    """The largest change of an assembly (tilt, load, ...) at which it reaches a verdict level.
 
     Changes start from the assembly as drawn.
 
@@ -68,7 +68,7 @@ class LevelLimit:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LevelDecisions:
-    """First-order decisions whether assemblies reach a verdict level, with a count of the work.
+    """Decisions, to first order, whether assemblies reach a verdict level; their work is counted.
 
     Attributes
     ----------
@@ -105,7 +105,7 @@ class LevelDecisions:
         return LevelDecisions(self.level, self.units, self.work.fraction_left(fraction))
 
     def no_limit(self) -> NoLimit:
-        """The reason why the verdict level was not decided: no time or no work is left."""
+        """The reason why a level was not decided: the time limit, or no work left."""
         return NoLimit("time" if self.work.late else "effort")
 
 

@@ -80,7 +80,7 @@ class LimitSides:
         return max(apart / max(abs(self.held), 1.0), 0.0) if np.isfinite(apart) else np.inf
 
     def better(self, other: LimitSides) -> LimitSides:
-        """The closest bounds from two pairs of bounds: the greater `held`, the lesser `beyond`."""
+        """Combine two pairs of bounds: the greater lower bound and the lesser upper bound."""
         low = self if self.held >= other.held else other
         high = self if self.beyond <= other.beyond else other
         none = self.none or other.none
@@ -90,7 +90,7 @@ class LimitSides:
 def limit_sides(
     program: Program, wrench: Array, most: float, across: list[Array] | None = None
 ) -> LimitSides:
-    """Compute bounds of the largest multiple of further wrenches that contacts can hold.
+    """Compute bounds of the largest multiple of the given wrenches that contacts can hold.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def _angles_of(program: Program, across: Array) -> Array:
 
 
 def _angles(program: Program, guesses: list[Array]) -> Array:
-    """Angles of the rays of friction pyramids [rad], even ones and guesses, (R, n) for R rows."""
+    """Angles of the rays of each row's friction pyramid [rad], even ones and guesses, (R, n)."""
     even = np.tile(2 * np.pi * np.arange(EVEN) / EVEN, (len(program.rough), 1))
     return even if program.planar else np.column_stack([even, *guesses])
 
@@ -233,7 +233,7 @@ def motion_share(program: Program, wrench: Array, motion: Array) -> float:
 
 
 def _of_patches(program: Program, aside: Array) -> Array:
-    """Total friction of the contact patch of each row, shape (K, 3) [N]."""
+    """Total friction force of the patch to which each row belongs, shape (K, 3) [N]."""
     total = np.zeros((int(program.source.max(initial=-1)) + 1, 3))
     np.add.at(total, program.source, aside)
     whole: Array = total[program.source]

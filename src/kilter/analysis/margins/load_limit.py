@@ -170,7 +170,7 @@ def find_limit(
     shared: SharedCones | None = None,
     from_none: bool = False,
 ) -> Limit | NoLimit:
-    """Compute the largest multiple of further wrenches that contacts can hold.
+    """Compute the largest multiple of the given wrenches that contacts can hold beside the weight.
 
     The shares that contacts hold are an interval, and the result is its upper end. It may be
     negative. If it is positive, a share of 0 need not be in the interval.
@@ -222,7 +222,7 @@ def find_limit(
 
 
 def _best_sides(program: Program, opening: Opening, wrench: Array, most: float) -> LimitSides:
-    """Bounds of a load limit by the conic program, or by finer programs if these are far apart."""
+    """Bounds of a load limit from the conic program, or from finer programs if the gap is large."""
     limited = bool(program.cohesion.any())  # only the conic program models a shear strength
     conic = _in_cones(program, opening, wrench, most)
     large = len(program.part_a) > EXACT
@@ -241,7 +241,7 @@ def _best_sides(program: Program, opening: Opening, wrench: Array, most: float) 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Conic:
-    """Load bounds that the conic program proves, and friction vectors of its solution, (K, 3)."""
+    """Load bounds that a conic program proves, and the friction of its solution, (K, 3)."""
 
     sides: LimitSides
     across: list[Array]
@@ -336,7 +336,7 @@ def _in_cones(
 
 
 def _limit(sides: LimitSides, most: float) -> Limit | NoLimit:
-    """The load limit at the lower bound; no limit if no multiple is proved to be held."""
+    """The load limit of proved bounds; `NoLimit` if not even the base load is proved to be held."""
     if sides.forces is None:
         return NoLimit("none" if sides.none else "failed")
     if sides.held >= most * (1 - NEARLY):

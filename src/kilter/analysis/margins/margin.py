@@ -211,7 +211,7 @@ class Margin(Answer):
 
 
 def _interval(factor: tuple[Limit | None, Limit | None]) -> list[float | None] | None:
-    """Least and greatest load factor; None if no factor is held."""
+    """Least and greatest load factor as numbers; None if no factor holds the assembly."""
     least, greatest = factor
     return (
         None
@@ -382,7 +382,7 @@ def _limits(
 
 
 def _left_out(assembly: Assembly, contacts: ContactSet, program: Program) -> list[str]:
-    """Warnings about open pairs and fitted normals, which the margins leave out."""
+    """Warnings about open pairs and fitted contacts, whose forces the margins ignore."""
     fits = fits_left_out(assembly, contacts, program)
     if not contacts.open_pairs:
         return fits

@@ -84,7 +84,7 @@ def margin_proofs(limits: KnownLimits, *, options: dict[str, Any]) -> list[About
 def _limits(
     limits: KnownLimits,
 ) -> Iterator[tuple[str, tuple[float, float], Change, bool, MotionProof | None]]:
-    """Yield for each limit: name, two values beside it, change of the assembly, and motion.
+    """Yield for each limit its name, a value on each side, the change of the file, and the motion.
 
     A flag states whether larger values are beyond the limit.
 
@@ -173,7 +173,7 @@ def _proof(
     motion: MotionProof | None,
     options: dict[str, Any],
 ) -> dict[str, Any] | None:
-    """The proof that an assembly with this change holds or falls; None without a proof."""
+    """Proof that the assembly after a change holds or falls; None if there is no proof."""
     return changed_proof(limits.assembly, limits.contacts, change, held, motion, options)
 
 

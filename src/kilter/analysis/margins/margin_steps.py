@@ -69,7 +69,7 @@ class MarginSteps:
     def limit(
         self, name: str, step: Callable[..., T | NoLimit | None], *arguments: Any
     ) -> T | None:
-        """Result of a step for a limit; None without a value, and then `missing` has the reason."""
+        """Run the step for a limit; if it has no value, return None and note the reason."""
         result = self._in_time(step, *arguments)
         if isinstance(result, NoLimit):
             self.missing[name] = result.why
@@ -92,7 +92,7 @@ class MarginSteps:
         return gravity
 
     def load_factor(self, name: str, program: Program) -> Ends | None:
-        """Least and greatest load factor that hold; None if no load is given."""
+        """Least and greatest load factor at which the assembly holds; None if no load is given."""
         ends = self._in_time(_load_factor, self.question, program)
         if ends is None:
             return None
@@ -103,12 +103,12 @@ class MarginSteps:
         return _limit_or_none(least), _limit_or_none(greatest)
 
     def pushes(self, opening: Opening) -> tuple[Push, ...]:
-        """The weakest push that moves each part of the question."""
+        """The weakest push that moves each requested part."""
         find = partial(find_weakest_push, opening=opening)
         return self._of_parts("push of", "pushes", find, self.question.pushed)
 
     def loads(self, opening: Opening) -> tuple[PartLoad, ...]:
-        """The largest further load straight down that each part of the question takes."""
+        """The largest further load straight down that each requested part carries."""
         find = partial(find_part_load, opening=opening)
         return self._of_parts("load on", "loads", find, self.question.loaded)
 
@@ -187,7 +187,7 @@ class MarginSteps:
         find: Callable[[Program, int], T | NoLimit],
         parts: list[int],
     ) -> tuple[T, ...]:
-        """Compute a limit for each of the parts; return the limits that have a value, in order."""
+        """Compute a limit of each listed part; return the limits that have a value, in order."""
         limits = []
         for count, part in enumerate(parts, 1):
             limits.append(
@@ -203,7 +203,7 @@ def _limit_or_none(limit: T | NoLimit | None) -> T | None:
 
 
 def _tilt_or_nearest(program: Program) -> TiltMargin | NearestHeld | NoLimit:
-    """The tilt margin, or the nearest held direction if the given gravity is proved not held."""
+    """The tilt margin; or the nearest held direction, if the given one is proved not held."""
     tilt = find_tilt_margin(program)
     if isinstance(tilt, TiltMargin):
         return tilt

@@ -145,7 +145,7 @@ def _first(planar: bool) -> Array:
 
 
 def _plane(program: Program, part: int, push: Push) -> tuple[Array, float]:
-    """Plane of pushes on a part, beyond which the mechanism moves: unit normal and distance."""
+    """Plane in the space of pushes on a part, beyond which a part moves: unit normal, distance."""
     mechanism = push.limit.mechanism
     if mechanism is None:
         return push.direction, push.force

@@ -1,4 +1,4 @@
-"""Whether arbitrarily little friction is enough, because parts can be squeezed arbitrarily hard.
+"""Decide whether arbitrarily little friction suffices, as between parts squeezed very hard.
 
     max sum u:  A_n s = 0,  s >= u,  0 <= u <= 1            self-stress that needs no load
     A f = b:    f free if u = 1, along and across it;  f_n >= 0, f_t = 0 elsewhere
@@ -29,7 +29,7 @@ __all__ = ["held_by_squeeze", "squeeze"]
 
 
 def squeeze(program: Program) -> Array:
-    """Normal forces that balance without any load, positive where possible, shape (K,) [N].
+    """Normal forces that balance each other without a load, positive where possible, (K,) [N].
 
     Such forces squeeze parts between others, and can grow without limit.
 
@@ -69,7 +69,7 @@ def squeeze(program: Program) -> Array:
 
 
 def held_by_squeeze(program: Program) -> ForceProof | None:
-    """Forces that hold with arbitrarily little friction; None if not every mu > 0 is proved.
+    """Forces that hold the parts with arbitrarily little friction; None if this is not proved.
 
     Parameters
     ----------
@@ -104,21 +104,21 @@ def held_by_squeeze(program: Program) -> ForceProof | None:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Level:
-    """Forces that balance without a load, and press on `rows` to enlarge their friction limits."""
+    """Self-balancing forces that press on the contacts `rows` and raise their friction limits."""
 
     rows: Mask
     along: Array
     aside: Array
 
     def needed(self, mu: float, along: Array, aside: Array) -> float:
-        """Least multiple of these squeeze forces whose sum with other forces obeys friction [-]."""
+        """Least multiple of these forces that, added to others, keeps friction limits [-]."""
         rubs = np.linalg.norm(aside[self.rows], axis=1)
         missing = (rubs / mu - along[self.rows]) / self.along[self.rows]
         return float(missing.max(initial=0.0))
 
 
 def _with_sticking_rows(smooth: Program, rows: Mask) -> tuple[ConeProblem, Program]:
-    """Copy of a program with forces of any size along and across the contacts `rows`."""
+    """Copy of a program in which the contacts `rows` can exert forces of any size and direction."""
     wide = cone_problem(smooth.with_rows(mu=np.where(rows, 1.0, 0.0)))
     spread_rows = wide.problem.program
     count = len(smooth.part_a)

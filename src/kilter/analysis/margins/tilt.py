@@ -56,7 +56,7 @@ __all__ = [
 FIRST = 4
 """Number of directions of tilt that are tried first, between the two horizontal axes."""
 NEARER = 3
-"""Number of searches that start at a held direction and move it closer to the given gravity."""
+"""Number of held directions from which a search moves toward the given gravity."""
 PROGRAMS = 64
 """Programs after which the search ends with the gap that is left: at most about half the square
 of pi over their number, of the tangent, where the boundary is a circle around gravity."""
@@ -210,14 +210,14 @@ def held_limit(
     most: float,
     shared: SharedCones | None = None,
 ) -> Limit | NoLimit:
-    """The load limit of a program; no limit if the program without the load is not held."""
+    """Compute the load limit of a program; no limit if the program without the load is not held."""
     limit = find_limit(program, wrench, opening=opening, most=most, shared=shared, from_none=True)
     below = isinstance(limit, Limit) and limit.value < NOT_HELD
     return NoLimit("none") if below else limit
 
 
 def _boundary(program: Program, basis: Array, direction: Array, limit: Limit) -> SupportPoint:
-    """Point on the boundary of the stable directions along `direction`, with its tangent line.
+    """Last stable point along a direction of tilt, with a line that bounds all stable points.
 
     On the line, the mechanism at the limit neither gains nor loses energy.
     """

@@ -231,7 +231,7 @@ def find_uncertainty(
 
 
 def _by_corners(program: Program, ranges: Ranges, push: Array | None, kind: Kind) -> Uncertainty:
-    """Worst margins from each corner of the intervals; without a value if a solver fails at one."""
+    """Worst margins over all corners of the intervals; no value if a solver fails at a corner."""
     tilt, factor, worst, count = np.inf, (-np.inf, np.inf), None, 0
     asked, loaded = push is not None or bool(program.applied.any()), bool(program.applied.any())
     missing: dict[str, Why] = {}
@@ -305,7 +305,7 @@ def _limits(program: Program, push: Array | None) -> tuple[float, float] | NoLim
 
 
 def _by_following(program: Program, ranges: Ranges, push: Array | None) -> Uncertainty | None:
-    """Worst margins by forces that are affine in the masses; None if the program is too large."""
+    """Worst margins proved by forces affine in the masses; None for too large a program."""
     rays = pyramid(program, SIDES)
     problem = scaled_problem(rays)
     unknowns = _unknowns(rays, ranges)

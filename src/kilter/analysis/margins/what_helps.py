@@ -92,7 +92,7 @@ def what_helps(
     *,
     held: Sequence[int],
 ) -> tuple[Help, ...]:
-    """The most effective change of each kind, for the tilt margin or else for the load factor.
+    """The most effective change of each kind, which raises the tilt margin or else the load factor.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ def _helps(
     of: Literal["tilt", "load factor"],
     held: Sequence[int],
 ) -> tuple[Help, ...]:
-    """The most effective change of each kind for one limit.
+    """The most effective change of each kind that raises a given limit.
 
     The load `along` grows with the masses if `by_mass`.
     """
@@ -176,7 +176,7 @@ def _hold(
     of: Literal["tilt", "load factor"],
     held: Sequence[int],
 ) -> Help | None:
-    """The part that raises the limit most if it is held, among the fastest in the mechanism."""
+    """The part that raises the limit most if it is held; only the fastest parts are tried."""
     size = part_sizes(program, motion, per_radius=False)
     chosen = np.asarray(held, dtype=np.int64)
     moving = chosen[size[chosen] > MOVES * size.max()]

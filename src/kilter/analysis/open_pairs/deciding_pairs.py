@@ -46,7 +46,7 @@ JUDGEMENTS = 3
 PROGRAMS = 3
 """Programs of a judgement: without friction, with friction, and with the forces of open pairs."""
 LEAST_ROWS = 100
-"""Rows to which the cost of building a program is equal."""
+"""Cost of building a program, expressed as a number of contact rows."""
 FREE_ROWS = 50_000
 """Rows that each search may solve, however small the assembly; they take about a second."""
 WRENCHES = (1e-2, 1e-6)
@@ -164,7 +164,7 @@ class _PairSearch:
         return self.judgement_of(self.bodies(chosen)).stable
 
     def smallest(self) -> frozenset[int] | None:
-        """The smallest set of pairs that holds the assembly if joined; None if the search ended.
+        """The smallest set of pairs that holds the assembly if joined; None if unfinished.
 
         Among sets of equal size, likelier pairs are preferred.
         """
@@ -183,7 +183,7 @@ class _PairSearch:
         return None
 
     def _maximal_superset(self, chosen: frozenset[int]) -> frozenset[int]:
-        """Enlarge a set of joined pairs that does not hold, until each further pair would hold."""
+        """Add joined pairs as long as the assembly still does not hold; return all of them."""
         every = frozenset(range(len(self.ends)))
         larger = chosen | (every - self._pairs_in_motion(chosen))
         # pairs that the motion leaves at rest cannot stop it; the numbers may still not prove it
@@ -226,7 +226,7 @@ class _PairSearch:
         return self._forest(range(len(self.ends)))
 
     def _forest(self, pairs: Iterable[int]) -> list[int]:
-        """The first of the given pairs that join the same bodies as all given pairs together."""
+        """The given pairs without those whose two bodies are already joined by earlier pairs."""
         root = self.bodies([]).tolist()
 
         def body(part: int) -> int:
@@ -248,7 +248,7 @@ class _PairSearch:
     def _irreducible_part(
         self, base: list[int], candidates: list[int], base_changed: bool
     ) -> list[int]:
-        """Subset of `candidates`, as small as possible, that holds if joined together with `base`.
+        """A minimal subset of `candidates` that holds if joined together with `base`.
 
         First the second half is reduced with the whole first half in the base. Then the first
         half is reduced with the rest of the second. This solves few programs if few pairs are
@@ -270,7 +270,7 @@ class _PairSearch:
 
 
 def _least_hitting(every: Sequence[int], to_hit: Sequence[frozenset[int]]) -> frozenset[int]:
-    """The smallest subset of `every` with a member in each set; first in lexicographic order."""
+    """The smallest subset of `every` that has a member in each given set; the first by order."""
     for size in range(len(every) + 1):
         for members in combinations(every, size):
             chosen = frozenset(members)
@@ -280,7 +280,7 @@ def _least_hitting(every: Sequence[int], to_hit: Sequence[frozenset[int]]) -> fr
 
 
 def _moves_apart(program: Program, motion: Array, ends: Index) -> Mask:
-    """Mask of the pairs of bodies `ends`, (n, 2), that move relative to each other, shape (n,).
+    """Mask of pairs of bodies, shape (n,), whose two bodies move relative to each other.
 
     `motion` has shape (bodies, 6).
     """

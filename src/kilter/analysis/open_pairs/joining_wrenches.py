@@ -1,4 +1,4 @@
-"""Least wrenches between the parts of open pairs that complete the equilibrium of the contacts.
+"""Least wrenches between the parts of open pairs that, with the contact forces, balance the parts.
 
     min sum_p c_p |u_p|:   A f + W u = b,   f in K          u_p = (F, T / rho) of pair p
 

@@ -52,7 +52,7 @@ WIDER = 1.01
 
 @dataclass(frozen=True, slots=True)
 class OpenTrial:
-    """The statement about friction that holds for every subset of open pairs in ordinary contact.
+    """The friction level that is reached whichever of the open pairs are ordinary contacts.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ def can_be_tried(pairs: Sequence[OpenPair]) -> bool:
 def try_ordinary(
     assembly: Assembly, contacts: ContactSet, level_of: Callable[[Program], int]
 ) -> OpenTrial:
-    """Compute the lowest level of certainty over all subsets of open pairs in ordinary contact.
+    """Compute the lowest friction level over all subsets of open pairs as ordinary contacts.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def _wide_contacts(
 def with_ordinary_contacts(
     contacts: ContactSet, wide: ContactSet, pairs: tuple[OpenPair, ...]
 ) -> ContactSet:
-    """Copy of the contacts in which detected contacts `wide` replace the given open pairs.
+    """Copy of the contacts with the given open pairs replaced by the detected contacts `wide`.
 
     Parameters
     ----------

@@ -199,7 +199,7 @@ def find_remedies(
 
 
 def _units(program: Program, judgements: int, *, detect: bool) -> float:
-    """Work of equilibrium judgements, and of a contact detection if `detect` is set.
+    """Units of work of a number of judgements, and of a contact detection if `detect` is set.
 
     In units of `Work`.
     """
@@ -222,7 +222,7 @@ def _changes(assembly: Assembly, contacts: ContactSet, decision: Decision) -> It
 
 
 def _settling_change(options: Sequence[OpenOption]) -> _Change:
-    """Combine the options that settle each deciding open pair into a single change."""
+    """Combine the options that decide each deciding open pair into a single change."""
     return _Change(
         fasten=tuple(pair for option in options for pair in option.fasten),
         overlaps=any(option.overlaps for option in options),

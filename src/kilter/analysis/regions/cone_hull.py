@@ -75,7 +75,7 @@ def edges_of(normals: Array, rays: Array) -> Iterator[tuple[int, int, float]]:
 
 
 def cone_around(rays: Array, blur: float) -> Cone:
-    """The cone of all nonnegative combinations of given rays.
+    """The cone of all nonnegative combinations of given rays, with its facets.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def cone_around(rays: Array, blur: float) -> Cone:
 
 
 def facets_of(points: Array, blur: float) -> tuple[Array, Mask]:
-    """Facets of the cone that unit points span in R^D: normals and incident points.
+    """Inward facet normals of the cone of unit points in R^D, and the points on each facet.
 
     D is 1, 2 or 3.
 
@@ -133,7 +133,7 @@ def facets_of(points: Array, blur: float) -> tuple[Array, Mask]:
 
 
 def _across_pairs(points: Array, least: float) -> Array:
-    """Unit normals, of both signs, of planes through D - 1 of the points.
+    """Unit normals, with both signs, of all planes through 0 and D - 1 of the points.
 
     Points closer than `least` give no plane.
     """

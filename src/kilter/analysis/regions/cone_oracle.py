@@ -1,4 +1,4 @@
-"""Farthest points, in given directions, of a cone that a linear program describes.
+"""Point of a cone that is farthest in a given direction, by a linear program.
 
 The oracle keeps the linear program and changes only its cost.
 
@@ -148,7 +148,7 @@ class ConeOracle:
         return self._reach(direction, solution)
 
     def _optimum(self) -> Solution:
-        """Optimum of the linear program, or at least a feasible point, to be judged later."""
+        """Optimum of the linear program; if it fails, a feasible point, which is judged later."""
         solution = self._kept.solve()
         return (
             solution

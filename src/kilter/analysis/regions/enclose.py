@@ -55,11 +55,11 @@ class SupportPoint:
 
 
 Oracle = Callable[[Array], SupportPoint | None]
-"""Asked in a unit direction, shape (d,); None where its numbers failed."""
+"""Function from a unit direction, shape (d,), to a support point; None if its numbers failed."""
 
 
 class KnownSet:
-    """Known part of a convex set: points that span a hull inside it, and planes around it.
+    """Known part of a convex set: its hull of known points, and planes that bound the set.
 
     Attributes
     ----------
@@ -116,7 +116,7 @@ class KnownSet:
     def close_nearest(
         self, limit: int, agree: float = 0.0, most: float = np.inf, within: float = 0.0
     ) -> bool:
-        """Refine the hull facet nearest to 0, repeatedly, until the nearest facet is confirmed.
+        """Refine the hull facet nearest to 0 until it is confirmed; False at the query limit.
 
         Parameters
         ----------
@@ -137,7 +137,7 @@ class KnownSet:
         return False
 
     def _is_known(self, facet: int) -> bool:
-        """Whether a facet is in the plane of a confirmed facet, on the same side."""
+        """Whether a facet lies in the plane of a facet that is already confirmed."""
         assert self.hull is not None
         hull, planes = self.hull, self._planes
         if not len(planes):
@@ -149,7 +149,7 @@ class KnownSet:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Face:
-    """Lower and upper bound of the distance from 0 to the boundary of a set, with the point.
+    """Bounds of the distance from 0 to the boundary of a convex set, and the nearest point.
 
     Attributes
     ----------

@@ -72,7 +72,7 @@ from kilter.validate import frozen
 __all__ = ["friction_cone"]
 
 SHARES = (0.5, 0.25, 0.1)
-"""Parts of the gap that extreme rays of the outer cone may be away, in turn."""
+"""Distances up to which extreme rays of the outer cone are kept, as shares of the gap, in turn."""
 PROGRAMS = 600
 """Conic programs after which the search ends with the gap that is left."""
 
@@ -142,7 +142,7 @@ def _exact(program: Program, progress: Callable[[str], None] | None) -> StableCo
 
 
 class _Cutting:
-    """Refinement of the enclosure: proved rays inside the stable cone, and facets around it."""
+    """Refinement of the enclosure: rays proved inside the stable cone, and facets outside it."""
 
     def __init__(self, program: Program, progress: Callable[[str], None] | None) -> None:
         self.program, self.progress = program, progress
@@ -163,7 +163,7 @@ class _Cutting:
         return -np.array([facet.vector for facet in self.facets]).reshape(-1, 3)
 
     def cut(self, most: float) -> bool:
-        """Cut off extreme rays of the outer cone that are farther than `most` from the inner cone.
+        """Cut extreme rays farther than `most` from the inner cone off the outer cone.
 
         `most` is the largest allowed angle [rad]. Return whether a ray was cut off.
         """
@@ -191,7 +191,7 @@ class _Cutting:
         return int(near.argmin()) if len(near) and near.min() < SAME_RAY else None
 
     def _project(self, direction: Array) -> tuple[float, DirectionProof | None]:
-        """Angle from a direction to the stable cone [rad], and the facet that separates them.
+        """Angle from a direction to the stable cone [rad], and a proved facet between them, if any.
 
         None for the facet if it has no proof.
         """
@@ -217,7 +217,7 @@ class _Cutting:
         return self._from_within(direction, angle) if facet is None else (angle, facet)
 
     def _ray(self, down: Array, forces: tuple[Array, Array]) -> Array | None:
-        """Ray of the inner cone, moved inwards until forces prove it; None if no forces do."""
+        """Add a ray to the inner cone, moved inwards until forces prove it; None if none do."""
         proof = check_forces(self.program.turned(down), *forces)
         if proof.holds:
             self.rays.append(DirectionProof("ray", down, down, proof))
@@ -235,7 +235,7 @@ class _Cutting:
     def _facet(
         self, direction: Array, base: Array, motion: Array, steps: Sequence[float] = BEYOND_FACET
     ) -> DirectionProof | None:
-        """Facet from a motion that cuts a direction off, with its proof; None without a proof."""
+        """Facet, from a motion, that excludes a direction, with its proof; None without a proof."""
         normal = self._normal(motion)
         if normal @ direction <= ON_PLANE:
             return None
@@ -256,7 +256,7 @@ class _Cutting:
         return None
 
     def _from_within(self, direction: Array, angle: float) -> tuple[float, DirectionProof | None]:
-        """Angle to the stable cone and separating facet, searched from the known rays.
+        """Angle to the stable cone and separating facet, by a search that starts at the known rays.
 
         In place of `_project`, if the conic program fails.
         """

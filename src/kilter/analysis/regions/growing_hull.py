@@ -103,7 +103,7 @@ class GrowingHull:
         return True
 
     def _horizon(self, seen: Index) -> Index:
-        """Ridges between the facets `seen` from a new point and the other facets."""
+        """Ridges between the facets that a new point sees and the other facets."""
         size = seen.shape[1]
         ridges = np.vstack([np.sort(np.delete(seen, k, axis=1), axis=1) for k in range(size)])
         if size == 1:

@@ -28,7 +28,7 @@ WIDE = 0.1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reach:
-    """The answer of an oracle for a unit direction c.
+    """Answer of an oracle in a unit direction c: the farthest unit point of the cone, with proofs.
 
     `angle`: c.g / |g| for the best g of the cone, 0 if there is no such g [rad]; `point`: that
     g, unit, shape (d,); `forces` that balance it; `witness`: multipliers that prove the bound.
@@ -54,7 +54,7 @@ class Oracle(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Grown:
-    """Basis, points, equations and facets of a computed cone in R^d, with their proofs.
+    """A computed cone in R^d: basis of its span, points, equations and facets, with their proofs.
 
     Attributes
     ----------
@@ -120,7 +120,7 @@ def _span(
 
 
 def _orthogonal_unit(known: Array, first: Array) -> Array:
-    """A unit vector orthogonal to the rows `known`, near `first` if it is outside their span."""
+    """A unit vector orthogonal to the rows `known`; near `first` unless that is in their span."""
     rest = first - known.T @ (known @ first)
     if np.linalg.norm(rest) > 0.1:
         return _orthogonal_part(known, rest)
@@ -172,7 +172,7 @@ def _close(
 
 
 def _match(normal: Array, proved: list[tuple[Array, Reach]]) -> Reach:
-    """The oracle's answer for the proved facet whose normal is nearest to a normal."""
+    """The oracle's answer for the proved facet whose normal is nearest to `normal`."""
     return max(proved, key=lambda entry: float(entry[0] @ normal))[1]
 
 
@@ -186,5 +186,5 @@ def _focus(oracle: Oracle, points: list[Reach]) -> None:
 
 
 def _span_coordinates(span: Array, points: list[Reach]) -> Array:
-    """Unit coordinates, shape (n, D), of points in the basis of the cone's span."""
+    """Unit coordinates, shape (n, D), of given points in the basis of the cone's span."""
     return unit_rows(np.array([reach.point for reach in points]) @ span.T)

@@ -40,8 +40,8 @@ KINDS = {
 
 
 ROUGHEST = 0.5
-"""Sine below which a normal may be taken for none; orthonormal equations have singular values of 1
-and more."""
+"""Normals with singular values below this count as dependent; independent ones have 1 and more [-].
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -117,7 +117,7 @@ class Cone:
         return self.blur if self.strict and self.dimension == 3 else 0.0
 
     def candidates(self, down: Array) -> Iterator[Array]:
-        """Yield directions in the cone: the axis if it has one, else those nearest to `down`."""
+        """Yield directions in the cone: its axis, or without an axis those nearest to `down`."""
         if self.center is not None:
             yield self.center
         elif len(self.lines):  # a line, a plane, all: as near to gravity as it goes
@@ -223,7 +223,7 @@ def _rays(equations: Array, facets: Array, lines: Array, points: Array, blur: fl
 
 
 def _extreme(tight: Mask, facets: Array, blur: float) -> Mask:
-    """Mask of the points that lie on two facets with different planes: extreme rays."""
+    """Mask of the extreme rays among points: those that lie on two facets in different planes."""
     extreme = np.zeros(len(tight), dtype=bool)
     for k, row in enumerate(tight):
         normals = facets[row]
@@ -274,7 +274,7 @@ def widest_axis(facets: ArrayLike) -> Array:
 
 
 def _axis_of(candidates: list[int], q: Array) -> tuple[list[int], Array]:
-    """Axis of the widest circular cone within up to four facets, and the facets that it touches."""
+    """Axis of the widest circular cone inside up to four facets, and the facets that it touches."""
     best: tuple[float, list[int], Array] | None = None
     for size in (1, 2, 3):
         for chosen in itertools.combinations(candidates, size):

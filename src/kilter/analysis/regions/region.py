@@ -475,7 +475,7 @@ def common_region(
 
 
 def _common_warnings(cone: Cone, regions: Sequence[Region]) -> list[str]:
-    """Warnings of each region, and of an empty intersection."""
+    """Warnings of each region, and a warning if no direction is common to all."""
     warnings = [
         f"{member.assemblies[0].source or f'assembly {k + 1}'}: {text}"
         for k, member in enumerate(regions)

@@ -60,7 +60,7 @@ def region_proof(
     friction: bool,
     options: dict[str, Any],
 ) -> RegionProof | None:
-    """Convert a proof to data and verify it on a newly built program; None if it fails.
+    """Convert a proof to data, after it was verified on a newly built program; None if it fails.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def _unstable(
     assemblies: Sequence[Assembly],
     contacts: Sequence[ContactSet],
 ) -> list[tuple[DirectionProof, int]]:
-    """Motion of the first assembly that falls just beyond a boundary of the common region.
+    """Find the assembly that falls just beyond a boundary of the common region, with its motion.
 
     Empty list if no assembly is proved to fall.
     """

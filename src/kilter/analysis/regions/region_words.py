@@ -93,7 +93,7 @@ def _inner(assembly: Assembly, contacts: ContactSet, rubs: bool) -> list[str]:
 
 
 def _knife_edge(program: Program, stable: StableCone) -> str:
-    """Sentence about a region with zero area on the sphere, and the parts to hold."""
+    """Sentence about a region without area on the sphere, and the parts to hold in it."""
     cone = stable.cone
     tilts = [
         proof

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 __all__ = ["MOST_RESTS", "PlaceOfRest", "find_rests"]
 
 MOST_RESTS = 20
-"""Directions that are looked at."""
+"""Largest number of directions for which the state of rest is examined."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -137,7 +137,7 @@ def _classify_rest(
 
 
 def _bearing(verdict: Verdict) -> tuple[str, ...]:
-    """Names of held parts that press on free parts, by the forces of a verdict."""
+    """Names of the held parts that carry free parts, by the contact forces of a verdict."""
     proof, program = verdict.judgement.forces, verdict.program
     if proof is None:
         return ()

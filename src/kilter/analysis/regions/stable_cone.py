@@ -167,7 +167,7 @@ def _proved_fraction(cone: StableCone) -> float:
 def _at_price(
     problem: ScaledProblem, price: float | None, blur: float, progress: Callable[[str], None] | None
 ) -> StableCone:
-    """The stable cone with proofs, if imbalance of a part costs `price` in the oracle's program."""
+    """Compute the stable cone with proofs, if a unit of imbalance costs `price` in the program."""
     program = problem.program
     loads, axes = _loads(problem)
     mass = program.mass[program.free]
@@ -194,7 +194,7 @@ def _at_price(
 
 
 def _loads(problem: ScaledProblem) -> tuple[csc_array, Array]:
-    """Load of a unit gravity on each row (B), shape (rows, d), and the axes of g, shape (d, 3).
+    """Matrix from unit gravity to the load of each row, (rows, d), and the axes of gravity, (d, 3).
 
     Gravity in the world is g @ axes.
 
@@ -258,7 +258,7 @@ def _unstable(problem: ScaledProblem, cone: Cone, grown: Grown) -> list[Directio
 def _motion(
     problem: ScaledProblem, about: str, vector: Array, outward: Array, on: Array, reach: Reach
 ) -> DirectionProof:
-    """The nearest direction outside a facet for which a motion proves that the assembly falls.
+    """The direction nearest beyond a facet for which a motion proves that the assembly falls.
 
     The power of gravity along a direction grows with its angle to the boundary; the proof
     needs a power above the tolerance and above 1e6 times the violation.

@@ -1,4 +1,4 @@
-"""Tipping of a body on an endless horizontal table: its largest tilt, and the energy needed.
+"""Tipping of a body on an endless horizontal table: the tilt and the energy that it needs.
 
 Its energy is its weight times the height of its centre of mass over its lowest point. With d the
 direction from there down, in the frame of the body, that is the support function of its hull,
@@ -122,7 +122,7 @@ def _of_polyhedron(corners: Array, down: Array, size: float) -> Tipping | None:
 
 
 def _passes(hull: ConvexHull, corners: Array) -> tuple[Array, Array, tuple[Index, Index], Array]:
-    """Faces of a hull: unit normals, heights of the centre of mass, and passes over edges.
+    """Faces of a hull (unit normals, heights of the centre of mass), and its edges as passes.
 
     Returns
     -------
@@ -154,7 +154,7 @@ def _passes(hull: ConvexHull, corners: Array) -> tuple[Array, Array, tuple[Index
 
 
 def _lowest_pass(base: int, rests: Mask, links: tuple[Index, Index], levels: Array) -> float | None:
-    """Least rise of the centre of mass on a path to rest on another face; None without one."""
+    """Least rise of the centre of mass on the way to rest on another face; None without a way."""
     ways: list[list[tuple[float, int]]] = [[] for _ in rests]
     for f, g, level in zip(*(side.tolist() for side in links), levels.tolist(), strict=True):
         ways[f].append((level, g))
@@ -213,13 +213,13 @@ def _of_revolution(geometry: Geometry, part: int, down: Array) -> Tipping | None
 def _rises(
     depth: Array, out: Array, rounding: Array, low: Array, start: float, blur: float
 ) -> bool:
-    """Whether the centre of mass rises at once if the body tilts from its upright place."""
+    """Whether the centre of mass rises as soon as the body tilts from its upright position."""
     lowest = (low <= SAME_RAY) & (depth + rounding > start - blur)
     return bool((lowest & ((out > blur) | (depth < -blur))).any())
 
 
 def _stands_as_turned(geometry: Geometry, part: int, down: Array, near: float) -> bool:
-    """Whether every face of a part is horizontal, or of revolution about a vertical axis.
+    """Whether each face of a part is horizontal or a surface of revolution about a vertical axis.
 
     The axis passes through the centre of mass.
     """

@@ -153,7 +153,7 @@ def _on_table(assembly: Assembly, program: Program, features: Features, part: in
 def _stiffness(
     program: Program, features: Features, forces: Array, part: int
 ) -> tuple[Array, Array | None]:
-    """Rotations about horizontal axes that open no gap, (3, d), and their stiffness, (d, d).
+    """Rotations about horizontal axes that open no gap, (3, d), and their energy stiffness, (d, d).
 
     In N x length unit/rad; None if a gap has no second derivative.
     """
@@ -176,7 +176,7 @@ def _stiffness(
 
 
 def _period(program: Program, part: int, turns: Array, stiffness: Array) -> float:
-    """Period of the slowest swing, over the square root of metres in a length unit."""
+    """Period of the slowest swing [s / sqrt(metres per length unit)]."""
     inertia, spin = program.inertia[part], program.down
     along = turns.T @ inertia @ spin
     moved = turns.T @ inertia @ turns - np.outer(along, along) / (spin @ inertia @ spin)

@@ -22,7 +22,7 @@ __all__ = ["KnownAccelerations", "inner_rows", "outer_rows"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KnownAccelerations:
-    """Known part of the set of accelerations under which an assembly stays on its carrier.
+    """Known part of the set of carrier accelerations at which an assembly stays in place.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class KnownAccelerations:
 
 
 def inner_rows(known: KnownAccelerations) -> tuple[Array, Array]:
-    """Constraints that every acceleration within them is carried: A, shape (m, 3), b [m/s^2]."""
+    """Constraints A a <= b that guarantee that a is carried: A, shape (m, 3), b [m/s^2]."""
     from scipy.spatial import ConvexHull, QhullError
 
     points = [min(limit.value, MOST) * direction for direction, limit in known.limits]
@@ -59,7 +59,7 @@ def inner_rows(known: KnownAccelerations) -> tuple[Array, Array]:
 
 
 def outer_rows(known: KnownAccelerations) -> tuple[Array, Array]:
-    """Constraints that every carried acceleration obeys: A, shape (m, 3), and b [m/s^2]."""
+    """Constraints A a <= b that every carried acceleration a obeys: A, shape (m, 3), b [m/s^2]."""
     program = known.program
     rows, bounds = [], []
     for _, limit in known.limits:

@@ -36,7 +36,7 @@ from kilter.mechanics.program import Program
 __all__ = ["MOST", "CarriedSet", "LeastAcceleration", "Slice", "SupportLine", "corner_gaps"]
 
 MOST = 100.0
-"""Accelerations from here on count as unlimited [g]."""
+"""An acceleration of at least this counts as unlimited [g]."""
 PROGRAMS = 64
 """Largest number of limits for the least acceleration."""
 SLICE_PROGRAMS = 160
@@ -49,9 +49,7 @@ ACCURACY = 1e-3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SupportLine:
-    """Boundary point of a plane section of the carried accelerations, with a line around it.
-
-    In units of g.
+    """Boundary point of a plane section of the carried accelerations, with a bounding line [g].
 
     Attributes
     ----------
@@ -81,7 +79,7 @@ class SupportLine:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LeastAcceleration:
-    """The least horizontal acceleration of a carrier that the contacts do not withstand.
+    """The least horizontal acceleration of a carrier at which parts move.
 
     Attributes
     ----------
@@ -186,7 +184,7 @@ class CarriedSet:
         return self._farthest(motion)
 
     def least(self) -> LeastAcceleration | NoLimit:
-        """The least horizontal acceleration that is not carried, over all horizontal directions."""
+        """The least horizontal acceleration at which parts move, over all horizontal directions."""
         basis = across_gravity(self.program)
         limits: list[Limit | NoLimit] = []
 
@@ -275,7 +273,7 @@ class CarriedSet:
         )
 
     def _support(self, axes: Array, direction: Array, limit: Limit) -> SupportLine:
-        """Boundary point along a direction in the plane, and the line from its mechanism, in [g].
+        """Boundary point along a direction in the plane, and its bounding line, in [g].
 
         No acceleration beyond the line is carried.
         """
@@ -296,7 +294,7 @@ class CarriedSet:
 
 
 def corner_gaps(supports: list[SupportLine]) -> tuple[Array, Array]:
-    """Distance from the corner of two neighbouring lines to the polygon edge between them.
+    """For two neighbouring bounding lines, the distance of their corner from the polygon edge.
 
     Also the direction of each corner.
 

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 __all__ = ["PAIRS", "CarrierMotion", "carried_assembly", "carrier_wrench", "load_matrix"]
 
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-"""Entries of the symmetric matrix O = o o' in the order of the twelve numbers."""
+"""Entries (row, column) of the symmetric matrix O = o o' in the order of the load vector."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -193,7 +193,7 @@ def carried_assembly(assembly: Assembly, motion: CarrierMotion) -> Assembly:
 def _wrench(
     center: Array, mass: Array, inertia: Array, free: Mask, motion: CarrierMotion, metres: float
 ) -> Array:
-    """Inertial load of a carrier motion on parts, shape (N, 6).
+    """Inertial load that a carrier motion causes on each part, shape (N, 6).
 
     The parts are given by centre, mass [kg] and inertia.
     """

@@ -87,10 +87,7 @@ class CarrierPath:
         _require_times(self.time)
 
     def loads(self, program: Program) -> tuple[Array, Array]:
-        """Load vector of each sample at rest, and its change per squared speed factor.
-
-        Shape (n, 12) each.
-        """
+        """Load vector of each sample at rest, and its change per squared speed, (n, 12) each."""
         still, move = np.zeros((len(self.time), 12)), np.zeros((len(self.time), 12))
         still[:, :3] = np.einsum("nji,j->ni", self.rotation, program.gravity)
         move[:, :3] = -self.acceleration
@@ -267,7 +264,7 @@ def _columns(table: Mapping[str, Array], names: tuple[str, ...]) -> Array | None
 
 
 def _unit_quaternion(quaternion: Array, row: int) -> Array:
-    """Scale the quaternion of a table row to length 1; reject a quaternion of another length."""
+    """Scale a quaternion to length 1; raises an error if its length is not about 1."""
     size = float(np.linalg.norm(quaternion))
     if abs(size - 1.0) > UNIT:
         raise InputError(

@@ -51,9 +51,9 @@ __all__ = ["PathLimit", "find_path_limit"]
 FASTEST = 1e4
 """Largest squared speed factor of the search [-]."""
 AGREES = 1e-7
-"""The search ends if the bound and the attained limit differ by at most this fraction [-]."""
+"""Relative difference of bound and attained limit at which the search ends [-]."""
 SURE = 1e-6
-"""Fraction of the limit by which samples are confirmed below it [-]."""
+"""Relative distance below the limit at which all samples are confirmed [-]."""
 LEFT = 1e-9
 """Largest residual of a combination of carried loads, relative to the weight [-]."""
 
@@ -117,7 +117,7 @@ class PathLimit:
 
 
 class _PathSearch:
-    """Search for the speed limit of a path, with carried loads and bounds shared by all samples."""
+    """Search for the speed limit of a path; all samples share carried loads and bounds."""
 
     def __init__(self, program: Program, path: CarrierPath) -> None:
         self.program, self.path = program, path
@@ -129,7 +129,7 @@ class _PathSearch:
         self.programs = 0
 
     def upper_bounds(self) -> Array:
-        """Upper bound of the squared speed factor at every sample from all known planes, (n,)."""
+        """Upper bound of the squared speed factor at each sample, from all known planes, (n,)."""
         rest = self.levels - self.still @ self.rows.T
         rate = self.move @ self.rows.T
         ratio = np.divide(rest, rate, out=np.full_like(rate, FASTEST), where=rate > 0.0)
@@ -156,7 +156,7 @@ class _PathSearch:
         return -limit.value
 
     def confirmed(self, share: float) -> Mask:
-        """Mask of samples that known loads prove to be carried at a squared speed factor, (n,)."""
+        """Mask of samples proved to be carried at a squared speed factor, shape (n,)."""
         target = self.still + share * self.move
         return np.array([self._combines(load) for load in target])
 
@@ -177,7 +177,7 @@ class _PathSearch:
         self.carried = np.vstack([self.carried, load])
 
     def _add_plane(self, motion: Array) -> None:
-        """Add the bound on the load vector that a motion proves: rows . z <= level."""
+        """Add the linear bound on carried load vectors that a motion proves: rows . z <= level."""
         row = np.einsum("pij,pi->j", self.matrix, motion)
         weight = float(row[:3] @ self.program.gravity)
         size = float(np.linalg.norm(row))
@@ -187,7 +187,7 @@ class _PathSearch:
             self.levels = np.append(self.levels, level)
 
     def _combines(self, load: Array) -> bool:
-        """True if a load is a convex combination of carried loads, and so is carried.
+        """True if a load is a convex combination of carried loads, so that it is carried, too.
 
         A positive combination suffices if no load of the assembly is fixed.
         """

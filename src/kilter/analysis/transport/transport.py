@@ -461,7 +461,7 @@ def _questions(
     forward: ArrayLike,
     path: CarrierPath | None,
 ) -> list[tuple[str, CarrierMotion]]:
-    """Names and carrier motions of the question; empty for no question or a path."""
+    """Names and carrier motions that the arguments ask about; empty for a path or no question."""
     given = [name for name, value in (("accelerate", accelerate), ("turn", turn), ("code", code),
                                       ("path", path)) if value is not None]  # fmt: skip
     if len(given) > 1:
@@ -542,7 +542,7 @@ def _polar_answer(polar: Slice) -> PolarData:
 
 
 def first_motions(program: Program, limit: Limit) -> list[FirstMotionData]:
-    """How the parts of a mechanism start to move, seen from the carrier, the fastest first.
+    """How the parts start to move beyond a limit, seen from the carrier, the fastest first.
 
     As JSON data.
     """

@@ -128,7 +128,7 @@ def joint(program: Program, *, every: bool = False) -> DiamondOptimum:
 
 
 def _program(unit: UnitProgram) -> LinearProgram:
-    """Linear program over a facet: unknowns (x, t), rows of contacts, and bounds of t per axis.
+    """Linear program over a facet: unknowns (x, t), a row per contact, two rows per axis.
 
     The rows of an axis j are t + q_j >= 0 and t - q_j >= 0.
     """
@@ -155,7 +155,7 @@ def _program(unit: UnitProgram) -> LinearProgram:
 def _facet(
     program: Program, unit: UnitProgram, signs: Array, x: Array, multipliers: Array
 ) -> FacetOptimum:
-    """Best direction of a facet from the multipliers of its linear program.
+    """Most stable direction of a facet, from the multipliers of its linear program.
 
     The multipliers of the corners are their coefficients in g.
     """

@@ -119,7 +119,7 @@ def least_instability(
 
 
 class _Known:
-    """Directions of gravity with computed instability kappa, and data that bound it between."""
+    """Directions of gravity with computed kappa, and the data that bound kappa between them."""
 
     def __init__(self, program: Program, axes: Index) -> None:
         self._problem: ScaledProblem = scaled_problem(program)
@@ -129,7 +129,7 @@ class _Known:
         self.rest: list[float] = []
 
     def first(self) -> Array:
-        """Corners of a regular simplex, one along gravity, (d + 1, d), whose kappa is computed."""
+        """Compute kappa at the corners of a regular simplex, (d + 1, d); return the corners."""
         down = self._problem.program.gravity[self._axes]
         size = len(down)
         # a regular simplex, turned so that its first corner is down
@@ -199,7 +199,7 @@ def _minimum(quadratic: ConicProgram) -> Array:
 
 
 def _from_below(corners: Array, slopes: Array) -> tuple[float, Array]:
-    """Lower bound of kappa in a triangle from its slopes at the corners, and where it is attained.
+    """Lower bound of kappa in a triangle from its slopes at the corners, with the direction there.
 
     It is the least of max_j slopes_j . g over unit g in the cone of the corners, at least 0.
     """
@@ -226,7 +226,7 @@ def _from_below(corners: Array, slopes: Array) -> tuple[float, Array]:
 
 
 def _from_above(corners: Array, rest: Array) -> tuple[float, Array]:
-    """Lower bound of kappa in a triangle from its values at the corners, and where it is attained.
+    """Lower bound of kappa in a triangle from the motions at its corners, with the direction.
 
     It is the least sqrt(1 - (p.g)^2) over unit g in the cone, with p.g_j = rest_j.
     """
@@ -244,6 +244,6 @@ def _from_above(corners: Array, rest: Array) -> tuple[float, Array]:
 
 
 def _shares(corners: Array, point: Array) -> Array:
-    """Coefficients s of a point in the corners, s @ corners = point, by least squares."""
+    """Coefficients of a point as a combination of the corners, by least squares."""
     shares: Array = np.asarray(np.linalg.lstsq(corners.T, point, rcond=None)[0], dtype=np.float64)
     return shares

@@ -75,7 +75,7 @@ class NearestDirection:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Nearest:
-    """Directions of gravity nearest to stable by three measures; `kappa` None if not computed."""
+    """Directions nearest to stable, by three measures; `kappa` is None if not computed."""
 
     diamond: NearestDirection
     sphere: NearestDirection

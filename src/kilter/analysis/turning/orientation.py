@@ -281,7 +281,7 @@ def _require_turnable(assembly: Assembly, method: str) -> None:
 
 
 def _sides(program: Program, every: Region) -> Iterator[tuple[Program, Cone]]:
-    """Yield the program and its stable cone and, with friction, both also without friction.
+    """Yield the program with its stable cone; with friction, then also both without friction.
 
     Forces without friction hold as well.
     """
@@ -328,7 +328,7 @@ def _answer_of_direction(
 
 
 def _sentence(every: Region, down: Array, margin: float) -> str:
-    """Describe the found direction of gravity in a sentence."""
+    """Sentence for users about the recommended direction of gravity."""
     return found_sentence(
         down,
         margin,
@@ -351,7 +351,7 @@ def _tilt_margin_deg(program: Program, every: Region, down: Array) -> float:
 def _not_found(
     every: Region, judgement: Judgement, near: Nearest, method: Method, why: list[str]
 ) -> Orientation:
-    """The answer if no direction was proved stable; `why`: reasons why it may be undecided."""
+    """The answer if no direction was proved stable; `why` lists reasons for doubt."""
     assembly = every.assemblies[0]
     down = near.diamond.direction
     verdict = check(assembly.with_down(down), contacts=every.contacts[0])
@@ -395,7 +395,7 @@ def _not_found(
 def _open_questions(
     contacts: ContactSet, every: Region, program: Program, best: DiamondOptimum
 ) -> list[str]:
-    """Reasons why it is not proved that no direction is stable; empty if it is proved."""
+    """Reasons why a stable direction may exist unseen; empty if a proof excludes all."""
     assembly = every.assemblies[0]
     if not _none_is_stable(program, best):
         return [

@@ -1,4 +1,4 @@
-"""The set Q of weighted displacements of all parts that the contacts allow, by its facets.
+"""The polytope Q of weighted displacements that the contacts allow, found facet by facet.
 
 Q = {sum_i m_i dr_i : dp in A}, in R^3, found by solving LP (9) for successive directions.
 
@@ -88,7 +88,7 @@ class Reachable:
         return np.array(points).reshape(-1, 3)
 
     def _on_both_sides(self, direction: Array, level: float) -> list[Array]:
-        """Farthest points of the polytope Q on each side of the plane ``direction . q = level``.
+        """Farthest points of Q on each side of the plane ``direction . q = level``, if any.
 
         None on the plane itself.
         """
@@ -107,7 +107,7 @@ def _span(points: Array) -> Array:
 
 
 def _basis_across(points: Array, axes: Index) -> Array:
-    """Orthonormal basis of the directions among `axes` perpendicular to a simplex, shape (k, 3)."""
+    """Orthonormal basis of the directions along `axes` perpendicular to a simplex, shape (k, 3)."""
     span = _span(points)[:, axes]
     _, _, rows = np.linalg.svd(span)
     return rows[len(span) :] @ np.eye(3)[axes]

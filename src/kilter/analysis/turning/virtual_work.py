@@ -32,7 +32,7 @@ __all__ = ["Optimum", "UnitProgram", "VirtualWork", "facets_of_diamond", "unit_p
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Optimum:
-    """Optimum of the displacement program for a direction of gravity, divided by the mass.
+    """Optimum of the displacement program for a direction of gravity, per unit of mass.
 
     `z` is the optimum, `q` (3,) the weighted displacement of all parts, `x` the unknowns.
     """
@@ -136,7 +136,7 @@ class VirtualWork:
         return Optimum(min(-float(q @ gravity), 0.0), q, x)
 
     def partition(self) -> Array:
-        """Rows whose products with g are >= 0 while the last solution stays optimal; unit, (k, 3).
+        """Unit rows p, (k, 3); the last solution stays optimal for gravity g if p . g >= 0.
 
         Equation (11) of the paper. Reduced costs that no direction changes are left out.
         """

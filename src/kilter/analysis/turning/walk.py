@@ -138,7 +138,7 @@ class Walk:
 
 @dataclass(slots=True, eq=False)
 class _Trail:
-    """Record of a walk in a facet while it runs, with z divided by the mass."""
+    """Record of a running walk in a facet: path, z divided by the mass, ends, and counts."""
 
     signs: Array
     path: list[Array] = field(default_factory=list)
@@ -213,7 +213,7 @@ def walk(program: Program, *, every: bool = False) -> Walk:
 
 
 def _facet(work: VirtualWork, signs: Array) -> tuple[_Trail, float, int, bool]:
-    """Walk in a facet: the record, z by the published rule, failed stops, and whether optimal."""
+    """Walk in a facet until no restart improves it; return the record and how the walk ended."""
     trail = _Trail(signs)
     start = np.zeros(3)
     start[work.unit.axes] = START[work.unit.axes]
@@ -236,7 +236,7 @@ def _facet(work: VirtualWork, signs: Array) -> tuple[_Trail, float, int, bool]:
 
 
 def _one_walk(work: VirtualWork, trail: _Trail, start: Array) -> None:
-    """Walk from a start as published; store the path and the reason of its end in the trail."""
+    """Walk from a start by the published rule; store the path and why it ended in the trail."""
     here, seen = start, len(trail.path)
     for _ in range(PARTITIONS):
         optimum = work.solve(here)
@@ -264,7 +264,7 @@ def _one_walk(work: VirtualWork, trail: _Trail, start: Array) -> None:
 def _summit(
     work: VirtualWork, trail: _Trail, optimum: Optimum, partition: Array, here: Array
 ) -> Array:
-    """Most stable direction in a partition of a facet; `here` if none is better.
+    """Most stable direction in a partition of a facet; `here` if no direction is better.
 
     It has the greatest z = -q.g, which is linear in a partition.
     """
@@ -288,14 +288,14 @@ def _summit(
 
 
 def _on_facet(point: Array, signs: Array) -> Array:
-    """Move a point to the nearest signs of a facet, and scale it to |g|_1 = 1."""
+    """Give a point the signs of a facet, and scale it to |g|_1 = 1."""
     shares = np.maximum(point * signs, 0.0)
     result: Array = signs * shares / float(shares.sum())
     return result
 
 
 def _ascent(work: VirtualWork, trail: _Trail, test: Optimality) -> Array | None:
-    """A direction that is better than all before, on the ascent of a failed test; else None."""
+    """A direction better than the best so far, toward a failed test's result; else None."""
     at = trail.best
     for k in range(40):
         point = trail.path[at] + (test.toward - trail.path[at]) * 0.5**k
@@ -307,7 +307,7 @@ def _ascent(work: VirtualWork, trail: _Trail, test: Optimality) -> Array | None:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Optimality:
-    """Whether a direction is the most stable of its facet, or else a more stable direction.
+    """Result of a test whether a direction is the most stable of its facet; else a better one.
 
     `bound`: no direction of the facet has a greater z over the mass. `toward`, shape (3,):
     the point of the facet toward which z rises, if it does.

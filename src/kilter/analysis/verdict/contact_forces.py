@@ -105,7 +105,7 @@ class ContactForces:
         raise InputError(f"no part is named {name!r}", hint=hint)
 
     def _selected(self, part: int, rows: Index) -> PointForces:
-        """Contact forces on a part at the given rows, with the sign of the action on this part."""
+        """Contact forces on a part at the given rows, signed as they act on this part."""
         sign = np.where(self.pairs[rows, 1] == part, 1.0, -1.0)[:, None]
         return sealed(
             PointForces(

@@ -75,7 +75,7 @@ def find_displacement(program: Program) -> Displacement:
 
 
 def _shortest(lp: LinearProgram, optimum: Array, z: float) -> Array:
-    """Optimal unknowns of least norm: the projection of 0 onto the optimal face of a program.
+    """Optimal unknowns of least norm: the point nearest to 0 on the optimal face of a program.
 
     Returns `optimum` if the projection is not accurate enough.
     """

@@ -1,4 +1,4 @@
-"""Length of the impending motion that a film shows, before a part would enter another part.
+"""Distance that a film shows of the impending motion, before a part would enter another part.
 
 A motion of first order gives initial accelerations, not final positions. To make it visible, it is
 enlarged: each part follows the screw of its acceleration (`kilter.rigid.screwed`). The motion ends

@@ -186,7 +186,7 @@ def find_motion_with_friction(program: Program, effort: float) -> ImpendingMotio
 
 
 def _least_constraint_motion(program: Program) -> tuple[Array, float] | None:
-    """Accelerations over g of least constraint, (N, 6), and their residual; None on failure.
+    """Accelerations of least constraint over g, (N, 6), and their residual; None if solvers fail.
 
     Clarabel solves a small program first. If the residual exceeds `MOTION_GOOD`, the interior
     point of `kilter.solvers.projection` follows, first on half of a symmetric assembly. The result
@@ -278,7 +278,7 @@ def _heaviest(program: Program) -> float:
 
 
 def still(program: Program) -> ImpendingMotion:
-    """The impending motion of a stable assembly: all accelerations are 0."""
+    """The impending motion of an assembly that stays: all accelerations are 0."""
     count = len(program.names)
     return ImpendingMotion(
         np.zeros((count, 6)), np.zeros((count, 2)), np.zeros(count, dtype=bool), 0.0, 0.0
@@ -286,7 +286,7 @@ def still(program: Program) -> ImpendingMotion:
 
 
 def unknown(program: Program, proof: ForceProof | MotionProof | None = None) -> ImpendingMotion:
-    """The motion to report if no solver finished: only parts that a proof moves are marked."""
+    """The motion if no solver finished: marks only the parts that a proof moves."""
     motion = still(program)
     moves = motion.moves
     if isinstance(proof, MotionProof) and proof.holds:

@@ -78,7 +78,7 @@ def find_neutral(program: Program) -> Neutral | None:
 
 
 def _unit_rows(problem: ScaledProblem) -> Array:
-    """Gap gradients of the contacts in scaled unknowns, each of length 1, (rows, freedoms)."""
+    """Unit gradients of the gaps in scaled unknowns, shape (rows, freedoms)."""
     rows = problem.openings().toarray()
     length = np.linalg.norm(rows, axis=1)
     unit: Array = rows / np.where(length > 0, length, 1.0)[:, None]

@@ -74,7 +74,7 @@ def find_slipping_motion(program: Program) -> ImpendingMotion:
 
 
 def _slipping_program(wide: ConeProblem) -> ConicProgram:
-    """Conic program for the motion: x = (scaled accelerations, bound of the slip at each bond)."""
+    """Conic program for the motion; unknowns: scaled accelerations, and slip at each bond."""
     program, rough = wide.program, len(wide.rough)
     gauss = impending_motion(wide.problem)  # only its objective is used: masses and load
     openings = csr_array(wide.problem.openings())

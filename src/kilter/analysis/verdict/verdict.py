@@ -188,7 +188,7 @@ class Verdict(InCells, Answer):
 
     @property
     def _strict(self) -> bool:
-        """Whether it is proved that no small push makes the assembly fall."""
+        """Whether the level is strict: it is proved that no small push makes the assembly fall."""
         second = self.second_order
         if second is None:
             return self._none_neutral
@@ -196,12 +196,12 @@ class Verdict(InCells, Answer):
 
     @property
     def _none_neutral(self) -> bool:
-        """Whether it is known that the assembly has no neutral motion, which costs no energy."""
+        """Whether it is known that no motion leaves the energy unchanged to first order."""
         neutral = self.neutral
         return neutral is not None and neutral.two_sided == neutral.one_sided == 0
 
     def _second_order(self) -> SecondOrderData | None:
-        """JSON data about curvature (second order); None if not examined or no neutral motion."""
+        """JSON data about second order (curvature); None if not examined or not applicable."""
         if self.second_order is None or self._none_neutral:
             return None
         return self.second_order.to_dict(self.program.names)
@@ -348,7 +348,7 @@ class Verdict(InCells, Answer):
 
     @property
     def barely(self) -> str:
-        """Warning if rounding of coordinates could cause the instability; otherwise empty."""
+        """Warning if rounding of the coordinates may have caused the instability; else empty."""
         kappa = self.instability
         if self.verdict != "unstable" or kappa is None or kappa >= BARELY:
             return ""
@@ -442,7 +442,7 @@ class Verdict(InCells, Answer):
         return proof
 
     def with_seconds(self, **more: float) -> Verdict:
-        """Copy of the verdict with durations of further stages [s], and all computed quantities."""
+        """Copy of the verdict with durations of further stages [s]; keeps computed values."""
         other = copy.copy(self)
         object.__setattr__(other, "seconds", MappingProxyType({**self.seconds, **more}))
         return other

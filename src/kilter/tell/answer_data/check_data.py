@@ -28,7 +28,7 @@ __all__ = ["CheckData"]
 
 
 class TriesData(TypedDict):
-    """Number of loose tries that came to rest, and of all tries."""
+    """Number of tries (parts put down loosely) that came to rest, and number of all tries."""
 
     passed: int
     of: int
@@ -125,14 +125,14 @@ class BondData(TypedDict):
 
 
 class BondsNeededData(TypedDict):
-    """Least share of the bond strength that suffices, and the pairs that fail first."""
+    """Least share of bond strength that suffices, and the pairs that fail first below it."""
 
     share: float
     fail: list[PairNames]
 
 
 class CertificateData(TypedDict):
-    """Kind of the proof, and errors of the best forces and of the best motion."""
+    """Kind of the proof (forces or a motion), and its numerical errors; null for a missing part."""
 
     kind: Literal["forces", "motion"] | None
     residual: float | None
@@ -141,7 +141,7 @@ class CertificateData(TypedDict):
 
 
 class WitnessData(TypedDict):
-    """A motion that obeys the contact law."""
+    """A motion that obeys the contact law, although forces of equilibrium exist."""
 
     power: float
     residual: float
@@ -149,7 +149,7 @@ class WitnessData(TypedDict):
 
 
 class SeatingData(TypedDict):
-    """Whether forces near the contact law exist from which the parts do not run away."""
+    """Result of the search for a seat (a state of rest with slightly elastic contacts)."""
 
     seated: Literal["yes", "runs-away", "not-found"]
     residual: float
@@ -157,14 +157,14 @@ class SeatingData(TypedDict):
 
 
 class SettlingData(TypedDict):
-    """End of each loose try, and the number of tries."""
+    """How each try (parts put down loosely) ended, and the number of tries."""
 
     ends: list[Literal["balance", "runs-away", "not-found"]]
     of: int
 
 
 class ExclusionData(TypedDict):
-    """Attempt to prove that no motion can start."""
+    """Result of the attempt to prove that no motion can start."""
 
     proved: bool
     kind: Literal["moments", "contraction", "modes", "sectors"] | None
@@ -174,7 +174,7 @@ class ExclusionData(TypedDict):
 
 
 class FrictionData(TypedDict):
-    """Evidence of the guarantee of friction."""
+    """Guarantee of friction, with the evidence for and against a motion."""
 
     witness: WitnessData | None
     seating: SeatingData
@@ -185,7 +185,7 @@ class FrictionData(TypedDict):
 
 
 class PatchForceData(TypedDict):
-    """Forces on the second part of a patch [N]."""
+    """Contact forces of a patch on the second part of its pair [N]."""
 
     parts: PairNames
     kind: str
@@ -199,7 +199,7 @@ class PatchForceData(TypedDict):
 
 
 class ForcesData(TypedDict):
-    """Contact forces of an equilibrium."""
+    """Contact forces that balance every part."""
 
     least: bool
     residual: float

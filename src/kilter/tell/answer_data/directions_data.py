@@ -24,7 +24,7 @@ __all__ = ["OrientData", "RegionData"]
 
 
 class OrientRegionData(TypedDict):
-    """The region of stable directions, in short."""
+    """Kind and angular width of the region of stable directions."""
 
     kind: str
     half_angle_deg: Annotated[float | None, Field(description="[deg]")]
@@ -32,7 +32,7 @@ class OrientRegionData(TypedDict):
 
 
 class NearestDirectionData(TypedDict):
-    """A direction nearest to stable, and its value."""
+    """A direction of gravity nearest to stable by a measure, and the measured value."""
 
     direction: Vector
     value: float
@@ -41,13 +41,13 @@ class NearestDirectionData(TypedDict):
 
 
 class BoundedDirectionData(NearestDirectionData):
-    """A direction nearest to stable, with a proved bound of its value."""
+    """A nearest direction as in the base class, with a proved bound of its value."""
 
     bound: float
 
 
 class NearestData(TypedDict):
-    """Directions nearest to stable in three senses."""
+    """Directions of gravity that are nearest to stable, by three measures."""
 
     diamond: NearestDirectionData
     sphere: NearestDirectionData
@@ -95,7 +95,7 @@ class JoinedRegionData(TypedDict):
 
 
 class WellData(TypedDict):
-    """The well of energy of a single body on a level table."""
+    """Width, depth and stiffness of the energy minimum of a body on a level table."""
 
     part: str
     over_deg: Annotated[float | None, Field(description="tilt from which it comes back [deg]")]

@@ -30,7 +30,7 @@ Interval = Annotated[
 
 
 class LevelLimitData(TypedDict):
-    """A limit of a level: values on both sides of it, or why they are unknown."""
+    """A limit at a level of stability: values on both sides of it, or why they are unknown."""
 
     inside: float | None
     outside: float | None
@@ -38,7 +38,7 @@ class LevelLimitData(TypedDict):
 
 
 class LevelLimitsData(TypedDict):
-    """Limits up to which a level is reached."""
+    """For each margin, the limit up to which the assembly reaches the required level."""
 
     level: LevelWord
     tilt_deg: Annotated[LevelLimitData | None, Field(description="[deg]")]
@@ -66,7 +66,7 @@ class FrictionLimitData(TypedDict):
 
 
 class OpeningBondData(TypedDict):
-    """A bond that gives way, and its share of the work."""
+    """A bond that gives way in the mechanism, and its share of the work of all bonds."""
 
     parts: PairNames
     share: float
@@ -81,7 +81,7 @@ class BondLimitData(TypedDict):
 
 
 class BracketData(TypedDict):
-    """Bounds of the limits of the load factor under the contact law without dilation."""
+    """Bounds of the least and of the greatest load factor, if slipping contacts do not dilate."""
 
     least: Interval | None
     greatest: Interval | None
@@ -109,7 +109,7 @@ class PartLoadData(TypedDict):
 
 
 class WorstData(TypedDict):
-    """Data of a part in the worst case."""
+    """Mass factor and shift of the centre of mass of a part in the worst case."""
 
     mass_factor: float
     shift: Annotated[Vector, Field(description="of the centre of mass [length unit]")]
@@ -132,7 +132,7 @@ class UncertaintyData(TypedDict):
 
 
 class HelpData(TypedDict):
-    """A change that widens a margin, and its gain."""
+    """A part to hold or another change that widens a margin, and the gain."""
 
     of: Literal["tilt", "load factor"]
     what: Literal["hold", "friction", "mass"]

@@ -53,7 +53,7 @@ class FinishedData(TypedDict):
 
 
 class ImpossibleData(TypedDict):
-    """Proof that no order exists, or none with so few held parts."""
+    """Proof that no order of assembly exists, or none with so few held parts."""
 
     kind: Literal["falls", "locking", "exhaustion", "closure"]
     holds: int | None
@@ -69,7 +69,7 @@ class FewestData(TypedDict):
 
 
 class SearchData(TypedDict):
-    """Counts of the search."""
+    """Numbers of states, programs and other steps of the search for a plan."""
 
     states: int
     programs: int
@@ -146,7 +146,7 @@ class LoadedSupportData(SupportData):
 
 
 class StoppedMotionData(TypedDict):
-    """A motion, and the candidates that stop it."""
+    """A motion without supports, and the candidate supports that stop it."""
 
     stopped_by: list[str]
     moving: list[str]

@@ -31,7 +31,7 @@ class FirstMotionData(TypedDict):
 
 
 class DirectionLimitData(TypedDict):
-    """Largest acceleration of the carrier in a direction."""
+    """Largest acceleration of the carrier in a direction at which no part moves."""
 
     name: str
     direction: Vector
@@ -52,7 +52,7 @@ class CarrierMotionData(TypedDict):
 
 
 class CaseData(CarrierMotionData):
-    """The decision about a motion of the carrier."""
+    """Whether the parts stay in place at a motion of the carrier, and how surely."""
 
     name: str
     g: Annotated[float, Field(description="size of the acceleration [g]")]
@@ -65,7 +65,7 @@ class CaseData(CarrierMotionData):
 
 
 class PolarData(TypedDict):
-    """Boundary of the horizontal accelerations that are carried."""
+    """Boundary of the horizontal accelerations at which no part moves."""
 
     axes: list[Vector]
     points: list[list[float]]
@@ -77,7 +77,7 @@ class PolarData(TypedDict):
 
 
 class PathData(TypedDict):
-    """Speed factor of a path of the carrier."""
+    """Largest factor on the speed along a path of the carrier at which no part moves."""
 
     samples: int
     duration: Annotated[float, Field(description="[s]")]

@@ -23,7 +23,7 @@ from kilter.work import EFFORT, Work, units_of
 __all__ = ["LeastSupports", "Stopping", "find_least_supports"]
 
 JUDGED, FEW = 2000.0, 4
-"""Units of work of a set of supports: for each part, and the number of additional parts."""
+"""Units of work to judge a set of supports: for each part, and for `FEW` further parts."""
 RAISING = 1 / 80
 """Share of the remaining work that the search for a set of a higher level may take [-]."""
 
@@ -132,7 +132,7 @@ def find_least_supports(
 
 
 def _stops_witness(given: Supported, state: SupportedState) -> Shares:
-    """Absent supports that may raise the verdict level, with weights.
+    """Absent supports that may raise the verdict level, each with weight 1.
 
     They are on parts that the motion moves that friction does not exclude.
     """

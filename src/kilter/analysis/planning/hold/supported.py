@@ -148,12 +148,12 @@ class Supported:
         return self._programs.taken(program.taking(on), np.ones(len(held), dtype=bool), held)
 
     def support_rows(self, program: Program) -> Index:
-        """Index of each row's support among the supports that are not grips; -1 for other rows."""
+        """Index of the support of each row, counted without grips; -1 for other rows."""
         is_support = (program.kind == CONTACT) & (program.source >= self._first)
         return np.where(is_support, program.source - self._first, -1)
 
     def place_of(self, support: int) -> int | None:
-        """Index of a support among the candidates that are not grips; None for a grip."""
+        """Position of a support in the list of supports without the grips; None for a grip."""
         return self._acting.index(support) if support in self._acting else None
 
     def _loads(self, which: Mask, program: Program) -> Array:

@@ -142,5 +142,5 @@ def find_fewest_held_steps(
 
 
 def _holds(search: OrderSearch, removed: Removed) -> bool:
-    """Whether a part beside the grounded parts is held during a removal."""
+    """Whether a part other than the grounded parts is held during a removal."""
     return removed.held > search.base.bit_count()

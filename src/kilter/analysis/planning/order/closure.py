@@ -26,7 +26,7 @@ __all__ = ["find_unreachable"]
 
 
 def find_unreachable(states: States) -> tuple[Mask, list[State]]:
-    """Find parts that can stand without being held, and proofs that each other part falls.
+    """Find the parts that can stand without hands, and proofs that each of the other parts falls.
 
     Returns
     -------
@@ -57,7 +57,7 @@ def find_unreachable(states: States) -> tuple[Mask, list[State]]:
 
 
 def _state_of_part(states: States, standing: Mask, part: int) -> State:
-    """Judge the state in which `part` alone is free, on standing parts that are held."""
+    """Judge the state in which only `part` is free and all `standing` parts are held."""
     present = standing.copy()
     present[part] = True
     return states.judge(present, standing)

@@ -27,7 +27,7 @@ MOST_MOTIONS = 200
 
 
 def leads_nowhere(whole: int, base: int, goes_on: Callable[[int, int], bool]) -> bool:
-    """Whether no chain of removals of single parts leads from the whole assembly to the base.
+    """Whether no sequence of removals of single parts leads from the whole assembly to the base.
 
     Parameters
     ----------
@@ -54,16 +54,13 @@ def leads_nowhere(whole: int, base: int, goes_on: Callable[[int, int], bool]) ->
 
 
 def find_refused(search: OrderSearch, hold: int) -> list[Holds[State]]:
-    """Sets of parts that need more than `hold` held parts, if they exclude every order.
-
-    Empty if they do not.
-    """
+    """Sets of parts that need more than `hold` held parts, if they exclude every order."""
     search.work.stage("whether an order exists for any paths")
     refused: dict[int, Holds[State]] = {}
     holdable = bits_of(search.holdable)
 
     def goes_on(part: int, rest: int) -> bool:
-        """Whether `part` may leave and `rest` stands with at most `hold` held parts.
+        """Whether `part` may be removed and the parts `rest` then stand with at most `hold` held.
 
         Sets that do not stand are recorded.
         """

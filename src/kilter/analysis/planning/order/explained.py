@@ -78,7 +78,7 @@ class StepForces:
 
 @dataclass(frozen=True, slots=True)
 class Need:
-    """A part that must be in place before another part, and why: `asked` or `way`.
+    """A part that must come before another part: by the user's rule, or because of its path.
 
     `asked`: the user required it; `way`: the other part would block its path.
     """
@@ -90,7 +90,7 @@ class Need:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Explained:
-    """Explanation of an order of assembly: forces of each step, and necessary successions.
+    """Explanation of an order: forces at each step, and pairs of parts whose order is necessary.
 
     Attributes
     ----------
@@ -112,7 +112,7 @@ class Explained:
 
 @on_one_thread
 def explain(order: Order) -> Explained:
-    """Explain an order: forces of each step, parts that fall without hands, necessary successions.
+    """Explain an order: forces at each step, the use of each hand, and necessary precedence.
 
     Examples
     --------
@@ -183,7 +183,7 @@ def _hand(order: Order, step: Step, name: str) -> Hand:
 
 
 def _in_the_way(order: Order) -> list[Need]:
-    """Pairs of parts of which the later part would block the path of the earlier part."""
+    """Pairs of parts in which the later part, already in place, would block the earlier part."""
     index = order.states.assembly.index
     sweeps = Sweeps(order.states.contacts)
     needs = []

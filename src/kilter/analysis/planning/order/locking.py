@@ -110,7 +110,7 @@ def _prove_locked(states: States, removal: Removal, part: int, present: int) -> 
 
 
 def holding_rows(program: Program, part: int, threads: frozenset[tuple[int, int]]) -> Mask:
-    """Mask of the certain contacts, except threads, that may block a part, shape (K,).
+    """Mask, shape (K,), of the certain contacts that may block a part; threads are left out.
 
     `threads` has pairs of indices of bolt and nut.
     """
@@ -125,7 +125,7 @@ def holding_rows(program: Program, part: int, threads: frozenset[tuple[int, int]
 
 
 def opening(program: Program, part: int, rows: Mask) -> Array:
-    """Change of the gap at given rows per motion of a part (J), shape (k, 6).
+    """Matrix from a motion of a part to the change of the gap at given rows, shape (k, 6).
 
     Rotations are scaled by the radius of the part.
     """

@@ -43,7 +43,7 @@ __all__ = ["wrong_order"]
 About = Mapping[str, Any]
 CHANGES = {"without", "held"}
 MORE = {"pressed": {"loads"}, "step": {"down"}, "turned": {"down"}}
-"""Keys that may differ between a state of a plan and the file, for each kind of entry."""
+"""Keys of a file that a proof of this kind may change."""
 
 
 def wrong_order(
@@ -89,7 +89,7 @@ def _is_finished(entries: list[About]) -> bool:
 
 
 def _is_held(assembly: Assembly, entries: Mapping[str, list[About]]) -> bool:
-    """Whether every part is held and the finished assembly is proved: no step is needed."""
+    """Whether all parts are held and the finished assembly is proved, so that no step is needed."""
     return bool(assembly.geometry.grounded.all()) and _is_finished(entries["whole"])
 
 
@@ -189,7 +189,7 @@ def _wrong_steps(
 
 
 def _hang_on(standing: set[str], parts: Sequence[str], touching: dict[str, set[str]]) -> bool:
-    """Whether contacts connect all inserted `parts` with the standing parts."""
+    """Whether each of the inserted `parts` is connected by contacts with the standing parts."""
     reached, left = set(standing), set(parts)
     while left:
         near = {part for part in left if touching[part] & reached}
@@ -212,7 +212,7 @@ def _neighbours_of_parts(assembly: Assembly, contacts: ContactSet) -> dict[str, 
 
 
 def _is_blocked(assembly: Assembly, sweeps: Sweeps, part: int, present: int, legs: Any) -> bool:
-    """Whether a part of the bit set `present` blocks the path, or its last leg is bounded."""
+    """Whether a present part blocks the path of a part, or the path does not end far away."""
     start = np.zeros(3)
     others = [k for k in range(len(assembly)) if present >> k & 1 and k != part]
     for vector, length in legs:
@@ -232,7 +232,7 @@ def _is_blocked(assembly: Assembly, sweeps: Sweeps, part: int, present: int, leg
 def _enough(
     assembly: Assembly, rules: Rules, steps: Sequence[About], cuts: Sequence[About]
 ) -> Iterator[str]:
-    """Yield the steps for which the given motions do not prove that fewer held parts fail."""
+    """Yield the steps in which the given motions do not prove that fewer held parts fail."""
     base = {part.name for part in assembly if part.grounded}
     sets: dict[int, list[int]] = {}
     for cut in cuts:
@@ -253,7 +253,7 @@ def _enough(
 
 
 def _wrong_closure(assembly: Assembly, falling: Sequence[About]) -> Iterator[str]:
-    """Yield the parts for which no proof shows that they fall alone on all reached parts."""
+    """Yield the parts without a proof that they fall, if all reachable parts stand and are held."""
     alone = {entry["part"] for entry in falling}
     base = {part.name for part in assembly if part.grounded}
     reached = set(assembly.names) - alone
@@ -326,7 +326,7 @@ def _wrong_locking(
 def _wrong_pressing(
     assembly: Assembly, force: float, steps: Sequence[About], pressed: Sequence[About]
 ) -> Iterator[str]:
-    """Yield the steps without a proof for the force that presses their parts in."""
+    """Yield the steps without a proof that the parts withstand the pressing force."""
     if sorted(entry["step"] for entry in pressed) != (
         list(range(1, len(steps) + 1)) if force else []
     ):
@@ -369,7 +369,7 @@ SAME_LOAD = 1e-9
 def _wrong_turns(
     assembly: Assembly, may: bool, steps: Sequence[About], turned: Sequence[About]
 ) -> Iterator[str]:
-    """Yield the steps after which the turn to the next direction of gravity has no proof."""
+    """Yield the reasons why turns of the parts between steps are not proved or not allowed."""
     given_down = assembly.down
     downs = [
         unit(np.array(entry["change"].get("down", given_down), dtype=float)) for entry in steps

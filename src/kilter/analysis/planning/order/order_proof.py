@@ -33,7 +33,7 @@ from kilter.mechanics.bundle import make_bundle
 __all__ = ["order_proof"]
 
 Stated = tuple[dict[str, Any], State, States]
-"""Subject of a proof, its state, and the states to which it belongs."""
+"""A statement of a proof file: its description, the state that proves it, and all states."""
 
 
 def order_proof(
@@ -105,7 +105,7 @@ def order_proof(
 
 
 def _of_steps(states: States, whole: State, steps: Sequence[Step]) -> list[Stated]:
-    """Subjects and states of the proofs for the steps of a plan."""
+    """Statements of a proof file for the steps of a plan: descriptions, states and their owners."""
     names = states.assembly.names
     stated: list[Stated] = [({"about": "whole"}, whole, states)]
     for number, step in enumerate(steps, 1):

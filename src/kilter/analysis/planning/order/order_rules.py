@@ -84,7 +84,7 @@ class Rules:
     def _thread(
         self, parts: set[str], over: str | None, legs: Any, standing: set[str]
     ) -> Iterator[str]:
-        """Yield the reasons why parts of a step do not move along the thread named in it."""
+        """Yield the reasons why a nut does not move along the thread that its step names."""
         on = [bolt for bolt, nut in self.threads if nut in parts and bolt in standing]
         if over is None and not on:
             return

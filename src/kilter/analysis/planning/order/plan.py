@@ -169,7 +169,7 @@ def plan(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Obstacles:
-    """Proofs, from the whole assembly alone, that no order exists or that parts must be held.
+    """Proofs that no order exists or that parts must be held, found from the whole assembly.
 
     `applies` is false if the rules move several parts at once, or if the whole assembly falls:
     then the proofs say nothing about the orders of the search, and both lists are empty.
@@ -240,7 +240,7 @@ def _search(search: OrderSearch, rules: PlanRules, whole: State, obstacles: _Obs
 def _find_refused(
     search: OrderSearch, rules: PlanRules, obstacles: _Obstacles, searched: Searched
 ) -> tuple[list[Holds[State]], Searched]:
-    """States that exclude every order with the allowed number of held parts.
+    """Find the sets of parts that need too many held parts, if these exclude every order.
 
     They are sought after a complete search without result.
     """
@@ -272,7 +272,7 @@ def _has_several(parts: int) -> bool:
 
 
 def _least(searched: Searched, falling: int) -> str | None:
-    """Scope of the proof that the order has the fewest held parts or steps; None without it."""
+    """Scope of the proof that the order has the fewest held parts or steps; None if unproved."""
     if searched.order is None:
         return None
     if searched.least == 0 or (searched.least == 1 and falling > 1):
@@ -288,7 +288,7 @@ def _whole_state(part_states: States) -> State:
 
 
 def _names(assembly: Assembly, *sets: int) -> tuple[str, ...]:
-    """Names of the parts in the given bit sets, set by set."""
+    """Names of all parts in the given bit sets, in the order of the sets."""
     return tuple(
         assembly.names[k] for parts in sets for k in members(parts, len(assembly)).tolist()
     )

@@ -27,7 +27,7 @@ VERDICTS = {"proved": "stable", "settles": "settles", "equilibrium": "potentiall
 """Verdict of a step for each level."""
 NO_WAY = "no free path was found along the directions that were tried"
 UNDECIDED = "it is undecided whether the parts in place before it hold"
-"""Reasons, not proved for every path, why a step of a given order fails."""
+"""Reasons why a step of a given order fails that are not proofs for every path."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,7 +100,7 @@ class Step:
         return _back(self.legs)
 
     def path(self, far: float) -> Array:
-        """Positions of the inserted parts on their path, shape (n, 3) [length unit].
+        """Points of the path of the inserted parts, shape (n, 3) [length unit].
 
         They are relative to the final position, which is the last row.
 
@@ -169,7 +169,7 @@ def steps_of(
 
 
 def _back(legs: tuple[Leg, ...]) -> Direction:
-    """Direction of arrival on the path in (unit), from the legs of the path out."""
+    """Unit direction in which parts arrive, from the straight legs along which they would leave."""
     x, y, z = (0.0 - component for component in legs[0].direction)
     return x, y, z
 

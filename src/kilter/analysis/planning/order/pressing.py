@@ -29,7 +29,7 @@ __all__ = ["Pressed", "Pressing", "press_loads"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pressed:
-    """Verdicts on a step: before its part is inserted, and with the seated part pressed in.
+    """Verdicts on a step: before its part is inserted, and while the part is pressed in.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class Pressed:
 
     @property
     def moves(self) -> Mask:
-        """Mask of the moving parts in the first of both states that does not hold, shape (N,)."""
+        """Mask of the moving parts in the first of the two states that falls, shape (N,)."""
         return self.standing.moves if self.pressed is None else self.pressed.moves
 
 
@@ -69,7 +69,7 @@ class Pressing:
     _of: dict[tuple[int, Direction], States] = field(default_factory=dict)
 
     def judge_of(self, moved: int, direction: Direction) -> Callable[[Mask, Mask], Pressed]:
-        """Function that judges a step before the insertion and under the pressing force.
+        """Create the function that judges a step before insertion and under the pressing force.
 
         Its arguments are the masks of standing and held parts.
 

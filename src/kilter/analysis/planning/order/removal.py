@@ -140,7 +140,7 @@ class Removal:
         return sum(1 << k for k in others if any(stop(p, 1 << k, direction) for p in parts))
 
     def lets_go(self, moved: int, present: int) -> bool:
-        """Whether moved parts can leave along a tried direction without pressing on a contact."""
+        """Whether moved parts can start in a tried direction without pressing on a contact."""
         others = present & ~moved
         over = any(1 << s.nut == moved and others >> s.bolt & 1 for s in self.screws)
         return over or bool(self._free_directions(moved, others, self.directions(moved)))
@@ -151,14 +151,14 @@ class Removal:
         return frozenset((screw.bolt, screw.nut) for screw in self.screws)
 
     def over(self, moved: int, present: Mask) -> int | None:
-        """Index of the present bolt that carries the moved nut; None if no bolt carries it."""
+        """Index of the present bolt on whose thread the moved nut is; None if it is on none."""
         on = (s.bolt for s in self.screws if 1 << s.nut == moved and present[s.bolt])
         return next(on, None)
 
     def touching(
         self, moved: int, present: Mask, direction: Direction
     ) -> tuple[list[int], list[int]]:
-        """Present parts that touch moved parts, and those on which the moved parts slide."""
+        """Present parts that touch moved parts, and those along which they slide, by index."""
         other, normals = self._contacts_of_moved(moved)
         here = present[other]
         slides = here & (np.abs(normals @ np.array(direction)) <= self._angle)
@@ -232,7 +232,7 @@ class Removal:
         return None
 
     def _places(self, parts: list[int], others: list[int], direction: Direction) -> list[float]:
-        """Lengths of a first leg that align corners of moved and other parts, and midpoints.
+        """Lengths of a first leg at which corners of moved and other parts align; midpoints.
 
         In ascending order.
         """

@@ -180,14 +180,14 @@ class OrderSearch:
         return None
 
     def note(self, order: list[Removed], hold: int) -> None:
-        """Record an order, and report progress if it is the longest so far."""
+        """Store an order if it is the longest so far, and report progress then."""
         if sum(len(out.parts) for out in order) > sum(len(out.parts) for out in self.best):
             self.best = order.copy()
             left = (order[-1].state.present & ~mask_of(self.base, len(self._near))).sum()
             self.work.tell(f"order: {left} parts to place, {hold} held")
 
     def removals(self, present: int, last: int, hold: int) -> Iterator[Removed]:
-        """Yield the possible removals from a set of parts, the best first; `last` went before."""
+        """Yield possible removals from a set of parts, best first; `last` was removed before."""
         self.visited += 1
         stuck: list[int] = []
         candidates = self._candidates(present, last)
@@ -204,10 +204,7 @@ class OrderSearch:
     def _of_layer(
         self, layer: Iterable[int], present: int, hold: int, stuck: list[int]
     ) -> Iterator[Removed]:
-        """Yield the removals of the units `layer` from a set of parts.
-
-        Units without a straight path are appended to `stuck`.
-        """
+        """Yield removals of the units of a layer; units without a path go to the list `stuck`."""
         falling = []
         for moved in layer:
             if not self.may_leave(moved, present):
@@ -231,7 +228,7 @@ class OrderSearch:
         return tuple(members(parts, len(self._near)).tolist())
 
     def _candidates(self, present: int, last: int) -> list[int]:
-        """Units to remove from a set of parts, the highest layer first, then nearest to `last`."""
+        """Units that may be removed: the highest layer first, then nearest to `last`."""
         candidates = [unit for unit in self.units if unit & present]
         if not candidates:
             return []
@@ -243,7 +240,7 @@ class OrderSearch:
         return [candidates[k] for k in np.lexsort((away, -layer)).tolist()]
 
     def may_leave(self, moved: int, present: int) -> bool:
-        """Whether the parts without `moved` keep the precedence and are connected with the base."""
+        """Whether precedence allows to remove `moved`, and contacts tie the rest to the base."""
         rest = present & ~moved
         return not self.later_of(moved) & rest and self._hangs_together(rest)
 
@@ -256,7 +253,7 @@ class OrderSearch:
                     yield moved, legs
 
     def later_of(self, moved: int) -> int:
-        """Parts that must be inserted after the parts of `moved`, as a bit set without `moved`."""
+        """Bit set of the parts that must be inserted after the parts `moved`, without `moved`."""
         later = 0
         for part in self._members(moved):
             later |= self.after[part]
@@ -271,7 +268,7 @@ class OrderSearch:
         return self._grow_connected(present & self.base, present) == present
 
     def _grow_connected(self, seen: int, among: int) -> int:
-        """The parts `seen`, and the parts of `among` that contacts connect with them.
+        """Add to the parts `seen` all parts of `among` that contacts connect with them.
 
         Contacts count only between parts of both sets.
         """
@@ -285,7 +282,7 @@ class OrderSearch:
         return seen
 
     def _several(self, present: int) -> Iterator[tuple[int, tuple[Leg, ...]]]:
-        """Yield units that block each other and leave together, the fewest parts first."""
+        """Yield groups of units that can only leave together, the smallest group first."""
         units = [unit for unit in self.units if unit & present]
         tests = self.removal.sweeps.tests
         moves = blocked_together(self.removal, units, present, self.base)
@@ -334,7 +331,7 @@ class OrderSearch:
     def pressed(
         self, pressing: Pressing, moved: int, legs: tuple[Leg, ...], present: int, hold: int
     ) -> Iterator[Removed]:
-        """Yield the removal with the fewest held parts that also allow pressing the parts in."""
+        """Yield the removal with the fewest held parts that also withstand the pressing."""
         x, y, z = legs[0].direction
         solved, judge = self._program_count(), pressing.judge_of(moved, (-x, -y, -z))
         rest = mask_of(present & ~moved, len(self._near))

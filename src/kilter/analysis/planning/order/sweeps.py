@@ -30,9 +30,10 @@ from kilter.contact import ContactSet
 __all__ = ["Sweeps"]
 
 SLACKS = 4.0
-"""Tolerance of a collision test per slack of both parts [-]; larger: fewer collisions."""
+"""Overlap on a path that counts as no collision [slacks of both parts]; larger: fewer collisions.
+"""
 DEPTHS = 2.0
-"""Tolerance of a collision test per overlap depth of the pair in the file [-]."""
+"""Overlap on a path that counts as no collision [overlap of the pair in the file]."""
 WELD = 1e-3
 """Distance at which pieces of a region are joined, relative to the tolerance [-]."""
 
@@ -187,7 +188,7 @@ def _basis(direction: Array) -> Array:
 
 
 def _blocks_within(moving: _Shadow, still: _Shadow, tolerance: float, distance: float) -> bool:
-    """Whether a still part blocks a moving part within a distance; see the module docstring."""
+    """Whether a moving part meets a still part within a distance; see the module docstring."""
     exits, entries = np.flatnonzero(moving.facing > ALONG), np.flatnonzero(still.facing < -ALONG)
     first, second = _near_faces(moving, exits, still, entries, tolerance, distance)
     if not len(first):
@@ -252,7 +253,7 @@ def _heights(shadow: _Shadow, rows: Index, points: Array) -> Array:
 
 
 def _fits_a_disk(pieces: Array, radius: float) -> bool:
-    """Whether a convex polygon surely contains a disk: area > radius * perimeter.
+    """Whether one of the convex polygons surely contains a disk: area > radius * perimeter.
 
     A convex piece of area A and length of outline U has an inscribed disk of radius A / U.
     """

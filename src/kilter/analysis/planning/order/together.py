@@ -1,4 +1,4 @@
-"""Parts that block each other along a direction, so that they can only move together.
+"""Units of parts that block each other along a direction, so that they can only move together.
 
 For a direction d, let u -> v if v blocks u. A set that leaves along d must contain all parts that
 block its members, so no arrow may leave it. The smallest such sets are the strongly connected
@@ -86,7 +86,7 @@ def blocked_together(
 def _components(
     removal: Removal, units: Sequence[int], present: int, base: int, direction: Direction
 ) -> list[int]:
-    """Groups of units that block each other along a direction, and that no other unit blocks."""
+    """Groups of units that block each other along a direction and are blocked by no other unit."""
     size = present.bit_length()
     unit_of = {part: unit for unit in units for part in members(unit, size).tolist()}
     stops: dict[int, int] = {}

@@ -144,7 +144,7 @@ class TurningSearch:
         return None
 
     def _with_final_direction(self, order: list[Removed], runs: list[_Run]) -> list[Removed]:
-        """Copies of the removals, with states under the final direction of gravity of each run."""
+        """Copies of the removals whose states are judged under the final gravity of each run."""
         downs = {run.number: run.down for run in runs}
         settled = []
         for step, run in zip(order, runs, strict=True):
@@ -184,7 +184,7 @@ class TurningSearch:
         turns: int,
         between: State | None = None,
     ) -> tuple[Removed, _Run, int]:
-        """A removal, its run extended by the new state, and the number of turns left."""
+        """A removal with its state; the run with the new state; and the number of turns left."""
         parts = tuple(members(moved, len(self.search.after)).tolist())
         turned = None if run.first else self.states(run.down)
         removed = Removed(parts, legs, state, turned=turned, between=between)
@@ -195,7 +195,7 @@ class TurningSearch:
     def _other(
         self, moved: int, legs: tuple[Leg, ...], present: int, run: _Run, turns: int
     ) -> Iterator[tuple[Removed, _Run, int]]:
-        """Yield a removal in the same run, if another direction of gravity suits all its states.
+        """Yield a removal in the same run, if a new gravity direction suits all its states.
 
         The states of the run and the new state must hold under the same direction.
         """
@@ -208,7 +208,7 @@ class TurningSearch:
     def _removal_with_turn(
         self, moved: int, legs: tuple[Leg, ...], present: int, run: _Run, turns: int
     ) -> Iterator[tuple[Removed, _Run, int]]:
-        """Yield a removal before which the parts are turned, which begins a new run."""
+        """Yield a removal that begins a new run, because the parts are turned before it."""
         key = next(entry for entry in reversed(run.states) if entry[0] == present)
         rest = present & ~moved
         down = self._down((key, (rest, 0)))

@@ -17,7 +17,7 @@ from collections.abc import Mapping, Sequence
 __all__ = ["Shares", "least_cover"]
 
 Shares = Mapping[int, float]
-"""Share of a motion that each support can stop, up to 1, by support number."""
+"""For each support, by number, the share of a motion's power that it can take, up to 1."""
 ENOUGH = 1 - 1e-3
 """Sum of shares from which supports may stop a motion; the remaining power proves nothing [-]."""
 
@@ -50,7 +50,7 @@ def least_cover(motions: Sequence[Shares], most: int) -> frozenset[int] | None:
 def _cover(
     motions: Sequence[Shares], size: int, chosen: frozenset[int], barred: frozenset[int]
 ) -> frozenset[int] | None:
-    """Extend chosen supports by at most `size` others, outside `barred`, to stop every motion.
+    """Add at most `size` supports outside `barred` to the chosen ones, so that every motion stops.
 
     None if that is impossible.
     """

@@ -45,7 +45,7 @@ Judge = Callable[[Mask, Mask], Found]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cut(Generic[Found]):
-    """Set of parts at least one of which must be held, and the falling state that proves it.
+    """Parts of which at least one must be held, with the falling state that proves this.
 
     Attributes
     ----------
@@ -153,7 +153,7 @@ def find_fewest_holds(
 
 
 def _smaller(judge: Judge[Found], present: Mask, state: Found) -> Cut[Found]:
-    """Reduce the set of moving parts of a falling state, by holding parts while others still move.
+    """Reduce the moving parts of a falling state: hold some while the others still fall.
 
     The first attempt holds half of the untried parts, later attempts a quarter, and so on.
     """

@@ -54,17 +54,17 @@ class KnownForces:
     needed: int
 
     def fits(self, present: int, free: int) -> bool:
-        """Whether these forces may balance a state with the given present and free parts."""
+        """Whether these forces may balance a state with these bit sets of parts."""
         return not free & ~self.balanced and not self.needed & ~present
 
     def covers(self, other: KnownForces) -> bool:
-        """Whether these forces may balance every state that other forces may balance."""
+        """Whether these forces may balance every state that the other forces may balance."""
         return not other.balanced & ~self.balanced and not self.needed & ~other.needed
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KnownMotion:
-    """A proved motion of all parts, shape (N, 6), and the states that it may show to fall.
+    """A proved motion of all parts, shape (N, 6), and the states for which it may be a proof.
 
     Attributes
     ----------
@@ -83,7 +83,7 @@ class KnownMotion:
         return not self.moving & ~free and not self.entered & present
 
     def covers(self, other: KnownMotion) -> bool:
-        """Whether this motion may prove every state that another motion may prove."""
+        """Whether this motion may prove every state that the other motion may prove."""
         return not self.moving & ~other.moving and not self.entered & ~other.entered
 
 

@@ -62,7 +62,7 @@ class PyramidProgram:
         return int(((present != self._present) | (free != self._free)).sum())
 
     def solve(self, present: Mask, free: Mask) -> tuple[Array, Array] | Array | None:
-        """Forces that balance a state, as (along, across) the rows, or a motion; None if unsolved.
+        """Solve a state: balancing forces (normal, tangential), or a motion; None if unsolved.
 
         Parameters
         ----------

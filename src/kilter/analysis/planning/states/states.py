@@ -285,7 +285,7 @@ class States:
     def _matching_proof(
         self, state: State, outer: Program, key: tuple[int, int]
     ) -> ForceProof | MotionProof | None:
-        """The first stored proof that also proves this state; None if no stored proof does."""
+        """The first stored proof that also proves this state; None if there is none."""
         program = state.program
         for known in self._motions:
             if known.fits(*key):
@@ -341,7 +341,7 @@ class States:
         return judgement.forces if judgement.stable else judgement.motion
 
     def _learn_forces(self, state: State, proof: ForceProof) -> None:
-        """Store forces for reuse, unless stored forces hold at least the same states."""
+        """Store forces for reuse, unless stored forces already cover the same states."""
         whole = self._programs.whole
         rows = rows_of_state(whole, state.present, state.free)
         new = forces_for_others(whole, rows, proof, state.free)
@@ -361,7 +361,7 @@ class States:
         return strongest if strongest.holds else proof
 
     def _hanging(self, state: State) -> State:
-        """Decide a state that falls by its certain contacts, but not by all possible contacts.
+        """Decide a state that falls with its certain contacts, but may hold with possible contacts.
 
         Only a choice of normals at degenerate points may still prove that such a state falls.
         """
