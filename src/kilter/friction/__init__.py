@@ -1,4 +1,4 @@
-"""Coulomb's law: motions that obey it, and proofs that none does.
+"""Coulomb's law: search for motions that obey it, and proofs that no motion obeys it.
 
 `kilter.friction.answer.ask_friction` answers all questions of friction for a program that has
 forces of equilibrium. `kilter.friction.motion_search.find_coulomb_motion` finds a motion that obeys

@@ -1,4 +1,4 @@
-"""The questions of friction: which forces must hold, which may, and which cannot.
+"""Answers about friction: does it surely hold the assembly, may it, or is a motion possible?
 
 Equilibrium forces in Coulomb's cones are necessary for parts to stay, but not sufficient: the
 contact law may also allow a motion, with other forces. So further questions follow:
@@ -47,17 +47,15 @@ from kilter.work import CONIC_ENTRY, EFFORT, PER_EFFORT, Work
 __all__ = ["FrictionAnswer", "Why", "ask_friction", "not_asked"]
 
 SEATING = 2.0
-"""Work limit of seating, in efforts, in addition to that of the search."""
+"""Work of the search for a seat, in multiples of the effort, in addition to the motion search."""
 SETTLING = 6.0
-"""Work limit of settling, in efforts, in addition to that of the search. Tries that are not reached
-count as not passed. An arch of 100 voussoirs in space needs half of it, a leaning wall of 300
-bricks two thirds.
-"""
+"""Work of the settling tries, in multiples of the effort, in addition to the motion search. Tries
+that are not reached count as not passed. An arch of 100 voussoirs in space needs half of it, a
+leaning wall of 300 bricks two thirds."""
 EXCLUDING = 2.0
-"""Work limit of the proof that no motion exists, over that of the search. The proof follows the
-starts of the search, which find most motions at once, and precedes its contact modes, which are
-slow and needed only without a proof.
-"""
+"""Work of the proof that no motion exists, over the work of the motion search. The proof follows
+the starts of the search, which find most motions at once, and precedes its contact modes, which are
+slow and needed only without a proof."""
 MODES = 0.6
 """Fraction of the work of the search after which no contact mode is examined: the modes that lead
 to a motion are found in two thirds of that.
@@ -109,7 +107,7 @@ class FrictionAnswer:
 
     @property
     def settles(self) -> bool:
-        """True if every settling try came to rest in checked balance and no motion was found."""
+        """True if every settling try ended in verified balance and no motion was found."""
         return self.guarantee != "refuted" and len(self.tries) == self.settling.of
 
     @property
@@ -157,7 +155,7 @@ def ask_friction(
     *,
     work: Work | float = EFFORT,
 ) -> FrictionAnswer:
-    """Ask whether a program with friction that has equilibrium forces stays, and try to prove it.
+    """Decide whether an assembly in equilibrium with friction stays, and try to prove it.
 
     Parameters
     ----------
@@ -202,7 +200,7 @@ def _out_of_reach(program: Program, whole: Work) -> bool:
 
 
 def _seat_and_settle(program: Program, whole: Work) -> tuple[Seating, Settling]:
-    """Search for a position of rest with care (seating), then drop the parts loosely (settling)."""
+    """Search for a seat (a state of rest), then put the parts down loosely in several tries."""
     law = coulomb_law(program)
     efforts = PER_EFFORT * max(whole.allowed / PER_EFFORT, 1.0)
     whole.stage("seating")
@@ -215,7 +213,7 @@ def _seat_and_settle(program: Program, whole: Work) -> tuple[Seating, Settling]:
 
 
 def _verify_forces(program: Program, forces: Sequence[Array]) -> tuple[ForceProof, ...]:
-    """Proofs of equilibrium from the given forces; empty if the forces fail the check."""
+    """Equilibrium proofs from the given forces; forces that fail the check give none."""
     proofs = []
     for vectors in forces:
         along = np.einsum("ij,ij->i", vectors, program.normal)

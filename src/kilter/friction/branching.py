@@ -41,7 +41,7 @@ class Mode(IntEnum):
 
 
 class CaseTree(Generic[Question, Case]):
-    """Open cases of a branch and bound over contact modes, the most promising first.
+    """Unfinished cases of a branch and bound over contact modes, ordered by priority.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ class CaseTree(Generic[Question, Case]):
         enough: Callable[[Case], bool] | None = None,
         most: float = math.inf,
     ) -> Iterator[Case]:
-        """Bound the root case, then repeatedly divide the open case with the greatest priority.
+        """Bound the first case, then repeatedly divide the open case of highest priority.
 
         Yields every open case when it is bounded.
 

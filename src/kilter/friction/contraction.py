@@ -1,4 +1,4 @@
-"""Shrink bounds of all solutions of Coulomb's contact law by linear programs (contraction).
+"""Shrink the bounds of all motions that obey the contact law, by linear programs.
 
 Each bounded quantity (opening, force, sliding speed, distance to the cone, total force of a group)
 is maximised over the relaxation that the present bounds define. The proved bound of the optimum
@@ -33,11 +33,10 @@ __all__ = [
 ]
 
 SEEN = 0.95
-"""A quantity that reached this fraction of its bound in some solution is not maximised again. A
-larger value solves more programs.
-"""
+"""A quantity that some solution brings to this fraction of its bound is not maximised again. A
+larger value solves more programs."""
 STALLED = 0.1
-"""Contraction stops if the mean relative progress of the bounds in a round is smaller."""
+"""Mean relative decrease of the bounds in a round, below which contraction stops [-]."""
 CURVED = 1e-2
 """Scale |a| below which the kinetic term |a|^2 is too small for its tangents to matter."""
 RESCALINGS = 30
@@ -62,14 +61,14 @@ class ProofAttempt:
     steps: list[ExclusionStep] = field(default_factory=list)
 
     def closed(self, bounds: Enclosure, power: float) -> bool:
-        """True if a greatest power of the load within bounds is below the proof's tolerance."""
+        """True if a bound of the power of all motions within `bounds` is below the tolerance."""
         return bounds.scale * power <= self.tolerance
 
 
 def power_bound(
     attempt: ProofAttempt, bounds: Enclosure, basis: object = None
 ) -> tuple[Enclosure, float, Solution, PowerStep]:
-    """Upper bound of the load's power w.b over all motions b within bounds.
+    """Upper bound of the load's power over all motions within the given bounds.
 
     Returns the bounds with a tangent at the solution, the power, the solution, and the step.
     """
@@ -86,7 +85,7 @@ def power_bound(
 def contract(
     attempt: ProofAttempt, bounds: Enclosure, until: Work | None = None
 ) -> tuple[Enclosure, float]:
-    """Shrink bounds of the motions until no power is left, progress stalls, or `until` is spent.
+    """Shrink bounds until no motion gains power, progress stalls, or the work `until` is spent.
 
     Returns
     -------
@@ -113,7 +112,7 @@ def contract(
 
 
 def _progress(before: Enclosure, after: Enclosure) -> float:
-    """Progress of a round: the largest mean relative decrease of any array of bounds, or scale^2.
+    """Progress of a round: the largest mean relative decrease among the arrays of bounds.
 
     Speeds count in units of the scale.
     """
@@ -138,7 +137,7 @@ def shrunk(
     kinds: Sequence[str] = ALL,
     until: Work | None = None,
 ) -> Enclosure:
-    """Shrink the bound of each quantity of the given kinds (speeds, forces) by a linear program.
+    """Shrink the bounds of the given kinds of quantities, with a linear program for each.
 
     Parameters
     ----------

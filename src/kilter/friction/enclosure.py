@@ -1,4 +1,4 @@
-"""Bounds of all motions and forces that a proof has not yet excluded, and cones of patch twists.
+"""Bounds of all motions and forces that a proof has not excluded yet, and cones of patch twists.
 
 An *enclosure* holds bounds of every solution (a, f) that a step of a proof considers, with
 |a| <= scale and w.a <= scale^2. Motions are in units of the scale, b = a / scale, forces in those
@@ -42,7 +42,7 @@ __all__ = [
 ]
 
 TwistCone = Array
-"""Generators as columns, shape (d, d); `AT_REST`, of size 0, for the twist 0."""
+"""A cone of twists: its generators as columns, shape (d, d); `AT_REST` has none."""
 
 AT_REST: TwistCone = np.zeros((0, 0))
 """The cone that contains only the twist 0: the patch sticks."""
@@ -97,7 +97,7 @@ class LargestSpeeds:
 
 
 def largest_speeds(law: ReducedLaw, directions: Array) -> LargestSpeeds:
-    """Largest opening and sliding speeds of all contact points in any motion of size 1.
+    """Largest opening and sliding speed of each contact point over all motions of size 1.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def largest_speeds(law: ReducedLaw, directions: Array) -> LargestSpeeds:
 def first_enclosure(
     law: ReducedLaw, fastest: LargestSpeeds, force: Array, tangents: int
 ) -> Enclosure:
-    """First bounds of motions and forces, before any step of a proof; cuts do not use forces yet.
+    """Bounds of motions and forces before the first step of a proof.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def first_enclosure(
 
 
 def rescaled(fastest: LargestSpeeds, bounds: Enclosure, power: float) -> Enclosure:
-    """Bounds rescaled to the smaller motions that a greatest `power` of the load allows."""
+    """Bounds after scaling to smaller motions, if the power is at most `power`."""
     scale = float(np.sqrt(bounds.scale * max(power, 0.0)))
     if not 0 < scale < bounds.scale:
         return bounds
@@ -175,7 +175,7 @@ def open_at(bounds: Enclosure, point: int) -> Enclosure:
 
 
 def with_twist_in(law: ReducedLaw, bounds: Enclosure, patch: int, cone: TwistCone) -> Enclosure:
-    """Bounds of the solutions whose twist of a patch (relative motion) lies in a cone."""
+    """Bounds of the solutions in which the relative twist of a patch lies in a cone."""
     cones = tuple(cone if k == patch else old for k, old in enumerate(bounds.cones))
     ut, slip, rest = bounds.ut.copy(), bounds.slip.copy(), bounds.rest.copy()
     members = np.flatnonzero(law.patch == patch)
@@ -190,7 +190,7 @@ def with_twist_in(law: ReducedLaw, bounds: Enclosure, patch: int, cone: TwistCon
 
 
 def orthants(size: int) -> list[TwistCone]:
-    """The 2^d orthants of R^d, as cones of twists."""
+    """The 2^d orthants of R^d as cones of twists; together they cover all twists."""
     return [np.diag(signs).astype(np.float64) for signs in product((1, -1), repeat=size)]
 
 
@@ -203,7 +203,7 @@ def width(cone: TwistCone) -> float:
 
 
 def halves(cone: TwistCone) -> list[TwistCone]:
-    """Divide a cone of twists into two, by the middle of its two generators farthest apart.
+    """Divide a cone of twists in two at the middle of its two generators that are farthest apart.
 
     Examples
     --------
@@ -223,7 +223,7 @@ def halves(cone: TwistCone) -> list[TwistCone]:
 
 
 def cases(law: ReducedLaw, bounds: Enclosure, point: int, patch: int) -> list[Enclosure]:
-    """Cover the solutions within bounds by the cases of a contact point or of a patch."""
+    """Divide the solutions within bounds into cases of a contact point or of a patch."""
     if point >= 0:
         return [touching_at(bounds, point), open_at(bounds, point)]
     cone = bounds.cones[patch]
@@ -233,14 +233,14 @@ def cases(law: ReducedLaw, bounds: Enclosure, point: int, patch: int) -> list[En
 
 
 def widened(cone: TwistCone) -> TwistCone:
-    """A cone of twists, widened by `CONE_ROUNDING` so that rounding leaves no gap between cones."""
+    """A slightly wider cone of twists, so that rounding leaves no gap between neighbours."""
     middle = cone.mean(axis=1, keepdims=True)
     wider: TwistCone = cone + CONE_ROUNDING * (cone - middle)
     return wider
 
 
 def sector(cone: TwistCone, lever: Array) -> tuple[Array, float] | None:
-    """Circular sector of the sliding directions of a point whose patch twist lies in a cone.
+    """Sector of the sliding directions of a point, if the twist of its patch lies in a cone.
 
     Parameters
     ----------

@@ -44,13 +44,13 @@ __all__ = ["Exclusion", "prove_no_motion", "start_proof"]
 Kind = Literal["moments", "contraction", "modes", "sectors"]
 
 FIRST = 0.5
-"""Fraction of the work for contact modes before any contraction."""
+"""In the plane, fraction of the work for contact modes before the bounds are contracted."""
 FORCES_FIRST = 0.1
-"""In space, fraction of the work for the bounds of forces."""
+"""In space, fraction of the work for shrinking the bounds of forces."""
 SECOND = 0.4
-"""Fraction of the remaining work for contraction."""
+"""Fraction of the remaining work for the contraction of bounds."""
 LIMIT = f"contact forces up to {LARGEST_FORCE:g} times the weight"
-"""Assumption of a proof if no motion bounds the forces."""
+"""Assumption that a proof states if no motion bounds the contact forces."""
 CASES, CASE_ENTRY = 5, 3.0
 """In space, cases are examined only if at least the first number of them is affordable; the second
 is the work units per relaxation entry of each.
@@ -154,7 +154,7 @@ def prove_no_motion(program: Program, *, work: Work | float = 1.0) -> Exclusion:
 
 
 def _out_of_reach(program: Program, work: Work) -> bool:
-    """True for an assembly in space with too many points for moments and too expensive cases.
+    """Whether a proof in space is too expensive: too many points for moments, and costly cases.
 
     The proof is then not begun: its data alone take longer than the verdict of equilibrium.
     """
@@ -167,7 +167,7 @@ def _out_of_reach(program: Program, work: Work) -> bool:
 def start_proof(
     law: ReducedLaw, tolerance: float, opening: Array | None, work: Work
 ) -> tuple[ProofAttempt, Enclosure]:
-    """Set up the relaxation, the solver and the first bounds of a proof that nothing can move."""
+    """Create the relaxation and the first bounds of a proof that no motion can start."""
     attempt = ProofAttempt(law, Relaxation(law), bounding(), work, tolerance)
     return attempt, first_bounds(law, attempt.relaxation, opening)
 
@@ -175,7 +175,7 @@ def start_proof(
 def _prove(
     attempt: ProofAttempt, bounds: Enclosure, opening: Array | None
 ) -> tuple[Kind, CasesLeft]:
-    """Try each proof in turn: in space moments, then sectors; in the plane modes, contraction."""
+    """Try the kinds of proof in turn: in space moments then sectors, in the plane modes."""
     if attempt.law.directions == 1:
         return _prove_in_plane(attempt, bounds)
     least = 1.0
@@ -200,7 +200,7 @@ def _prove(
 
 
 def _prove_in_plane(attempt: ProofAttempt, bounds: Enclosure) -> tuple[Kind, CasesLeft]:
-    """Prove in the plane: contact modes with limited work, then contraction, then modes again.
+    """Prove in the plane: divide into contact modes, contract the bounds, then divide again.
 
     In space only the bounds of forces are contracted: contracting those of motions takes longer
     than it saves.
@@ -221,7 +221,7 @@ def _prove_in_plane(attempt: ProofAttempt, bounds: Enclosure) -> tuple[Kind, Cas
 
 
 def _record_step(attempt: ProofAttempt, left: CasesLeft) -> CasesLeft:
-    """Append a complete tree of cases to the steps of the proof; returns `left` unchanged."""
+    """Append a complete division into cases to the steps of the proof; return `left` unchanged."""
     if left.step is not None:
         attempt.steps.append(left.step)
     return left

@@ -1,4 +1,4 @@
-"""Bounds of motions and forces that given multipliers prove, without a solver.
+"""Bounds of motions and forces recomputed from the multipliers of a proof, without a solver.
 
 The relaxation of an enclosure (`kilter.friction.relaxation`) bounds its power, and every quantity
 in it, by any multipliers of its rows (`kilter.solvers.problem`). The prover takes the multipliers
@@ -47,26 +47,26 @@ equals that of its f_n.
 
 
 def first_bounds(law: ReducedLaw, relaxation: Relaxation, opening: Array | None) -> Enclosure:
-    """First bounds of motions and forces; without `opening`, a bound of the forces is assumed."""
+    """Bounds of motions and forces before the first step; forces are bounded by `opening`."""
     largest = min(largest_forces(law, opening), LARGEST_FORCE)
     force = np.full(len(law.group), largest)
     return replace(first_enclosure(law, relaxation.fastest, force, TANGENTS), cuts=True)
 
 
 def largest_forces(law: ReducedLaw, opening: Array | None) -> float:
-    """Upper bound of the sum of normal forces by an opening motion [-]; infinity without it."""
+    """Upper bound of the sum of normal forces, from a motion that opens all; or infinity."""
     return np.inf if opening is None else force_bound(law, opening)
 
 
 def no_power(program: Program) -> float:
-    """Scaled power (w.a / |w|^2) that counts as zero, from the data accuracy of the parts."""
+    """Scaled power (w.a / |w|^2) that counts as zero, for the accuracy of the parts' data."""
     mass = program.mass[program.free]
     coarse = min(max(NO_POWER, float(program.tolerance[program.free].max())), COARSEST_NO_POWER)
     return coarse * float(mass.min() / mass.sum())
 
 
 def power_by(relaxation: Relaxation, bounds: Enclosure, step: PowerStep) -> tuple[Enclosure, float]:
-    """Bound the load's power by the multipliers of a step, and add the step's tangent."""
+    """Bound of the load's power from the multipliers of a step, and the bounds with its tangent."""
     if step.tangent is not None and step.tangent.shape != relaxation.law.load.shape:
         raise MalformedProof("a tangent at another number of freedoms")
     program = relaxation.program(bounds)
@@ -75,7 +75,7 @@ def power_by(relaxation: Relaxation, bounds: Enclosure, step: PowerStep) -> tupl
 
 
 def with_tangent(bounds: Enclosure, point: Array | None) -> Enclosure:
-    """Bounds with one more tangent of the ball of motions, at `point`; drops the oldest."""
+    """Copy of the bounds with a new tangent plane at `point`; the oldest tangent is dropped."""
     if point is None:
         return bounds
     return replace(bounds, tangents=np.vstack([bounds.tangents[:2], point, bounds.tangents[2:-1]]))
@@ -83,7 +83,7 @@ def with_tangent(bounds: Enclosure, point: Array | None) -> Enclosure:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Quantities:
-    """Linear quantities (speeds, forces) that a contraction bounds one after the other.
+    """Linear functions of the solution (speeds, forces) whose bounds a contraction shrinks.
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ class Quantities:
 
 
 def quantities(relaxation: Relaxation, b: Enclosure) -> Quantities:
-    """Quantities to bound: openings, normal forces, their sums, speeds; planar: reserves g_k."""
+    """List the quantities to bound: openings, normal forces and their sums, sliding speeds."""
     at, d = relaxation.columns, relaxation.directions
     groups, wide = len(b.least), d.shape[1]
     kinds = ["un", "fn", "most", "least", "ut", *(["rest"] if wide == 1 else [])]
@@ -129,7 +129,7 @@ def quantities(relaxation: Relaxation, b: Enclosure) -> Quantities:
 def shrunk_by(
     law: ReducedLaw, relaxation: Relaxation, bounds: Enclosure, step: ShrinkStep
 ) -> Enclosure:
-    """Bounds that the multipliers of a shrink step prove, without a solver."""
+    """Shrink bounds as far as the multipliers of a step prove, without a solver."""
     new = {name: getattr(bounds, name).copy() for name in ALL}
     program = with_one(relaxation, bounds)
     targets = quantities(relaxation, bounds)
@@ -149,14 +149,14 @@ def shrunk_by(
 
 
 def with_one(relaxation: Relaxation, bounds: Enclosure) -> LinearProgram:
-    """The relaxation with its scale column l fixed to 1; with l = 0 all forces could vanish."""
+    """The relaxation with its homogenising column fixed to 1, so that forces cannot vanish."""
     program = relaxation.program(bounds)
     program.lower[relaxation.columns["one"]] = 1.0
     return program
 
 
 def _consistent(law: ReducedLaw, relaxation: Relaxation, b: Enclosure) -> Enclosure:
-    """Tighten bounds that follow from others: slips by directions, force sums by forces."""
+    """Tighten bounds that follow from other bounds: speeds by directions, force sums by forces."""
     directions = law.directions
     members = np.flatnonzero(law.group >= 0)
     total = np.bincount(law.group[members], b.fn[members], minlength=len(law.mu))

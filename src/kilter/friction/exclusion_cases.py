@@ -1,4 +1,4 @@
-"""Division into contact modes until a linear program excludes the power of every case.
+"""Division of motions into contact modes until a linear program excludes power in each case.
 
 A relaxed motion violates the law if a point has f_n u_n > 0, or if the groups of a patch have a sum
 of f_t.u_t + mu N |u_t| > 0 (`kilter.friction.reduced_law`). Both are powers and never negative;
@@ -43,12 +43,12 @@ AGAIN = 0.5
 are near 1 again.
 """
 MOST_OPEN = 200_000
-"""Number of open cases at which the division ends, because of memory."""
+"""Largest number of unfinished cases; then the division ends, to limit memory."""
 
 
 @dataclass(frozen=True, slots=True)
 class Breach:
-    """The point or patch at which a relaxed motion violates the contact law most.
+    """The contact point or patch at which a relaxed motion violates the contact law most.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class Breach:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CasesLeft:
-    """Result of a division of the motions into cases of contact modes.
+    """Result of a division into cases of contact modes: the power that is left, and the tree.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ class CasesLeft:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _OpenCase:
-    """A case of contact modes that is not excluded, with bounds in units of its own scale."""
+    """A case of contact modes that is not excluded yet, with bounds at its own scale."""
 
     bounds: Enclosure
     power: float
@@ -154,14 +154,14 @@ def divide_cases(attempt: ProofAttempt, bounds: Enclosure, until: Work | None = 
 def _case_bound(
     attempt: ProofAttempt, root: CaseStep
 ) -> Callable[[Enclosure, _OpenCase | None], _OpenCase | None]:
-    """Make the function that bounds the power of a case and returns None if the power is zero.
+    """Create the function that bounds the power of a case; it returns None for zero power.
 
     The function appends the steps of each case below `root`.
     """
     relaxation = attempt.relaxation
 
     def bound(bounds: Enclosure, parent: _OpenCase | None) -> _OpenCase | None:
-        """Bound the power of a case, at smaller scales if that helps; None if it is excluded."""
+        """Bound the power of a case, at smaller scales if useful; None if the power is zero."""
         basis, case_step = None, root
         if parent is not None:
             basis, case_step = parent.basis, CaseStep()

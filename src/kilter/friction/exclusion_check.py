@@ -1,4 +1,4 @@
-"""Recheck, without a solver, of the steps of a proof that no motion can start.
+"""Repeat the steps of a proof that no motion can start, without a solver.
 
 The law is rebuilt from the program. Each step has multipliers, whose bound is recomputed from the
 law; nothing else of the proof is trusted. A step that does not fit proves nothing.
@@ -33,7 +33,7 @@ __all__ = ["power_not_excluded"]
 def power_not_excluded(
     program: Program, opening: Array | None, steps: Sequence[ExclusionStep]
 ) -> tuple[float, float]:
-    """Scaled power of the load that the steps of a proof leave, and the power that counts as 0.
+    """Power of the load that a proof does not exclude, and the power that counts as zero [-].
 
     Raises
     ------
@@ -52,7 +52,7 @@ def power_not_excluded(
 
 
 class _ProofState:
-    """State of a recheck: bounds of the motions after the steps so far, and the largest power."""
+    """State of the repetition of a proof: current bounds of the motions, and the largest power."""
 
     def __init__(self, law: ReducedLaw, opening: Array | None, tolerance: float) -> None:
         self.law, self.tolerance = law, tolerance
@@ -81,7 +81,7 @@ class _ProofState:
         self.bounds = rescaled(self.relaxation.fastest, self.bounds, power / self.bounds.scale)
 
     def _is_closed(self, bounds: Enclosure, root: CaseStep) -> bool:
-        """True if no motion of a case, or of any case into which it is split, gains power."""
+        """True if a proof excludes power in a case, or in all of its subcases."""
         ready = [(bounds, root)]
         while ready:
             closed, case = ready.pop()
@@ -99,7 +99,7 @@ class _ProofState:
         return True
 
     def _divisible(self, bounds: Enclosure, case: CaseStep) -> bool:
-        """True if the point or patch of a case exists, and its cone is wide enough to be halved."""
+        """True if a case can be divided: its point or patch exists, and its cone is wide enough."""
         if case.point >= 0:
             return case.point < len(self.law.group)
         if case.patch not in self.patches:
@@ -108,7 +108,7 @@ class _ProofState:
         return cone is None or width(cone) >= NARROWEST_CONE
 
     def _left(self, bounds: Enclosure, case: CaseStep) -> Enclosure | None:
-        """Bounds of a case after its linear programs; None if they leave no power."""
+        """Bounds of a case after its linear programs; None if these exclude all power."""
         for step in case.powers:
             bounds, power = power_by(self.relaxation, bounds, step)
             if bounds.scale * power <= self.tolerance:

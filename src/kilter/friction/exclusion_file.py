@@ -1,4 +1,4 @@
-"""Write and read the proof that no motion can start, as JSON data.
+"""Write a proof that no motion can start as JSON data, and read it.
 
     {"kind", "programs", "assumes",
      "opening": [..],                          the motion that bounds all forces, or null
@@ -129,7 +129,7 @@ def _tree(root: CaseStep) -> Iterator[dict[str, Any]]:
 
 
 def _index(value: Any, place: str) -> str:
-    """Form of an index in a proof file: text of the fault, or empty for a nonnegative int."""
+    """Check that a value is an index (a small int >= 0); return the fault, or an empty text."""
     return COUNT(value, place) or ("" if value >= 0 else f"{place} is {value!r:.40}")
 
 
@@ -194,7 +194,7 @@ def _read_power(data: dict[str, Any]) -> PowerStep:
 
 
 def _read_tree(data: list[dict[str, Any]]) -> CaseStep:
-    """Read a tree of cases: the first case of a list, with the cases below it."""
+    """Read a tree of cases from a list in which each case precedes its subcases."""
     root = CaseStep()
     ready = [root]
     count = 1

@@ -25,7 +25,7 @@ __all__ = ["CaseStep", "ExclusionStep", "PowerStep", "Quantity", "ShrinkStep"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PowerStep:
-    """Multipliers of a linear program's rows, which bound the power, and the next tangent.
+    """Row multipliers that bound the power in a linear program, and a point for the next tangent.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class PowerStep:
         return cls(rows, multipliers[rows], tangent)
 
     def over(self, count: int) -> Array:
-        """Multipliers of all `count` rows as a dense array.
+        """Multipliers of all `count` rows as a dense array, with zeros added.
 
         Raises
         ------
@@ -64,7 +64,7 @@ class PowerStep:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Quantity:
-    """A bounded quantity: its index in `quantities`, and the multipliers that prove the bound."""
+    """A bounded quantity by its number, with the row multipliers that prove its new bound."""
 
     number: int
     multipliers: PowerStep
@@ -72,14 +72,14 @@ class Quantity:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ShrinkStep:
-    """Bounds of several quantities, computed one after the other over the same relaxation."""
+    """New bounds of several quantities, proved one after the other."""
 
     quantities: tuple[Quantity, ...]
 
 
 @dataclass(slots=True, eq=False)
 class CaseStep:
-    """A case of contact modes: its power bounds, and the cases it is divided into if they fail.
+    """A case of contact modes: proofs of its power bound, and subcases if it is divided.
 
     Attributes
     ----------

@@ -68,10 +68,9 @@ over the largest bounding radius of a part.
 
 NO_POWER = 1e-8
 """Power that counts as zero, over |w|^2 of the lightest part. It exceeds the rounding of the bound
-of a case that cannot be divided (1.2e-9 of it at 18 parts), and is a thousandth of the least
-power of a witness (`kilter.mechanics.mechanics_tolerances.WITNESS_POWER`). A larger value closes
-more cases.
-"""
+of a case that cannot be divided (1.2e-9 of it at 18 parts), and is a thousandth of the least power
+of a motion that counts as a proof (`kilter.mechanics.mechanics_tolerances.WITNESS_POWER`). A larger
+value closes more cases."""
 COARSEST_NO_POWER = 1e-6
 """Upper limit of the power that counts as zero for coarse data, over |w|^2 of the lightest part."""
 OBEYED = 1e-9
@@ -85,7 +84,7 @@ proved. A proof that needs it states so (`Exclusion.assumes`).
 NARROWEST_CONE = 1e-3
 """Cones of twists narrower than this are not halved [rad]."""
 WIDEST_SECTOR = 0.9
-"""A sliding sector wider than this fraction of half a turn gives no constraint."""
+"""Sliding sectors wider than this fraction of half a turn are not used as constraints."""
 POINT_AT_REST = 1e-9
 """A twist that moves a point less than this, over the largest lever, leaves it at rest."""
 CONE_ROUNDING = 1e-12
@@ -105,7 +104,7 @@ NODE_GAP = 1e-8
 CLOSE = 0.01
 """Residual of the nearest motion, over |a|^2 / |w|^2, above which it is not reported."""
 GONE = 1e-5
-"""A start of De Saxce's iteration whose |x| falls below this value has come to rest."""
+"""Size |x| below which a run of De Saxce's iteration counts as a state of rest."""
 STEADY = 1e-7
 """Change of the sliding speeds, over |x|, at which De Saxce's iteration has converged."""
 
@@ -119,9 +118,9 @@ NEAR_ITS_CONE = 1e-4
 point that slides slower than this does not define a sliding direction.
 """
 CREEP = 1e-7
-"""Points that slide slower than this may also stick."""
+"""Points that slide slower than this are also tried as sticking."""
 SLACK = 1e-9
-"""Speeds and forces beyond 0, or outside the cone, by more than this change the mode."""
+"""A speed or force that violates its mode by more than this changes the mode."""
 SOFT_MODE = 1e-9
 """Regularisation of the equations of a mode, whose terms are near 1."""
 SOLVED = 1e-14
@@ -135,10 +134,10 @@ BALANCED = 1e-9
 (`kilter.mechanics.program.TOLERANCE`).
 """
 GOAL = 1e-11
-"""Imbalance of a part, over its weight, at which the iteration ends."""
+"""Imbalance of a part, over its weight, at which the search for a seat ends."""
 ELASTIC_GAP = 1e-9
 """Requested gap of the forces of the least elastic energy."""
 PRESSES = 1e-3
-"""A point with a force below this fraction of the greatest does not define a deflection."""
+"""Points with a force below this fraction of the greatest do not define a deflection."""
 SOFT_SQUEEZE = 1e-6
 """Regularisation of the least squares for the displacement of a random start."""

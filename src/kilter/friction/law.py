@@ -1,4 +1,4 @@
-"""Coulomb's contact law of a program in scaled (unitless) unknowns.
+"""Coulomb's contact law in scaled, unitless unknowns.
 
 With a the accelerations of the free parts, M their masses and inertias, w the loads on them, J the
 relative accelerations of part b past part a at the contact points along (n, u, v) (n the normal
@@ -115,7 +115,7 @@ class CoulombLaw:
 
 
 def coulomb_law(program: Program) -> CoulombLaw:
-    """Coulomb's contact law of a program in scaled unknowns."""
+    """Build Coulomb's contact law of a program in scaled unknowns."""
     free = np.flatnonzero(program.free)
     mass = np.zeros((len(free), 6, 6))
     mass[:, range(3), range(3)] = program.mass[free][:, None]
@@ -142,7 +142,7 @@ def coulomb_law(program: Program) -> CoulombLaw:
 
 
 def _directions(program: Program) -> Array:
-    """Tangent unit vectors u and v of each row, shape (K, 2, 3); in the plane, u lies in it."""
+    """Unit tangents u and v of each row, (K, 2, 3); in a planar assembly u is in the plane."""
     directions = np.stack(across(program.normal), axis=1)
     if program.planar:
         n = program.normal
@@ -155,7 +155,7 @@ def _directions(program: Program) -> Array:
 
 
 def _patches(program: Program) -> Index:
-    """Number of the contact patch or joint of each row; other rows have their own number."""
+    """Number of the contact patch or joint of each row; other rows get separate numbers."""
     count = len(program.source)
     if not count:
         return np.empty(0, dtype=np.int64)

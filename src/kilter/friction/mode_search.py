@@ -33,7 +33,7 @@ from kilter.work import Work
 __all__ = ["by_modes"]
 
 PLANAR_SECTOR = 0.1
-"""Half width of the sector of a point in the plane, whose only tangent is in its middle [rad]."""
+"""Half width of the sector that stands for a sliding direction in the plane [rad]."""
 DEPTH_BONUS = 0.9
 """Weight of a node's power for each level nearer to the root: among equal powers, deep nodes come
 first.
@@ -42,7 +42,7 @@ first.
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Decisions:
-    """Decisions of a node: mode of each row, sector of the sliding rows [rad], and node depth."""
+    """Contact modes chosen in a node of the search, with the sectors of the sliding rows."""
 
     mode: Index
     middle: Array
@@ -50,7 +50,7 @@ class _Decisions:
     depth: int
 
     def with_mode(self, p: int, mode: Mode, middle: float = 0.0, half: float = 0.0) -> _Decisions:
-        """Add the mode of point p to the decisions, and its sector of directions if it slides."""
+        """Copy of these choices in which point p has a mode and, if it slides, a sector."""
         modes, middles, halves = self.mode.copy(), self.middle.copy(), self.half.copy()
         modes[p], middles[p], halves[p] = mode, middle, half
         return replace(self, mode=modes, middle=middles, half=halves, depth=self.depth + 1)
@@ -58,7 +58,7 @@ class _Decisions:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Node:
-    """Node of the branch and bound: decisions, optimum of its relaxation, power of the load."""
+    """Node of the branch and bound: its choices, the optimum of its relaxation, and the power."""
 
     decided: _Decisions
     optimum: TrialMotion
@@ -66,7 +66,7 @@ class _Node:
 
 
 def by_modes(law: CoulombLaw, *, nodes: int, work: Work) -> Iterator[TrialMotion]:
-    """Yield trial motions: optima of at most `nodes` relaxations, the most promising node first.
+    """Yield candidate motions: the optima of up to `nodes` relaxations, best node first.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def by_modes(law: CoulombLaw, *, nodes: int, work: Work) -> Iterator[TrialMotion
 
 
 def _children(law: CoulombLaw, node: _Decisions, optimum: TrialMotion) -> list[_Decisions]:
-    """Divide a node by the modes of the point that violates the law most; empty if none does."""
+    """Divide a node by the modes of the row that violates the law most; empty if none does."""
     u, f = (law.matrix @ optimum.x).reshape(-1, 3), optimum.forces
     slip = np.linalg.norm(u[:, 1:], axis=1)
     gain = f[:, 0] * u[:, 0] + (f[:, 1:] * u[:, 1:]).sum(axis=1) + law.mu * f[:, 0] * slip
@@ -131,7 +131,7 @@ def _solve_relaxation(
 
 
 def _relaxation_program(law: CoulombLaw, lines: Array, node: _Decisions) -> ConicProgram:
-    """Convex program of a node in motion x and forces f; `lines` is the law's H, dense."""
+    """Convex program of a node in motion x and forces f; `lines` is the matrix H of the law."""
     count, total = len(law.load), len(law.load) + 3 * len(law.mu)
     slides, free = node.mode == Mode.SLIDING, ~law.tied
     sticks, is_open = (node.mode == Mode.STICKING) & free, node.mode == Mode.OPEN
@@ -191,13 +191,13 @@ def _stack(blocks: list[tuple[Array | None, Array | None]], count: int, total: i
 
 
 def _point_lines(chosen: Mask) -> Index:
-    """Indices of the three lines (n, u, v) of every chosen row in the law's matrix H."""
+    """Indices of the matrix lines (normal n, tangents u, v) of every chosen row."""
     rows: Index = (3 * np.flatnonzero(chosen)[:, None] + np.arange(3)).reshape(-1)
     return rows
 
 
 def _sectors(law: CoulombLaw, node: _Decisions, rows: Index) -> tuple[Array, Array]:
-    """Rows that keep sliding speeds in their sectors, and friction opposite, beyond the chord."""
+    """Constraint rows that keep sliding directions in their sectors, with opposite friction."""
     total, low = 3 * len(law.mu), node.middle[rows] - node.half[rows]
     high, middle = node.middle[rows] + node.half[rows], node.middle[rows]
     # a direction e is in the sector if low x e >= 0 and e x high >= 0
@@ -216,7 +216,7 @@ def _sectors(law: CoulombLaw, node: _Decisions, rows: Index) -> tuple[Array, Arr
 
 
 def _sparse_lines(rows: Index, values: Array, total: int) -> Array:
-    """Sparse lines with three values each, in the three columns of the given contact rows."""
+    """Matrix rows with three values each, in the columns of the given contact rows."""
     lines = np.zeros((len(rows), total))
     lines[np.arange(len(rows))[:, None], 3 * rows[:, None] + np.arange(3)] = values
     return lines

@@ -1,4 +1,4 @@
-"""A bound of the power of all motions, recomputed from multipliers without trusting a solver.
+"""Upper bound of the power of all motions, recomputed from multipliers, without a solver.
 
 Given multipliers of the products of the law (`kilter.friction.moment_products`), nonnegative for
 nonnegative products, and matrices Y >= 0 for forms v, the power w.b is
@@ -61,7 +61,7 @@ def squares_of(forms: MomentForms, squares: Squares) -> list[Index]:
 
 
 def power_left(law: ReducedLaw, step: MomentStep, forces: float) -> float:
-    """Greatest scaled power of the load that a step's multipliers leave to such motions.
+    """Largest scaled power of the load that the multipliers of a step do not exclude.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def power_left(law: ReducedLaw, step: MomentStep, forces: float) -> float:
 
 
 def _remainder(forms: MomentForms, step: MomentStep) -> tuple[Array, Array] | None:
-    """Remainder R of the multipliers' identity, and its rounding; None if they do not fit.
+    """Error matrix R of the identity that the multipliers prove, and its rounding; or None.
 
     R is minus w.b minus all products with their multipliers.
     """
@@ -127,7 +127,7 @@ def _remainder(forms: MomentForms, step: MomentStep) -> tuple[Array, Array] | No
 
 
 def _nearest_positive(matrix: Array) -> Array:
-    """Nearby positive semidefinite matrix of a symmetric matrix, as a product M M^T."""
+    """A positive semidefinite matrix M M^T near a symmetric matrix."""
     values, vectors = np.linalg.eigh((matrix + matrix.T) / 2)
     root = vectors * np.sqrt(np.maximum(values, 0.0))
     nearest: Array = root @ root.T
@@ -135,7 +135,7 @@ def _nearest_positive(matrix: Array) -> Array:
 
 
 def _largest_remainder(forms: MomentForms, rest: Array, rounding: Array, forces: float) -> float:
-    """Upper bound of the multipliers' error |z.R z| over motions that obey the contact law."""
+    """Upper bound of the error |z.R z| over all motions z that obey the contact law."""
     law, size = forms.law, np.abs(rest) + rounding
     moves = np.concatenate([forms.motion, forms.slip])
     fastest = float(np.sqrt(1.0 + np.linalg.norm(law.tangent.toarray(), 2) ** 2))  # of |(b, s)|
@@ -157,7 +157,7 @@ def _largest_remainder(forms: MomentForms, rest: Array, rounding: Array, forces:
 
 
 def _force_shares(forms: MomentForms) -> Array:
-    """Weights of the normal forces that bound each force component, shape (K + G T, K).
+    """Coefficients by which normal forces bound each force component, shape (K + G T, K).
 
     |fn_k| <= fn_k and |ft_g| <= mu (sum of fn_k of the group).
     """

@@ -1,4 +1,4 @@
-"""Linear forms of the contact law, whose products are the terms of a moment relaxation.
+"""Linear forms of the contact law, whose products occur in a moment relaxation.
 
 The law of `kilter.friction.reduced_law` at a scale e of motions, b = a / e and s = |ut| / e, in
 
@@ -83,7 +83,7 @@ class MomentForms:
         return np.concatenate([self.fn[self.patch == patch], self.ft[groups].ravel()])
 
     def cliques(self) -> list[Index]:
-        """Cliques: sets of coordinates of z within which products are used."""
+        """Sets of coordinates of z (cliques); only products within a set are used."""
         cliques = []
         for body, freedoms in enumerate(self.bodies):
             forces = [self.forces_of(int(k)) for k in np.flatnonzero(self.touching[:, body])]
@@ -94,12 +94,12 @@ class MomentForms:
         return [clique.astype(np.int64) for clique in cliques]
 
     def pair_of(self, patch: int) -> Index:
-        """Indices of the coordinate 1 and of the motions of the bodies that meet at a patch."""
+        """Indices of the constant 1 and of the motions of the bodies that touch at a patch."""
         moved = [self.motion[self.bodies[k]] for k in np.flatnonzero(self.touching[patch])]
         return np.concatenate([[self.one], *moved]).astype(np.int64)
 
     def pushes_on(self, body: int) -> Index:
-        """Indices of the forms 1, motion of a body, and push of each patch on it except the last.
+        """Indices of the constant 1, the motion of a body, and the push of all but one patch on it.
 
         The last push follows from the others and the motion.
         """
@@ -152,7 +152,7 @@ def bodies_of(law: ReducedLaw) -> int:
 def _pushed_bodies(
     forces: csr_array, owner: Index, bodies: tuple[Index, ...], patches: int
 ) -> Mask:
-    """Mask of the bodies that each patch pushes, shape (patches, bodies)."""
+    """Mask of the bodies on which each patch acts, shape (patches, bodies)."""
     entries = forces.tocoo()
     pushed = np.zeros((patches, forces.shape[1]), dtype=np.int64)
     pushed[owner[entries.coords[0]], entries.coords[1]] = 1
@@ -173,7 +173,7 @@ def _pad_columns(rows: csr_array, before: int, width: int) -> csr_array:
 
 
 def _point_patches(law: ReducedLaw) -> tuple[Index, int]:
-    """Patch of each point (its own patch without friction), and the number of patches."""
+    """Patch of each point (a separate one without friction), and the number of patches."""
     count = int(law.patch.max(initial=-1)) + 1
     smooth = law.group < 0
     patch = np.empty(len(law.group), dtype=np.int64)
@@ -183,7 +183,7 @@ def _point_patches(law: ReducedLaw) -> tuple[Index, int]:
 
 
 def _bodies(law: ReducedLaw) -> tuple[Index, ...]:
-    """Freedoms of each body: of each part, or all freedoms if joints couple the parts."""
+    """Indices of the freedoms of each body; joints make all parts a single body."""
     count, per = len(law.load), len(law.law.program.freedoms)
     if law.law.tied.any() or count % per:
         return (np.arange(count),)

@@ -1,4 +1,4 @@
-"""Products of linear forms that Coulomb's law makes zero, nonnegative, or elements of a cone.
+"""Products of linear forms that Coulomb's law makes zero, nonnegative or elements of a cone.
 
 Every motion that obeys the law (`kilter.friction.reduced_law`, forms in
 `kilter.friction.moment_forms`) satisfies, with m = mu N:
@@ -29,7 +29,7 @@ __all__ = ["ProductRows", "Products", "law_products", "monomials", "over_monomia
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ProductRows:
-    """Rows of products of forms: term t adds weight[t] form[left[t]] form[right[t]] to row[t].
+    """Sums of products of forms: each term adds weight x form x form to its row.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class ProductRows:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Products:
-    """Product rows of the contact law: zero, nonnegative, or vectors (t, v) with t >= |v|."""
+    """Sums of products that the contact law makes zero, nonnegative, or vectors of a cone."""
 
     equal: ProductRows
     positive: ProductRows
@@ -66,7 +66,7 @@ class Products:
 
 
 class _RowBuilder:
-    """Builder of product rows, in groups of `wide` rows that are kept or left out together."""
+    """Builder of product rows; rows are added in groups that are kept or dropped as a whole."""
 
     def __init__(self, wide: int = 1) -> None:
         self._wide = wide
@@ -81,7 +81,7 @@ class _RowBuilder:
         self._count += len(left)
 
     def within(self, forms: MomentForms, place: Index) -> ProductRows:
-        """Rows added so far, without the groups that need a monomial marked -1 in `place`."""
+        """All rows so far, except groups with a monomial that `place` marks as unused (-1)."""
         row, left, right, weight = (
             np.concatenate(parts) for parts in zip(*self._parts, strict=True)
         )
@@ -96,7 +96,7 @@ class _RowBuilder:
 
 
 def monomials(forms: MomentForms) -> Index:
-    """Number of each monomial z_i z_j within a clique, as a symmetric matrix; -1 for the rest."""
+    """Number of each used monomial z_i z_j, as a symmetric matrix; -1 for unused monomials."""
     place = np.full((forms.width, forms.width), -1, dtype=np.int64)
     for clique in forms.cliques():
         place[np.ix_(clique, clique)] = 0
@@ -106,7 +106,7 @@ def monomials(forms: MomentForms) -> Index:
 
 
 def over_monomials(forms: MomentForms, rows: ProductRows, place: Index) -> csr_array:
-    """Product rows as linear functions of the monomials z_i z_j."""
+    """Matrix from the monomials z_i z_j to the product rows."""
     term, columns, values = _entries(forms, rows.left, rows.right, place)
     values = values * rows.weight[term]
     shape = (rows.count, int(place.max(initial=-1)) + 1)
@@ -130,7 +130,7 @@ def _entries(
 
 
 def law_products(forms: MomentForms, place: Index) -> Products:
-    """All product rows of the contact law that need only the monomials numbered in `place`."""
+    """All products that the contact law determines and that use only monomials in `place`."""
     return Products(
         _zero_rows(forms).within(forms, place),
         _nonnegative_rows(forms).within(forms, place),
@@ -174,7 +174,7 @@ def _nonnegative_rows(forms: MomentForms) -> _RowBuilder:
 
 
 def _cone_rows(forms: MomentForms) -> _RowBuilder:
-    """Cone vectors of the contact law (friction, sliding), multiplied by nonnegative forms."""
+    """Friction and sliding cones of the contact law, multiplied by nonnegative forms."""
     law, rows = forms.law, _RowBuilder(1 + forms.law.directions)
     force_cone = np.column_stack([forms.total, forms.ft])
     speed_cone = np.column_stack([forms.slip, forms.ut])
@@ -202,7 +202,7 @@ def _cone_rows(forms: MomentForms) -> _RowBuilder:
 
 
 def _single_points(forms: MomentForms) -> Index:
-    """Indices of the contact points that are the only member of their group."""
+    """Indices of the contact points that are alone in their group."""
     group = forms.law.group
     members = np.append(np.bincount(group[group >= 0], minlength=len(forms.law.mu)), 0)
     single: Index = np.flatnonzero(members[group] == 1)

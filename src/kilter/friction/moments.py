@@ -1,4 +1,4 @@
-"""Moment relaxation of the contact law: a bound of the power without division into cases.
+"""Moment relaxation of the contact law, which bounds the power without a division into cases.
 
     max E[w.b]:   E[each product of the law] = 0, >= 0, or in its cone,   E[v v^T] >= 0
 
@@ -42,9 +42,9 @@ DEAR: dict[Squares, float] = {"pairs": 1.0, "pushes": 1.0, "cliques": 6.0}
 USUAL_STEPS = 20
 """Number of interior-point steps assumed to predict the cost."""
 HOPEFUL = 1e-3
-"""A power below this fraction of the squared scale justifies another step of the same kind."""
+"""Power over the squared scale below which another step of the same kind is worthwhile [-]."""
 NEARLY = 1e-6
-"""Power below which cases are more promising than larger matrices."""
+"""Power below which a division into cases is preferred to larger matrices [-]."""
 SMALLEST = 0.01
 """Least ratio of successive scales: at a far smaller scale, fewer digits are left."""
 STEPS = 8
@@ -59,7 +59,7 @@ MOST_ENTRIES = 20_000_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MomentProof:
-    """Proof by moment relaxations: steps, each for the smaller motions that the last step leaves.
+    """Proof by moment relaxations; each step bounds the motions that the step before leaves.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ def moment_proof(law: ReducedLaw, opening: Array, tolerance: float, *, work: Wor
 
 
 def _solve_step(law: ReducedLaw, scale: float, squares: Squares, work: Work) -> MomentStep | None:
-    """Solve a semidefinite program for a step; None if it is too expensive or the solver fails."""
+    """Solve the semidefinite program of a step; None if it is too expensive or fails."""
     forms = moment_forms(law, scale)
     if _entries_of(forms, squares) > MOST_ENTRIES:
         return None

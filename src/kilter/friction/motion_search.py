@@ -111,7 +111,7 @@ class CoulombMotion:
 
 
 class _MotionSearch:
-    """State of a search for motions: the law, its work, and the best motion so far."""
+    """State of the search for a motion that obeys the law: the work, and the best motion so far."""
 
     def __init__(self, program: Program, work: Work, nearest: bool) -> None:
         self.program = program
@@ -125,7 +125,7 @@ class _MotionSearch:
 
     @property
     def over(self) -> bool:
-        """True if the search for motions is complete or its work is spent."""
+        """Whether the search is complete or its work is spent."""
         return (self.best is not None and self.best.exact) or self.work.over
 
     def solve(self, shift: Array, lubricated: Mask) -> TrialMotion | None:
@@ -141,20 +141,20 @@ class _MotionSearch:
         return TrialMotion(answer.x, self.family.forces(answer.multipliers, lubricated))
 
     def shift(self, x: Array) -> Array:
-        """De Saxce's shift s = mu |u_t| of each contact row in a motion x, shape (K,)."""
+        """Shift mu |u_t| of each row's opening speed in De Saxce's method, shape (K,)."""
         u = (self.law.matrix @ x).reshape(-1, 3)
         shift: Array = self.law.mu * np.linalg.norm(u[:, 1:], axis=1)
         return shift
 
     def near(self, candidate: TrialMotion) -> bool:
-        """True if an optimum of a relaxation nearly obeys the law, and so merits polishing."""
+        """True if a candidate nearly obeys the law, so that polishing it is worthwhile."""
         self.work.weighed(len(candidate.forces))
         return breach(self.law, candidate.x, candidate.forces) <= NEAR * float(
             self.law.load @ candidate.x
         )
 
     def worthwhile(self, candidate: TrialMotion, method: str, step: int) -> bool:
-        """True if a candidate of De Saxce's iteration is polished before the iteration ends."""
+        """True if a candidate should be polished now, before the iteration has ended."""
         if method == BY_MODES:
             return step == 0 and self.near(candidate)
         if len(self.law.mu) <= MOST_POINTS:
@@ -163,7 +163,7 @@ class _MotionSearch:
         return step > 0 and step in TRIES and self.near(candidate)
 
     def offer(self, candidate: TrialMotion, method: str) -> None:
-        """Polish a candidate until it obeys the law exactly, check it, and keep the best motion."""
+        """Polish a candidate to an exact motion, check it, and keep the best motion."""
         seen = self.seen if method == BY_MODES else set()
         for motion in [candidate, *polished(self.law, candidate, seen, self.work)]:
             self.work.weighed(len(motion.forces))
@@ -181,7 +181,7 @@ class _MotionSearch:
 
 
 def _merit(law: LawProof) -> tuple[bool, float]:
-    """Sort key of checked motions; the least key is the best motion."""
+    """Sort key of checked motions; the best motion has the least key."""
     return not law.holds, law.residual / max(law.size, TINY)
 
 
@@ -265,7 +265,7 @@ def _mode_candidates(search: _MotionSearch) -> Iterator[tuple[str, TrialMotion]]
 
 
 def _iterate(search: _MotionSearch, candidate: TrialMotion, method: str) -> None:
-    """Run De Saxce's iteration from a first candidate, and offer its motions to the search."""
+    """Run De Saxce's iteration from a candidate; polish and keep motions on the way."""
     no_lubrication = np.zeros(len(search.law.mu), dtype=bool)
     shift = search.shift(candidate.x)
     for step in range(FEW if method == BY_MODES else ITERATIONS):
@@ -288,7 +288,7 @@ def _iterate(search: _MotionSearch, candidate: TrialMotion, method: str) -> None
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DeSaxcePrograms:
-    """Convex programs of De Saxce's iteration, one for each shift of the opening speeds.
+    """Convex programs of De Saxce's iteration, which differ in the shift of the opening speeds.
 
     Attributes
     ----------
@@ -308,7 +308,7 @@ class DeSaxcePrograms:
     identity: csc_array
 
     def program(self, shift: Array, lubricated: Mask) -> ConicProgram:
-        """The program for a shift of the opening speeds, (K,), and a mask of lubricated rows."""
+        """The convex program for given shifts of the opening speeds, (K,), and lubricated rows."""
         law, before = self.law, len(self.tied) + len(self.smooth)
         scale, bound = np.ones(self.lines.shape[0]), np.zeros(self.lines.shape[0])
         friction = np.where(lubricated, 0.0, law.mu)[self.rough]

@@ -1,4 +1,4 @@
-"""Cheap test of how far a trial motion is from Coulomb's law, in scaled unknowns.
+"""Quick test of how much a candidate motion violates Coulomb's law, in scaled unknowns.
 
 A search makes thousands of candidates, and few deserve an exact check
 (`kilter.mechanics.law_check`), or to be made exact (`kilter.friction.polish`). In the unknowns of
@@ -24,11 +24,11 @@ from kilter.mechanics.mechanics_tolerances import STILL, WITNESS_EXACT, WITNESS_
 __all__ = ["breach", "may_obey"]
 
 ROUNDING = 2.0
-"""Factor by which a residual may exceed the limit of a witness, for rounding."""
+"""Allowance for rounding: factor by which a residual may exceed the limit of the full check."""
 
 
 def breach(law: CoulombLaw, x: Array, forces: Array) -> float:
-    """Power that a trial motion x with `forces` gains by violating the law [-]; 0 if it obeys."""
+    """Power that a candidate motion gains because it violates the law [-]; 0 if it obeys."""
     u = (law.matrix @ x).reshape(-1, 3)
     slip = np.linalg.norm(u[:, 1:], axis=1)
     gained = (forces * u).sum(axis=1) + law.mu * forces[:, 0] * slip
@@ -36,7 +36,7 @@ def breach(law: CoulombLaw, x: Array, forces: Array) -> float:
 
 
 def may_obey(law: CoulombLaw, x: Array, forces: Array) -> bool:
-    """True if a trial motion gains power and nearly obeys the law, so that it merits a check."""
+    """True if a candidate motion gains power and nearly obeys the law, so it deserves a check."""
     size = float(x @ x)
     if not float(law.load @ x) > 0.0:
         return False
@@ -46,7 +46,7 @@ def may_obey(law: CoulombLaw, x: Array, forces: Array) -> bool:
 
 
 def _law_residual(law: CoulombLaw, x: Array, forces: Array, fastest: float) -> float:
-    """Largest violation of the contact law by a trial motion [-], over the kinds in `LawProof`."""
+    """Largest violation of the contact law by a candidate, over the kinds of `LawProof` [-]."""
     u, tied = (law.matrix @ x).reshape(-1, 3), law.tied
     u_n, f_n, u_t, f_t = u[:, 0], forces[:, 0], u[:, 1:], forces[:, 1:]
     slip, drag = np.linalg.norm(u_t, axis=1), np.linalg.norm(f_t, axis=1)

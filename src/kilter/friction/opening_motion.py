@@ -1,4 +1,4 @@
-"""The motion that opens all contacts, chosen for the least bound of the contact forces.
+"""The motion that opens all contacts and gives the smallest bound of the contact forces.
 
     min (|y| - w.y) / 2:   un - mu |ut| >= 1 at every point,   u = J y
 
@@ -21,7 +21,7 @@ __all__ = ["opening_motion"]
 
 
 def opening_motion(law: ReducedLaw, *, work: Work) -> Array | None:
-    """Opening motion with the least bound of the forces, shape (n,); None if nothing opens all."""
+    """Motion that opens all contacts, with the least bound of forces, (n,); None if none does."""
     rough = np.flatnonzero(law.group >= 0)
     rough_group, directions = law.group[rough], law.directions
     program = opening_program(

@@ -52,7 +52,7 @@ DENSE = 250
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TrialMotion:
-    """Trial motion: accelerations x, shape (n,), and forces (n, u, v), shape (K, 3), all scaled.
+    """Candidate motion: accelerations x, shape (n,), and forces (n, u, v), shape (K, 3), scaled.
 
     They obey the law approximately or exactly; `check_law` decides.
     """
@@ -64,7 +64,7 @@ class TrialMotion:
 def polished(
     law: CoulombLaw, start: TrialMotion, seen: set[bytes], work: Work
 ) -> list[TrialMotion]:
-    """Trial motions near `start` that exactly solve the equations of some contact modes.
+    """Motions near `start` that exactly solve the equations of a contact mode.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def polished(
 def _follow_modes(
     law: CoulombLaw, mode: Index, start: TrialMotion, seen: set[bytes], work: Work
 ) -> list[TrialMotion]:
-    """Solve a contact mode, correct its contradictions, and repeat; returns all solutions."""
+    """Solve a contact mode, change the modes that the solution contradicts, and repeat."""
     motions: list[TrialMotion] = []
     candidate = start
     for _ in range(MODES):
@@ -107,7 +107,7 @@ def _follow_modes(
 
 
 def _nearest_modes(law: CoulombLaw, start: TrialMotion, least: float) -> Index:
-    """Contact mode of each row nearest to a motion; forces below `least` count as zero."""
+    """Contact mode of each row that is nearest to a motion; forces below `least` count as zero."""
     u, f = (law.matrix @ start.x).reshape(-1, 3), start.forces
     touches = law.tied | (f[:, 0] > np.maximum(u[:, 0], least))
     room = law.mu * f[:, 0] - np.linalg.norm(f[:, 1:], axis=1)
@@ -116,7 +116,7 @@ def _nearest_modes(law: CoulombLaw, start: TrialMotion, least: float) -> Index:
 
 
 def _corrected_modes(law: CoulombLaw, mode: Index, motion: TrialMotion) -> Index:
-    """Correct the modes of rows that a motion contradicts, such as an open row that closes."""
+    """Change the mode of each row that a motion contradicts, such as an open row that closes."""
     u, f = (law.matrix @ motion.x).reshape(-1, 3), motion.forces
     drag = np.linalg.norm(f[:, 1:], axis=1)
     new = mode.copy()
@@ -153,7 +153,7 @@ def _solve_mode(law: CoulombLaw, mode: Index, start: TrialMotion, work: Work) ->
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _ModeEquations:
-    """Equations of a contact mode: closed contacts stay closed, and friction opposes sliding."""
+    """Equations of a contact mode: closed contacts stay closed, friction opposes the sliding."""
 
     load: Array
     mu: Array
@@ -185,7 +185,7 @@ class _ModeEquations:
         return best
 
     def _push(self, e: Array) -> Any:
-        """Matrix of the lines along which the forces g act: the active lines, minus friction."""
+        """Matrix of the lines along which forces act: active lines, minus sliding friction."""
         drag = self._combine(self.mu[:, None] * e)
         count = len(self.mu)
         if self.full:
@@ -195,7 +195,7 @@ class _ModeEquations:
         return vstack([self.active[:count] - drag, self.active[count:]], format="csr")
 
     def _combine(self, weights: Array) -> Any:
-        """Line of each sliding point: its two tangent lines summed with weights, shape (S, 2)."""
+        """Weighted sum of the two tangent lines of each sliding point."""
         count = len(weights)
         if self.full:
             lines = self.across.reshape(count, 2, self.across.shape[1])
@@ -205,7 +205,7 @@ class _ModeEquations:
         return csr_array((weights.reshape(-1), places), shape=(count, 2 * count)) @ self.across
 
     def _friction_rotation(self, x: Array, g: Array, e: Array) -> Any:
-        """Derivative by x of the friction of the sliding points, as their directions turn."""
+        """Derivative of the sliding friction by the motion, as the sliding directions turn."""
         limit = self.mu * np.maximum(g[: len(self.mu)], 0.0)
         size = np.linalg.norm((self.across @ x).reshape(-1, 2), axis=1)
         turn = self._combine(np.column_stack([-e[:, 1], e[:, 0]]))
@@ -243,7 +243,7 @@ class _ModeEquations:
 def _at_the_limit(
     law: CoulombLaw, mode: Index, motion: TrialMotion, work: Work
 ) -> list[TrialMotion]:
-    """The same motion, with friction of sticking points moved to its limit against sliding.
+    """The motion again, with the friction of sticking points at its limit against their sliding.
 
     If a stack slides as a unit, its inner joints stick with forces that just reach their cones. The
     forces of several points have that sum only if they are all parallel.
@@ -274,7 +274,7 @@ def _at_the_limit(
 def _forces_on_rays(
     law: CoulombLaw, rays: Index, e: Array, others: Index, x: Array, work: Work
 ) -> Array | None:
-    """Forces (n, u, v) of motion x: along -e on the cones of `rays`, within the cones of `others`.
+    """Forces of a motion: at the friction limit for `rays`, within the cones for `others`.
 
     The cones of the others are replaced by eight rays each, so the problem is a nonnegative
     least-squares problem.
@@ -304,7 +304,7 @@ def _forces_on_rays(
 
 
 def _sliding_directions(speeds: Array, otherwise: Array) -> Array:
-    """Unit sliding directions of points, shape (S, 2); `otherwise` for points at rest."""
+    """Unit sliding direction of each point, shape (S, 2); `otherwise` for points at rest."""
     u = speeds.reshape(-1, 2)
     size = np.linalg.norm(u, axis=1)
     size_otherwise = np.linalg.norm(otherwise, axis=1)

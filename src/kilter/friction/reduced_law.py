@@ -1,4 +1,4 @@
-"""Coulomb's contact law in fewer unknowns, for proofs: no joints, points that slide alike grouped.
+"""Coulomb's contact law in fewer unknowns, for proofs: joints eliminated, points grouped.
 
 The law of `kilter.friction.law`, x = w + H^T g, in fewer unknowns; it is exact, without relaxation.
 Joints are eliminated: x = |Z^T w| Z a, with the columns of Z an orthonormal basis of the motions
@@ -41,7 +41,7 @@ __all__ = ["ReducedLaw", "reduced_law", "refusal"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ReducedLaw:
-    """Coulomb's contact law in fewer unknowns: no joints, points that slide alike grouped.
+    """Coulomb's law in fewer unknowns: joints eliminated, equally sliding points in groups.
 
     Attributes
     ----------
@@ -152,7 +152,7 @@ def _joint_motions(law: CoulombLaw) -> csr_array:
 
 
 def _flat_patches(program: Program, rows: Index) -> Index:
-    """Number of the flat patch of each contact row; its points lie in a plane and slide alike.
+    """For each contact row, the number of its flat patch; all its points slide alike.
 
     Each point of a patch that is not flat has its own number.
     """
@@ -217,7 +217,7 @@ def _indices_by_label(label: Index) -> list[Index]:
 
 
 def _group_levers(point: Array, across: Array, patch: Index) -> Array:
-    """Lever of each group: matrix L from the twist of its patch to the sliding speed."""
+    """Lever matrix of each group, from the twist of its patch to the sliding speed."""
     count = across.shape[1]
     lever = np.zeros((len(point), count, 3))
     lever[:, range(count), range(count)] = 1.0
@@ -237,7 +237,7 @@ def _group_levers(point: Array, across: Array, patch: Index) -> Array:
 
 
 def _patch_twists(tangent: csr_array, lever: Array, patch: Index) -> tuple[csr_array, ...]:
-    """Matrices from a motion to the twist of each patch, found from the sliding speeds ut = L t."""
+    """Matrices from a motion to the relative twist of each patch, found from sliding speeds."""
     count = lever.shape[1]
     twists = []
     for members in _indices_by_label(patch):

@@ -1,4 +1,4 @@
-"""Linear program whose feasible points contain every motion that obeys Coulomb's law.
+"""Linear program whose feasible set contains every motion that obeys Coulomb's law.
 
 The law (`kilter.friction.reduced_law`) is not convex: un fn = 0 at each point, and in each group
 friction dissipates mu N |ut|. Given bounds of all its solutions (`kilter.friction.enclosure`), both
@@ -62,7 +62,7 @@ circle.
 
 
 class Relaxation:
-    """Linear relaxation of a contact law; bounds and contact modes set its numbers.
+    """Linear relaxation of a contact law; bounds and contact modes enter as numbers.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ class Relaxation:
     # rows ------------------------------------------------------------------------------------
 
     def _columns_of_twists(self, is_planar: list[bool]) -> list[Index]:
-        """Add the columns of the twist of each patch."""
+        """Add the columns for the relative twist of each patch."""
         columns, place = [], self.columns["twist"].start
         for patch, alone in enumerate(is_planar):
             if alone:
@@ -173,7 +173,7 @@ class Relaxation:
             add.put(rows[:, None], columns[None], -law.lever[group])
 
     def _add_friction(self) -> None:
-        """Add the rows of friction limits: N = sum of fn and the reserves g_k = mu N + d_k.ft."""
+        """Add the rows of friction limits: force sums N, and reserves g_k = mu N + d_k.ft."""
         law, add = self.law, self._template
         groups, sides = len(law.mu), len(self.directions)
         rows = add.rows(groups, "=")
@@ -186,7 +186,7 @@ class Relaxation:
         add.put(rows[:, :, None], self._ft[:, None, :], -self.directions[None])
 
     def _add_cuts(self) -> None:
-        """Add the rows that bound slide speeds, dissipated power and normal forces."""
+        """Add the rows that limit sliding speeds, dissipated power and normal forces by bounds."""
         add, groups, sides = self._template, len(self.law.mu), len(self.directions)
         unit_column, ut, slip = self._of("one")[0], self._ut[:, None, :], self._of("slip")
         rows = add.rows(len(self.law.group), "<")
@@ -217,7 +217,7 @@ class Relaxation:
         add.put(rows, unit_column, 0.0, "least")
 
     def _add_sectors(self) -> None:
-        """Add, in space, the rows of twist cones, and of circular segments and sectors."""
+        """In space, add the rows of twist cones and of sectors of sliding directions."""
         add, groups = self._template, len(self.law.mu)
         if self.law.directions == 1:
             return
@@ -325,7 +325,7 @@ class Relaxation:
 
 
 def _directions(law: ReducedLaw) -> Array:
-    """Tangent directions d_k across a contact in which friction is bounded, shape (m, T)."""
+    """Tangent directions along which friction is bounded by the relaxation, shape (m, T)."""
     if law.directions == 1:
         return np.array([[1.0], [-1.0]])
     angle = 2 * np.pi * np.arange(SIDES) / SIDES
@@ -342,7 +342,7 @@ def _patch_ends(law: ReducedLaw) -> Index:
 
 
 def _segment(middle: Array, half: float) -> tuple[Array, Array]:
-    """Rows n.ft + c mu N <= 0: friction lies in a circular segment opposite to the sliding."""
+    """Constraint rows that keep friction in a circular segment opposite to the sliding."""
     turn = np.array([[np.cos(half), -np.sin(half)], [np.sin(half), np.cos(half)]])
     left, right = turn @ middle, turn.T @ middle
     # -ft = mu N d: d.middle >= cos(half); d right of `left`, left of `right`; d.x <= 1

@@ -1,4 +1,4 @@
-"""Path of the parts from a displacement to balance, in pseudo-time (implicit Euler steps).
+"""Follow the parts from a displacement to balance, in pseudo-time (implicit Euler steps).
 
 The equations r(x) = 0 of `kilter.friction.springs` are solved by pseudo-transient continuation,
 implicit Euler steps of dx/dt = r(x),
@@ -71,7 +71,7 @@ MOST = 20_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rest:
-    """End of a path of the parts in pseudo-time: in balance, run away, or failed.
+    """End of the path of the parts in pseudo-time: in balance, run away, or failed.
 
     Attributes
     ----------
@@ -131,7 +131,7 @@ def relaxed(
 def _advance(
     springs: Springs, state: SpringState, step: float, work: Work
 ) -> tuple[SpringState | None, int]:
-    """State after a pseudo-time `step` (None if Newton's method fails), and the Newton steps."""
+    """Take a pseudo-time `step`: return the new state (None on failure) and the Newton steps."""
     new, error_vector = state, state.rest
     least_error = float(np.linalg.norm(error_vector))
     accepted = (STEP_ERROR if least_error > SMALL else STEP_ERROR_SMALL) * least_error
@@ -161,7 +161,7 @@ def _line_search(
     step: float,
     enough: float,
 ) -> tuple[SpringState, Array]:
-    """Line search: the state along a Newton step at which the error does no more work.
+    """Choose the length of a Newton step so that the error does no more work along it.
 
     `at` holds the state at the beginning of the step h, the last state, and its error vector. A
     point that starts to touch adds much to the error, but little to the energy. So the line search

@@ -1,4 +1,4 @@
-"""Seating: search for a position in which the weight of the carefully placed parts holds them.
+"""Search for a seat: a state of rest in which the weight of carefully placed parts holds them.
 
 Between contacts that give a little, and that start without a gap or a squeeze
 (`kilter.friction.springs`), parts under load may have a displacement x at which every part is in
@@ -39,7 +39,7 @@ from kilter.work import Work
 __all__ = ["Seating", "find_seating"]
 
 NEAR = 1e4
-"""First step h from the forces of the least energy, which are near a seat."""
+"""First pseudo-time step if the search starts at the forces of least energy, near a seat."""
 SPREAD = 10.0
 """Random stiffnesses of patches are up to this factor above or below 1."""
 SQUEEZE = 10.0
@@ -52,7 +52,7 @@ NUDGE = 1.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Seating:
-    """Result of the search for a seat: a position in which the weight of the parts holds them.
+    """Result of the search for a seat: a state of rest that the weight of the parts produces.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ def find_seating(
     work: Work | float = inf,
     elastic: ElasticForces | None = None,
 ) -> Seating:
-    """Search for a seat: a position of the parts in which their weight holds them.
+    """Search for a seat: a state of rest with elastic contacts, produced by the weight alone.
 
     Parameters
     ----------
@@ -150,7 +150,7 @@ def find_seating(
 def _starts(
     law: CoulombLaw, elastic: ElasticForces | None, seed: int
 ) -> Iterator[tuple[Array, Array, float]]:
-    """Yield starts without end: stiffness of each row, first displacement and first step."""
+    """Yield starts, endlessly: stiffness of each row, first displacement and first step."""
     rng = np.random.default_rng(seed)
     if elastic is not None:
         yield np.ones(len(law.mu)), elastic.displacement, NEAR
@@ -160,7 +160,7 @@ def _starts(
 
 
 def _random_squeeze(law: CoulombLaw, rng: np.random.Generator) -> tuple[Array, Array]:
-    """Random stiffness of each patch, and a first displacement that squeezes the patches."""
+    """Random stiffness of each patch, and a displacement that presses all patches together."""
     from scipy.sparse.linalg import splu
 
     patches = int(law.patch.max(initial=-1)) + 1

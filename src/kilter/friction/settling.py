@@ -1,4 +1,4 @@
-"""Settling: do loosely placed parts come to rest by their own weight alone?
+"""Settling: whether loosely placed parts come to rest by their own weight alone.
 
 Parts begin at rest in their drawn positions (x = 0), with a random gap at every contact point,
 between zero and three times the deflection that their weight causes there. They come down along
@@ -37,17 +37,17 @@ __all__ = ["TRIES", "Settling", "find_settling"]
 TRIES = 8
 """Number of tries that must all come to balance."""
 LOOSE = 3.0
-"""Largest gap, over the deflection of its point."""
+"""Largest initial gap of a contact point, over its deflection under the weight [-]."""
 
 HOPELESS = 1.5
-"""A try ends as not found if all tries, at its rate, take this many times the allowed work."""
+"""A try ends if all tries at its speed would take this many times the allowed work."""
 
 End = Literal["balance", "runs-away", "not-found"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Settling:
-    """Results of the settling tries, in which loosely placed parts come down by their weight.
+    """Results of the settling tries, in which parts start with gaps and come down by their weight.
 
     Attributes
     ----------
@@ -152,7 +152,7 @@ def find_settling(
 
 
 def _unbalanced_end(end: End) -> End:
-    """Reason why a settling try does not count as balanced."""
+    """Reason why a settling try counts as failed."""
     return "runs-away" if end == "runs-away" else "not-found"
 
 

@@ -1,4 +1,4 @@
-"""Linear systems of contact springs between pairs of parts, with a fixed sparsity pattern.
+"""Linear systems of contact springs between parts, with a fixed pattern of nonzeros.
 
 A matrix is the sum of a block for each pair of touching parts, and of a multiple d of the identity.
 It is solved as a band matrix, with parts in reverse Cuthill-McKee order, or as a sparse matrix if
@@ -62,11 +62,11 @@ class SpringMatrix:
 
     @property
     def symmetric_pays(self) -> bool:
-        """True if symmetric matrices make Newton's method faster, as for a wide band."""
+        """True if symmetric matrices make Newton's method faster; this holds for a wide band."""
         return self.band > SYMMETRIC
 
     def solve(self, blocks: Array, drag: float, right: Array, work: Work) -> Array:
-        """Solve a spring system, whose blocks may be unsymmetric, for its displacement.
+        """Solve the linear system of the springs for the displacement; blocks may be unsymmetric.
 
         Parameters
         ----------
@@ -91,7 +91,7 @@ class SpringMatrix:
         return step[self.order]
 
     def _solve_band(self, blocks: Array, drag: float, right: Array, work: Work) -> Array:
-        """Solve a spring system as a band matrix, in the order of elimination."""
+        """Solve the linear system of the springs as a band matrix, in elimination order."""
         from scipy.linalg.lapack import dgbsv
 
         band, count = self.band, len(right)
@@ -104,7 +104,7 @@ class SpringMatrix:
         return np.asarray(step, np.float64)
 
     def _solve_sparse(self, blocks: Array, drag: float, right: Array, work: Work) -> Array:
-        """Solve a spring system as a sparse matrix, in the order of elimination."""
+        """Solve the linear system of the springs as a sparse matrix, in elimination order."""
         from scipy.sparse.linalg import splu
 
         count = len(right)
@@ -119,7 +119,7 @@ class SpringMatrix:
         return np.asarray(factor.solve(right), np.float64)
 
     def solve_symmetric(self, blocks: Array, drag: float, right: Array, work: Work) -> Array:
-        """Solve a spring system with symmetric positive semidefinite blocks, as `solve` does."""
+        """Solve the linear system of springs with symmetric blocks, as `solve` does."""
         from scipy.linalg.lapack import dpbsv
 
         if self.dissection is not None:
@@ -138,7 +138,7 @@ class SpringMatrix:
     def _solve_dissected(
         self, factor: BlockCholesky, blocks: Array, drag: float, right: Array, work: Work
     ) -> Array:
-        """Solve a symmetric spring system by nested dissection with `factor`."""
+        """Solve the symmetric linear system of the springs by nested dissection."""
         width = blocks.shape[1] // 2
         parts = len(right) // width
         diagonal = np.zeros((parts + 1, width, width))
@@ -190,7 +190,7 @@ def spring_matrix(pairs: Index, center: Array, per: int) -> SpringMatrix:
 
 
 def _elimination_ranks(pairs: Index, count: int) -> Index:
-    """Rank of each part in an elimination order that keeps touching parts close (small band)."""
+    """Position of each part in an elimination order that gives a matrix of small bandwidth."""
     from scipy.sparse.csgraph import reverse_cuthill_mckee  # slow to import
 
     both = pairs[(pairs >= 0).all(axis=1)]
@@ -204,7 +204,7 @@ def _elimination_ranks(pairs: Index, count: int) -> Index:
 def _sparse_positions(
     i: Index, j: Index, used: np.ndarray, count: int
 ) -> tuple[Index, Index, Index]:
-    """Positions of entries in a csc_array with full diagonal; its row indices and column starts."""
+    """Positions of block entries in a sparse matrix with a full diagonal, and its pattern."""
     diagonal = np.arange(count) * (count + 1)
     keys, inverse = np.unique(np.concatenate([j[used] * count + i[used], diagonal]),
                               return_inverse=True)  # fmt: skip

@@ -1,4 +1,4 @@
-"""Elastic contacts: forces from a displacement of the parts, and the balance of the parts.
+"""Elastic contacts: forces from displacements of the parts, and the imbalance they leave.
 
 With a stiffness k along the normal, 0.7 k across it, and a gap g >= 0 at each point, a small
 displacement x of the parts produces the forces
@@ -29,7 +29,8 @@ __all__ = ["ACROSS", "SpringState", "SpringSystem", "Springs", "spring_system"]
 ACROSS = 0.7
 """Stiffness across a contact over that along its normal: about that of two elastic bodies."""
 RUN = 4
-"""Number of points of a pair whose levers are multiplied together: the corners of a face."""
+"""Number of points of a pair whose levers are multiplied together; a face has about as many
+corners."""
 
 
 @dataclass(slots=True)
@@ -44,7 +45,7 @@ class SpringState:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SpringSystem:
-    """Data of the spring equations that all stiffnesses, gaps and displacements share.
+    """Data of the spring equations that do not depend on stiffness, gap or displacement.
 
     Attributes
     ----------
@@ -88,7 +89,7 @@ def spring_system(law: CoulombLaw) -> SpringSystem:
 
 
 def _runs_of_points(pair: Index, pairs: int) -> tuple[Index, Index]:
-    """Points of each pair in runs of `RUN` (filled with K), and the first run of each pair."""
+    """Contact points of each pair, in groups of `RUN`, and the first group of each pair."""
     count = np.bincount(pair, minlength=pairs)
     runs = -(-count // RUN)
     begins = np.cumsum(runs) - runs
@@ -100,7 +101,7 @@ def _runs_of_points(pair: Index, pairs: int) -> tuple[Index, Index]:
 
 
 def _scaled_weights(law: CoulombLaw) -> Array:
-    """Weights of the free parts in the scale of the imbalance r."""
+    """Weights of the free parts, scaled as the imbalance r."""
     part = np.flatnonzero(law.program.free)
     weight = law.program.weight[part] / np.sqrt(law.program.mass[part]) / max(law.strength, TINY)
     least: Array = np.maximum(weight, TINY)
@@ -108,7 +109,7 @@ def _scaled_weights(law: CoulombLaw) -> Array:
 
 
 def _pair_levers(law: CoulombLaw, ends: Index, per: int) -> Array:
-    """Levers (H) of each contact point on its first and second part, shape (K, 3, 2 d)."""
+    """Lever matrices of each contact point on its two parts, shape (K, 3, 2 d)."""
     entries = law.matrix.tocoo()
     point, line = entries.row // 3, entries.row % 3
     part, freedom = entries.col // per, entries.col % per
@@ -174,7 +175,7 @@ class Springs:
         return solve(blocks, drag, right, work)
 
     def _pair_blocks(self, state: SpringState, exact: bool) -> Array:
-        """Contribution of each pair of parts to -dr/dx, shape (P, 2 d, 2 d)."""
+        """Stiffness matrix of each pair of parts, its part of -dr/dx, shape (P, 2 d, 2 d)."""
         system = self.system
         slope = _contact_slopes(system.law, self.stiffness, state.opening, exact)[system.points]
         runs, size = len(system.points), system.lever.shape[-1]
@@ -198,7 +199,7 @@ def _contact_forces(law: CoulombLaw, stiffness: Array, u: Array) -> Array:
 
 
 def _contact_slopes(law: CoulombLaw, stiffness: Array, u: Array, exact: bool) -> Array:
-    """Derivative -df/du of the forces, shape (K + 1, 3, 3); 0 for open points and the last."""
+    """Derivative -df/du of the contact forces by point displacements, shape (K + 1, 3, 3)."""
     slope = np.zeros((len(u) + 1, 3, 3))
     points = np.flatnonzero((u[:, 0] < 0) | law.tied)
     k, tied, mu = stiffness[points], law.tied[points], law.mu[points]

@@ -20,7 +20,7 @@ __all__ = ["MatrixTemplate"]
 
 
 class MatrixTemplate:
-    """Structure of a sparse matrix over named columns; each row is = 0, >= 0 or <= 0.
+    """Structure of a sparse constraint matrix over named columns; its named entries may change.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ class MatrixTemplate:
         return np.arange(columns.start, columns.stop)
 
     def rows(self, count: int, kind: Literal["=", ">", "<"]) -> Index:
-        """Create `count` rows that are = 0, >= 0 or <= 0, and return their indices."""
+        """Add `count` constraint rows of a kind (= 0, >= 0, <= 0) and return their indices."""
         at = self.height + np.arange(count)
         self._lower.append(np.full(count, -np.inf if kind == "<" else 0.0))
         self._upper.append(np.full(count, np.inf if kind == ">" else 0.0))
@@ -72,7 +72,7 @@ class MatrixTemplate:
         return at
 
     def put(self, rows: ArrayLike, columns: ArrayLike, values: ArrayLike, name: str = "") -> None:
-        """Add matrix entries, broadcast together; named entries get new values in each matrix."""
+        """Add entries to the matrix; entries with a name get new values in each later matrix."""
         at, across = np.broadcast_arrays(np.asarray(rows), np.asarray(columns))
         data = np.broadcast_to(np.asarray(values, dtype=np.float64), at.shape)
         self._blocks.append((at.ravel(), across.ravel(), data.ravel()))
@@ -81,7 +81,7 @@ class MatrixTemplate:
         self._filled += at.size
 
     def put_matrix(self, rows: Index, columns: str, matrix: sparray, sign: float) -> None:
-        """Add a matrix, times a sign, in the given rows and the columns of a name."""
+        """Add a given matrix, times a sign, to rows and to the columns with a name."""
         coo = matrix.tocoo()
         self.put(rows[coo.row], self.columns[columns].start + coo.col, sign * coo.data)
 

@@ -1,4 +1,4 @@
-"""Contact forces that follow an uncertain load: a linear program for a whole box of loads.
+"""Linear program for contact forces that depend affinely on the uncertain terms of a load.
 
 The load depends on unknowns d in a box and on a share t,
 
@@ -33,7 +33,7 @@ __all__ = ["UncertainLoad", "affine_forces", "affine_imbalance"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UncertainLoad:
-    """A load with uncertain terms in a box, as right-hand sides of a scaled equilibrium problem.
+    """A load that depends on uncertain terms within a box, scaled for the equilibrium equations.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class UncertainLoad:
 
 
 def affine_forces(problem: ScaledProblem, load: UncertainLoad, most: float) -> LinearProgram:
-    """Linear program for the largest load share t that forces affine in d balance for every d.
+    """Linear program for the largest multiple t of a load, with forces affine in the unknowns d.
 
     Its unknowns are x = (t, f_0, f_k+, f_k-), where f_k = f_k+ - f_k- and both are nonnegative.
 
@@ -99,7 +99,7 @@ def affine_forces(problem: ScaledProblem, load: UncertainLoad, most: float) -> L
 
 
 def affine_imbalance(problem: ScaledProblem, load: UncertainLoad, x: Array) -> float:
-    """Largest imbalance of a part over all d, relative to its weight [-], for a solution.
+    """Largest imbalance of a part for any d, over its weight [-], for a solution x of the program.
 
     The forces are first cut to their cones: f_0 of a row that only pushes is raised to sum_k |f_k|.
 

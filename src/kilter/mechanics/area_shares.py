@@ -1,4 +1,4 @@
-"""Area shares of the corners of a flat convex patch, by which a uniform stress acts at its corners.
+"""Share of the area of a flat convex patch that each of its corners represents.
 
 Triangles from the mean of the corners to each side tile the area. A third of each triangle
 belongs to each of its three vertices, and the third of the mean is distributed equally over all

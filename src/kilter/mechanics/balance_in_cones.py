@@ -1,4 +1,4 @@
-"""Balance in exact friction cones as a `LinkedCones` problem for kilter's own interior point.
+"""Equilibrium in exact friction cones, in the form that kilter's own interior-point method solves.
 
     max t:  A f = b + t d,   0 <= t <= T,   f in K
 
@@ -45,13 +45,13 @@ class ConeBalance:
     unit: float
 
     def with_more(self, wrenches: Array, most: float) -> ConeBalance:
-        """The same problem with other further wrenches, shape (N, 6), up to `most` times."""
+        """Copy of the problem for other additional wrenches, shape (N, 6), up to `most` times."""
         free = np.flatnonzero(self.program.free)
         along = -_over_weight(self.program, free, wrenches)
         return replace(self, cones=self.cones.with_more(along, most))
 
     def decoded(self, x: Array) -> tuple[Array, Array]:
-        """Forces along the rows, shape (K,), and across, (K, 3) [N], from unknowns x, (d, K)."""
+        """Normal forces, (K,), and friction forces, (K, 3) [N], of the rows from unknowns x."""
         count = len(self.program.part_a)
         normal_force, friction = np.zeros(count), np.zeros((count, 3))
         normal = self.program.normal[self.rows]
@@ -71,12 +71,12 @@ class ConeBalance:
 
 
 def load_share(program: Program) -> ConeBalance:
-    """Problem for the largest share (0 to 1) of the load that the contact forces balance."""
+    """Problem for the largest fraction (0 to 1) of the load that contact forces balance."""
     return balance_in_cones(program, np.zeros((len(program.names), 6)), program.load, 1.0)
 
 
 def balance_in_cones(program: Program, load: Array, more: Array, most: float) -> ConeBalance:
-    """Problem for the largest share of further wrenches that contacts balance beside a load.
+    """Problem for the largest multiple of extra wrenches that contacts balance beside a load.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ def _over_weight(program: Program, free: Index, wrench: Array) -> Array:
 
 
 def _directions(program: Program, rows: Index) -> Array:
-    """Force vector per unit of each unknown of a row, over the unit of force, shape (d, K, 3)."""
+    """Direction of the force of each unknown of a row, over the unit of force, shape (d, K, 3)."""
     normal, mu = program.normal[rows], program.mu[rows]
     if not mu.any():
         return normal[None]
@@ -160,9 +160,9 @@ def _columns(program: Program, rows: Index, owner: Index, directions: Array, sig
 
 
 def _transfer_matrices(program: Program, free: Index, first: Index, second: Index) -> Array:
-    """Matrices that carry the wrench on the first part of each link over to the second part.
+    """Matrices that move the wrench on the first part of each link to its second part, (L, n, n).
 
-    Shape (L, n, n), between scaled wrenches. It is zero for a link to a held part or the ground
+    Between scaled wrenches. It is zero for a link to a held part or the ground
     (`second` < 0).
     """
     part_a, part_b = free[first], free[second]

@@ -1,4 +1,4 @@
-"""Correction of nearly balanced contact forces to balance at rounding accuracy.
+"""Newton correction of nearly balanced contact forces, so that only rounding errors remain.
 
     min sum (df_n / f_n)^2 + |df_t|^2 / (mu f_n)^2:   A (f + df) = b
 
@@ -32,7 +32,7 @@ value allows slower progress.
 
 
 def balanced_forces(cones: ConeProblem, forces: Array, friction: Array) -> tuple[Array, Array]:
-    """Balanced forces nearest to given ones, along and across the rows, (K,) and (K, 3) [N].
+    """Correct normal and friction forces to the nearest balanced forces, (K,) and (K, 3) [N].
 
     The result may leave the friction cones by as much as it changes, and it is not better balanced
     than the input if no forces on the pressed contacts balance. So check it with a certificate.

@@ -1,4 +1,4 @@
-"""Bonds in a program: a known clamping load, and rows for the shear force.
+"""Bonds as parts of a program: loads that press the parts together, and rows for shear forces.
 
 A bond lets a contact point pull, f_n >= -T. With f' = f_n + T this is an ordinary contact row,
 f' >= 0, together with a known pair of forces T that clamps the parts together. So every program,
@@ -91,7 +91,7 @@ def _tension_limits(contacts: ContactSet, point_bond: Index) -> Array:
 
 
 def _corner_areas(contacts: ContactSet, by_area: Mask) -> Array:
-    """Part of its patch area that each contact point represents [length unit^2], shape (K,).
+    """Patch area that each contact point represents [length unit^2], shape (K,).
 
     Raises
     ------
@@ -140,7 +140,7 @@ def _require_contact(contacts: ContactSet, patch_bond: Index) -> None:
 def clamp_of(
     geometry: Geometry, part_a: Index, part_b: Index, point: Array, normal: Array, pull: Array
 ) -> Array:
-    """Wrenches on all parts by bonds that pull with `pull` [N] at their points, shape (N, 6).
+    """Wrenches on all parts, shape (N, 6), by bonds that pull with `pull` [N] at their points.
 
     A bond in the state f' = 0 pulls with T: the force is -T n on the second part and T n on the
     first.

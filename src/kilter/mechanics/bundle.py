@@ -37,7 +37,7 @@ from kilter.mechanics.proof_form import FORMAT, require_bundle_form, require_for
 __all__ = ["apply_change", "is_bundle", "make_bundle", "split_bundle", "subject_mismatch"]
 
 COMMON = ("kilter_proof", "units", "planar", "options", "tolerance", "parts", "points")
-"""Keys of a proof whose values are equal in all proofs of a file."""
+"""Keys whose values are equal in all proofs of a file."""
 
 
 LOAD = ("part", "force", "torque", "point")
@@ -98,7 +98,7 @@ def split_bundle(bundle: Any) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]
 def apply_change(
     assembly: Assembly, contacts: ContactSet, change: Mapping[str, Any]
 ) -> tuple[Assembly, ContactSet]:
-    """The assembly and contacts to which a proof refers, after the change that the proof states.
+    """The assembly and the contacts that a proof is about: the file after the stated change.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def apply_change(
 
 
 def subject_mismatch(about: Mapping[str, Any], proof: Mapping[str, Any]) -> str:
-    """Reason why a proof does not prove its stated subject `about`; empty if it does."""
+    """Reason why a proof is not about its stated subject `about`; empty if it is."""
     vector = about.get("vector")
     if vector is None:
         return ""

@@ -120,7 +120,7 @@ def check_forces(program: Program, forces: Array, friction: Array | None = None)
 
 
 def _clip_to_cones(program: Program, forces: Array, friction: Array | None) -> tuple[Array, Array]:
-    """Clip forces to the admissible cones: signs along the rows, friction to mu times normal.
+    """Move forces into their cones: one-sided rows push, friction is at most mu times normal.
 
     Returns both, shapes (K,) and (K, 3); values that are not finite become 0.
     """
@@ -178,7 +178,7 @@ def violations(program: Program, motion: Array) -> Array:
 
 
 def part_sizes(program: Program, six: Array, *, per_radius: bool) -> Array:
-    """Size of the twist (angle x radius) or wrench (torque / radius) of each part, shape (N,).
+    """Size of each part's twist (angle x radius) or wrench (torque / radius), shape (N,).
 
     Parameters
     ----------

@@ -48,7 +48,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ConeProblem:
-    """Scaled equilibrium with friction cones; each row with friction is split along n, u and v.
+    """Scaled equilibrium with friction cones; rows with friction have tangential unknowns.
 
     Attributes
     ----------
@@ -68,11 +68,11 @@ class ConeProblem:
     directions: Array
 
     def decoded(self, columns: Array) -> tuple[Array, Array]:
-        """Forces along the rows, shape (K,), and across, (K, 3) [N], from the scaled unknowns."""
+        """Normal forces, shape (K,), and friction forces, (K, 3) [N], from the scaled unknowns."""
         return self.gathered(self.problem.forces(columns))
 
     def gathered(self, values: Array) -> tuple[Array, Array]:
-        """Forces along the rows, shape (K,), and across, (K, 3) [N], from values of split rows."""
+        """Normal values, (K,), and tangential vectors, (K, 3), from values of the split rows."""
         count, rough = len(self.program.part_a), len(self.rough)
         friction = np.zeros((count, 3))
         for k in range(self.directions.shape[1]):
@@ -88,7 +88,7 @@ class ConeProblem:
         return replace(self, program=program, problem=problem)
 
     def cone_rows(self) -> tuple[csc_array, int, Index]:
-        """Conic constraints of the forces: matrix G, number of half lines, and sizes of the cones.
+        """Cone constraints of the forces: matrix, number of inequalities, and sizes of the cones.
 
         G f + h lies in the product of the half lines (first rows) and second-order cones; h is
         `heads`.
@@ -111,7 +111,7 @@ class ConeProblem:
 
     @property
     def heads(self) -> Array:
-        """Constant h of the cone constraints: bond limits at first entries of cones, else 0."""
+        """Constant term of each cone constraint: the limit of a bond in its first entry, else 0."""
         half_lines = int((~self.program.two_sided & (self.program.mu <= 0)).sum())
         size = 1 + self.directions.shape[1]
         heads = np.zeros(half_lines + size * len(self.rough))
@@ -120,7 +120,7 @@ class ConeProblem:
 
 
 def cone_problem(program: Program) -> ConeProblem:
-    """Build the scaled equilibrium of a program, with rows split along n, u and v if rough."""
+    """Build the scaled equilibrium of a program, with tangential unknowns for friction."""
     rough = program.gripping
     directions = _directions(program, rough)
     rows = np.concatenate([np.arange(len(program.part_a)), *[rough] * directions.shape[1]])
@@ -140,7 +140,7 @@ def _directions(program: Program, rough: Index) -> Array:
 
 
 def load_factor_in_cones(cones: ConeProblem) -> ConicProgram:
-    """Program for the largest multiple of the load that friction cones can balance: 0 or 1.
+    """Conic program for the largest fraction of the load that contacts balance; it is 0 or 1.
 
     If lambda is 0, the multipliers y of the first rows give a motion in the dual cone.
     """
@@ -161,7 +161,7 @@ def load_factor_in_cones(cones: ConeProblem) -> ConicProgram:
 
 
 def largest_load(cones: ConeProblem, wrench: Array, most: float) -> ConicProgram:
-    """Program for the largest share t, up to `most`, of further wrenches that contacts balance.
+    """Conic program for the largest multiple t <= `most` of extra wrenches that contacts balance.
 
     Parameters
     ----------
@@ -192,7 +192,7 @@ def largest_load(cones: ConeProblem, wrench: Array, most: float) -> ConicProgram
 
 
 def nearest_load(cones: ConeProblem, wrenches: Array, start: Array) -> ConicProgram:
-    """Program for the coefficients t nearest to `start` whose load contact forces can balance.
+    """Conic program for the combination of wrenches nearest to `start` that contacts balance.
 
     The unknowns are x = (f, t).
 
@@ -219,7 +219,7 @@ def nearest_load(cones: ConeProblem, wrenches: Array, start: Array) -> ConicProg
 
 
 def least_forces(cones: ConeProblem) -> ConicProgram:
-    """Program for the balanced contact forces with the least sum of squares.
+    """Conic program for the balanced contact forces with the least sum of squares.
 
     The solution is unique and not at a corner of the set of all equilibria: equal contacts carry
     equal shares. For a bonded contact the acting force f - T counts, without its pull T.
@@ -238,7 +238,7 @@ def least_forces(cones: ConeProblem) -> ConicProgram:
 
 
 def least_strength(cones: ConeProblem, unit: float) -> ConicProgram:
-    """Program for the least share s of all bond strengths with which the contacts balance.
+    """Conic program for the least fraction of all bond strengths with which contacts balance.
 
     The unknowns are x = (f, s / unit). The program is well posed on both sides of s = 1, where the
     load factor jumps. For s < 1 the forces are within the strength. For s > 1 the multipliers give
@@ -259,7 +259,7 @@ def least_strength(cones: ConeProblem, unit: float) -> ConicProgram:
 
 
 def least_cohesion(cones: ConeProblem) -> ConicProgram:
-    """Program for the least cohesion c that holds the parts, if |f_t| <= mu f_n + c w.
+    """Conic program for the least cohesion c with which |f_t| <= mu f_n + c w allows balance.
 
     w is the weight of the lighter part at the contact. If c < 0, forces exist inside the cones with
     a margin that exceeds rounding. If c > 0, the multipliers of the first rows give a motion in the
@@ -291,14 +291,14 @@ def cohesion_slope(cones: ConeProblem, answer: Solution) -> float:
 
 
 def _cone_heads(positive: int, sizes: Index) -> Index:
-    """Row of the first entry of each friction cone; the cones follow `positive` scalar rows."""
+    """Index of the first entry of each friction cone; `positive` scalar rows precede the cones."""
     return positive + np.cumsum(sizes) - sizes
 
 
 def pyramid(
     program: Program, sides: int = 8, *, outer: bool = False, angles: Array | None = None
 ) -> Program:
-    """The program with each friction cone replaced by a pyramid: rays, each with its own row.
+    """Replace each friction cone of a program by a pyramid: a row for each of its edge rays.
 
     Parameters
     ----------
@@ -340,14 +340,14 @@ def pyramid(
 
 
 def _corner_angles(angles: Array) -> tuple[Array, Array]:
-    """Angles [rad] and distances of the corners between neighbouring tangents of a unit circle."""
+    """Angle [rad] and distance from the centre of each corner of a polygon of circle tangents."""
     tangent = np.sort(angles % (2 * np.pi), axis=1)
     half = (np.roll(tangent, -1, axis=1) - tangent) % (2 * np.pi) / 2
     return tangent + half, 1.0 / np.cos(half)
 
 
 def angles_across(program: Program, across: Array) -> Array:
-    """Angles of tangential vectors in the frames of the rough contacts, shape (R,) [rad].
+    """Angle of each tangential vector in the frame of its rough contact, shape (R,) [rad].
 
     Parameters
     ----------
@@ -363,7 +363,7 @@ def angles_across(program: Program, across: Array) -> Array:
 
 
 def pyramid_forces(program: Program, rays: Program, forces: Array) -> tuple[Array, Array]:
-    """Forces along and across the rows of `program`, from the ray forces of its pyramid.
+    """Normal and friction forces of the rows of `program`, from ray forces of its pyramids.
 
     Parameters
     ----------

@@ -35,12 +35,12 @@ all normals count. A larger value admits more motions at more cost.
 
 
 def with_pushes(program: Program, pushes: PossibleContacts) -> Program:
-    """The program with additional one-sided rows: pushes that unmodelled contacts may exert."""
+    """Copy of a program with extra one-sided rows: pushes that unmodelled contacts may exert."""
     return program.with_force_rows(ForceRows.join([program.force_rows, pushing_rows(pushes)]))
 
 
 def without_degenerate(assembly: Assembly, contacts: ContactSet) -> Program:
-    """Program of all possible contact forces, without those at exactly degenerate points."""
+    """Program of all possible contact forces except those at points without a unique normal."""
     outer = bounding_program(assembly, contacts)
     exact = np.append(contacts.degenerate.exact, False)[contacts.possible.degenerate]
     pushes = np.flatnonzero((outer.kind == POSSIBLE) & ~outer.two_sided)
@@ -48,7 +48,7 @@ def without_degenerate(assembly: Assembly, contacts: ContactSet) -> Program:
 
 
 def openings(program: Program, pushes: PossibleContacts, motion: Array) -> Array:
-    """Opening velocity of the parts along each possible push, for a motion, shape (n,).
+    """Opening velocity along each possible push if the parts move by `motion`, shape (n,).
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def openings(program: Program, pushes: PossibleContacts, motion: Array) -> Array
 
 
 def between(program: Program, contacts: ContactSet, motion: Array) -> list[PossibleContacts]:
-    """Points inside contact lines at which a motion could penetrate, as pushes of each normal.
+    """Points inside contact lines that a motion may penetrate, with pushes along each normal.
 
     A line of contact is assumed between two points of a pair if it is perpendicular to all normals
     of its start. Each result holds a push for every normal of either end, at the same point.
@@ -106,7 +106,7 @@ def between(program: Program, contacts: ContactSet, motion: Array) -> list[Possi
 
 
 class _Line(NamedTuple):
-    """A straight contact line from a degenerate point: its ends, and the normals at both ends."""
+    """A line of contact that starts at a degenerate point: its ends, and the normals at both."""
 
     pair: Index
     here: Array
@@ -115,7 +115,7 @@ class _Line(NamedTuple):
 
 
 def _contact_lines(contacts: ContactSet) -> list[_Line]:
-    """Contact lines that start at exactly degenerate points, perpendicular to all normals there."""
+    """Lines of contact from degenerate points, perpendicular to every normal at the start."""
     points = contacts.degenerate
     point_pairs = np.column_stack([points.part_a, points.part_b])
     pairs = np.concatenate([point_pairs[points.owner], points.held_parts])
@@ -138,7 +138,7 @@ def _contact_lines(contacts: ContactSet) -> list[_Line]:
 
 
 def _pushes_along(pair: Index, point: Array, normals: Array) -> PossibleContacts:
-    """A possible push along each of `normals`, shape (n, 3), at a common point or a point each."""
+    """Possible pushes along `normals`, shape (n, 3), at a common point or at a point for each."""
     count = len(normals)
     zeros = np.zeros(count)
     points = np.array(np.broadcast_to(point, (count, 3)))
@@ -149,7 +149,7 @@ def _pushes_along(pair: Index, point: Array, normals: Array) -> PossibleContacts
 
 
 def allowed_program(assembly: Assembly, contacts: ContactSet, motion: Array) -> Program | None:
-    """Program whose row at each degenerate point is the normal along which a motion opens most.
+    """Program that keeps at each degenerate point only the normal along which a motion opens most.
 
     At each degenerate point, and at each intermediate point of a line, the row is that of the
     normal along which the motion opens most: a motion that violates none of these rows is

@@ -68,11 +68,11 @@ class ScaledProblem:
     right: Array
 
     def forces(self, columns: Array) -> Array:
-        """Forces of the rows [N], shape (K,), from scaled unknowns of the equilibrium."""
+        """Force of each row [N], shape (K,), from the scaled unknowns f of the equilibrium."""
         return columns * self.unit * self.program.arm
 
     def motion(self, columns: Array) -> Array:
-        """Motion of all parts, shape (N, 6), from scaled motion unknowns of the free parts."""
+        """Motion of all parts, shape (N, 6), from the scaled motion of the free parts."""
         program = self.program
         per = len(program.freedoms)
         full = np.zeros((len(program.names), 6))
@@ -82,30 +82,30 @@ class ScaledProblem:
         return turned.reshape(-1, 6)
 
     def rounded(self, least: float) -> ScaledProblem:
-        """The scaled problem with matrix entries set to 0 if their sizes are below `least`."""
+        """Copy of the problem in which matrix entries smaller than `least` are 0."""
         matrix = self.matrix.copy()
         matrix.data[np.abs(matrix.data) < least] = 0.0
         matrix.eliminate_zeros()
         return replace(self, matrix=matrix)
 
     def openings(self) -> csc_array:
-        """Matrix J from scaled motions of the parts to openings of the rows [length unit]."""
+        """Matrix from scaled motions of free parts to gap openings of rows [length unit]."""
         weight = np.repeat(
             self.program.weight[self.program.free] / self.unit, len(self.program.freedoms)
         )
         return csc_array(csc_array(self.matrix.multiply(weight[:, None])).T)
 
     def power(self) -> Array:
-        """Load vector in scaled motion unknowns; its product with a motion is the load's power."""
+        """Vector whose product with a scaled motion is the power of the load in that motion."""
         weight = self.program.weight[self.program.free]
         return -self.right * np.repeat(weight, len(self.program.freedoms))
 
     def scaled_load(self, wrench: Array) -> Array:
-        """Wrenches on all parts, shape (N, 6), scaled as the right-hand side b: -S times them."""
+        """Scale wrenches on all parts, shape (N, 6), as the right-hand side of the equilibrium."""
         return _over_weight(self.program, self.frame, wrench)
 
     def over_weight(self, columns: Array) -> Array:
-        """Motion unknowns from multipliers of the balance rows: divided by the parts' weights."""
+        """Scaled motion from the multipliers of balance rows: divided by the parts' weights."""
         program = self.program
         return columns / np.repeat(program.weight[program.free], len(program.freedoms))
 
@@ -144,7 +144,7 @@ def scaled_problem(program: Program) -> ScaledProblem:
 
 
 def _over_weight(program: Program, frame: Array, wrench: Array) -> Array:
-    """Minus the wrenches of the free parts over their weights, in the frame, torques / radius."""
+    """Minus the wrenches of free parts over weights (torques also over radii), in the frame."""
     turned = wrench[program.free].reshape(-1, 2, 3) @ frame.T
     turned[:, 1] /= program.radius[program.free][:, None]
     weight = program.weight[program.free][:, None]
@@ -152,7 +152,7 @@ def _over_weight(program: Program, frame: Array, wrench: Array) -> Array:
 
 
 def _force_bounds(program: Program) -> tuple[Array, Array]:
-    """Lower and upper bounds of the scaled force of each row: one-sided rows only push."""
+    """Bounds of each row's scaled force: 0 and infinity for one-sided rows, else unbounded."""
     lower = np.where(program.two_sided, -np.inf, 0.0)
     return lower, np.full(len(lower), np.inf)
 
@@ -165,7 +165,7 @@ def equilibrium(problem: ScaledProblem) -> LinearProgram:
 
 
 def load_factor(problem: ScaledProblem) -> LinearProgram:
-    """Linear program for the largest multiple of the load that contacts hold. x = (f, lambda).
+    """Linear program for the largest multiple of the load that contacts balance. x = (f, lambda).
 
     If it is 0, the multipliers y of the rows give a motion: -y has J dp >= 0 and w.dp >= 1.
     """
@@ -178,7 +178,7 @@ def load_factor(problem: ScaledProblem) -> LinearProgram:
 
 
 def largest_share(problem: ScaledProblem, wrench: Array, most: float) -> LinearProgram:
-    """Linear program for the largest share t, up to `most`, of further wrenches. x = (f, t).
+    """Linear program for the largest multiple t <= `most` of extra wrenches. x = (f, t).
 
     Minus the multipliers of the rows are the motion that starts at the limit.
     """
@@ -193,7 +193,7 @@ def largest_share(problem: ScaledProblem, wrench: Array, most: float) -> LinearP
 
 
 def least_imbalance(problem: ScaledProblem) -> LinearProgram:
-    """Linear program for forces whose largest imbalance over weight is least. x = (f, t).
+    """Linear program for forces with the smallest maximum imbalance over weight. x = (f, t).
 
     The multipliers give the motion of greatest power among those whose weighted absolute components
     sum to 1, so both possible proofs are as strong as possible.
@@ -239,7 +239,7 @@ def total_imbalance(problem: ScaledProblem) -> LinearProgram:
 
 
 def displacement(program: Program) -> LinearProgram:
-    """Displacement program: the bounded motion, without penetration, of most work of the load.
+    """Displacement program: the bounded admissible motion in which the load does most work.
 
     This is LP (9) of the paper, with gravity of length 1. x = dp in the order of `Program.columns`;
     lengths are in the unit of the file. Each row is divided by its length, which changes no
@@ -262,7 +262,7 @@ def displacement(program: Program) -> LinearProgram:
 
 
 def impending_motion(problem: ScaledProblem) -> ConicProgram:
-    """Quadratic program for the initial accelerations by Gauss's principle, in scaled unknowns.
+    """Quadratic program for the accelerations from rest by Gauss's principle, in scaled unknowns.
 
     x = (a, radius x alpha) of the free parts over the size of gravity, in the frame of the problem.
     Masses are divided by the largest, so that the numbers are near 1:

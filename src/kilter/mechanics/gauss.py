@@ -28,14 +28,13 @@ __all__ = ["LeastConstraint", "least_constraint", "mirror_half"]
 
 
 OFFSET = 0.31830988618
-"""Offset of the comparison cells, in cells. It is irrational, so that round coordinates do not lie
-on the boundary of two cells.
-"""
+"""Shift of the grid cells by an irrational fraction, so that round coordinates do not lie on
+borders."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LeastConstraint:
-    """Nearest point to free fall in the cone of admissible motions: its problem and decoding.
+    """Gauss's problem: the admissible motion nearest to free fall, with the data to decode it.
 
     Attributes
     ----------
@@ -59,18 +58,18 @@ class LeastConstraint:
     share: Array
 
     def accelerations(self, unknowns: Array) -> Array:
-        """Scaled accelerations of the free parts from the unknowns of this problem."""
+        """Scaled accelerations of the free parts, from the unknowns of this problem."""
         full = np.zeros(self.inverse.shape[0])
         full[self.columns] = unknowns
         return np.asarray(self.inverse @ full)
 
     def forces(self, multipliers: Array) -> Array:
-        """Forces of all rows over the weight of the heaviest part, (K_all,), from multipliers."""
+        """Forces of all rows over the heaviest part's weight, (K_all,), from the multipliers."""
         return multipliers[self.row] * self.share
 
 
 def least_constraint(problem: ScaledProblem) -> LeastConstraint:
-    """Gauss's least-constraint problem in all freedoms, in the frame of `problem`."""
+    """Build Gauss's problem (motion nearest to free fall) in all freedoms of `problem`."""
     quadratic = impending_motion(problem)
     block = len(problem.program.freedoms)
     inverse = _inverse_root(quadratic, block)
@@ -95,7 +94,7 @@ def least_constraint(problem: ScaledProblem) -> LeastConstraint:
 
 
 def _inverse_root(quadratic: ConicProgram, block: int) -> csr_array:
-    """Inverse root L^-T of the inertia M = L L^T, block diagonal with a block for each part."""
+    """Matrix L^-T of the Cholesky factors of the inertia M = L L^T, with a block for each part."""
     count = quadratic.quadratic.shape[0] // block
     parts = np.zeros((count, block, block))
     entries = quadratic.quadratic.tocoo()
@@ -110,7 +109,7 @@ def _inverse_root(quadratic: ConicProgram, block: int) -> csr_array:
 
 
 def mirror_half(whole: LeastConstraint, problem: ScaledProblem) -> LeastConstraint | None:
-    """Problem of the mirror-symmetric motions; None if the assembly lacks such a mirror plane."""
+    """Restrict Gauss's problem to mirror-symmetric motions; None without a mirror plane."""
     cone = whole.cone
     if cone.block != 6 or cone.equal or not len(cone.unit):
         return None
@@ -135,13 +134,13 @@ def mirror_half(whole: LeastConstraint, problem: ScaledProblem) -> LeastConstrai
 
 
 def _couples(inverse: csr_array, antisymmetric: Mask) -> bool:
-    """True if the inertia couples motions in the mirror plane with motions across it."""
+    """Whether the inertia couples motions within the mirror plane to motions across it."""
     i, j = inverse.tocoo().coords
     return bool((antisymmetric[i] != antisymmetric[j]).any())
 
 
 def _mirrored_rows(problem: ScaledProblem, axis: int) -> Index:
-    """For each row, the index of the row that would be its mirror image across `axis`.
+    """Index of the mirror image of each row across the plane perpendicular to `axis`.
 
     The result is a guess from sorted rounded coordinates; the caller verifies it on the matrix.
     """
@@ -164,7 +163,7 @@ def _mirrored_rows(problem: ScaledProblem, axis: int) -> Index:
 
 
 def _restrict(whole: LeastConstraint, across: Mask, image: Index) -> LeastConstraint:
-    """Problem without the unknowns `across` the mirror plane, with one row per mirror pair."""
+    """Restrict Gauss's problem to the mirror-symmetric unknowns, with one row per mirror pair."""
     cone = whole.cone
     kept = np.flatnonzero(np.arange(len(image)) <= image)
     columns = np.flatnonzero(~across)

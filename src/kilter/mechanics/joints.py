@@ -35,7 +35,7 @@ __all__ = ["constraints", "joint_constraints", "joint_forces", "joint_wrench", "
 def joint_constraints(
     assembly: Assembly, number: int
 ) -> tuple[tuple[int, int], Array, Array, Array]:
-    """Parts of a joint (-1: ground), point of its rows, and their force and torque directions."""
+    """Data of the rows of a joint: its parts (-1: ground), point, force and torque directions."""
     joint = assembly.joints[number]
     linear, angular = constraints(joint, planar=assembly.planar)
     anchor = _anchor(assembly, assembly.geometry, joint)
@@ -100,7 +100,7 @@ def _anchor(assembly: Assembly, geometry: Geometry, joint: Joint) -> Array:
 
 
 def reference_point(assembly: Assembly, number: int) -> Array:
-    """Point about which the wrench of a joint is reported: its `point`, or that of its rows."""
+    """Point about which the wrench of a joint is reported: its own or that of its rows."""
     joint = assembly.joints[number]
     if joint.point is not None:
         return np.asarray(joint.point)

@@ -160,7 +160,7 @@ def check_balance(program: Program, forces: Array) -> float:
 
 
 def _balance_residual(program: Program, motion: Array, forces: Array) -> tuple[Array, float, Array]:
-    """Motion in the counted freedoms, residual |M a - w - J^T f|, and |w|^2 of each part."""
+    """Motion in the free directions, residual |M a - w - J^T f|, and |w|^2 of each part."""
     count = np.zeros((len(program.names), 6))
     count[np.ix_(program.free, program.freedoms)] = 1.0
     motion = motion * count
@@ -182,13 +182,13 @@ def _inertia_forces(program: Program, motion: Array) -> Array:
 
 
 def _energies(program: Program, motion: Array) -> Array:
-    """Quadratic form a.M a of each part's acceleration, shape (N,)."""
+    """Quadratic form a.M a (M: inertia) of each part's acceleration a, shape (N,)."""
     energies: Array = (motion * _inertia_forces(program, motion)).sum(axis=1)
     return energies
 
 
 def _squared_sizes(program: Program, wrench: Array) -> Array:
-    """Quadratic form w.M^-1 w of each part's wrench, shape (N,); uncounted entries must be 0."""
+    """Square w.M^-1 w of each part's wrench w, shape (N,); entries out of the plane must be 0."""
     turning = np.zeros((len(wrench), 3))
     axes = np.array([1] if program.planar else [0, 1, 2])
     inertia = program.inertia[program.free][:, axes][:, :, axes]
@@ -200,7 +200,7 @@ def _squared_sizes(program: Program, wrench: Array) -> Array:
 
 
 def point_speeds(program: Program, motion: Array) -> Array:
-    """Motion of part b relative to part a at the point of each row, world frame, shape (K, 3)."""
+    """Velocity of part b relative to part a at the point of each row, world frame, shape (K, 3)."""
     speeds = np.zeros((len(program.part_a), 3))
     for part, sign in ((program.part_b, 1.0), (program.part_a, -1.0)):
         k = np.flatnonzero(part >= 0)
@@ -211,7 +211,7 @@ def point_speeds(program: Program, motion: Array) -> Array:
 
 
 def point_wrenches(program: Program, forces: Array) -> Array:
-    """Force and torque on each part, shape (N, 6), of force vectors on the parts b of all rows."""
+    """Force and torque on each part, shape (N, 6), from the force vectors of the rows."""
     total = np.zeros((len(program.names), 6))
     for part, sign in ((program.part_b, 1.0), (program.part_a, -1.0)):
         k = np.flatnonzero(part >= 0)
@@ -224,7 +224,7 @@ def point_wrenches(program: Program, forces: Array) -> Array:
 
 
 def mobilities(program: Program) -> Array:
-    """Mobility scale sigma of each row, shape (K,): the root of a third of its mobility's trace."""
+    """Scale of the mobility (inverse effective mass) at each row: root of its trace / 3, (K,)."""
     square = np.zeros(len(program.part_a))
     free = np.flatnonzero(program.free)
     inverse = np.zeros((len(program.names), 3, 3))
@@ -242,7 +242,7 @@ def mobilities(program: Program) -> Array:
 def _in_units_of_load(
     program: Program, motion: Array, forces: Array, total: float
 ) -> tuple[Array, Array]:
-    """Speeds and forces at the row points, in units of the load |w| and the rows' mobility."""
+    """Relative velocities and forces of the rows, scaled by the load |w| and the row mobilities."""
     sigma = mobilities(program)[:, None]
     speeds, pushes = point_speeds(program, motion), forces
     if program.planar:
@@ -254,7 +254,7 @@ def _in_units_of_load(
 def _law_residuals(
     program: Program, speeds: Array, pushes: Array, fastest: float
 ) -> tuple[float, float, float, float, float]:
-    """Residuals of the contact law: opening, cone, normal, angle (of friction) and stretch [-]."""
+    """Largest violations of the contact law [-]: opening, cone, normal, angle, stretch."""
     normal, mu, tied = program.normal, program.mu, program.two_sided
     u_n, f_n = (np.einsum("ki,ki->k", normal, vector) for vector in (speeds, pushes))
     u_t = speeds - u_n[:, None] * normal

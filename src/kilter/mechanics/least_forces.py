@@ -1,4 +1,4 @@
-"""Balanced contact forces closest to the unloaded state of the bonds, by Newton's method.
+"""Balanced contact forces closest to those of unloaded bonds, by Newton's method.
 
 Forces f' >= 0 are counted from -T, so a bond without load has f' = T:
 
@@ -38,7 +38,7 @@ PATIENCE = 1
 
 
 def least_forces(problem: ScaledProblem) -> tuple[Array, Array] | None:
-    """Forces of the rows, (K,), and a candidate motion, (N, 6); None for a program without bonds.
+    """Balanced row forces, (K,), and a motion that may be a proof, (N, 6); None without bonds.
 
     Parameters
     ----------

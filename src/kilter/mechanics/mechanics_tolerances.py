@@ -54,27 +54,26 @@ BLUR = 10.0
 A larger value accepts more imbalance of coarse data.
 """
 RULED_OUT = 1e6
-"""Contact forces, over the weight, that a motion must rule out. A larger value demands more exact
-motions.
-"""
+"""Size of contact forces, over the weight, that a motion must exclude. A larger value demands more
+exact motions."""
 COARSE_POWER = 0.25
 """Fraction of the tolerance of coarse data that the power of a motion must exceed. A larger value
 rejects slower motions.
 """
 OPENS_FAR = 1e6
-"""Largest motion of a part, over the least opening, of a motion that opens every contact. A larger
-value admits opening motions of nearly closed contacts.
-"""
+"""Largest ratio of a part's motion to the least gap opening, in a motion that opens all contacts. A
+larger value admits opening motions of nearly closed contacts."""
 OPENS_MORE = 1e-3
 """Safety factor on the opening motion that is added to repair a violated one."""
 NO_EXCUSE = 0.01
-"""Imbalance over the weight of a part that disproves balance, however large its forces are."""
+"""Imbalance over the weight of a part at which forces are no balance, however large they are."""
 STILL = 1e-6
 """A part or point slower than this fraction of the fastest counts as not moving or not sliding."""
 POWER_ROUNDING = 1e-14
 """Rounding error of a power, over the sum of the absolute values of its terms [-]."""
 FOLLOWS = 1e-8
-"""Largest difference of the unit normal of a facet and that of its motion [-]."""
+"""Largest difference between the unit normal of a facet and the normal that its motion gives [-].
+"""
 AGREES = 1e-9
 """Numbers of a file and of a proof are equal if they differ by at most this fraction."""
 
@@ -85,9 +84,8 @@ WITNESS_EXACT = 1e-8
 exact motions.
 """
 WITNESS_SLIVER = 1e-3
-"""Largest residual of a motion in the contact law, over |a|^2 / |w|^2. A larger value accepts
-weaker motions.
-"""
+"""Largest residual of a motion in the contact law, relative to its kinetic term |a|^2 / |w|^2. A
+larger value accepts weaker motions."""
 WITNESS_POWER = 1e-5
 """Least power of a motion, over |w|^2 of the moving parts. A larger value rejects weaker
 motions.

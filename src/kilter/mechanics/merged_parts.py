@@ -1,4 +1,4 @@
-"""A program whose rigidly joined parts are merged to a single body, with fewer freedoms.
+"""Merge rigidly joined parts of a program to single bodies, so that it has fewer freedoms.
 
 A fixed joint adds six unknown forces and six equations between the freedoms of its parts. If the
 parts always move together, a single body is sufficient. The mass, centre and inertia of the body of
@@ -21,7 +21,7 @@ __all__ = ["merge_parts"]
 
 
 def merge_parts(program: Program, group: Index) -> Program:
-    """Merge groups of rigidly joined parts of a program, so that each group is a single part.
+    """Copy of a program in which each group of rigidly joined parts is a single part.
 
     Parameters
     ----------

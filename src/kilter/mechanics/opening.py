@@ -1,4 +1,4 @@
-"""A motion that opens every contact, and the repair of nearly admissible motions with it.
+"""A motion that opens every contact, used to repair motions that slightly close some contacts.
 
     m0:  u_n - mu |u_t| >= 1 at every contact,  J m0 = 0 at every joint,  |m0| least
 
@@ -31,7 +31,7 @@ __all__ = ["Opening", "opening_program"]
 
 @dataclass(frozen=True, eq=False)
 class Opening:
-    """Shortest motion `m0` that opens every contact of a program, computed when first needed.
+    """The shortest motion `m0` that opens every contact of a program; computed at the first use.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class Opening:
 
     @property
     def program(self) -> Program:
-        """The program whose contacts the motion opens, with its current direction of gravity."""
+        """The program whose contacts `m0` opens, for the current direction of gravity."""
         return self.wide.program
 
     @cached_property
@@ -78,19 +78,19 @@ class Opening:
         return opened
 
     def turned(self, down: Array) -> Opening:
-        """The opening motion for gravity along `down`, shape (3,): `m0` does not depend on it."""
+        """The same opening motion for gravity along `down`, shape (3,); `m0` does not change."""
         opening = Opening(self.wide.turned(down))
         opening.__dict__["m0"] = self.m0
         return opening
 
     def narrowed(self, wide: ConeProblem) -> Opening:
-        """The opening motion for narrower cones `wide`: `m0` opens their contacts as well."""
+        """The same opening motion for narrower friction cones `wide`, which it opens as well."""
         opening = Opening(wide)
         opening.__dict__["m0"] = self.m0
         return opening
 
     def mended(self, motion: Array) -> Array:
-        """Repair a motion that slightly closes contacts, by adding m0; unchanged without an m0."""
+        """Add a multiple of m0 to a motion so that no contact closes; unchanged without m0."""
         violation = -_least_opening(self.program, motion)
         if violation <= 0.0 or not np.isfinite(violation) or self.m0 is None:
             return motion
@@ -99,7 +99,7 @@ class Opening:
 
 
 def _least_opening(program: Program, motion: Array) -> float:
-    """Least opening u_n - mu |u_t| of the one-sided rows under a motion [length unit]."""
+    """Smallest opening u_n - mu |u_t| of the one-sided rows in a motion [length unit]."""
     openings = program.velocities(motion) * program.arm
     rows = program.rough
     with np.errstate(over="ignore"):  # an infinite motion opens nothing
@@ -108,7 +108,7 @@ def _least_opening(program: Program, motion: Array) -> float:
 
 
 def _shortest_opening(wide: ConeProblem) -> ConicProgram:
-    """Cone program for the shortest scaled motion m that opens every contact by 1. x = m."""
+    """Conic program for the shortest scaled motion m that opens every contact by at least 1."""
     program = wide.program
     opening, count = csr_array(wide.problem.openings()), len(program.part_a)
     rubs = np.flatnonzero(program.mu[wide.rough] > 0)
@@ -130,7 +130,7 @@ def opening_program(
     *,
     load: Array | None = None,
 ) -> ConicProgram:
-    """Cone program for a motion m that opens every contact by 1, the shortest or for a bound.
+    """Conic program for a motion m that opens every contact by 1: shortest, or with a load term.
 
         min 1/2 |m|^2,  or  min (|m| - load.m) / 2:
         J m = 0 at joints,   u_n >= 1 at smooth contacts,   u_n - mu |u_t| >= 1 at rough ones

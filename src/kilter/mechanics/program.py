@@ -46,7 +46,7 @@ __all__ = ["Program", "bounding_program", "build_program"]
 
 
 ROW_FIELDS = ForceRows.__slots__
-"""Names of the members of a program that are arrays of its rows."""
+"""Names of the members of a program that have an entry for each row."""
 
 PLANE = np.array([0, 2, 4])
 PLANE.setflags(write=False)
@@ -55,7 +55,7 @@ PLANE.setflags(write=False)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Program:
-    """Parts, force rows and load of an assembly; world frame, assembly's length unit, forces in N.
+    """Parts, rows (possible contact and joint forces) and load of an assembly, as arrays.
 
     Attributes
     ----------
@@ -142,7 +142,7 @@ class Program:
 
     @property
     def arm(self) -> Array:
-        """Lever length of each angular row, shape (K,): larger radius of its parts; else 1.
+        """Lever length of each angular row, shape (K,); 1 for the other rows.
 
         Held parts do not count. A rotation times this length is an opening, and a torque over it is
         a force, so no result depends on the unit of length. The value of the other rows is 1.
@@ -152,7 +152,7 @@ class Program:
 
     @property
     def freedoms(self) -> Index:
-        """Indices of the freedoms that count, among the six of a part: three in the plane."""
+        """Indices of the freedoms that a part has: all six, or three in the plane."""
         return PLANE if self.planar else np.arange(6)
 
     @property
@@ -190,7 +190,7 @@ class Program:
         return csr_array((np.concatenate(blocks), triplets), shape=shape)
 
     def lever(self, rows: Index, part: Index) -> Array:
-        """Wrench of a unit force of rows on a part, (k, 6): (n, (x - c) x n); angular (0, n)."""
+        """Wrench that a unit force of each row exerts on a part, shape (k, 6)."""
         normal = self.normal[rows]
         moment = cross(self.point[rows] - self.center[part], normal)
         angular = self.angular[rows][:, None]
@@ -203,12 +203,12 @@ class Program:
 
     @property
     def cohesion(self) -> Array:
-        """Shear strength of the bond of each row, beside friction [N], shape (K,); else 0."""
+        """Shear strength of the bond of each row, beside friction [N], shape (K,); or 0."""
         return np.where(np.isnan(self.shear), 0.0, self.shear)
 
     @property
     def gripping(self) -> Index:
-        """Indices of the rows with tangential force, by friction or by bond shear, shape (R,)."""
+        """Indices of the rows with a tangential force, from friction or bond shear, shape (R,)."""
         return np.flatnonzero((self.mu > 0) | (self.cohesion > 0))
 
     @property
@@ -222,7 +222,7 @@ class Program:
         return ForceRows(*(getattr(self, name) for name in ROW_FIELDS))
 
     def with_force_rows(self, rows: ForceRows) -> Program:
-        """The program with these force rows in place of its present rows."""
+        """Copy of the program with other force rows."""
         return self.with_rows(**{name: getattr(rows, name) for name in ROW_FIELDS})
 
     def taking(self, rows: Index | Mask) -> Program:
@@ -235,7 +235,7 @@ class Program:
         return self.with_friction(0.0) if self.mu.any() or self.doubt.any() else self
 
     def with_friction(self, mu: float) -> Program:
-        """The program with the friction coefficient `mu` at all contacts, minus the normals' doubt.
+        """Copy of the program with friction `mu` at all contacts, less the uncertainty of normals.
 
         Contacts whose normals are uncertain by more than `mu` have no certain force and are
         removed.
@@ -247,7 +247,7 @@ class Program:
         return changed if certain.all() else changed.taking(certain)
 
     def velocities(self, motion: Array) -> Array:
-        """Opening speed J dp of each row, shape (K,), for a motion of all parts, shape (N, 6)."""
+        """Speed at which a motion, shape (N, 6), opens the gap of each row, shape (K,)."""
         result = np.zeros(len(self.part_a))
         for part, sign in ((self.part_b, 1.0), (self.part_a, -1.0)):
             k = np.flatnonzero(part >= 0)
@@ -255,7 +255,7 @@ class Program:
         return result
 
     def slips(self, motion: Array, rows: Index) -> Array:
-        """Tangential velocity of part b relative to part a at contact rows, shape (k, 3)."""
+        """Sliding velocity of part b relative to part a at the contact rows, shape (k, 3)."""
         relative = np.zeros((len(rows), 3))
         for part, sign in ((self.part_b[rows], 1.0), (self.part_a[rows], -1.0)):
             k = np.flatnonzero(part >= 0)
@@ -276,7 +276,7 @@ class Program:
         return float((self.load * motion).sum() - self.cohesion[rows] @ slips)
 
     def wrenches(self, forces: Array, friction: Array | None = None) -> Array:
-        """Force and torque of all rows on each part, J^T f, shape (N, 6).
+        """Total wrench of all row forces on each part, shape (N, 6).
 
         Parameters
         ----------
@@ -313,7 +313,7 @@ class Program:
         return total
 
     def point_forces(self, forces: Array, friction: Array) -> Array:
-        """Force vector at each contact row on its part b [N], shape (C, 3), bonds included.
+        """Force vector on part b at each contact row [N], shape (C, 3), with the forces of bonds.
 
         `forces`, shape (K,), and `friction`, shape (K, 3), are those of a `ForceProof`.
         """
@@ -327,7 +327,7 @@ class Program:
         return acting
 
     def row_forces(self, acting: Array) -> tuple[Array, Array]:
-        """Forces along the rows, shape (K,), and across, (K, 3), from force vectors at contacts.
+        """Normal forces, (K,), and friction, (K, 3), of the rows from forces at contacts.
 
         The inverse of `point_forces`; the forces of other rows are 0.
         """
@@ -343,7 +343,7 @@ class Program:
         return forces, friction
 
     def full(self, columns: Array) -> Array:
-        """Motion of all parts, shape (N, 6), from a vector of the freedoms of the free parts."""
+        """Motion of all parts, shape (N, 6), from a vector over the freedoms of the free parts."""
         motion = np.zeros((len(self.names), 6))
         motion[np.ix_(self.free, self.freedoms)] = columns.reshape(-1, len(self.freedoms))
         return motion
@@ -359,7 +359,7 @@ class Program:
         return self.with_rows(gravity=unit(down, "down") * self.g)
 
     def with_rows(self, **changes: object) -> Program:
-        """A copy of the program in which the named members have new values."""
+        """A copy of the program with new values of the named row arrays."""
         values = {name: getattr(self, name) for name in self.__slots__}
         return Program(**{**values, **changes})
 
@@ -420,7 +420,7 @@ def build_program(
 
 
 def bounding_program(assembly: Assembly, contacts: ContactSet) -> Program:
-    """Program with a row for every conceivable contact force, for bounds without Coulomb's law."""
+    """Program with a row for every conceivable contact force, as an outer bound."""
     program = build_program(assembly, contacts, possible=True, sticking=True)
     return program.with_rows(mu=np.zeros(len(program.mu)))
 
@@ -437,7 +437,7 @@ def _applied_loads(assembly: Assembly, geometry: Geometry) -> Array:
 
 
 def _part_tolerances(contacts: ContactSet, geometry: Geometry) -> Array:
-    """Relative tolerance of each part [-]: max(1e-9, 10 x coordinate accuracy over patch size)."""
+    """Relative tolerance of each part [-]: at least 1e-9, more for coordinates of low accuracy."""
     tolerance = np.full(len(geometry.mass), TOLERANCE)
     blur = BLUR * contacts.patch_accuracy
     np.maximum.at(tolerance, contacts.patch_parts.T, blur[None, :])

@@ -63,7 +63,7 @@ class BlockProofs:
 
 @dataclass(frozen=True)
 class ProgramBlocks:
-    """Programs of M assemblies without friction and joints, in shared arrays.
+    """Programs of M frictionless assemblies without joints, in shared arrays.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class ProgramBlocks:
 
     @cached_property
     def frames(self) -> Array:
-        """Frame of each program, in which all its parts' wrenches are scaled, shape (M, 3, 3)."""
+        """Rotation of each program's frame, in which its wrenches are scaled, (M, 3, 3)."""
         if self.whole.planar:
             return np.tile(np.eye(3), (len(self.gravity), 1, 1))
         normal = self.whole.normal
@@ -125,7 +125,7 @@ class ProgramBlocks:
         return self.union(np.array([k]))
 
     def rows(self, which: Index) -> Index:
-        """Indices of the rows of the assemblies `which`, in the order of the rows."""
+        """Indices of the rows that belong to the assemblies `which`."""
         return ragged(self.row_start, which)[1]
 
     def union(self, which: Index) -> Program:
@@ -178,7 +178,7 @@ class ProgramBlocks:
         return Blocks(matrix, right.reshape(-1), program.two_sided, row_start, self.row_start)
 
     def _in_frames(self, wrenches: Array, part: Index) -> Array:
-        """Wrenches on parts in their program's frame, torques over radius, shape (k, freedoms)."""
+        """Wrenches on parts in the frame of their program; torques are over the radius."""
         frames = self.frames[self.owner[part]]
         turned = np.einsum("kij,kaj->kai", frames, wrenches.reshape(-1, 2, 3))
         turned[:, 1] /= self.whole.radius[part][:, None]
@@ -186,7 +186,7 @@ class ProgramBlocks:
         return counted
 
     def judged(self, answers: BlockAnswers) -> BlockProofs:
-        """Check forces and motions of solved programs by the criteria of single certificates."""
+        """Check solved forces and motions by the criteria that apply to single proofs."""
         whole = self.whole
         row_owner = np.repeat(np.arange(len(self.gravity)), np.diff(self.row_start))
         forces = answers.forces * self.unit[row_owner]
@@ -213,7 +213,7 @@ class ProgramBlocks:
         )
 
     def _check_motions(self, answers: BlockAnswers) -> tuple[Array, Array, Array, Mask]:
-        """Motions from multipliers, their power and violation, and a mask of the valid proofs."""
+        """Motions from multipliers, their power and violation, and a mask of valid proofs."""
         whole, owner, per = self.whole, self.owner, len(self.whole.freedoms)
         free = np.flatnonzero(whole.free)
         columns = -answers.multipliers.reshape(-1, per) / self.weight[free][:, None]

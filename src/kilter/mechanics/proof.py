@@ -40,7 +40,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Evidence:
-    """Evidence of a verdict with friction that a proof file holds beside equilibrium forces.
+    """Evidence of a verdict with friction that a proof file has in addition to equilibrium forces.
 
     Attributes
     ----------
@@ -175,7 +175,7 @@ def _verdict_word(certificate: ForceProof | MotionProof, evidence: Evidence | No
 
 
 def coefficients(contacts: ContactSet, program: Program, rows: Index) -> Array:
-    """Friction coefficients of contact rows as a proof file has them; 0 for limited bond shear."""
+    """Friction coefficients of contact rows for a proof file; 0 at bonds of limited shear."""
     sheared_by_bond = program.tied[rows] | ~np.isnan(program.shear[rows])
     mu: Array = np.where(sheared_by_bond, 0.0, contacts.patch_mu[program.source[rows]])
     return mu
@@ -194,7 +194,7 @@ def _bond_data(program: Program, row: int) -> dict[str, Any]:
 
 
 def _contact_forces(program: Program, proof: ForceProof) -> list[list[float]]:
-    """Force vectors of a force proof at the contact rows [N], shape (C, 3)."""
+    """Force vector of a force proof at each contact row [N], shape (C, 3)."""
     vectors = program.point_forces(proof.forces, proof.friction)
     return [[float(x) for x in vector] for vector in vectors]
 
@@ -223,7 +223,7 @@ def _friction_data(program: Program, evidence: Evidence, rows: Index) -> dict[st
 
 
 def open_pairs_of(assembly: Assembly, contacts: ContactSet) -> list[dict[str, Any]]:
-    """JSON data of an assembly's open pairs; a proof's motion accounts for all their contacts."""
+    """JSON data of the open pairs; a motion is a proof only if it respects all their contacts."""
     names = assembly.names
     pairs = still_open(contacts.open_pairs, assembly)
     return [{"parts": [names[k] for k in pair.parts], "kind": pair.kind} for pair in pairs]

@@ -46,7 +46,7 @@ class MalformedProof(ValueError):
 
 
 Form = Callable[[Any, str], str]
-"""From a value and its place to a description of the fault; empty for a valid value."""
+"""Function from a value and its place in a file to a fault in words; empty if it is valid."""
 
 
 def instance_of(*kinds: type) -> Form:

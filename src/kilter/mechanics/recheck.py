@@ -101,7 +101,7 @@ def _verdict_objections(verdict: str, balanced: bool, friction: dict[str, Any] |
 
 
 def _settles(friction: dict[str, Any] | None) -> bool:
-    """True if the friction data have balanced forces of every settling try, and enough tries."""
+    """True if the data have balanced forces of every settling try, and enough tries."""
     tries = None if friction is None else friction["tries"]
     return tries is not None and LEAST_TRIES <= tries["of"] == len(tries["forces"])
 
@@ -169,7 +169,7 @@ def _part_objections(program: Program, parts: list[dict[str, Any]]) -> list[str]
 def _point_objections(
     contacts: ContactSet, program: Program, points: list[dict[str, Any]]
 ) -> list[str]:
-    """Objections to contact points of a proof: positions, normals, coefficients and bonds."""
+    """Objections to the contact points of a proof: wrong position, normal, friction or bond."""
     rows = np.flatnonzero(program.kind == CONTACT)
     if len(points) != len(rows):
         return [f"the proof has {len(points)} contact points, the file {len(rows)}"]
@@ -205,7 +205,7 @@ def _same_shear(program: Program, rows: Index, given: list[float | None]) -> boo
 
 
 def _given_forces(program: Program, given: Any, joints: Any) -> tuple[Array, Array, list[str]]:
-    """Forces along and across the rows from a proof's force vectors and joints, and objections.
+    """Normal and friction forces of the rows from a proof's point and joint forces, and objections.
 
     Returns forces, shape (K,), friction, shape (K, 3), and the objections to them.
     """
@@ -318,7 +318,7 @@ def _recheck_balance(program: Program, given: dict[str, Any]) -> tuple[float, li
 
 
 def _recheck_tries(program: Program, tries: dict[str, Any], notes: list[str]) -> list[str]:
-    """Check the balanced forces of settling tries: objections; appends a note to `notes`."""
+    """Check that the forces of the settling tries balance; return objections, and add a note."""
     reasons, worst = [], 0.0
     if tries["passed"] != len(tries["forces"]) or tries["passed"] > tries["of"]:
         return ["the proof does not have the forces of every try that it counts"]
@@ -337,7 +337,7 @@ def _recheck_tries(program: Program, tries: dict[str, Any], notes: list[str]) ->
 def _witness_check(
     program: Program, witness: dict[str, Any], assembly: Assembly
 ) -> LawProof | None:
-    """Check a proof's motion against the contact law; None if its parts or rows do not match."""
+    """Check a motion in a proof against the contact law; None if it does not fit the program."""
     free = {n for n, f in zip(program.names, program.free, strict=True) if f}
     kinds = {"forces": CONTACT, "joints": JOINT, "bonds": BONDED}
     rows = {key: program.kind == kind for key, kind in kinds.items()}

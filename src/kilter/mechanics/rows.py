@@ -49,7 +49,7 @@ KINDS = ("contact", "possible", "joint", "sticking", "bonded")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ForceRows(Rows):
-    """Possible forces between parts, a row each, as arrays; world frame, assembly's length unit.
+    """Possible forces between parts, one per row, as arrays; world frame, assembly's length unit.
 
     Attributes
     ----------
@@ -97,7 +97,7 @@ class ForceRows(Rows):
 
     @property
     def certain(self) -> Mask:
-        """Mask of the rows that can push for every normal within its uncertainty, shape (K,).
+        """Mask of the rows that can push whatever the true normal is within its uncertainty, (K,).
 
         A contact whose normal is uncertain has such forces only by friction.
         """
@@ -137,13 +137,13 @@ def contact_rows(contacts: ContactSet, geometry: Geometry) -> ForceRows:
 
 
 def bonded_rows(contacts: ForceRows) -> ForceRows:
-    """Rows of tangential forces at bonds of unlimited shear strength: along u, then along v."""
+    """Rows for tangential forces at bonds of unlimited shear: all along u, then along v."""
     tied = contacts.take(np.flatnonzero(contacts.tied))
     return _tangential_rows(BONDED, tied.part_a, tied.part_b, tied.point, tied.normal, tied.source)
 
 
 def pushing_rows(pushes: PossibleContacts, number: Index | int = -1) -> ForceRows:
-    """Rows of pushes that contacts outside the model could exert, with their numbers."""
+    """Rows for pushes that unmodelled contacts could exert, with the given numbers as source."""
     source = np.broadcast_to(np.asarray(number, dtype=np.int64), len(pushes))
     return _frictionless_rows(
         POSSIBLE, pushes.part_a, pushes.part_b, pushes.points, pushes.normals, pushes.two_sided,
@@ -152,7 +152,7 @@ def pushing_rows(pushes: PossibleContacts, number: Index | int = -1) -> ForceRow
 
 
 def possible_rows(possible: PossibleContacts, geometry: Geometry) -> ForceRows:
-    """Rows of all forces that contacts outside the model could exert, with unlimited friction."""
+    """Rows for all forces that unmodelled contacts could exert, with unlimited friction."""
     sharp = np.flatnonzero((possible.mu > 0) & ~possible.two_sided)
     points = possible.take(sharp)
     return ForceRows.join(
@@ -167,7 +167,7 @@ def possible_rows(possible: PossibleContacts, geometry: Geometry) -> ForceRows:
 
 
 def sticking_rows(contacts: ContactSet, geometry: Geometry) -> ForceRows:
-    """Rows of tangential forces of any size, at the contact points with friction."""
+    """Rows for tangential forces of unlimited size at the contact points with friction."""
     patch = contacts.point_patch
     a, b = contacts.patch_parts[patch].T
     rough = (contacts.patch_mu[patch] > 0) & ~(geometry.grounded[a] & geometry.grounded[b])
@@ -179,7 +179,7 @@ def sticking_rows(contacts: ContactSet, geometry: Geometry) -> ForceRows:
 def _tangential_rows(
     kind: int, a: Index, b: Index, point: Array, normal: Array, source: Index
 ) -> ForceRows:
-    """Two-sided rows along both tangent directions at each point: all along u, then along v."""
+    """Two-sided rows along both tangents at each point: all along u, then all along v."""
     twice = np.tile(np.arange(len(normal)), 2)
     tangents = np.concatenate(across(normal))
     two_sided = np.ones(len(twice), dtype=bool)
