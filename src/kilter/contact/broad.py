@@ -24,19 +24,19 @@ __all__ = ["Boxes", "facet_pairs", "facets_in", "joins", "make_boxes", "pairs_ap
 
 
 FEW = 64
-"""Up to this many parts, all pairs of part boxes are compared without a tree."""
+"""Largest number of parts whose boxes are compared pair by pair, without a tree."""
 MANY = 10_000
-"""Pairs of parts with more facet combinations than this use a tree."""
+"""Number of facet combinations of two parts above which a search tree is used."""
 TREE = 500_000
-"""Approximate number of boxes in each tree; a larger value needs more memory."""
+"""Approximate number of boxes in each search tree; a larger value needs more memory."""
 BATCH = 2_000_000
-"""Row combinations compared at once; a larger value needs more memory."""
+"""Number of row combinations that are compared at once; a larger value needs more memory."""
 MOST_PAIRS, MOST_NEAR = 500_000, 20
 """Limits on the number of near pairs of parts: in total, and per part; the search rejects an
 assembly above both. Walls have 3 pairs per part, packings 10. If all parts lie in the same place,
 every two parts are a pair, which needs some kilobytes each."""
 SAMPLE = 100
-"""Boxes whose neighbours are counted to estimate the number of all pairs."""
+"""Number of boxes whose neighbours are counted to estimate the number of all pairs."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,7 +85,7 @@ def make_boxes(geometry: Geometry, facets: Facets, start: Index | None = None) -
 
 
 def _extremes(points: Array, start: Index) -> tuple[Array, Array]:
-    """Lower and upper corners of the bounding box of each run of points, shape (n, 3) each."""
+    """Lower and upper corner of the bounding box of each group of points, shape (n, 3) each."""
     count = np.diff(start)
     if len(count) and (count == count[0]).all():  # equal runs: several times faster than reduceat
         groups = points.reshape(len(count), count[0], 3)
@@ -94,7 +94,7 @@ def _extremes(points: Array, start: Index) -> tuple[Array, Array]:
 
 
 def part_pairs(boxes: Boxes, grounded: Mask, margin: Array) -> Index:
-    """Pairs of parts a < b, shape (n, 2), whose boxes come within `margin`; never two held parts.
+    """Pairs of parts a < b, (n, 2), whose boxes are at most `margin` apart, not both held.
 
     Raises
     ------
@@ -123,7 +123,7 @@ def _require_few(pairs: int, parts: int) -> None:
 
 
 def pairs_apart(boxes: Boxes, grounded: Mask, margin: Array, start: Index) -> Index:
-    """Pairs of parts as from `part_pairs`, but only within each of several independent assemblies.
+    """Pairs of near parts as from `part_pairs`, if several independent assemblies are joined.
 
     `start` holds the first part of each assembly. There is no limit on the number of pairs.
     """
@@ -148,7 +148,7 @@ def pairs_apart(boxes: Boxes, grounded: Mask, margin: Array, start: Index) -> In
 
 
 def _all_pairs(start: Index) -> Index:
-    """All pairs of rows a < b of the same run, shape (n, 2), in order."""
+    """All pairs a < b of rows of the same group, shape (n, 2), in order."""
     count = np.diff(start)
     run, row = counted(count)
     later_rows = count[run] - 1 - row
@@ -178,7 +178,7 @@ def _tree_pairs(low: Array, high: Array) -> tuple[Index, Index]:
 def facet_pairs(
     facets: Facets, boxes: Boxes, pairs: Index, margin: Array, cosine: float
 ) -> tuple[Index, Index, Index]:
-    """Pairs of facets, i of part a and j of part b, that face each other and whose boxes meet.
+    """Pairs of facets, of part a and of part b, that face each other and whose boxes meet.
 
     Parameters
     ----------
@@ -208,7 +208,7 @@ def facet_pairs(
 def _facet_pairs_of(
     facets: Facets, boxes: Boxes, pairs: Index, rows: Index, margin: Array, cosine: float
 ) -> list[tuple[Index, Index, Index]]:
-    """Results of `facet_pairs` for the given rows of `pairs`: blocks of (pair, facet, facet)."""
+    """Pairs of facing facets for some rows of `pairs`, in blocks of (pair, facet, facet)."""
     a, b = pairs[rows].T
     grow = margin[rows][:, None]
     low = np.maximum(boxes.part_low[a], boxes.part_low[b]) - grow
@@ -228,7 +228,7 @@ def _facet_pairs_of(
 def facets_in(
     facets: Facets, boxes: Boxes, part: Index, low: Array, high: Array
 ) -> tuple[Index, Index]:
-    """Facets of part ``part[k]`` whose box meets the box k: pairs (k, facet), ordered by k."""
+    """Facets of part ``part[k]`` whose box meets box k, as pairs (k, facet), ordered by k."""
     owner, facet = ragged(facets.start, part)
     keep = np.ones(len(owner), dtype=bool)
     for axis in range(3):
@@ -244,7 +244,7 @@ def joins(
     box_b: tuple[Array, Array],
     margin: Array,
 ) -> Iterator[tuple[Index, Index, Index]]:
-    """Pairs of a row of a and a row of b with the same owner and with boxes within a margin.
+    """Pairs of a row of a and a row of b, of the same owner, whose boxes are within a margin.
 
     Parameters
     ----------
@@ -283,7 +283,7 @@ def joins(
 
 
 def _bundles(many: Mask, count: Index) -> Iterator[Mask]:
-    """Masks that divide the owners with many combinations into groups of about a tree's size."""
+    """Split the owners with many combinations into groups, each about as large as a tree."""
     rows = np.flatnonzero(many)
     for bundle_number in np.unique(bundle := np.cumsum(count[rows]) // TREE):
         owners = np.zeros(len(many), dtype=bool)
@@ -292,7 +292,7 @@ def _bundles(many: Mask, count: Index) -> Iterator[Mask]:
 
 
 def _products(owner_a: Index, owner_b: Index, count: int) -> Iterator[tuple[Index, Index, Index]]:
-    """Yield batches of all pairs of a row of a and a row of b that have the same owner."""
+    """Yield all pairs of a row of a and a row of b with the same owner, in batches."""
     first_b = np.searchsorted(owner_b, np.arange(count + 1))
     width_of_row = np.diff(first_b)[owner_a]  # number of rows of b with the owner of each row of a
     combinations_up_to = np.cumsum(width_of_row)
@@ -314,7 +314,7 @@ _OwnedBoxes = tuple[Array, Array, Index]
 
 
 def _tree_join(first: _OwnedBoxes, second: _OwnedBoxes) -> tuple[Index, Index]:
-    """Pairs of rows of two sets of boxes with the same owner whose boxes meet, by a planar tree.
+    """Pairs of rows, of equal owner, whose boxes meet, found by a tree in the plane.
 
     The tree uses the two axes along which the boxes are smallest relative to their total extent.
     Owners are placed next to each other along the first of these axes. The comparison of the boxes

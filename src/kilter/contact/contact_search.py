@@ -1,4 +1,4 @@
-"""State of a contact search: the near pairs of parts and the data that every stage needs."""
+"""Input that all stages of a contact search share: parts, facets, boxes and near pairs."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def begin_search(
 def _pairs_to_detect(
     assembly: Assembly, boxes: Boxes, tolerance: Tolerance, start: Index | None
 ) -> Index:
-    """Pairs of parts that come near, except pairs whose contacts the file lists."""
+    """Pairs of near parts, without the pairs whose contacts the file lists."""
     if not assembly.detect:
         return np.empty((0, 2), dtype=np.int64)
     geometry = assembly.geometry

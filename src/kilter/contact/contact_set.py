@@ -329,7 +329,7 @@ class ContactSet(Answer):
 
     @property
     def approximate(self) -> PossibleContacts:
-        """Forces of degenerate contact points in the paper's approximation: a single force at each.
+        """Forces of degenerate points as the paper approximates them: one normal force at each.
 
         The force acts along the centre of the cone of normals (section 2.1, Figure 3 (d)).
         """
@@ -375,7 +375,7 @@ class ContactSet(Answer):
 
     @property
     def counted_gap(self) -> float | None:
-        """Widest gap that counts as contact only because the tolerance was widened [length unit].
+        """Widest gap of a contact that only a widened tolerance accepts [length unit].
 
         None if every patch also counts by the default tolerance.
         """
@@ -402,7 +402,7 @@ class ContactSet(Answer):
 
     @property
     def adjacent(self) -> Index:
-        """Pairs of parts that touch or might touch, one row for each reason, shape (n, 2).
+        """Pairs of parts that touch or may touch, (n, 2); a pair occurs once for each reason.
 
         The reasons are patches, forces that are not modelled, and open pairs. The ground is -1.
         """
@@ -417,11 +417,11 @@ class ContactSet(Answer):
         )
 
     def of(self, assembly: Assembly) -> ContactSet:
-        """These contacts for an assembly of the same parts with other joints or held parts."""
+        """The same contacts for a copy of the assembly with other joints or held parts."""
         return self if assembly is self.assembly else replace(self, assembly=assembly)
 
     def with_friction(self, mu: float) -> ContactSet:
-        """These contacts with a single friction coefficient for all, reduced by `patch_doubt`."""
+        """Copy of the contacts with friction `mu` everywhere, less the error of fitted normals."""
         return replace(self, patch_mu=certain_friction(mu, self.patch_doubt))
 
     @property

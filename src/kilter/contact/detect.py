@@ -99,7 +99,7 @@ def contacts(
 
 
 def contacts_side_by_side(apart: SideBySide, tolerance: Tolerance) -> ContactSet:
-    """Contacts of several independent assemblies at once; parts are counted through all of them.
+    """Contacts of several independent assemblies at once, with common part numbers.
 
     Nearest neighbours and warnings are left out.
 
@@ -123,7 +123,7 @@ def _contact_set(
     tolerance: Tolerance,
     report_stage: Callable[[str], None],
 ) -> ContactSet:
-    """Find the contacts of a search; nearest neighbours of parts without contact are left out."""
+    """Run all stages of a contact search but the search for the nearest neighbours."""
     gap = search.limits.gap
     report_stage("faces")
     curved = find_curved(search)
@@ -201,7 +201,7 @@ def _fits(
 def _unrecorded_pairs(
     search: ContactSearch, patches: Patches, other_pairs: list[tuple[int, int]]
 ) -> Mask:
-    """Mask of the pairs of parts that have no patch and are not listed in `other_pairs`."""
+    """Mask of near pairs that have no patch and are not in `other_pairs`."""
     silent = np.ones(len(search.pairs), dtype=bool)
     silent[patches.pair[patches.pair >= 0]] = False
     recorded = {frozenset(pair) for pair in other_pairs}
@@ -247,7 +247,7 @@ def _own_friction(contact: GivenContact | Bond) -> float:
 
 
 def detected_with_friction(detected: ContactSet, mu: float) -> ContactSet:
-    """Detected contacts with the same friction coefficient everywhere, as if detected with it.
+    """Copy of detected contacts with friction `mu` everywhere, equal to a new detection.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Patches that a search has found, and the points that these patches explain.
+"""Patches of the faces of a search, and tests of points for lying on them.
 
 Near an explained point no further contact of the pair is searched for.
 """
@@ -39,7 +39,7 @@ class FacePatches:
 
 
 def explained(face_patches: FacePatches, pair: int, points: Array, slack: float) -> Mask:
-    """Which points, shape (n, 3), lie within `slack` of a flat or curved patch of a pair."""
+    """Mask of points, shape (n, 3), within `slack` of a flat or curved patch of a pair."""
     is_explained = np.zeros(len(points), dtype=bool)
     for patch in face_patches.curved.patches.of_pair(pair):
         is_explained |= _on_curved_patch(face_patches, patch, points, slack)
@@ -50,7 +50,7 @@ def explained(face_patches: FacePatches, pair: int, points: Array, slack: float)
 
 
 def in_patch(face_patches: FacePatches, pair: int, points: Array, slack: float) -> Mask:
-    """Which points, shape (n, 3), lie on a curved face that touches over an area, in this pair."""
+    """Mask of points, shape (n, 3), on a curved face of a pair that touches over an area."""
     is_in_patch = face_patches.smooth.explains(np.full(len(points), pair), points)
     patches = face_patches.curved.patches
     for patch in patches.of_pair(pair):
@@ -60,7 +60,7 @@ def in_patch(face_patches: FacePatches, pair: int, points: Array, slack: float) 
 
 
 def _on_curved_patch(face_patches: FacePatches, patch: int, points: Array, slack: float) -> Mask:
-    """Which points, shape (n, 3), lie within `slack` of the curved patch with index `patch`."""
+    """Mask of points, shape (n, 3), within `slack` of a given curved patch."""
     curved = face_patches.curved
     corners = curved.patches.corners(patch)
     zone = max(float(curved.zone[patch]), slack)
@@ -85,7 +85,7 @@ def _on_curved_patch(face_patches: FacePatches, patch: int, points: Array, slack
 
 
 def on_patches(face_patches: FacePatches, pair: Index, points: Array, normal: Array) -> Mask:
-    """Whether each point lies on a flat patch of its pair with the same normal, shape (n,).
+    """Mask of points on a flat patch of their pair that has the same normal, shape (n,).
 
     Parameters
     ----------

@@ -39,7 +39,7 @@ def friction_coefficients(assembly: Assembly, parts: Index, given: Array | None 
 
 
 def certain_friction(mu: Array | float, doubt: Array) -> Array:
-    """Friction coefficient [-] that is safe for every normal within the error `doubt`, shape (n,).
+    """Friction coefficient that remains for every normal within the error `doubt`, shape (n,).
 
     A force within the angle mu - doubt of the fitted normal lies within mu of the true normal.
 

@@ -189,7 +189,7 @@ def gap_limits(geometry: Geometry, facets: Facets, pairs: Index, tolerance: Tole
 
 
 def touches(gap: Array, deepest: Array, widest: Array) -> Mask:
-    """Whether each range of gaps, shape (n, 2), overlaps [-deepest, widest], shape (n,).
+    """Mask of gap ranges, shape (n, 2), that overlap [-deepest, widest].
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Records of possible contacts outside the patches: overlaps, unmodelled contacts, possible forces.
+"""Records of contacts that have no patch: overlaps, unmodelled contacts, possible forces.
 
 A pair with such a record is open (`kilter.contact.open_pairs`): the geometry does not determine the
 forces between its parts.

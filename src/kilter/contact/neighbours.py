@@ -79,7 +79,7 @@ def nearest_parts(geometry: Geometry, parts: Iterable[int]) -> tuple[Neighbour, 
 
 
 def _nearest(solids: PartSolids, part: int, boxes: tuple[Array, Array]) -> Neighbour:
-    """The part nearest to the given part, tried in the order of the distances of the boxes."""
+    """The part nearest to a given part; other parts are tried by the distance of their boxes."""
     low, high = boxes
     between = np.maximum(np.maximum(low - high[part], low[part] - high), 0.0)
     boxes_apart = np.linalg.norm(between, axis=1)
@@ -99,7 +99,7 @@ def _nearest(solids: PartSolids, part: int, boxes: tuple[Array, Array]) -> Neigh
 
 
 def _order(apart: Array) -> Index:
-    """Indices of the other parts in order of their distance from a part."""
+    """Indices of the other parts, sorted by their distance."""
     order: Index = np.argsort(apart, kind="stable")[:-1]
     return order
 

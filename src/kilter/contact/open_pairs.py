@@ -50,7 +50,7 @@ OpenKind = Literal["overlap", "clearance", "near", "free-form", "degenerate"]
 KINDS: tuple[OpenKind, ...] = get_args(OpenKind)
 """Kinds of open pairs, in order of precedence."""
 ANY_WRENCH = ("overlap", "clearance", "near")
-"""Kinds that may hold their parts by any force and torque."""
+"""Kinds of open pairs whose contact may transmit any force and torque."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +116,7 @@ def find_open_pairs(
 
 
 def still_open(pairs: Iterable[OpenPair], assembly: Assembly) -> tuple[OpenPair, ...]:
-    """The open pairs that matter: at least one part is free, and no fixed joints connect them."""
+    """The open pairs with at least one free part and without fixed joints between the parts."""
     pairs = tuple(pairs)
     if not pairs:
         return ()
@@ -162,7 +162,7 @@ def rigid_groups(assembly: Assembly) -> Index:
 
 
 def open_forces(pairs: Sequence[OpenPair], geometry: Geometry) -> PossibleContacts:
-    """Six forces for each open pair, which together produce any force and torque between its parts.
+    """Six possible forces for each open pair, which together make any force and torque.
 
     Six two-sided rows for each pair: forces along x, y, z at the centre of the smaller part, and
     forces at a distance of its radius beside the centre, whose moments span the torques.

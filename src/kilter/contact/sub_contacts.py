@@ -23,7 +23,7 @@ OfPair = TypeVar("OfPair", bound=Any)
 
 
 def contacts_among(contacts: ContactSet, assembly: Assembly) -> ContactSet:
-    """Contacts of an assembly that has a subset of the parts, in the same poses.
+    """The contacts that remain if an assembly is reduced to some of its parts in place.
 
     Parameters
     ----------
@@ -80,11 +80,11 @@ PATCH_FIELDS = (
     "patch_accuracy",
     "patch_doubt",
 )
-"""Fields of a contact set that have a row for each patch, except its parts and points."""
+"""Fields of a contact set with a row for each patch, except its parts and its points."""
 
 
 def _renumber(pairs: Sequence[OfPair], new_position: Index) -> tuple[OfPair, ...]:
-    """Records of pairs whose parts both remain in the subset, with new indices of the parts."""
+    """Records of pairs of which both parts remain, with new part indices."""
     kept = []
     for record in pairs:
         a, b = (int(new_position[k]) for k in record.parts)
@@ -101,7 +101,7 @@ def _still_free(pairs: tuple[OfPair, ...], assembly: Assembly) -> tuple[OfPair, 
 def _degenerate_among(
     given: DegeneratePoints, new_position: Index
 ) -> tuple[DegeneratePoints, Index]:
-    """Degenerate points between remaining parts, and the new index of each old point (n + 1,).
+    """Degenerate points between remaining parts, and new index of every old point, (n + 1,).
 
     The row is -1 for points that are dropped; the last entry is -1 too, for rows -1.
     """

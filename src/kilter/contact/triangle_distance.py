@@ -22,7 +22,7 @@ __all__ = ["at_most", "near_triangles", "surface_distance"]
 
 
 NEAR = 2
-"""Nearby triangles per point whose distance bounds that of the nearest triangle."""
+"""Number of nearby triangles whose distance bounds that of the nearest triangle."""
 
 
 def surface_distance(points: Array, triangles: Array, most: Array | None = None) -> Array:
@@ -91,7 +91,7 @@ def _projects_inside(points: Array, triangles: Array, normal: Array) -> Mask:
 
 
 def near_triangles(first: Array, second: Array, reach: float) -> Array:
-    """Midpoints between two triangles, for each row whose triangles come within `reach`, (m, 3).
+    """Middle points between the triangles of each row that are within `reach`, shape (m, 3).
 
     Examples
     --------
@@ -118,7 +118,7 @@ def near_triangles(first: Array, second: Array, reach: float) -> Array:
 
 
 def _beyond_plane(first: Array, second: Array, reach: float) -> Mask:
-    """Mask of rows whose first triangle lies on one side of the second's plane, beyond `reach`."""
+    """Mask of rows whose first triangle is farther than `reach` beyond the second one's plane."""
     normal = unit_rows(cross(second[:, 1] - second[:, 0], second[:, 2] - second[:, 0]))
     height = np.einsum("nki,ni->nk", first - second[:, :1], normal)
     aside: Mask = (height.min(axis=1) > reach) | (height.max(axis=1) < -reach)
@@ -126,13 +126,13 @@ def _beyond_plane(first: Array, second: Array, reach: float) -> Mask:
 
 
 def _nearer(first: tuple[Array, Array], second: tuple[Array, Array]) -> tuple[Array, Array]:
-    """In each row, the candidate (distance, point) with the smaller distance."""
+    """In each row, the (distance, point) with the smaller distance."""
     closer = second[0] < first[0]
     return np.where(closer, second[0], first[0]), np.where(closer[:, None], second[1], first[1])
 
 
 def _corner_distances(first: Array, second: Array) -> list[tuple[Array, Array]]:
-    """Distances of the first triangles' corners from the second triangles, and midpoints."""
+    """Distances of the corners of the first triangles from the second, and middle points."""
     candidates = []
     for k in range(3):
         foot = _nearest_point(first[:, k], second)

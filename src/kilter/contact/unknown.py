@@ -1,4 +1,4 @@
-"""Pairs that may touch at a place at which the surface of a part is unknown.
+"""Pairs of parts that may touch where the surface of a part is unknown.
 
 A stand-in (a box or hull in place of a solid that could not be read) may touch every part that
 comes near its box; an open mesh every part that comes near the box of a hole. The kind of contact
@@ -17,7 +17,7 @@ __all__ = ["unknown_contacts", "unknown_pairs"]
 
 
 def unknown_pairs(geometry: Geometry, pairs: Index, reach: Array) -> tuple[Index, Index]:
-    """Divide near pairs into pairs to search, and pairs that may touch at an unknown surface.
+    """Split near pairs into pairs to search, and pairs that may touch at an unknown surface.
 
     Parameters
     ----------

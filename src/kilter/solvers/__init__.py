@@ -1,1 +1,1 @@
-"""Solvers of linear, conic and quadratic programs; their answers are not verified here."""
+"""Solvers of linear, conic and quadratic programs; callers verify the answers."""

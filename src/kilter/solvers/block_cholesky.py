@@ -26,7 +26,7 @@ __all__ = ["BlockCholesky", "NotPositive"]
 
 
 Runs = tuple[tuple[int, int, int], ...]
-"""Runs of consecutive indices: start and end in one array, and start in another."""
+"""Groups of consecutive indices: start and end in one array, and start in another array."""
 
 
 class NotPositive(ArithmeticError):
@@ -35,7 +35,7 @@ class NotPositive(ArithmeticError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Plan:
-    """Layout of the matrix entries of a front: blocks that are eliminated together.
+    """Layout of a front (blocks that are eliminated together) in the arrays of the factorisation.
 
     Attributes
     ----------
@@ -148,7 +148,7 @@ class BlockCholesky:
         return result
 
     def _solve_in_place(self, unknowns: Array) -> None:
-        """Forward and backward substitution, front by front; overwrites the right-hand side."""
+        """Forward and backward substitution, front by front, in the right-hand side itself."""
         # for one right-hand side, dtrsv is faster than dtrsm
         from scipy.linalg.blas import dgemv, dtrsv
 
@@ -203,7 +203,7 @@ def _plans(
 
 
 def _runs(positions: Index, pivots: int, width: int) -> Runs:
-    """Runs of consecutive block positions; a run never crosses from pivots to the border.
+    """Groups of consecutive block positions; no group contains both pivots and border blocks.
 
     `positions` holds positions in the front, and `pivots` is the number of its pivot blocks.
     """
@@ -219,7 +219,7 @@ def _runs(positions: Index, pivots: int, width: int) -> Runs:
 def _add_update(
     update: Array, runs: Runs, size: int, pivot: Array, below: Array, border_block: Array
 ) -> None:
-    """Add a child's Schur complement (lower triangle) to the panels of its parent front.
+    """Add the Schur complement of a child front, a lower triangle, to the panels of its parent.
 
     The panels are transposed, so that consecutive entries are contiguous in memory.
     """

@@ -50,7 +50,7 @@ class Blocks:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BlockAnswers:
-    """Load factor, forces and multipliers that the solver found for each block, unverified.
+    """Load factor, forces and multipliers of each block, as the solver returned them.
 
     Attributes
     ----------

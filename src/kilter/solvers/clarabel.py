@@ -134,7 +134,7 @@ class _Answer:
 
 
 def _call_clarabel(program: ConicProgram, tolerance: float, seconds: float | None) -> _Answer:
-    """Set up Clarabel for a conic program and solve it."""
+    """Solve a conic program by Clarabel to a tolerance, within a time [s]; None: no time limit."""
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
@@ -202,7 +202,7 @@ def solve_quadratic(
 
 
 def _polish(start: Solution) -> list[Solution]:
-    """Solutions for successive guesses of the active rows, starting from a solution's guess."""
+    """Solutions for successive guesses of the rows that hold as equations, from a first one."""
     program = start.problem
     assert isinstance(program, ConicProgram)
     one_sided = np.arange(len(program.bound)) >= program.equal
@@ -227,7 +227,7 @@ def _polish(start: Solution) -> list[Solution]:
 
 
 def _solve_active_set(program: ConicProgram, rows: Index, start: Solution) -> tuple[Array, Array]:
-    """Solution x and multipliers if `rows` hold as equations and all other rows are ignored."""
+    """Solve for x and multipliers if `rows` hold as equations and all other rows are ignored."""
     from scipy.sparse.linalg import splu
 
     active_rows = csc_array(program.matrix.tocsr()[rows])
@@ -318,7 +318,7 @@ def _semidefinite_settings(work: Work) -> clarabel.DefaultSettings:
 
 
 def _lengths(rows: csr_array) -> Array:
-    """Euclidean length of each row, at least `TINY`."""
+    """Euclidean length of each row, but at least `TINY`, so that a division is safe."""
     square = np.asarray(rows.multiply(rows).sum(axis=1)).ravel()
     return np.asarray(np.maximum(np.sqrt(square), TINY))
 

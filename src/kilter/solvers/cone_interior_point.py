@@ -52,8 +52,7 @@ REFINED = 2
 """Number of corrections of a projection onto balance."""
 COMMON, CENTRED = 4, 0.99
 """Number of steps of a start that several programs share, and their fraction of the distance to the
-boundary. A start near the boundary costs each program more steps than it saves.
-"""
+boundary. A start near the boundary costs each program more steps than it saves."""
 DONE = 1e-16
 """Mean product of x and s below which further steps have no effect."""
 LEAST_CENTRE = 1e-8
@@ -105,12 +104,12 @@ class Iterate:
 
     @property
     def bound(self) -> float:
-        """Upper bound of the load share t, valid if -A^T y is in the cones; inf if along.y <= 0."""
+        """Upper bound of the load share t that the multipliers prove; inf if they prove none."""
         gain = float((self.problem.along * self.y).sum())
         return -float((self.problem.right * self.y).sum()) / gain if gain > 0.0 else np.inf
 
     def balanced(self) -> Array | None:
-        """Nearest forces x, shape (d, K), that balance the share t; None if they leave the cones.
+        """Forces x, shape (d, K), near the iterate that balance share t; None if outside the cones.
 
         None if it leaves its cones.
         """
@@ -126,7 +125,7 @@ class Iterate:
         return x if outside.max(initial=0.0) <= INSIDE * size else None
 
     def against(self) -> Array | None:
-        """Multipliers y, shape (N, n), if they prove that no positive share balances; else None.
+        """Multipliers y, (N, n), which prove that no positive share balances; else None.
 
         For homogeneous programs: y proves that no x balances a positive share.
         """
@@ -215,7 +214,7 @@ def iterates(
 
 @dataclass(slots=True, eq=False)
 class _Residuals:
-    """Residuals of the optimality equations: balance, span of t, dual slacks s and slacks of t."""
+    """Residuals of the optimality equations: balance, dual slacks, and the terms of the share t."""
 
     x: Array
     span: float
@@ -239,12 +238,12 @@ def _residuals(iterate: Iterate) -> _Residuals:
 
 
 def _mean_product(x: Array, s: Array, ends: Array, slacks: Array, count: int) -> float:
-    """Mean complementarity product of x and s, with those of t and its slacks."""
+    """Mean complementarity product of x and s and of the bounds of t, which goes to 0."""
     return float(((x * s).sum() + ends @ slacks) / (count + 2))
 
 
 def _step_scaling(iterate: Iterate) -> Scaling:
-    """Nesterov-Todd scaling of an iterate; free columns get a large weight instead."""
+    """Nesterov-Todd scaling of an iterate, with a large weight for free columns."""
     free = iterate.problem.free
     x, s = iterate.x.copy(), iterate.s.copy()
     x[:, free] = s[:, free] = 0.0
@@ -327,7 +326,7 @@ def _advance(iterate: Iterate, short_of: float) -> None:
 
 @dataclass(slots=True, eq=False)
 class _Step:
-    """Changes of the members of an iterate in a step."""
+    """Changes of x, s, y and t in a step of the interior-point method."""
 
     x: Array
     s: Array
@@ -340,7 +339,7 @@ class _Step:
 def _direction(
     iterate: Iterate, residuals: _Residuals, scaled_point: Array
 ) -> Callable[[Array, Array], _Step]:
-    """Make the solver for the step with given changes of the products of x and s, and of t's.
+    """Create a function that solves the Newton equations of an iterate for a change of products.
 
     The system is solved by eliminating x, s and the slacks; the last unknown is the change of t.
     """
@@ -381,6 +380,6 @@ def _direction(
 
 
 def _largest_step(values: Array, steps: Array) -> float:
-    """Largest t up to which all values + t steps stay positive; inf if none decreases."""
+    """Largest t at which all values + t * steps are positive; inf if no value decreases."""
     falls = steps < 0
     return float((-values[falls] / steps[falls]).min(initial=np.inf))

@@ -32,7 +32,7 @@ denser fronts.
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Front:
-    """Blocks of a matrix that are eliminated together, and the later blocks that they change.
+    """Blocks of a matrix that are eliminated together, and the later blocks that they affect.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class Front:
 
 
 def fronts(place: Array, first: Index, second: Index, width: int) -> list[Front]:
-    """Fronts of a matrix of blocks in the order of elimination: children before parents.
+    """Divide a block matrix into fronts, in the order of elimination: children before parents.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def fronts(place: Array, first: Index, second: Index, width: int) -> list[Front]
 
 
 def _dissect(place: Array, graph: csr_array, leaf: int) -> list[tuple[Index, tuple[int, ...]]]:
-    """Halve the blocks recursively; returns the separators and the sets that each separates.
+    """Halve the blocks recursively; return the separators, each with the two sets it separates.
 
     Children come before their parents. A set of at most `leaf` blocks is not divided.
     """
@@ -125,7 +125,7 @@ def _dissect(place: Array, graph: csr_array, leaf: int) -> list[tuple[Index, tup
 
 
 def _sorted_along(place: Array, which: Index) -> Index:
-    """Blocks sorted along the longest extent of their positions, for few runs on a border."""
+    """Sort blocks by position along the axis of greatest extent; neighbours stay close."""
     points = place[which]
     axes = np.argsort(np.ptp(points, axis=0), kind="stable") if len(which) else np.arange(3)
     ordered: Index = which[np.lexsort(points[:, axes].T)]

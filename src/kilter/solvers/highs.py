@@ -69,7 +69,8 @@ STRATEGY = {"dual": 1, "primal": 4}
 SCALINGS = (2, 0, 4)
 """Scalings of HiGHS in the order in which cold starts try them; the first is the default."""
 FEW, MANY = 100, 20
-"""Limit of simplex steps: the first number, plus the second for each row and column."""
+"""Limit of simplex steps: the first number, plus the second for each row and column of the program.
+"""
 INTERIOR_STEPS = 300
 """Maximum number of interior-point steps; walls of 100,000 bricks need fewer than 200."""
 
@@ -144,7 +145,7 @@ def solve_linear(
 def find_optimum(
     program: LinearProgram, *, method: Method = "simplex", work: Work | None = None
 ) -> Solution:
-    """Solve a linear program to a result that the solver reports as optimal, by several methods.
+    """Solve a linear program by several methods until the solver reports an optimum.
 
     The attempts are with and without presolve, by the other method, then with other scalings. The
     result serves figures beside a verdict; the certificates of verdicts do not rely on the solver's
@@ -256,7 +257,7 @@ class KeptProgram:
         self._highs.changeRowsBounds(len(rows), rows.astype(np.int32), lower, upper)
 
     def change_row(self, row: int, columns: ArrayLike, values: ArrayLike) -> None:
-        """Set entries of a row of the kept program, in columns with stored entries."""
+        """Change stored entries of a row of the kept program, in the given columns."""
         matrix = csc_array(self.program.matrix.copy())
         for column, value in zip(np.asarray(columns), np.asarray(values), strict=True):
             start, stop = matrix.indptr[column : column + 2]
@@ -266,7 +267,7 @@ class KeptProgram:
         self.program = replace(self.program, matrix=matrix)
 
     def solve(self, cost: Array | None = None, *, work: Work | None = None) -> Solution:
-        """Solve the kept program from its last basis, then from cold starts if necessary.
+        """Solve the kept program from its last basis; if that fails, from cold starts.
 
         Parameters
         ----------
@@ -308,7 +309,7 @@ class KeptProgram:
         return best
 
     def _solve_by_interior(self, work: Work | None) -> Solution:
-        """Solve the kept program by the interior point, after every simplex attempt failed."""
+        """Solve the kept program by an interior-point method, after simplex attempts failed."""
         if work is not None and work.over:
             return Solution(self.program, "failed", np.empty(0), np.empty(0), "none", 0)
         answer = solve_linear(self.program, method="interior", work=work)
@@ -340,7 +341,7 @@ class KeptProgram:
             self._options[option] = value
 
     def sensitivity(self, costs: Array) -> Array:
-        """Reduced costs of the last basis for each of a few cost vectors, shape (m, k).
+        """Reduced costs at the last basis for several cost vectors, shape (m, columns).
 
         This is equation (11) of the paper.
 
@@ -385,7 +386,7 @@ class KeptProgram:
 
 
 def bounding() -> KeptProgram:
-    """Make a `KeptProgram` for successive programs with bounded columns, solved for safe bounds."""
+    """Create a `KeptProgram` for programs with bounded columns, of which only bounds are needed."""
     return KeptProgram(warm="dual", tolerance=BOUNDED_FEASIBLE, goal="bound")
 
 
@@ -409,7 +410,7 @@ def new_highs(tolerance: float) -> Any:
 
 
 def _pass_program(highs: Any, program: LinearProgram) -> None:
-    """Pass a program to HiGHS; if HiGHS rejects it, the run has no answer."""
+    """Pass a program to HiGHS; HiGHS then reports a rejected program as without an answer."""
     rows, columns = program.matrix.shape
     start, index, value = program.matrix.indptr, program.matrix.indices, program.matrix.data
     colwise, minimise = int(highspy.MatrixFormat.kColwise), int(highspy.ObjSense.kMinimize)
@@ -433,7 +434,7 @@ def _run(highs: Any, program: LinearProgram) -> None:
 
 
 def _steps(program: LinearProgram) -> int:
-    """Largest number of simplex steps for a program."""
+    """Largest number of simplex steps that a program may take."""
     return FEW + MANY * (len(program.row_lower) + len(program.cost))
 
 

@@ -25,15 +25,14 @@ __all__ = ["DEAF", "LONG", "call_apart", "run_aside", "serve"]
 LONG = 20_000
 """Number of matrix entries above which a solver call may take a second."""
 DEAF = 300_000
-"""Number of matrix entries above which the set-up of a solver may hold the interpreter lock for
-half a second.
+"""Number of matrix entries above which the set-up of a solver may block Ctrl-C for half a second.
 """
 ENDS = 0.2
-"""Time for an interrupted solver to stop [s]."""
+"""Time that an interrupted solver gets to stop [s]."""
 
 
 def run_aside(run: Callable[[], None], stop: Callable[[], None]) -> None:
-    """Call `run` in a thread and wait for it; on an interruption call `stop` and re-raise.
+    """Call `run` in a thread and wait; on an interruption, call `stop` and raise it again.
 
     Outside the main thread, which alone receives signals, `run` is called directly.
 
@@ -69,7 +68,7 @@ def run_aside(run: Callable[[], None], stop: Callable[[], None]) -> None:
 
 
 def call_apart(function: Callable[..., Any], *given: Any) -> Any:
-    """Call a module-level function in a separate process, which Ctrl-C ends; returns its result.
+    """Call a module-level function in a child process that Ctrl-C can end; return its result.
 
     Outside the main thread, and if Python cannot be started, the function is called directly.
 

@@ -1,4 +1,4 @@
-"""Balance of blocks (parts) by cone forces between them: a conic program on a graph.
+"""Balance of blocks (parts) by forces in cones between them: a conic program on a graph.
 
     max t:  A x = right + t along,   0 <= t <= most,   x in second-order cones, or free
 
@@ -60,7 +60,7 @@ class LinkedCones:
     most: float
 
     def with_more(self, along: Array, most: float) -> LinkedCones:
-        """The same balance problem with another growing load `along`, for t up to `most`."""
+        """Copy of the problem with another load `along`, whose multiple t may be at most `most`."""
         result = replace(self, along=along, most=most)
         result.__dict__.update({k: v for k, v in self.__dict__.items() if k not in result.__dict__})
         return result
@@ -79,7 +79,7 @@ class LinkedCones:
 
     @cached_property
     def _gather(self) -> tuple[csr_array, csr_array]:
-        """Sparse matrices that sum values of links at their first and at their second blocks."""
+        """Sparse matrices that add values of links to their first and second blocks."""
         shape, links = (len(self.place), len(self.start)), np.arange(len(self.start))
         first = csr_array((np.ones(len(links)), (self.first, links)), shape=shape)
         both = self._shared_links
@@ -95,7 +95,7 @@ class LinkedCones:
 
     @cached_property
     def sizes(self) -> Array:
-        """Largest column length of each cone in the rows of either block, shape (K,)."""
+        """Largest column norm of each cone in the equilibrium rows, shape (K,)."""
         length = np.sqrt((self.columns**2).sum(axis=0).max(axis=0))
         stretch = np.sqrt((self.carried**2).sum(axis=(1, 2)))
         size: Array = length * np.maximum(stretch, 1.0)[self._link]
@@ -103,7 +103,7 @@ class LinkedCones:
 
     @cached_property
     def _squares(self) -> Array:
-        """Upper triangle of C J C^T of each cone's columns C, with J = diag(1, -1, ..)."""
+        """Upper triangle of C J C^T for the columns C of each cone, with J = diag(1, -1, ...)."""
         c = self.columns
         i, j = np.triu_indices(len(c))
         squares = c[i, 0] * c[j, 0]
@@ -113,7 +113,7 @@ class LinkedCones:
         return result
 
     def balance(self, x: Array) -> Array:
-        """Forces on the blocks, A x, shape (N, n), from cone forces x, shape (d, K)."""
+        """Force and torque on each block, A x, shape (N, n), from cone forces x, shape (d, K)."""
         pushed = np.einsum("idk,dk->ik", self.columns, x)
         links = np.add.reduceat(pushed, self.start, axis=1).T
         first, second = self._gather
@@ -121,7 +121,7 @@ class LinkedCones:
         return result
 
     def openings(self, y: Array) -> Array:
-        """Relative motions A^T y of the blocks at the cones, shape (d, K), for y, shape (N, n)."""
+        """Relative motion A^T y of the two blocks at each cone, (d, K), from block motions y."""
         links = y[self.first]
         both = self._shared_links
         links[both] += np.einsum("lji,lj->li", self.carried[both], y[self.second[both]])
@@ -129,7 +129,7 @@ class LinkedCones:
         return result
 
     def normal_matrix(self, scaling: Scaling) -> tuple[Array, Array]:
-        """Blocks of A W^2 A^T: diagonal, shape (N, n, n), and the blocks of links of two blocks.
+        """Diagonal and off-diagonal blocks of the normal matrix A W^2 A^T.
 
         W^2 = eta^2 (2 w w^T - J), and C J C^T is precomputed.
         """

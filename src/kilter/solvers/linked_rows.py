@@ -1,4 +1,4 @@
-"""Normal matrix I + R^T D R of rows that each touch at most two blocks of unknowns.
+"""Equations with I + R^T D R, for rows R that each involve at most two blocks of unknowns.
 
     I + R^T D R
 
@@ -25,7 +25,7 @@ REGULAR = 1e-13
 
 
 class LinkedRows:
-    """Sparse rows R, shape (K, N n), over N blocks of n unknowns; each row touches at most two.
+    """Sparse rows R, shape (K, N n), over N blocks of n unknowns, at most two blocks per row.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ class LinkedRows:
         return solve
 
     def _normal_matrix(self, weights: Array) -> tuple[Array, Array]:
-        """Diagonal blocks and link blocks of the normal matrix, for weights sorted by link."""
+        """Diagonal and link blocks of I + R^T D R, for row weights D sorted by link."""
         block = self._block
         sides = slice(block), slice(block, 2 * block)
         links = np.empty((len(self._start), 2 * block, 2 * block))

@@ -23,13 +23,13 @@ __all__ = ["Scaling", "depth", "divided", "product", "reach"]
 
 
 def depth(x: Array) -> Array:
-    """Depth of each point in its second-order cone, x_0 - |x_1..|, shape (K,); negative outside."""
+    """Distance measure x_0 - |x_1..| of each point in its cone, shape (K,); negative outside."""
     within: Array = x[0] - np.sqrt((x[1:] ** 2).sum(axis=0))
     return within
 
 
 def _determinant(x: Array) -> Array:
-    """Jordan determinant x_0^2 - |x_1..|^2 of points inside cones, at least `TINY`, shape (K,).
+    """Value x_0^2 - |x_1..|^2 of points inside second-order cones, at least `TINY`, shape (K,).
 
     It is computed as a product, which avoids the cancellation of the squares near the boundary.
     """
@@ -61,7 +61,7 @@ def divided(x: Array, y: Array) -> Array:
 
 
 def reach(x: Array, step: Array) -> float:
-    """Largest t up to which every x + t step stays in its second-order cone, for x inside.
+    """Largest t at which every x + t step is in its second-order cone, for x inside.
 
     Examples
     --------
@@ -107,7 +107,7 @@ class Scaling:
 
     @classmethod
     def of(cls, x: Array, s: Array) -> Scaling:
-        """Scaling W of points x and s inside their cones, shape (d, K) each, with W s = W^-1 x."""
+        """The scaling W with W s = W^-1 x, for points x and s inside their cones, (d, K) each."""
         x_size, s_size = np.sqrt(_determinant(x)), np.sqrt(_determinant(s))
         a, b = x / x_size, s / s_size
         # w is (a + J b) over its hyperbolic length, J = diag(1, -1, ..), so that W s = W^-1 x
@@ -136,7 +136,7 @@ class Scaling:
 
 
 def _boost(w: Array, x: Array) -> Array:
-    """Product V x with the hyperbolic rotation V that turns the axis of each cone to w."""
+    """Apply to x the hyperbolic rotation that takes the axis of each cone to w."""
     tail = (w[1:] * x[1:]).sum(axis=0)
     result: Array = x + (x[0] + tail / (1 + w[0])) * w
     result[0] = w[0] * x[0] + tail

@@ -98,7 +98,7 @@ class LinearProgram:
         return _safe_bound(self, self.cost, multipliers, self.lower, self.upper)
 
     def excluded(self, multipliers: Array) -> float:
-        """A radius r such that the multipliers prove that no x with all |x_j| <= r is feasible.
+        """A radius r such that multipliers prove that no feasible x has all |x_j| <= r.
 
         inf if every column has bounds; 0 if the multipliers prove nothing.
 
@@ -146,7 +146,7 @@ def _violation(values: Array, lower: Array, upper: Array) -> float:
 
 
 def _gap(slopes: Array, values: Array, lower: Array, upper: Array) -> tuple[float, float]:
-    """Duality gap, sum of |slope| times distance to its bound; and the largest unbounded slope.
+    """Duality gap (sum of |slope| times the distance to the bound), and largest unbounded slope.
 
     A positive slope belongs to the lower bound, a negative slope to the upper bound.
     """
@@ -160,7 +160,7 @@ def _gap(slopes: Array, values: Array, lower: Array, upper: Array) -> tuple[floa
 def _safe_bound(
     program: LinearProgram, cost: Array, multipliers: Array, lower: Array, upper: Array
 ) -> float:
-    """Lower bound of the optimal cost, as `LinearProgram.safe_bound`, for other cost and bounds."""
+    """Lower bound of the optimal cost that multipliers prove, for other cost and bounds."""
     if len(multipliers) != len(program.row_lower) or not np.isfinite(multipliers).all():
         return -np.inf
     # a multiplier of a side that does not exist is set to 0
@@ -241,7 +241,7 @@ class ConicProgram:
         return result if np.isfinite(result) else np.inf
 
     def excluded(self, multipliers: Array) -> float:
-        """A radius r such that the multipliers prove that no x with |x|_1 < r is feasible; else 0.
+        """A radius r such that multipliers prove that no feasible x has |x|_1 < r; 0 without proof.
 
         For y in the dual cones, 0 <= y.s = y.bound - (matrix^T y).x for every feasible x, so |x|_1
         max |matrix^T y| >= -y.bound.
@@ -273,7 +273,7 @@ class ConicProgram:
 
 
 def _cone_excess(values: Array, starts: Index) -> Array:
-    """Amount by which |v_1..| exceeds v_0 in each cone's run of values; 0 inside the cone."""
+    """Amount by which |v_1..| exceeds v_0 in each cone, from stacked values; 0 inside the cone."""
     squares = np.add.reduceat(values * values, starts)
     first = values[starts]
     tail = np.sqrt(np.maximum(squares - first * first, 0.0))
@@ -283,7 +283,7 @@ def _cone_excess(values: Array, starts: Index) -> Array:
 def quadratic_program(
     quadratic: csc_array, cost: Array, matrix: csc_array, bound: Array, equal: int
 ) -> ConicProgram:
-    """Quadratic program as a conic one: `matrix` x = bound in the first `equal` rows, >= below.
+    """Write a quadratic program in conic form: `equal` equations first, then inequalities >=.
 
     Parameters
     ----------
@@ -300,7 +300,7 @@ def quadratic_program(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ConeProjection:
-    """Projection of a load onto a polyhedral cone: min 1/2 |b|^2 - load.b under rows b >= 0.
+    """Projection of a load on the polyhedral cone {b : rows b >= 0}: min 1/2 |b|^2 - load.b.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Projection onto a polyhedral cone by an interior point, then by exact multipliers.
+"""Projection onto a polyhedral cone by an interior-point method, then by a multiplier method.
 
     min 1/2 |b|^2 - v.b,   R b = 0 in the first rows, then R b >= 0
 
@@ -57,13 +57,14 @@ STEPS = 120
 CORRECTORS = 4
 """Maximum number of centrality correctors per factorisation."""
 TERMS = 3
-"""Number of terms of the series that looks ahead."""
+"""Number of terms of the power series that predicts the search direction."""
 START = 1.0
-"""Initial slacks and forces over the largest load."""
+"""Initial value of slacks and forces, over the largest load [-]."""
 SHORT_OF = 0.995
 """Fraction of the distance to the boundary that a step covers."""
 GAP = 1e-16
-"""Mean product of slack and force, over the square of gravity, at which the interior point ends."""
+"""Mean product of slack and force, over squared gravity, at which the interior-point method ends.
+"""
 ROUNDED = 0.1
 """If residuals grow, the interior point stops once they exceed this fraction of the root of the
 mean product: rounding dominates.
@@ -115,18 +116,18 @@ class _Data:
     weight: Array
 
     def opening(self, b: Array) -> Array:
-        """Slacks R b of the rows for unknowns b."""
+        """Slack R b of each row for unknowns b."""
         result: Array = self.linked.rows @ b
         return result
 
     def push(self, f: Array) -> Array:
-        """Sum R^T f of the rows, weighted by multipliers f."""
+        """Combination R^T f of the rows with multipliers f."""
         result: Array = self.linked.turned @ f
         return result
 
 
 def solve_projection(problem: ConeProjection, *, enough: float = 0.0) -> ProjectionSolution:
-    """Project a load onto a cone: an interior point, then multipliers if it is too inaccurate.
+    """Project a load onto a cone; the multiplier method follows if the first result is inexact.
 
     Parameters
     ----------
@@ -159,7 +160,7 @@ def solve_projection(problem: ConeProjection, *, enough: float = 0.0) -> Project
 
 
 def _interior_point(data: _Data, enough: float) -> tuple[Array, Array, float, int]:
-    """Best iterate of the interior point: b, f, their violation, and number of factorisations."""
+    """Run the interior-point method: b, f, their violation, and the number of factorisations."""
     two_sided = data.two_sided
     root = np.sqrt(data.weight)
     length = 0.0
@@ -216,13 +217,13 @@ def _interior_point(data: _Data, enough: float) -> tuple[Array, Array, float, in
 
 
 def _step_limit(v: Array, dv: Array) -> float:
-    """Largest step length, at most 1, that keeps all values v + t dv positive."""
+    """Largest step length t <= 1 at which all values v + t dv are positive."""
     decreasing = dv < -LEAST * v
     return min(1.0, float((-v[decreasing] / dv[decreasing]).min(initial=np.inf)))
 
 
 def _admissible(data: _Data, f: Array) -> tuple[Array, Array, float]:
-    """Multipliers clipped to their signs, the b that they produce, and the violation of both."""
+    """Multipliers clipped to valid signs, the resulting b, and the violation that both leave."""
     two_sided = data.two_sided
     f = np.where(two_sided, f, np.maximum(f, 0.0))
     b = data.load + data.push(f)
@@ -234,7 +235,7 @@ def _admissible(data: _Data, f: Array) -> tuple[Array, Array, float]:
 def _search_direction(
     data: _Data, s: Array, f: Array, rd: Array, rp: Array, mu: float, look_ahead: bool
 ) -> tuple[Array, Array, Array, float, Array | None]:
-    """Search direction of the interior point, by predictor, corrector, centrality correctors.
+    """Search direction of the interior-point method, with predictor and centrality correctors.
 
     Returns the changes of b, s and f, the length of the step, and, if `look_ahead` is true, the
     forces at the end of the series that looks ahead.
@@ -305,7 +306,7 @@ def _multiplier_steps(data: _Data, b: Array, f: Array, enough: float) -> tuple[A
 
 
 def _minimise(data: _Data, b: Array, f: Array, enough: float) -> tuple[Array, int]:
-    """Minimise the piecewise quadratic function of the multiplier method, by Newton's method."""
+    """Minimise the augmented Lagrangian (piecewise quadratic in b) by Newton's method."""
     last_active: Mask | None = None
     solve: Callable[[Array], Array] | None = None
     count, least_gradient = 0, np.inf
@@ -329,7 +330,7 @@ def _minimise(data: _Data, b: Array, f: Array, enough: float) -> tuple[Array, in
 
 
 def _line_minimum(data: _Data, b: Array, d: Array, pushed: Array) -> float:
-    """Step length to the minimum along d: the root of an increasing, piecewise linear slope."""
+    """Step length along d that minimises the function: the root of an increasing slope."""
     opening_rate = RHO * data.opening(d)
     square, start = float(d @ d), float((b - data.load) @ d)
     t, low, high = 1.0, 0.0, np.inf

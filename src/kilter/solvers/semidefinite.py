@@ -28,7 +28,7 @@ __all__ = ["Multipliers", "SemidefiniteProgram"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SemidefiniteProgram:
-    """Semidefinite program: max gain.x with x[0] = 1, under rows, cones and matrices >= 0.
+    """Semidefinite program: max gain.x with x[0] = 1, linear rows, cones and positive matrices.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class SemidefiniteProgram:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Multipliers:
-    """Multipliers of a semidefinite program's rows and matrices, and its point x; unverified."""
+    """Multipliers of the rows and matrices of a semidefinite program, and its point x."""
 
     equal: Array
     positive: Array

@@ -32,7 +32,7 @@ Outcome = Literal["optimal", "infeasible", "unbounded", "failed"]
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """Result of a solver for a problem: status, point and multipliers, not yet verified.
+    """Result of a solver for a problem: status, point x and multipliers; unverified.
 
     Attributes
     ----------
@@ -84,19 +84,19 @@ class Solution:
 
     @cached_property
     def objective(self) -> float:
-        """Cost of the solver's point; inf without a point."""
+        """Cost of the solver's point x; inf without a point."""
         return self.problem.objective(self.x) if self.found else np.inf
 
     @cached_property
     def residual(self) -> float:
-        """Largest violation of optimality by the point and multipliers [-]; inf without a point."""
+        """Largest violation of optimality by x and the multipliers [-]; inf without x."""
         if not self.found or len(self.multipliers) != self.problem.matrix.shape[0]:
             return np.inf
         return self.problem.residual(self.x, self.multipliers)
 
     @property
     def holds(self) -> bool:
-        """True if the multipliers prove that the point is optimal, whatever the solver reports."""
+        """True if the multipliers prove x optimal, whatever status the solver reports."""
         return self.residual <= BELIEVED
 
     @cached_property
@@ -114,7 +114,7 @@ class Solution:
         return self.problem.excluded(self.multipliers) >= LARGEST_POINT
 
     def required(self, what: str) -> Solution:
-        """Return the solution itself if reported optimal, else raise; for figures outside proofs.
+        """The solution if the solver reports it as optimal; else raises `SolverError`.
 
         Parameters
         ----------

@@ -16,12 +16,12 @@ __all__ = [
 
 
 POINT, LINE, CIRCLE, SAME = range(4)
-"""Forms of contact; SAME: a surface inside its own counterpart, such as a shaft in its hole."""
+"""Forms of contact; SAME means that both surfaces lie on each other, as a shaft and its hole."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FormLimits(Rows):
-    """Limits at which two surfaces coincide, are parallel, or touch by closing a clearance.
+    """Tolerances that decide whether surfaces coincide, are parallel, or touch with clearance.
 
     Attributes
     ----------
@@ -42,14 +42,14 @@ class FormLimits(Rows):
     share: Array
 
     def fits(self, play: Array, radius: Array) -> Mask:
-        """Whether a radial play above the gap tolerance is that of a loose fit, shape (n,)."""
+        """Mask of radial plays that count as a loose fit: wider than the gap tolerance."""
         result: Mask = (play > self.gap) & (play <= np.maximum(self.closed, FIT_PLAY * radius))
         return result
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Candidates(Rows):
-    """Possible contacts of pairs of surfaces (points, lines, circles, whole faces), a row for each.
+    """Possible contacts of pairs of surfaces (point, line, circle or whole face), one per row.
 
     Attributes
     ----------
@@ -116,6 +116,6 @@ def dot(a: Array, b: Array) -> Array:
 
 
 def without_along(v: Array, axis: Array) -> Array:
-    """Vectors minus their components along unit axes, shape (n, 3)."""
+    """Components of vectors perpendicular to unit axes, shape (n, 3)."""
     result: Array = v - dot(v, axis)[:, None] * axis
     return result

@@ -1,4 +1,4 @@
-"""The common region of two faces about the same axis, in angle and height.
+"""The region over which two faces about the same axis lie on each other.
 
 Cylinders and cones are unrolled about the axis of the first: an angle and a height give the
 position of a point. Faces on the same axis have no common region, whatever their radii, if they lie
@@ -133,7 +133,7 @@ def _partial_overlap(
     height_offset: float,
     scale: float,
 ) -> tuple[Array, Array, float] | None:
-    """Overlap of two coaxial faces of irregular outline: angles and heights of corners, and area.
+    """Overlap of two coaxial faces with irregular outlines: angles, heights and area; or None.
 
     Angles are in rad. The faces are not whole bands about the axis.
 
@@ -161,7 +161,7 @@ def _partial_overlap(
 def _without_tips(
     angle: Array, height: Array, owner: Index, tip: Mask
 ) -> tuple[Array, Array, Index]:
-    """Triangles in angle and height, with those at the apex of a cone made into rectangles.
+    """Triangles in angle and height; a triangle at the apex of a cone becomes a rectangle.
 
     A triangle at the apex covers a rectangle of angle and height, which takes two triangles.
 

@@ -1,4 +1,4 @@
-"""Contact points of curved contacts, and the side on which their finite number errs.
+"""Contact points that represent curved contacts, and the direction of the resulting error.
 
 A frictionless contact transmits the cone of the wrenches of its points. With n(t) the unit
 direction at angle t across an axis:
@@ -56,18 +56,18 @@ __all__ = [
 
 
 AROUND = 72
-"""Points around a full circle whose forces lean on its axis; more points narrow the error."""
+"""Number of points on a full circle of oblique forces; more points reduce the error."""
 STEP = np.pi / 6
 """Largest angle between neighbouring points around an axis [rad]."""
 PROBES = 144
-"""Angles at which the cover of a circle by its faces is sampled."""
+"""Number of angles at which it is tested whether faces cover a circle."""
 HALVINGS = 30
 """Bisection steps that locate the end of an arc."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PatchPoints:
-    """Contact points of a patch with unit normals, outer rows around them, and the area.
+    """Contact points of a patch with unit normals, an enclosing set of points, and the area.
 
     The wrenches of the outer rows span a cone around the true cone; there are none if the points
     are exact.
@@ -162,7 +162,7 @@ def ring(
 
 
 def _outer_angles(angle: Array, width: float) -> tuple[Array, float]:
-    """Angles midway between neighbouring points of a circle [rad], and the radius factor there [-].
+    """Angles midway between neighbouring points on a circle [rad], and the radius factor there.
 
     Tangents at neighbouring points of the unit circle meet at this distance from its centre.
     """
@@ -187,7 +187,7 @@ def shell(
     apex: Array, axis: Array, half_angle: float, radius: float,
     region: tuple[Array, Array], outer: tuple[Array, Array] | None,
 ) -> PatchPoints:  # fmt: skip
-    """Contact points with normals on a cylinder (`half_angle` 0) or cone, at angles and heights.
+    """Contact points with normals on a cylinder or cone, at given angles and heights.
 
     `outer` holds angles and heights of a region around the true region, if the points are not
     exact; else None.
@@ -315,7 +315,7 @@ def _anticlockwise(triangles: Array) -> Array:
 
 
 def _spanning_directions(corners: Array, mean: Array, blur: float) -> tuple[Array, Array]:
-    """Unit directions that span the cone of `corners`, and directions of a cone that contains it.
+    """Unit directions whose cone lies inside the cone of `corners`, and directions that enclose it.
 
     The second array is empty if the first is exact. `blur` is the largest error of the rim [rad].
     """
@@ -345,7 +345,7 @@ def _spanning_directions(corners: Array, mean: Array, blur: float) -> tuple[Arra
 
 
 def _extreme_rays(rays: Array, middle: Array) -> Array:
-    """The directions among `rays` that are extreme rays of the cone that all of them span."""
+    """The extreme rays among `rays`: those that span the cone of all of them."""
     u, v = across(middle)
     depth = rays @ middle
     hull = convex_hull(np.column_stack([rays @ u / depth, rays @ v / depth]))
@@ -358,7 +358,7 @@ def _extreme_rays(rays: Array, middle: Array) -> Array:
 
 
 def _spread_subset(corners: Array) -> Array:
-    """The directions among `corners` that are farthest along each of 26 fixed directions."""
+    """Directions of `corners` that are farthest along each of 26 fixed directions."""
     grid = np.array([[x, y, z] for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1)])
     targets = grid[np.abs(grid).sum(axis=1) > 0].astype(float)
     chosen: Array = corners[np.unique(np.argmax(corners @ targets.T, axis=0))]
@@ -390,7 +390,7 @@ def _as_circle(rays: Array) -> tuple[Array, tuple[float, float]] | None:
 def unrolled_overlap(
     first: tuple[Array, Array], second: tuple[Array, Array], scale: float
 ) -> tuple[Array, Array, float]:
-    """Corners and area of the overlap of two faces unrolled to angle and height.
+    """Overlap of two faces that are unrolled to angle and height: corners and area.
 
     The area has the unit rad x length unit.
 

@@ -1,4 +1,4 @@
-"""Extent of a face: the intervals of a line, and the angles, that it covers.
+"""Parts of a line or of a circle that a face covers.
 
 The triangles of a face represent it. A line of a surface with normal n lies on the face if the
 plane through the line and n cuts the triangles; a point lies on it if the line along n meets a
@@ -66,7 +66,7 @@ def slices(triangles: Array, line: tuple[Array, Array, Array], reach: float, gro
 
 
 def _merge_intervals(spans: Array, join: float) -> Array:
-    """Intervals, shape (k, 2), sorted; neighbours at most `join` apart become a single interval."""
+    """Merge sorted intervals, shape (k, 2), whose distance is at most `join`."""
     if not len(spans):
         return spans
     spans = spans[np.argsort(spans[:, 0])]
@@ -109,7 +109,7 @@ class Bands:
 
 
 def unrolled(geometry: Geometry, rows: Index) -> tuple[Index, Array, Array, Mask]:
-    """Corners of the triangles of cylinders or cones as angle about the axis and height.
+    """Triangle corners of cylinders or cones as angle about the axis and height along it.
 
     Returns
     -------
@@ -160,7 +160,7 @@ def bands_of(geometry: Geometry, rows: Index) -> Bands:
 def _arc_unions(
     owner: Index, start: Array, length: Array, count: int
 ) -> tuple[Array, Array, Index]:
-    """For each owner, begin and length of the union of its arcs [rad], and the number of pieces."""
+    """Union of the arcs of each owner: begin and length [rad], and the number of pieces."""
     start = np.remainder(start, TURN)
     order = np.lexsort((start, owner))
     owner, start = owner[order], start[order]

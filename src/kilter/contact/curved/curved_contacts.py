@@ -69,7 +69,7 @@ def find_curved(search: ContactSearch) -> CurvedContacts:
 
 
 def _near_surfaces(search: ContactSearch, rows: Index) -> tuple[SurfacePairs, SurfacePairs]:
-    """Near pairs of two curved surfaces, and near pairs of a curved surface and a flat facet."""
+    """Near pairs of curved surfaces, and near pairs of a curved surface and a flat facet."""
     geometry, boxes = search.geometry, search.boxes
     low, high, has_triangles = _surface_boxes(search)
     a, b = search.pairs[rows].T
@@ -132,7 +132,7 @@ def _surface_boxes(search: ContactSearch) -> tuple[Array, Array, Mask]:
 def _build_patches(
     search: ContactSearch, both: SurfacePairs, flat: SurfacePairs
 ) -> tuple[PatchBuilder, Index]:
-    """Patches of all candidate contacts, and the pairs of surfaces without a contact formula."""
+    """Build patches from all candidates; also return the surface pairs without a formula."""
     surfaces, facets = search.geometry.surfaces, search.facets
     builder = PatchBuilder()
     doubt = surfaces.doubt[both.i] + surfaces.doubt[both.j]
@@ -161,7 +161,7 @@ def _build_patches(
 
 
 def _candidate_limits(search: ContactSearch, pairs: SurfacePairs, doubt: Array) -> CandidateLimits:
-    """Gap limits of candidate contacts, raised by `doubt`, the largest error of both surfaces."""
+    """Gap limits of the candidate contacts, raised by `doubt`, the error of the surfaces."""
     limits = search.limits
     return CandidateLimits(limits.gap[pairs.pair] + doubt, limits.closed[pairs.pair] + doubt)
 
@@ -169,7 +169,7 @@ def _candidate_limits(search: ContactSearch, pairs: SurfacePairs, doubt: Array) 
 def _may_touch(
     search: ContactSearch, pairs: SurfacePairs, candidates: Candidates, limit: Array
 ) -> Mask:
-    """Mask of candidates whose gap may come within the tolerance where the parts' boxes overlap."""
+    """Mask of candidates that may touch: small gap, at a place where the boxes overlap."""
     pair = pairs.pair[candidates.row]
     a, b = search.pairs[pair].T
     boxes = search.boxes
@@ -225,7 +225,7 @@ def _add_each(
     limits: CandidateLimits,
     plane: bool,
 ) -> None:
-    """Add patches to `builder` for all candidates except coaxial faces, one by one.
+    """Add the patches of all candidates to `builder`, except those of coaxial faces.
 
     The candidates are points, lines, circles and spheres in sockets.
     """
@@ -244,7 +244,7 @@ def _add_candidate(
     limits: tuple[float, float],
     plane: bool,
 ) -> None:
-    """Add the patch of a candidate contact to `builder`, if both faces extend to the contact.
+    """Add the patch of a candidate to `builder` if both faces reach the place of contact.
 
     `plane` is True if the partner is a flat facet.
     """
@@ -299,7 +299,7 @@ _Face = tuple[Array, float]
 def _point_contact(
     candidate: Candidates, faces: list[_Face], reach: float, grow: float
 ) -> PatchPoints | None:
-    """The contact point of a candidate; None if a face does not extend to it."""
+    """The contact point of a candidate; None if one of the faces does not reach it."""
     at, normal = candidate.at, candidate.normal
     side = candidate.along if candidate.along.any() else normal
     rim = float(candidate.radius[0]) / 2  # in the plane of a rim its face is no nearer to the axis
@@ -314,7 +314,7 @@ def _point_contact(
 def _line_contact(
     candidate: Candidates, faces: list[_Face], reach: float, grow: float
 ) -> tuple[PatchPoints | None, float, float]:
-    """Both ends of a line contact, and its least and greatest gap; None if it is too short."""
+    """End points of a line contact, and its least and greatest gap; None for a short line."""
     at, along, normal = candidate.at[0], candidate.along[0], candidate.normal[0]
     spans = np.array([[-np.inf, np.inf]])
     for triangles, sagitta in faces:

@@ -1,4 +1,4 @@
-"""Patches of curved contact: sorted into touching, apart and overlapping, then packed."""
+"""Patches of curved contacts, sorted into touching, near and overlapping, then packed in arrays."""
 
 from __future__ import annotations
 
@@ -70,13 +70,13 @@ class SurfacePairs(Rows):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CandidateLimits:
-    """For each candidate contact, its gap tolerance and the widest clearance that is closed."""
+    """Gap tolerance and widest accepted clearance of each candidate contact."""
 
     gap: Array
     closed: Array
 
     def of(self, row: int) -> tuple[float, float]:
-        """Gap tolerance and widest clearance that is closed, of a candidate [length unit]."""
+        """Gap tolerance and widest accepted clearance of a candidate [length unit]."""
         return float(self.gap[row]), float(self.closed[row])
 
 
@@ -173,7 +173,7 @@ def classify(search: ContactSearch, builder: PatchBuilder, patch: CurvedPatch) -
 
 
 def _overlap_depth(search: ContactSearch, patch: CurvedPatch) -> float:
-    """Depth to which the material behind two faces overlaps [length unit]; 0 without overlap."""
+    """Depth of the material that two faces share [length unit]; 0 if they do not overlap."""
     s, (i, j) = search.geometry.surfaces, patch.names
     points, normals = patch.inside or (patch.spots.points, patch.spots.normals)
     depth = np.full(len(points), -patch.gap[1])
@@ -188,7 +188,7 @@ def _overlap_depth(search: ContactSearch, patch: CurvedPatch) -> float:
 def _resolve(
     search: ContactSearch, builder: PatchBuilder
 ) -> tuple[list[RejectedPair], list[Overlap]]:
-    """Near pairs and overlaps of a search; each two surfaces keep only a single statement.
+    """Near pairs and overlaps of a search, with at most one record for two surfaces.
 
     Surfaces with a closed fit have no line or point in addition, and no near pair or overlap.
     Surfaces that touch or press along a line are not listed as a fit with play.
@@ -213,7 +213,7 @@ def _resolve(
 
 
 def _rejected_pair(search: ContactSearch, patch: CurvedPatch) -> RejectedPair:
-    """The record of a near pair for a patch whose faces have a gap too wide for contact."""
+    """The `RejectedPair` of a patch whose faces are too far apart for contact."""
     hollow = search.geometry.surfaces.hollow
     i, j = patch.names
     fit = patch.play > 0 or (j >= 0 and bool(hollow[i] != hollow[j]))
@@ -226,7 +226,7 @@ def _parts(search: ContactSearch, patch: CurvedPatch) -> tuple[int, int]:
 
 
 def without_repeats(curved: CurvedContacts, flat: Patches, tolerance: Array) -> CurvedContacts:
-    """Curved contacts without the lines and points that a flat patch of the same pair contains.
+    """Curved contacts without lines and points that lie in a flat patch of the same pair.
 
     These lie on the rim of the flat patch.
 
@@ -252,7 +252,7 @@ def without_repeats(curved: CurvedContacts, flat: Patches, tolerance: Array) -> 
 
 
 def on_flat(points: Array, corners: Array, normal: Array, slack: float) -> Mask:
-    """Which points, shape (n, 3), lie within `slack` of a flat convex polygon."""
+    """Mask of points, shape (n, 3), within `slack` of a flat convex polygon."""
     level = np.abs((points - corners[0]) @ normal) <= slack
     along = np.roll(corners, -1, axis=0) - corners
     side = cross(along[None], points[:, None] - corners[None]) @ normal
@@ -327,14 +327,14 @@ def _stack_rows(rows: list[Array]) -> Array:
 
 
 def _size(search: ContactSearch, patch: CurvedPatch) -> float:
-    """Length by which the accuracy of a patch is divided: the size of the patch [length unit]."""
+    """Size of a patch [length unit], by which its accuracy is divided."""
     radius = float(search.geometry.surfaces.radius[patch.names[0]])
     size = max(radius, float(np.ptp(patch.spots.points, axis=0).max()))
     return size or float(search.geometry.radius[search.pairs[patch.pair]].min())
 
 
 def _mean_normals_of(normals: Array, start: Index) -> Array:
-    """Unit mean normal of each patch; the first normal of a patch whose normals cancel."""
+    """Mean unit normal of each patch; its first normal if the normals cancel."""
     if len(start) == 1:
         return np.empty((0, 3))
     total = np.add.reduceat(normals, start[:-1], axis=0)
@@ -345,7 +345,7 @@ def _mean_normals_of(normals: Array, start: Index) -> Array:
 
 
 def _kind(search: ContactSearch, surface: list[int]) -> str:
-    """Kind of contact of two surfaces, such as "cylinder"; -1 stands for a flat face."""
+    """Name of the kind of contact between two surfaces, such as "cylinder"; -1: a flat face."""
     kinds = {KINDS[search.geometry.surfaces.kind[k]] for k in surface if k >= 0}
     return next(name for name in NAMED if name in kinds)
 

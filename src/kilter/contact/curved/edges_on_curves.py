@@ -104,7 +104,7 @@ def _face_boxes(geometry: Geometry, boxes: Boxes, face: Index) -> tuple[Array, A
 
 
 def _is_sharp(geometry: Geometry, facets: Facets, edges: Edges, edge: Index) -> Mask:
-    """Whether the exact surfaces of an edge's two faces meet at an angle, for each edge."""
+    """Mask of edges at which the exact surfaces of both faces meet at an angle."""
     s = geometry.surfaces
     left, right = edges.facet[edge].T
     middle = geometry.vertices[edges.ends_of[edge, 0]]
@@ -128,7 +128,7 @@ def _lies_on_patch(
     curved: CurvedContacts, pair: Index, surface: Index, s: Surfaces, p: Array, q: Array,
     limit: Array,
 ) -> Mask:  # fmt: skip
-    """Whether both ends of each edge lie on a surface that already has a contact patch."""
+    """Mask of edges whose two ends lie on a surface that already has a contact patch."""
     patches = curved.patches
     sides = [np.column_stack([patches.pair, side])[patches.area > 0] for side in curved.surface.T]
     patched = np.unique(np.concatenate(sides), axis=0)
@@ -143,7 +143,7 @@ def _lies_on_patch(
 def _true_middle(
     geometry: Geometry, facets: Facets, edges: Edges, line: Index, p: Array, q: Array
 ) -> tuple[Mask, Array]:
-    """Mask of edges on exact curved surfaces, and the middle point of each such curved edge.
+    """Mask of edges that are curved in the exact geometry, and the true middle of each.
 
     The middle of the chord is moved onto the surface by three Newton steps in the plane of the rim.
     """
@@ -175,7 +175,7 @@ def _across_axis(s: Surfaces, row: Index, points: Array) -> Array:
 def _nearest_on_edge(
     s: Surfaces, face: Index, edge: tuple[Array, Array, Array], limit: Array
 ) -> tuple[Array, Array]:
-    """Point of each edge (start, middle, end) nearest to a face, and its signed distance from it.
+    """Point of each curved edge that is nearest to a face, and its signed distance from it.
 
     The distance along the edge is approximated by the parabola through its three values. If it
     changes its sign by more than `limit`, the edge passes through the face, and the distance is 0.
@@ -202,7 +202,7 @@ def _nearest_on_edge(
 
 
 def _within_face(geometry: Geometry, face: Index, point: Array, limit: Array) -> Mask:
-    """Whether each face, by its triangles, extends to a given point of its surface."""
+    """Mask of faces whose triangles extend to a given point of the surface."""
     s = geometry.surfaces
     covers = np.zeros(len(face), dtype=bool)
     normal = s.outward(face, point) if len(face) else point

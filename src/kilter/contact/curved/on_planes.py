@@ -35,7 +35,7 @@ class Planes:
 
 
 def on_planes(s: Surfaces, i: Index, planes: Planes, angle: Array) -> Candidates:
-    """Candidate contacts of curved surfaces `i` (material inside) with planes, pair by pair.
+    """Candidate contacts of solid curved surfaces `i` with planes, row by row.
 
     `angle` is the tolerance of each pair, shape (n,) [rad].
     """

@@ -1,4 +1,4 @@
-"""Round rims of flat faces, which are given as inscribed polygons.
+"""Round rims of flat faces, which triangles replace by inscribed polygons.
 
 The forces of the circumscribed polygon bound the answer from the other side.
 """
@@ -37,7 +37,7 @@ def possible_forces(forces: list[Force], *, two_sided: bool) -> PossibleContacts
 def rims_clear(
     geometry: Geometry, vertex: Index, normal: Array, off: Array, tolerance: Array
 ) -> Mask:
-    """Whether the whole circle through each corner stays in front of a plane, shape (n,).
+    """Mask of corners whose whole circle stays in front of a plane, shape (n,).
 
     A corner v of the rim of a cylinder or cone lies `off` in front of a plane with unit `normal` n.
     The lowest point of the rim, a circle about c with radius rho across the axis, is lower by (v -
@@ -57,7 +57,7 @@ def rims_clear(
 
 
 def _rims_at(geometry: Geometry, vertex: Index) -> tuple[Index, Mask]:
-    """Curved surface at each corner (-1: none), and whether that is an exact cylinder or cone."""
+    """Curved surface at each corner (-1: none), and mask of exact cylinders and cones."""
     s = geometry.surfaces
     surface_of_vertex = np.full(len(geometry.vertices), -1)
     curved_triangles = np.flatnonzero(geometry.triangle_surface >= 0)
@@ -70,7 +70,7 @@ def _rims_at(geometry: Geometry, vertex: Index) -> tuple[Index, Mask]:
 
 
 def coaxial_clear(geometry: Geometry, vertex: Index, tolerance: Array) -> Mask:
-    """Whether the true circles behind chords of two coaxial rims keep a distance, shape (n,).
+    """Mask of coaxial rims whose true circles keep a distance from each other, shape (n,).
 
     Circles about the same axis, with radii r and s, a height h apart, have the distance hypot(r -
     s, h).
@@ -108,7 +108,7 @@ def coaxial_clear(geometry: Geometry, vertex: Index, tolerance: Array) -> Mask:
 
 
 def rim_contacts(geometry: Geometry, flat: Patches) -> PossibleContacts:
-    """Possible forces at the polygon that contains the round rim of a flat patch.
+    """Possible forces at the round rim of a flat patch, on a polygon that contains the rim.
 
     The contact area of a flat patch with a round rim is larger than the polygon of its corners.
 
@@ -135,7 +135,7 @@ def rim_contacts(geometry: Geometry, flat: Patches) -> PossibleContacts:
 
 
 def _rim(s: Surfaces, surface: int, normal: Array, corners: Array) -> tuple[Array, float] | None:
-    """Radial vectors to the corners of a patch on a round rim, and the factor that encloses it.
+    """Radial vectors to the corners of a patch on a rim, and the factor that encloses the rim.
 
     Radii times this factor give a polygon that contains the circle.
 

@@ -1,4 +1,4 @@
-"""Depth to which the material behind two overlapping faces is shared.
+"""Depth of the material that two overlapping faces share.
 
 Faces i and j of two parts overlap by d along a normal n: part i begins at d/2 and extends
 backwards, part j begins at -d/2 and extends forwards. They share the interval
@@ -76,7 +76,7 @@ def _crossings(
 
 
 def _line_through(corners: Array, x: Array, n: Array) -> tuple[Mask, Array]:
-    """Whether line x + t n passes through each of m triangles, and the parameter t, shape (m,)."""
+    """Mask of triangles through which the line x + t n passes, and the parameter t, shape (m,)."""
     p, q, r = corners.transpose(1, 0, 2)
     # Moeller and Trumbore 1997: t and the barycentric weights of q and r by Cramer's rule
     edge_q, edge_r = q - p, r - p

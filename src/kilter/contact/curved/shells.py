@@ -1,4 +1,4 @@
-"""Cylinders in cylinders and cones in cones: contact of faces unrolled about their axis.
+"""Contacts of coaxial cylinders or cones that fit into each other, by unrolled faces.
 
 A clearance closes a shaft that is thinner than its hole: both are then treated as a single surface
 of their mean radius, about the axis of the shaft, or of the hole if the shaft is held.
@@ -79,7 +79,7 @@ def touching_shells(
 
 
 def _axis_distance(search: ContactSearch, i: int, j: int, bottom: float, top: float) -> float:
-    """Least distance between the axes of surfaces i and j, between two heights on axis i.
+    """Least distance between the axes of two surfaces, between two heights on the first axis.
 
     In the length unit.
     """
@@ -117,7 +117,7 @@ def _points_in_region(
 def _region_points(
     s: Surfaces, names: tuple[int, int], region: SharedRegion, *, moves: bool
 ) -> PatchPoints:
-    """Contact points with normals over the region that two coaxial surfaces share.
+    """Contact points with normals on the region over which two coaxial surfaces lie together.
 
     If `moves`, the points are moved to the axis of the second surface.
     """
@@ -140,7 +140,7 @@ def _region_points(
 def _about_second(
     s: Surfaces, names: tuple[int, int], region: SharedRegion, spots: PatchPoints
 ) -> PatchPoints:
-    """Contact points of a fit, moved from the axis of the first surface to that of the second."""
+    """Move the contact points of a fit from the axis of the first surface to that of the second."""
     i, j = names
     axis, second_axis = s.axis[i], s.axis[j]
     second_axis = second_axis if float(axis @ second_axis) > 0 else -second_axis
@@ -163,7 +163,7 @@ def _about_second(
 def _arc_corners(
     arcs: list[tuple[float, float]], step: float, bottom: float, top: float
 ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Angles and heights at the ends of arcs, and of auxiliary points between them.
+    """Angles and heights of contact points at the ends of arcs, and of points between them.
 
     The auxiliary points span a cone of forces that contains the true one.
     """
@@ -182,7 +182,7 @@ def _arc_corners(
 def gaps_between(
     search: ContactSearch, i: int, j: int, points: Array, off: float, limit: float
 ) -> tuple[float, float]:
-    """Least and greatest gap of surfaces i and j over points half-way between them [length unit].
+    """Least and greatest gap of two surfaces at the points half-way between them [length unit].
 
     Surfaces in their own counterparts touch all over only if their cores coincide. If the cores are
     farther apart (`off`) than the tolerance, the face penetrates on one side, and that depth is

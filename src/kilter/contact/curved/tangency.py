@@ -39,7 +39,7 @@ __all__ = ["find_candidates"]
 
 
 def _opening_radius(first: Array, second: Array, sign: float) -> Array:
-    """Radius at which the gap between two curves opens: 1 / (1/first + sign/second)."""
+    """Radius of curvature of the gap between two curves: 1 / (1/first + sign/second)."""
     curvature = 1 / np.maximum(first, TINY) + sign / np.maximum(second, TINY)
     result: Array = 1 / np.maximum(curvature, NO_DIRECTION / np.maximum(first, TINY))
     return result
@@ -51,7 +51,7 @@ Kernel = Callable[[Surfaces, Index, Index, Index, FormLimits], Candidates]
 def find_candidates(
     s: Surfaces, i: Index, j: Index, limits: FormLimits, held: Mask
 ) -> tuple[Candidates, Mask]:
-    """Candidate contacts of surfaces `i` and `j`, and a mask of pairs without a contact formula.
+    """Candidate contacts of pairs of surfaces, and a mask of pairs without a contact formula.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def find_candidates(
 def _pairs_without_kernel(
     s: Surfaces, i: Index, j: Index, inside: Mask, outside: Mask, socket: Mask
 ) -> Mask:
-    """Mask of pairs of surfaces that may also touch in ways without a contact formula."""
+    """Mask of surface pairs that may touch in ways for which there is no contact formula."""
     first_kind, second_kind = s.kind[i], s.kind[j]
     torus = (second_kind == TORUS) & (first_kind != SPHERE) & ~(s.hollow[i] & s.hollow[j])
     cone = (second_kind == CONE) & inside & (first_kind != SPHERE)  # a cone leans in a wider one
@@ -168,7 +168,7 @@ def _sphere_sphere(s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimi
 def _sphere_beside(
     s: Surfaces, row: Index, i: Index, apart: Array, other_radius: Array
 ) -> Candidates:
-    """Candidate contacts of spheres i outside round bodies, at the point nearest to their core.
+    """Candidate contacts of spheres outside round bodies, at the point nearest to their axis.
 
     The core is the axis or centre of the body; it lies at `apart` from the sphere's centre.
     """
@@ -360,7 +360,7 @@ def _cylinder_cylinder(
 
 
 def _nearly_parallel(s: Surfaces, i: Index, j: Index) -> tuple[Array, Array, Array, Array]:
-    """Common direction of each two nearly parallel axes, and the offset between them.
+    """Common direction of two nearly parallel axes, for each pair, and the offset between them.
 
     Returns
     -------
@@ -501,7 +501,7 @@ def _crossing_generators(
 
 
 def _generator(s: Surfaces, i: Index, m: Array) -> tuple[Array, Array]:
-    """Point and direction of the straight line of a cylinder or cone at its outward normal m."""
+    """A point and the direction of the straight line on a cylinder or cone with the normal m."""
     axis, alpha = s.axis[i], s.half_angle[i]
     cone = (s.kind[i] == CONE)[:, None]
     out = unit_rows(without_along(m, axis))

@@ -1,4 +1,4 @@
-"""Contacts of curved faces without a formula: listed, with bounds on their forces.
+"""Contacts of curved faces without a contact formula, and bounds on their forces.
 
 An edge or corner on a curved face (a ball on the rim of a hole), a rim on a flat face that is not a
 circle across its axis, free forms, tori beside tori: such pairs are listed as unsupported. A
@@ -42,7 +42,7 @@ def no_round_contacts() -> RoundContacts:
 
 
 def beside_curved(geometry: Geometry, parts: Index, points: Array, slack: Array) -> Mask:
-    """Which points, shape (n, 3), lie within `slack` of a curved surface of either given part."""
+    """Mask of points, shape (n, 3), within `slack` of a curved surface of either part."""
     s = geometry.surfaces
     is_near = np.zeros(len(points), dtype=bool)
     for side in parts.T:
@@ -101,7 +101,7 @@ def round_contacts(
 def _round_contacts_of(
     geometry: Geometry, pairs: Index, points_of_pair: dict[int, list[tuple[Array, int]]]
 ) -> RoundContacts:
-    """Contacts without a formula, from the points and surfaces of each pair (-1: unknown)."""
+    """Records of contacts without a formula, from the points and surfaces of each pair."""
     unsupported = []
     forces: list[Force] = []
     for pair in sorted(points_of_pair):
@@ -130,7 +130,7 @@ def _any_wrench(point: Array, arm: float) -> list[tuple[Array, Array]]:
 
 
 def _forces(geometry: Geometry, surface: int) -> list[tuple[Array, Array]]:
-    """Forces, as (point, direction), that a frictionless sphere or cylinder can exert."""
+    """Forces (point, direction) that a frictionless sphere or cylinder can exert at a contact."""
     s = geometry.surfaces
     center, axis = s.point[surface], s.axis[surface]
     if s.kind[surface] == SPHERE:

@@ -1,4 +1,4 @@
-"""Save the options about a file as choices."""
+"""Save reading options as a file of choices."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def save(
     loose: bool = False,
     **reading: Any,
 ) -> Choices:
-    """Write the options for a file to a JSON file of choices, as ``kilter save`` does.
+    """Save the options with which a file is read, as ``kilter save`` does.
 
     The file is read with the options, so that a wrong name is an error here. If `source` has
     choices itself, the new choices are its choices with the given changes.
@@ -89,7 +89,7 @@ def save_reading(
     *,
     progress: Callable[[str], None] | None = None,
 ) -> Choices:
-    """Write a file of choices with the options of a reading, after a trial reading of the file.
+    """Read a file with given options as a trial, then save these options as choices.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Choices as the options of a reading: the file, its options, its tolerance, and remarks."""
+"""Saved choices as options of a reading, overridden by the caller's options."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Chosen:
 
 
 def chosen(choices: Choices, reading: Reading | None = None) -> Chosen:
-    """Merge the options saved in a file of choices with the caller's options, which override them.
+    """Merge the options of a file of choices with the caller's options, which have priority.
 
     Raises
     ------

@@ -103,7 +103,7 @@ def coaxial_fits(
     thickest: float = INTERFERENCE,
     thinnest: float = 0.0,
 ) -> list[Fit]:
-    """Shafts in holes among pairs of parts, thicker than the hole or of the same size.
+    """Find shafts in holes among pairs of parts, if they are about equally thick.
 
     Parameters
     ----------
@@ -191,7 +191,7 @@ def _fits_of(
 
 
 def _over_each_other(geometry: Geometry, shaft: _Cylinder, hole: _Cylinder) -> bool:
-    """Whether the shaft's face and the hole's face overlap in their angles about the axis."""
+    """Whether the faces of shaft and hole cover a common range of angles about the axis."""
     bands = bands_of(geometry, np.array([shaft.row, hole.row]))
     return shared_region(geometry, bands, (shaft.row, hole.row), (0, 1)) is not None
 
@@ -205,7 +205,7 @@ def _cylinders_of(assembly: Assembly, part: int) -> list[_Cylinder]:
 
 
 def _cylinder(geometry: Geometry, row: int) -> _Cylinder:
-    """The cylindrical face with the index `row`, as long as its triangles."""
+    """The cylindrical face with the given index, with its extent from the triangles."""
     surfaces = geometry.surfaces
     corners = geometry.vertices[geometry.triangles[surfaces.triangles_of(row)]].reshape(-1, 3)
     height = (corners - surfaces.point[row]) @ surfaces.axis[row]

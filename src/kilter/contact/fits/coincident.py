@@ -1,4 +1,4 @@
-"""Rejection of parts that lie on one another, which cannot be positioned as drawn.
+"""Rejection of assemblies in which parts lie in the same place, and so cannot be as drawn.
 
 A pair is rejected if it shares more than half of the volume of its smaller part, and the parts are
 neither both held nor fixed to each other. Causes: files in frames of their own, a duplicate body,
@@ -20,7 +20,7 @@ from kilter.errors import InputError, shell_words
 __all__ = ["coincident", "require_apart"]
 
 MANY = 3
-"""From this number of pairs on, the parts of a folder are taken to have frames of their own."""
+"""Number of such pairs from which the parts of a folder seem to have separate frames."""
 
 
 def coincident(contacts: ContactSet) -> list[Overlap]:
@@ -88,7 +88,7 @@ def _sort_by_volume(contacts: ContactSet, overlap: Overlap) -> tuple[int, int]:
 
 
 def _whole_of(contacts: ContactSet, overlaps: Sequence[Overlap]) -> int | None:
-    """Index of the part that the other overlapping parts together fill; None if there is none."""
+    """Index of a part that the other overlapping parts together fill, such as a whole; or None."""
     pairs = [_sort_by_volume(contacts, overlap) for overlap in overlaps]
     larger, smaller = {pair[0] for pair in pairs}, [pair[1] for pair in pairs]
     if len(larger) != 1 or len(smaller) < 2:

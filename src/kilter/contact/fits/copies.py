@@ -1,4 +1,4 @@
-"""Copies of the same part of which only some overlap other parts: these may be misplaced.
+"""Find misplaced parts: copies that overlap others although identical parts do not.
 
 Parts of the same volume, radius and inertia (by its trace) count as copies. Bolts that all overlap
 their nuts are modelled so; if only one of two feet overlaps, it is misplaced.

@@ -92,7 +92,7 @@ def fastened(
 def _fasten_found(
     assembly: Assembly, contacts: ContactSet, *, suggested: bool, overlaps: bool
 ) -> Assembly:
-    """The assembly with fixed joints at all suggested or overlapping pairs, and a note on it."""
+    """The assembly with fixed joints at suggested or overlapping pairs, and a note about them."""
     suggestions = [s for s in suggest_joints(assembly, contacts) if s.fixed]
     if suggested:
         how = "as suggested", "no pair looks fastened"
@@ -117,7 +117,7 @@ def fasten_as_read(
     tolerance: Tolerance | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> tuple[Assembly, ContactSet | None]:
-    """The assembly with the joints and bonds that the reading options ask for.
+    """The assembly with the joints and bonds of the reading options, and the contacts if found.
 
     The contacts are returned too if they had to be detected, else None.
     """
@@ -241,7 +241,7 @@ def _suggested_joints(suggestions: Sequence[Suggestion]) -> list[Joint]:
 
 
 def _fastening_note(suggestions: Sequence[Suggestion], how: str, nothing: str) -> str:
-    """A note that names the joined pairs and the reason `how`; `nothing` if no pair was joined."""
+    """Note for the user that names the joined pairs and the reason; or the text `nothing`."""
     if not suggestions:
         return f"nothing is fastened {how}: {nothing}"
     pairs = [f"{s.parts[0]!r} and {s.parts[1]!r} ({s.kind})" for s in suggestions]

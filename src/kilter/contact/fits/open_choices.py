@@ -72,7 +72,7 @@ def with_decided_pairs(
 def _touching(
     assembly: Assembly, pair: tuple[str, str], tolerance: Tolerance
 ) -> list[GivenContact]:
-    """Contacts between the nearest faces of two parts; empty if normal detection finds contacts."""
+    """Contacts between the nearest faces of two parts; empty if detection finds some already."""
     free = [replace(assembly[name], grounded=False) for name in pair]
     two = Assembly(free, units=assembly.units, gravity=assembly.gravity)
     if len(detect.contacts(two, tolerance=tolerance)):
@@ -102,7 +102,7 @@ def _nearest(contacts: ContactSet) -> list[tuple[float, float]]:
 
 
 def _given(contacts: ContactSet) -> list[GivenContact]:
-    """Convert detected patches to `GivenContact` values; a curved patch gives one per point."""
+    """Convert detected patches to given contacts; a curved patch gives one for each point."""
     names, given = contacts.assembly.names, []
     for k, (low, high) in enumerate(
         zip(contacts.patch_start[:-1].tolist(), contacts.patch_start[1:].tolist(), strict=True)

@@ -34,7 +34,7 @@ __all__ = ["find_overlaps"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _OverlapSearch:
-    """Data shared by the steps of the overlap search: contact patches, and parts as solids."""
+    """Data of the overlap search: the assembly, its contact patches, and its parts as solids."""
 
     face_patches: FacePatches
     solids: PartSolids
@@ -90,7 +90,7 @@ FINER = 2
 def _with_interference(
     assembly: Assembly, overlaps: list[Overlap], tolerance: Tolerance
 ) -> list[Overlap]:
-    """The overlaps, with the reason INTERFERE for shafts that are thicker than their holes."""
+    """Mark overlaps of shafts that are thicker than their holes, with the reason INTERFERE."""
     fits = coaxial_fits(assembly, [overlap.parts for overlap in overlaps], tolerance)
     tight = {frozenset(fit.parts) for fit in fits if fit.tight}
     return [
@@ -125,7 +125,7 @@ def _thickness(geometry: Geometry, part: int) -> float:
 
 
 def _exact_volume(geometry: Geometry, parts: tuple[int, int], body: SharedBody) -> float:
-    """Volume that two parts share [length unit^3], with finer triangles on curved surfaces."""
+    """Volume that two parts share, with refined triangles on curved surfaces [length unit^3]."""
     slack = float(geometry.slack[list(parts)].sum())
     if not slack or not len(body.corners):
         return body.volume
@@ -138,7 +138,7 @@ def _exact_volume(geometry: Geometry, parts: tuple[int, int], body: SharedBody) 
 def _general_overlap(
     overlap_search: _OverlapSearch, row: int, parts: tuple[int, int], tolerance: float
 ) -> Overlap | None:
-    """Overlap of two parts of any shape; None if it is not deeper than the tolerance.
+    """Overlap of two parts of any shape; None if its depth is within the tolerance.
 
     Points on curved faces that touch over an area are ignored: only triangulations overlap there.
     """
@@ -212,7 +212,7 @@ def _convex_overlap(
 def _ball_overlap(
     normals: Array, offsets: Array, parts: tuple[int, int], depth: float, tolerance: float
 ) -> Overlap | None:
-    """Overlap of two convex parts, by the largest ball inside both; None if it is too small.
+    """Overlap of two convex parts from the largest ball inside both; None if that is small.
 
     `depth` is the least depth to any facet's plane [length unit]. The ball is the solution of a
     linear program.

@@ -1,4 +1,4 @@
-"""The body that two parts share: the intersection of their triangles by manifold3d.
+"""Intersection of two overlapping parts as a mesh, by the library manifold3d.
 
 The surface of the intersection of A and B consists of the part of the surface of A inside B and the
 part of the surface of B inside A. The depth of the overlap follows from it:

@@ -41,7 +41,7 @@ RANK = {kind: rank for rank, kind in enumerate(get_args(Kind))}
 
 
 def _word(*words: str) -> re.Pattern[str]:
-    """Regular expression for any of the words, also in plural, not as a part of a longer word."""
+    """Regular expression for any of some whole words, also in plural."""
     return re.compile(rf"(?<![a-z])({'|'.join(words)})s?(?![a-z])", re.IGNORECASE)
 
 
@@ -131,7 +131,7 @@ def _key(parts: tuple[int, int]) -> frozenset[int]:
 
 
 def _may_join(assembly: Assembly, pair: tuple[int, int]) -> bool:
-    """Whether a joint is possible: none exists yet, a part is free, and neither is the table."""
+    """Whether a pair may be joined: no joint yet, at least one part free, no table in it."""
     first, second = (assembly.parts[k] for k in pair)
     if (first.grounded and second.grounded) or first.table or second.table:
         return False

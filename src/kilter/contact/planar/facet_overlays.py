@@ -26,14 +26,14 @@ __all__ = ["FacetFrame", "Pieces", "facet_frames", "overlaps_of"]
 
 
 MANY_TRIANGLES = 32
-"""Non-convex facets with more triangles than this are intersected as outlines, by shapely."""
+"""Number of triangles above which overlaps of non-convex facets are computed from outlines."""
 BATCH = 2_000_000
-"""Numbers in a padded batch; a larger value needs more memory."""
+"""Number of values in a padded batch; a larger value needs more memory."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FacetFrame(Rows):
-    """Common plane of each two facing facets, with its axes, and their heights over it.
+    """Common plane of two facing facets, with axes, and the height of both facets over it.
 
     `pair` is the row of the pair of parts, `i` and `j` are the facets, `u`, `v` and `normal` the
     unit axes at `origin`, `angle` the angle between the facets [rad]. The height of facet k (0: i,
@@ -99,7 +99,7 @@ class Pieces(Rows):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _ConvexPieces:
-    """Convex polygons into which all facets are divided, in the order of the facets.
+    """Division of all facets into convex polygons, in the order of the facets.
 
     `vertices`, shape (V, 3), are the points, `corners` rows of them; piece k has the `count[k]`
     corners from ``corners[first[k]]`` on.
@@ -160,7 +160,7 @@ def facet_frames(facets: Facets, pair: Index, i: Index, j: Index, margin: Array)
 
 
 def overlaps_of(geometry: Geometry, facets: Facets, frames: FacetFrame) -> list[Pieces]:
-    """Overlap of the two facets of each common plane, in blocks of convex polygons."""
+    """Overlap of the two facets at each common plane, as blocks of convex polygons."""
     triangles = np.where(facets.convex, 0, np.diff(facets.corner_start) // 3)
     intricate = np.maximum(triangles[frames.i], triangles[frames.j]) > MANY_TRIANGLES
     simple = np.flatnonzero(~intricate)
@@ -193,7 +193,7 @@ def _pieces_of(geometry: Geometry, facets: Facets) -> _ConvexPieces:
 
 
 def _piece_products(facets: Facets, frames: FacetFrame, rows: Index) -> tuple[Index, Index, Index]:
-    """All pairs of a polygon of facet i and one of facet j: (row of frame, polygon, polygon)."""
+    """Pairs of convex polygons of both facets, for each plane: (plane, polygon, polygon)."""
     number = np.where(facets.convex, 1, np.diff(facets.corner_start) // 3)
     first = np.cumsum(number) - number
     i, j = frames.i[rows], frames.j[rows]
@@ -206,7 +206,7 @@ def _piece_products(facets: Facets, frames: FacetFrame, rows: Index) -> tuple[In
 def _intersect_pieces(
     frames: FacetFrame, pieces: _ConvexPieces, row: Index, a: Index, b: Index
 ) -> Pieces:
-    """Intersections of convex polygons a with b, in the common plane of facet pair `row`."""
+    """Intersect convex polygons `a` with `b` in the common plane of their facets."""
     flat_a = frames.flat(pieces.points(a), row)
     # facet j faces the other way: its corners run clockwise in the frame
     flat_b = _reverse_corners(frames.flat(pieces.points(b), row), pieces.count[b])
@@ -230,7 +230,7 @@ def _reverse_corners(points: Array, count: Index) -> Array:
 
 
 def _with_gaps(frames: FacetFrame, row: Index, points: Array, count: Index, area: Array) -> Pieces:
-    """Polygons with the least and greatest gap between the facets at their corners."""
+    """Convex polygons with the least and greatest gap between both facets over their corners."""
     gaps = frames.gaps(points, row)
     is_corner = np.arange(points.shape[1]) < count[:, None]
     low = np.where(is_corner, gaps, np.inf).min(axis=1, initial=np.inf)

@@ -46,7 +46,7 @@ Block = dict[str, NDArray[Any]]
 CHUNK = 60_000
 """Triangles processed at once; larger chunks are limited by memory bandwidth."""
 LONG_LOOP = 256
-"""Facets with more corners than this are stored as triangles."""
+"""Number of corners above which a facet is stored as triangles."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -155,7 +155,7 @@ def _assemble_facets(geometry: Geometry, blocks: list[Block], convex_part: Mask)
 
 
 def facet_triangles(corner_start: Index, convex: Mask, which: Index) -> tuple[Index, Index]:
-    """Triangles that cover each of the facets `which`, with the position of its facet.
+    """Triangles of the facets `which`, and for each triangle the position of its facet.
 
     Returns
     -------
@@ -196,7 +196,7 @@ def _planes(points: Array, owner: Index, count: int) -> tuple[Array, Array, Arra
 
 
 def _facets_from_triangles(geometry: Geometry, parts: Index, convex_part: Mask) -> list[Block]:
-    """Find the facets of parts given by triangles, and mark convex parts in `convex_part`."""
+    """Find the facets of parts given by triangles; also set `convex_part` for convex parts."""
     owner, rows = ragged(geometry.triangle_start, parts)
     triangles, curved = geometry.triangles[rows], geometry.triangle_surface[rows]
     part = parts[owner]
@@ -291,7 +291,7 @@ def _coplanar_groups(
 
 
 def _renumber_active(group: Index, active: Mask, fresh: Index) -> Index:
-    """Group numbers in which the active triangles have new values, distinct from all others."""
+    """Group numbers with new numbers for the groups of active triangles."""
     group = np.where(active, fresh + len(group), group)
     _, compact = np.unique(group, return_inverse=True)
     result: Index = compact.reshape(-1)
@@ -301,7 +301,7 @@ def _renumber_active(group: Index, active: Mask, fresh: Index) -> Index:
 def _bend_and_drop(
     points: Array, normal: Array, twice: Array, first: Index, second: Index
 ) -> tuple[Array, Array]:
-    """Angle between neighbouring triangles [rad], and distance of the smaller from their plane.
+    """Angle between neighbouring triangles [rad], and distance of the smaller from the plane.
 
     The plane is that of the larger triangle.
     """
@@ -321,7 +321,7 @@ def _least_height(points: Array, twice: Array, first: Index, second: Index) -> A
 
 
 def _leaves_plane(points: Array, group: Index, tolerance: Array) -> Mask:
-    """Mask of triangles whose group deviates from its mean plane by twice the tolerance."""
+    """Mask of triangles whose group is not flat: twice the tolerance off its mean plane."""
     order = np.argsort(group, kind="stable")
     owner = group[order]
     normal, origin, _ = _planes(points[order], owner, int(owner[-1]) + 1)
@@ -342,7 +342,7 @@ def _boundaries(
     tolerance: Array,
     inner: Mask,
 ) -> list[Block]:
-    """Facets of groups of triangles: convex groups as boundary loops, others as triangles.
+    """Build facets from groups of triangles: boundary loops if convex, else triangles.
 
     `owners` holds part and curved surface of each triangle; `inner` marks half-edges inside a
     facet.
@@ -384,7 +384,7 @@ def _boundaries(
 
 
 def _loops(triangles: Index, group: Index, count: int, inner: Mask) -> tuple[Index, Index, Mask]:
-    """Boundary corners of each group, their number, and whether they form a single closed loop."""
+    """Boundary corners of each group, their number, and a mask of groups with a single loop."""
     start = triangles.ravel()[~inner]
     end = triangles[:, [1, 2, 0]].ravel()[~inner]
     owner = np.repeat(group, 3)[~inner]

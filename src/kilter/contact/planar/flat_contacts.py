@@ -42,7 +42,7 @@ class FlatContacts:
 
 
 def find_flat(search: ContactSearch, smooth: SmoothJoints) -> FlatContacts:
-    """Find the contacts of flat faces in the near pairs; facets of smooth joints are left out."""
+    """Find the contacts of flat faces of near pairs, except facets of smooth contacts."""
     geometry, facets, limits = search.geometry, search.facets, search.limits
     widest = max(LOOKED_AT_ANGLE, 2 * search.angle)
     cosine = float(np.cos(widest))
@@ -74,7 +74,7 @@ def find_flat(search: ContactSearch, smooth: SmoothJoints) -> FlatContacts:
 
 
 def _angle_rounding(search: ContactSearch, frames: FacetFrame) -> Array:
-    """Largest error of the angle between two facets that rounding of coordinates explains [rad]."""
+    """Largest angle between two facets that rounding of coordinates may cause [rad]."""
     geometry, facets = search.geometry, search.facets
     error = np.zeros(len(frames))
     for facet in (frames.i, frames.j):

@@ -1,4 +1,4 @@
-"""Patches of flat contact: touching pieces merged to a hull for each pair of parts and plane.
+"""Merge touching polygons to contact patches, one for each pair of parts and plane.
 
 Pieces of a pair lie in the same plane if their normals agree within the merging angle and their
 offsets within twice the gap tolerance. An area thinner than twice the gap tolerance is not an area
@@ -25,7 +25,7 @@ __all__ = ["merge"]
 
 
 CROWD = 1500
-"""Up to this many pieces in a plane, connected regions are separated (quadratic memory)."""
+"""Largest number of polygons in a plane whose connected regions are separated."""
 
 
 class _PlanePatch(NamedTuple):
@@ -78,7 +78,7 @@ def merge(
 
 
 def _select(pieces: Pieces, chosen: Mask) -> Pieces:
-    """The pieces that the mask `chosen` selects; the same object if it selects all."""
+    """The polygons that a mask selects; the same object if it selects all."""
     return pieces if chosen.all() else pieces.take(np.flatnonzero(chosen))
 
 
@@ -159,7 +159,7 @@ def _single_patches(search: ContactSearch, frames: FacetFrame, pieces: Pieces) -
 def _merge_planes(
     frames: FacetFrame, members: list[tuple[Pieces, int]], tolerance: float, rounding: float
 ) -> tuple[list[_PlanePatch], list[Pieces]]:
-    """Contact patches of a pair with several polygons, plane by plane, and the thin polygons.
+    """Merge the polygons of a pair to patches, plane by plane; also return too thin polygons.
 
     The largest remaining piece defines the next plane. `tolerance` and `rounding` are those of the
     pair [length unit].
@@ -212,7 +212,7 @@ def _merge_planes(
 
 
 def _wide_regions(plane: Array, owner: Index, which: Index, area: Array, width: float) -> Mask:
-    """Mask of the polygons in `which` that belong to a connected region at least `width` wide."""
+    """Mask of the polygons in connected regions that are at least `width` wide."""
     wide = np.ones(len(which), dtype=bool)
     if len(which) > CROWD:  # every two boxes are compared: too much memory
         return wide

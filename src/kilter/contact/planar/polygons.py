@@ -31,7 +31,7 @@ Scalar = TypeVar("Scalar", bound=np.generic)
 
 
 def padded(points: NDArray[Scalar], first: Index, count: Index) -> NDArray[Scalar]:
-    """Runs of rows of `points` as an array padded to equal length, shape (n, m, d).
+    """Rows of `points` in groups, padded to equal length, shape (n, m, d).
 
     Run k has the rows ``first[k]`` to ``first[k] + count[k]``.
 
@@ -87,7 +87,7 @@ def clip_convex(
 
 
 def _half_plane(points: Array, count: Index, start: Array, along: Array) -> tuple[Array, Index]:
-    """Convex polygons cut off at the lines ``start + t along``; the part to the left is kept."""
+    """Cut convex polygons at the lines ``start + t along``, and keep the side to the left."""
     rows, width = len(points), points.shape[1]
     k = np.arange(width)
     is_corner = k < count[:, None]
@@ -128,7 +128,7 @@ def polygon_area(points: Array, count: Index) -> Array:
 
 
 def tidy(points: Array, count: Index, tolerance: Array) -> tuple[Array, Index]:
-    """Remove corners of polygons that nearly repeat, or that lie on a straight side.
+    """Remove repeated corners of polygons, and corners on straight sides.
 
     The order of the two passes matters: in a single pass two near-duplicates at a corner would each
     look like a point on a line, and the corner would be lost.
@@ -222,7 +222,7 @@ def width_of(hull: Array) -> float:
 def overlay(
     first_outline: tuple[Array, bool], second_outline: tuple[Array, bool]
 ) -> tuple[Array, float]:
-    """Convex hull, shape (m, 2), and area of the overlap of two polygons.
+    """Convex hull, shape (m, 2), and area of the overlap of two outlines.
 
     Each outline is (corners, convex): a boundary loop if convex, else triangles, three corners
     each. GEOS may return an overlap for triangles with disjoint interiors. So the overlap is

@@ -1,4 +1,4 @@
-"""Accepted points of edges and corners as patches without area.
+"""Patches without area for the contacts of edges and corners.
 
 An edge on a facet is a single patch, with its two ends on that facet as points; every other point
 is a patch of its own.
@@ -70,7 +70,7 @@ def _kinds(meetings: Meetings, pushes: Pushes, start: Index) -> Labels:
 
 
 def _edge_labels(search: ContactSearch, edges: Edges, meetings: Meetings, pushes: Pushes) -> Index:
-    """A number for each contact point, equal for points of the same edge on the same facet."""
+    """Number of each contact point; points of the same edge on the same facet share a number."""
     first, second = [], []
     for side in (0, 1):
         point, edge = _edges_at(edges, meetings, pushes, side)
@@ -99,7 +99,7 @@ def _edges_at(edges: Edges, meetings: Meetings, pushes: Pushes, side: int) -> tu
 
 
 def _without_middle_points(point: Array, label: Index) -> Index:
-    """Rows of contact points, without the points between the two ends of the same edge."""
+    """Rows of contact points that are not between two others on the same edge."""
     keep = np.ones(len(label), dtype=bool)
     count = np.bincount(label)
     for group in np.flatnonzero(count > 2):

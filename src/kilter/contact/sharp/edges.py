@@ -62,7 +62,7 @@ class Edges:
         return unit_rows(q - p)
 
     def inside(self, boxes: Boxes, part: Index, box: tuple[Array, Array]) -> tuple[Index, Index]:
-        """Edges of part ``part[k]`` whose box meets the box k: pairs (k, edge), ordered by k."""
+        """Edges of part ``part[k]`` whose box meets box k, as pairs (k, edge), ordered by k."""
         owner, edge = ragged(self.start, part)
         for axis in range(3):
             p, q = boxes.turned[:, axis][self.ends_of[edge]].T
@@ -79,7 +79,7 @@ class Edges:
     def behind(
         self, facets: Facets, geometry: Geometry, which: Index, normal: Array, slack: float
     ) -> Mask:
-        """Mask of edges near which their part lies behind a plane with the given normal."""
+        """Mask of edges at which the material lies behind a plane with a given normal."""
         fits: Mask = np.ones(len(which), dtype=bool)
         fits[(self.facet[which] < 0).any(axis=1)] = False
         along = self.direction(geometry, which)
@@ -93,7 +93,7 @@ class Edges:
         return fits
 
     def reflex(self, facets: Facets, geometry: Geometry, which: Index, slack: float) -> Mask:
-        """Mask of edges at which the part's surface bends inwards by more than `slack` (a sine)."""
+        """Mask of edges at which the surface bends inwards by more than `slack`, as a sine."""
         left, right = self.facet[which].T
         into_left = cross(facets.normal[left], self.direction(geometry, which))
         rise = np.einsum("ij,ij->i", into_left, facets.normal[right])
@@ -101,7 +101,7 @@ class Edges:
         return bent
 
     def rays(self, geometry: Geometry, vertex: Index) -> Rays:
-        """All edges that start at the given vertices, as rays with directions."""
+        """All edges at given vertices, as rays: the edge and its direction away from the vertex."""
         owner, row = ragged(self.ray_start, vertex)
         edge = self.ray_edge[row]
         away = self.ends_of[edge, 0] == vertex[owner]
@@ -171,12 +171,12 @@ def find_edges(geometry: Geometry, facets: Facets, parts: Index) -> Edges:
 
 
 MOST_OPEN_EDGES = 4000
-"""A mesh with more edges of a single face than this gets no search for the missing neighbours,
-which needs quadratic time."""
+"""Number of one-sided edges above which their missing neighbours are not searched for, since the
+search takes quadratic time."""
 
 
 def _match_open_sides(geometry: Geometry, ends: Index, sides: Index) -> tuple[Index, bool]:
-    """Complete edges that have a facet on one side only, by facets of shorter edges on them.
+    """Complete edges that have a facet on only one side, from shorter edges that lie on them.
 
     A vertex of the neighbour splits the common edge, so that its pieces have different ends. Also
     returns whether any edge was one-sided.
@@ -220,7 +220,7 @@ def _match_open_sides(geometry: Geometry, ends: Index, sides: Index) -> tuple[In
 
 
 def _bridge_slivers(facets: Facets, ends: Index, sides: Index) -> tuple[Index, Index, bool]:
-    """Edges across slivers (facets without width): the two facets beyond become neighbours.
+    """Make the two facets on both sides of a facet without width neighbours of each other.
 
     Edges inside a sliver are dropped; also returns whether there is any sliver.
     """
@@ -246,7 +246,7 @@ def _bridge_slivers(facets: Facets, ends: Index, sides: Index) -> tuple[Index, I
 
 
 def _boundary(facets: Facets, which: Index) -> tuple[Index, Index, Index]:
-    """Directed boundary edges of facets: start, end and facet, which lies to the left."""
+    """Directed boundary edges of facets: start, end, and the facet to the left."""
     length = np.diff(facets.corner_start)[which]
     place, k = counted(length)
     owner = which[place]
@@ -264,7 +264,7 @@ def _boundary(facets: Facets, which: Index) -> tuple[Index, Index, Index]:
 
 
 def _run_both_ways(begin: Index, end: Index, owner: Index) -> Mask:
-    """Mask of directed edges whose reverse belongs to the same facet or owner."""
+    """Mask of directed edges that also occur in reverse for the same owner."""
     low, high, forward = np.minimum(begin, end), np.maximum(begin, end), begin < end
     # a single sort brings both directions of an edge together, and no table of all pairs is needed
     order = np.lexsort((high, low, owner))

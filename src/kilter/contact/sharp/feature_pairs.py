@@ -1,4 +1,4 @@
-"""Points at which corners and edges of two parts meet features of the other part.
+"""Points at which corners and edges of a part come near features of another part.
 
 The corners of an area of contact are corners of one part on the other, and crossings of edges; for
 rigid parts no other point is needed (the paper, section 2.1). A corner within tolerance of a corner
@@ -42,7 +42,7 @@ FACE, EDGE, CORNER = 0, 1, 2
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Meetings(Rows):
-    """Points at which a face, edge or corner of a part comes near to one of another part.
+    """Points at which a feature (face, edge, corner) of a part comes near one of another part.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class Meetings(Rows):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PairBlock:
-    """Input of the search for edge contacts: pairs of parts, and a box of interest for each.
+    """Block of pairs of parts for the search of edge contacts, each with a box to search in.
 
     `edges` are the edges of all their parts, `rows` the rows of the pairs, shape (n,), `tolerance`
     the largest gaps, shape (n,), and `low`, `high`, shape (n, 3), the boxes in the frame of the
@@ -127,7 +127,7 @@ class PairBlock:
 
 
 def meetings(block: PairBlock) -> list[Meetings]:
-    """Points at which a corner or edge of a part meets another part, for the pairs of a block."""
+    """Points at which a corner or edge of one part meets the other part, for a block of pairs."""
     edges = block.edges
     a, b = block.search.pairs[block.rows].T
     near = block.edges_near(a), block.edges_near(b)
@@ -157,7 +157,7 @@ def _make_meetings(
 def _corners_on_corners(
     block: PairBlock, corners_a: _Side, corners_b: _Side
 ) -> tuple[list[Meetings], list[Mask]]:
-    """Points at which corners meet, and masks of the corners of a and of b that meet no corner."""
+    """Points at which corners meet corners, and masks of the corners of a and b that do not."""
     at_a, at_b = block.turned(corners_a[1]), block.turned(corners_b[1])
     free = [np.ones(len(at_a), dtype=bool), np.ones(len(at_b), dtype=bool)]
     blocks = []
@@ -182,7 +182,7 @@ def _corners_on_edges(
     edge_boxes: tuple[Array, Array],
     side: int,
 ) -> tuple[list[Meetings], Mask]:
-    """Points at which corners of one part meet edges of the other, and a mask of the other corners.
+    """Points at which corners meet edges of the other part, and a mask of the corners that do not.
 
     `side` 0: corners of part a.
     """
@@ -209,7 +209,7 @@ def _corners_on_edges(
 def _corners_on_facets(
     block: PairBlock, corners: tuple[Index, ...], near_facets: _Side, side: int
 ) -> list[Meetings]:
-    """Points at which corners of one part meet facets of the other (`side` 0: corners of a)."""
+    """Points at which corners of a part meet facets of the other (`side` 0: corners of a)."""
     geometry, facets = block.geometry, block.facets
     owner, corner = corners
     if not len(corner):
@@ -280,7 +280,7 @@ def _edges_along_facets(
 
 
 def _beside_rim(block: PairBlock, edge: Index, facet: Index, tolerance: Array) -> Mask:
-    """Mask of edges that run along the boundary of a facet, and may lie just beside it."""
+    """Mask of edges that run along the rim of a facet and may miss it by rounding."""
     geometry, edges = block.geometry, block.edges
     owner, rim = ragged(edges.start, block.facets.part[facet])
     of_facet = (edges.facet[rim] == facet[owner][:, None]).any(axis=1)
@@ -303,7 +303,7 @@ def _beside_rim(block: PairBlock, edge: Index, facet: Index, tolerance: Array) -
 
 
 def _comes_within(gaps: list[Array], tolerance: Array) -> Mask:
-    """Mask of gaps, linear between two ends, that come within the tolerance."""
+    """Mask of gaps that come within the tolerance; a gap is linear between its two ends."""
     near: Mask = np.minimum(*gaps) <= tolerance
     near &= np.maximum(*gaps) >= -tolerance
     return near
@@ -362,7 +362,7 @@ def _in_triangle(p: Array, triangle: Array, normal: Array, tolerance: Array) -> 
 def _crossings(
     block: PairBlock, near: tuple[_Side, _Side], edge_boxes: list[tuple[Array, Array]]
 ) -> list[Meetings]:
-    """Points at which edges of part a and part b cross, or run along each other."""
+    """Points at which edges of both parts cross, or run along each other."""
     geometry, edges = block.geometry, block.edges
     blocks = []
     for pair, x, y in joins(near[0][0], edge_boxes[0], near[1][0], edge_boxes[1], block.tolerance):

@@ -1,4 +1,4 @@
-"""Local cones: the directions from a face, edge or corner that point into its part.
+"""Cones of directions that point from a face, edge or corner into the material of its part.
 
 Each cone is a union of convex pieces, given by directions that span them: a half-space at a face; a
 wedge at a convex edge, two half-spaces at a reflex edge; at a convex corner the cone of its edges.
@@ -47,7 +47,7 @@ ASKEW = 0.381966
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cones:
-    """Directions into the material at n features (faces, edges, corners), as convex cones.
+    """Cones of directions into the material at n features, divided into convex cones.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class Cones:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sectors:
-    """Facets around a corner in anticlockwise order: outward normals and both edges of each."""
+    """Facets around a corner, anticlockwise: their outward normals and their two edges there."""
 
     normal: Array
     first: Array
@@ -82,7 +82,7 @@ class Sectors:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _PieceRays(Rows):
-    """Unit directions that span convex cones: number of the feature, of its cone, direction."""
+    """Unit directions that span convex cones, each with the numbers of feature and cone."""
 
     owner: Index
     piece: Index
@@ -113,7 +113,7 @@ def find_cones(
 
 
 def _pack_cones(count: int, blocks: list[_PieceRays], beside: list[Index]) -> Cones:
-    """Combine blocks of directions, and of adjacent facets, into the `Cones` of all features."""
+    """Combine blocks of directions, and lists of adjacent facets, into `Cones`."""
     rows = _PieceRays.join(blocks)
     rows = rows.take(np.lexsort((rows.piece, rows.owner)))
     owner, piece, ray = rows.owner, rows.piece, rows.ray
@@ -131,7 +131,7 @@ def _pack_cones(count: int, blocks: list[_PieceRays], beside: list[Index]) -> Co
 
 
 def _piece_rays(owner: Index, piece: int, directions: list[Array]) -> _PieceRays:
-    """Number each direction by feature and cone; each array has a direction for each feature."""
+    """Give each direction the numbers of its feature and of its convex cone."""
     count = len(directions)
     return _PieceRays(
         np.tile(owner, count), np.full(count * len(owner), piece), np.concatenate(directions)
@@ -139,7 +139,7 @@ def _piece_rays(owner: Index, piece: int, directions: list[Array]) -> _PieceRays
 
 
 def _half_spaces(owner: Index, piece: int, normal: Array, along: Array) -> _PieceRays:
-    """Directions that span the half-space behind each plane; `along` lies in the plane."""
+    """Directions that span the half-space behind each plane; `along` is a direction in it."""
     side = cross(normal, along)
     return _piece_rays(owner, piece, [along, -along, side, -side, -normal])
 
@@ -280,7 +280,7 @@ def convex_pieces(sectors: Sectors) -> list[Array]:
 
 
 def _distinct_planes(normals: Array) -> Array:
-    """Unit normals of the distinct planes; opposite normals count as the same plane."""
+    """Unit normals of the distinct planes through a corner; opposite normals are the same plane."""
     kept: list[Array] = []
     for normal in normals:
         if all(1 - abs(float(normal @ kept_normal)) > 0.5 * CONE_ANGLE**2 for kept_normal in kept):
@@ -289,7 +289,7 @@ def _distinct_planes(normals: Array) -> Array:
 
 
 def _cell_samples(planes: Array) -> Array:
-    """A unit direction in every region into which planes through the origin divide space."""
+    """A unit direction in each region into which planes through the origin divide space."""
     count = len(planes)
     if count == 1:
         return np.concatenate([planes, -planes])
@@ -312,7 +312,7 @@ def _cell_samples(planes: Array) -> Array:
 
 
 def inside(sectors: Sectors, directions: Array) -> Mask:
-    """Which directions from a corner, shape (n, 3), point into the material.
+    """Mask of directions from a corner, shape (n, 3), that point into the material.
 
     A direction points inwards if the first facet on a straight way from it to the surface is
     crossed from behind. The majority of several ways decides, because a way through an edge is
@@ -325,7 +325,7 @@ def inside(sectors: Sectors, directions: Array) -> Mask:
 
 
 def _inside_by_way(sectors: Sectors, directions: Array, target: Array) -> Mask:
-    """Which directions lie in the material, by the first facet on the way to `target`."""
+    """Mask of directions in the material, found from the first facet on the way to `target`."""
     is_inside = np.zeros(len(directions), dtype=bool)
     first_share = np.full(len(directions), np.inf)
     for normal, first, last, middle in zip(
@@ -351,7 +351,7 @@ def _inside_by_way(sectors: Sectors, directions: Array, target: Array) -> Mask:
 
 
 def spanned(outward: Array) -> Array:
-    """Directions that span the cone behind all planes with the given normals, shape (k, 3).
+    """Directions that span the cone {d : d.n <= 0 for all given normals n}, shape (k, 3).
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Normals of meetings: contact points with a unique normal, and degenerate points.
+"""Normals of the points at which edges and corners meet: unique, or several possible.
 
 A corner on a facet has the normal of the facet; two edges that cross have the normal of both. All
 other points follow from the local cones of both parts (`local_cones`) and the spanning rule
@@ -57,7 +57,7 @@ class Clauses:
     exact: Mask
 
     def take(self, rows: Index) -> Clauses:
-        """The degenerate points in the given rows."""
+        """Copy with only the degenerate points of the given rows."""
         _, at = ragged(self.start, rows)
         start = starts(np.diff(self.start)[rows])
         return Clauses(self.meeting[rows], start, self.normal[at], self.exact[rows])
@@ -111,7 +111,7 @@ def normals_of(
 def _facet_normals(
     geometry: Geometry, facets: Facets, edges: Edges, meetings: Meetings, rows: Index
 ) -> tuple[Index, Array]:
-    """Rows of corners and edges on facets that bend away from the facet, with their normals."""
+    """Meetings of a corner or edge with a facet that it bends away from: rows and normals."""
     side = (meetings.kind[rows, 1] == FACE).astype(np.int64)
     normal = facets.normal[meetings.feature[rows, side]]
     feature = meetings.feature[rows, 1 - side]
@@ -129,7 +129,7 @@ def _facet_normals(
 def _crossing_normals(
     geometry: Geometry, facets: Facets, edges: Edges, meetings: Meetings, rows: Index
 ) -> tuple[Index, Array]:
-    """Rows of crossing convex edges that touch from opposite sides, with their normals."""
+    """Meetings of two convex edges that cross from opposite sides: rows and normals."""
     e, f = meetings.feature[rows].T
     normal = unit_rows(cross(edges.direction(geometry, e), edges.direction(geometry, f)))
     convex = ~edges.reflex(facets, geometry, e, CONE_ANGLE) & ~edges.reflex(
@@ -147,7 +147,7 @@ def _crossing_normals(
 def _snap_normals(
     facets: Facets, edges: Edges, meetings: Meetings, rows: Index, normals: Array
 ) -> tuple[Array, Mask]:
-    """Normals, each replaced by that of an adjacent facet if it is nearly the same.
+    """Replace each normal by that of an adjacent facet if they nearly agree; mask of replaced ones.
 
     Also returns whether a facet of part a, and of part b, has the normal, shape (n, 2).
     """
@@ -169,7 +169,7 @@ def _snap_normals(
 
 
 def _facets_at(edges: Edges, kind: Index, feature: Index) -> tuple[Index, Index]:
-    """Facets beside faces, edges or corners: pairs (row of the feature, facet)."""
+    """Facets beside each face, edge or corner, as pairs (row of the feature, facet)."""
     face, edge = np.flatnonzero(kind == FACE), np.flatnonzero(kind == EDGE)
     corner = np.flatnonzero(kind == CORNER)
     owner, row = ragged(edges.ray_start, feature[corner])
@@ -184,7 +184,7 @@ def _facets_at(edges: Edges, kind: Index, feature: Index) -> tuple[Index, Index]
 def _cone_normals(
     geometry: Geometry, facets: Facets, edges: Edges, meetings: Meetings, rows: Index
 ) -> tuple[Index, Array, Clauses]:
-    """Unique normals with their rows, and degenerate points, from the material of both parts."""
+    """Unique normals with their rows, and degenerate points, from the local cones of both parts."""
     both = np.concatenate([meetings.kind[rows], meetings.feature[rows]], axis=1).reshape(-1, 2, 2)
     features = both.transpose(2, 0, 1).reshape(-1, 2)  # those of a, then those of b
     stride = int(features[:, 1].max(initial=0)) + 1
@@ -228,7 +228,7 @@ def _cone_normals(
 
 
 def _rays(cones: Cones, piece: int) -> Array:
-    """Unit directions that span the convex cone with the index `piece`."""
+    """Unit directions that span the convex cone number `piece`."""
     return cones.rays[cones.ray_start[piece] : cones.ray_start[piece + 1]]
 
 
@@ -240,7 +240,7 @@ def _stack_normals(normals: Array, count: Index, rows: Index) -> Array:
 
 
 def _pieces_apart(cones: Cones, piece_a: Index, piece_b: Index) -> tuple[Array, Index, Mask]:
-    """Normals that separate pairs of convex cones: `separating`, in batches of equal shape."""
+    """Normals that separate pairs of convex cones, in batches of equal shape."""
     length = np.diff(cones.ray_start)
     key = length[piece_a] * (int(length.max(initial=0)) + 1) + length[piece_b]
     count = np.zeros(len(piece_a), dtype=np.int64)

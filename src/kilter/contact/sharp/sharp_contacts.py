@@ -84,7 +84,7 @@ class _SharpSearch:
 
 
 def near_contacts(face_patches: FacePatches, rejected: Iterable[RejectedPair]) -> NearContacts:
-    """Find contacts at corners, edges and round faces in pairs that patches leave open.
+    """Find contacts at corners, edges and round faces that the patches so far do not explain.
 
     `rejected` are near faces: their pairs are already known to be open.
     """
@@ -122,7 +122,7 @@ def near_contacts(face_patches: FacePatches, rejected: Iterable[RejectedPair]) -
 
 
 def _meetings(near: _SharpSearch, rows: Index, tolerance: Array) -> Meetings:
-    """Points at which corners and edges meet the other part, within `tolerance` of each pair."""
+    """Points at which corners and edges come near the other part, for each pair and tolerance."""
     search, boxes = near.face_patches.search, near.face_patches.search.boxes
     blocks: list[Meetings] = []
     for block_rows in np.array_split(rows, max(1, len(rows) // PAIRS)):
@@ -151,7 +151,7 @@ def _round_parts(geometry: Geometry) -> Mask:
 
 
 def _beside_curved(near: _SharpSearch, met: Meetings) -> Mask:
-    """Mask of meeting points beside curved surfaces, whose triangle edges may not be real edges."""
+    """Mask of meeting points at curved surfaces, where triangle edges may be no real edges."""
     geometry = near.geometry
     parts = near.pairs[met.pair]
     slack = near.gap[met.pair] + 2 * geometry.slack[parts].max(axis=1, initial=0.0)
@@ -162,7 +162,7 @@ def _beside_curved(near: _SharpSearch, met: Meetings) -> Mask:
 
 
 def _boxes_meet(boxes: Boxes, a: Index, b: Index, grow: Array) -> Mask:
-    """Mask of pairs of parts a and b whose boxes come within the distance `grow`."""
+    """Mask of pairs of parts whose boxes are at most `grow` apart."""
     apart = np.maximum(
         boxes.part_low[a] - boxes.part_high[b], boxes.part_low[b] - boxes.part_high[a]
     )
@@ -204,7 +204,7 @@ def _round_contacts(near: _SharpSearch, rows: Index, reach: Array) -> RoundConta
 
 
 def _clear_rims(near: _SharpSearch, met: Meetings, reach: Array) -> Mask:
-    """Mask of meeting points whose whole round rim keeps clear of the other part."""
+    """Mask of meeting points on round rims that keep clear of the other part all around."""
     geometry, facets = near.geometry, near.face_patches.search.facets
     limit = reach[met.pair]
     clear = np.zeros(len(met), dtype=bool)

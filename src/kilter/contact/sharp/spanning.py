@@ -1,4 +1,4 @@
-"""The spanning rule: which normals a contact point has, and which points are degenerate.
+"""Decide which normals a contact point has, from the material of both parts around it.
 
 K_A, K_B: the local cones of parts a and b at p (`local_cones`), whose interiors are disjoint. To
 first order a velocity v of b relative to a at p makes the parts penetrate iff v is in
@@ -35,7 +35,7 @@ BATCH = 2_000_000
 
 
 def separating(rays_a: Array, rays_b: Array) -> tuple[Array, Index, Mask]:
-    """Extreme rays of the set of normals whose plane separates two convex cones, from a to b.
+    """Extreme normals, from a to b, of the planes that separate two convex cones.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def separating(rays_a: Array, rays_b: Array) -> tuple[Array, Index, Mask]:
 
 
 def _separating_batch(rays_a: Array, rays_b: Array) -> tuple[Array, Index, Mask]:
-    """Extreme separating normals of a batch: each is across two directions of the cones."""
+    """Extreme separating normals for a batch of cones of equal shape."""
     ahead = np.concatenate(
         [-rays_a, rays_b], axis=1
     )  # a separating normal has a non-negative product with all of these
@@ -102,7 +102,7 @@ def _separating_batch(rays_a: Array, rays_b: Array) -> tuple[Array, Index, Mask]
 
 
 def _distinct_candidates(candidates: Array, valid: Mask, weight: Array) -> tuple[Array, Index]:
-    """Distinct valid normals; of nearly equal normals that with the greatest weight."""
+    """Distinct valid normals; among nearly equal normals, the one with the greatest weight."""
     width = int(valid.sum(axis=1).max(initial=0))
     order = np.argsort(np.where(valid, -weight, np.inf), axis=1, kind="stable")[:, :width]
     candidates = np.take_along_axis(candidates, order[..., None], axis=1)
@@ -133,7 +133,7 @@ class PointConstraints:
 
 
 def resolve(pairs: list[tuple[Array, Array, Array]]) -> PointConstraints:
-    """Normals that hold at a contact point, and sets of alternatives that they do not imply.
+    """Certain normals of a contact point, and sets of alternative normals that they leave open.
 
     Parameters
     ----------
@@ -173,7 +173,7 @@ def _contains(normal: Array, normals: Array) -> bool:
 
 
 def _is_implied(clause: Array, accepted: Array) -> bool:
-    """Whether accepted normals exclude each velocity that closes all normals of a set.
+    """Whether the certain normals already exclude every motion that closes all normals of a set.
 
     That is each v with v.m < 0 for all m of the clause.
     """
@@ -188,7 +188,7 @@ def _is_implied(clause: Array, accepted: Array) -> bool:
 
 
 def spans(normal: Array, pairs: list[tuple[Array, Array, Array]]) -> bool:
-    """Whether differences of directions of two bodies at a point fill the plane across `normal`.
+    """Whether the two bodies' directions at a point span the plane across `normal`.
 
     These are S_A - S_B over all pairs of pieces, cut by the plane.
 
@@ -214,7 +214,7 @@ def spans(normal: Array, pairs: list[tuple[Array, Array, Array]]) -> bool:
 
 
 def _in_plane_rays(rays: Array, side: Array) -> Array | None:
-    """Directions in a plane that span the cut of a cone by it; None without material on that side.
+    """Directions that span the cut of a cone by a plane; None if the cone has none on that side.
 
     The plane has the normal `side`; None if the cone has no material on that side.
     """

@@ -1,1 +1,1 @@
-"""Contacts of smoothly curved faces that two meshes divide into different triangles."""
+"""Contacts of smoothly curved faces whose two meshes have different triangles."""

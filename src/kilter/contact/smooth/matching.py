@@ -1,4 +1,4 @@
-"""Contact points of two smooth faces, on the surfaces that their triangles approximate.
+"""Contact points of two smooth faces on their true surfaces, which the triangles approximate.
 
 A corner x of one face, with its normal n, is matched with the triangle of the other face that the
 line x + t n meets nearest to x. The contact lies on the surface, not on the triangle: see
@@ -45,7 +45,7 @@ class Matches(Rows):
 
 
 def matches(first: SmoothFace, second: SmoothFace, reach: float, slack: float) -> Matches:
-    """Contact points of two smooth faces, at most `reach` apart along the normals.
+    """Contact points of two smooth faces, at most `reach` apart along their normals.
 
     `slack` is the distance that is allowed across the normals.
     """
@@ -63,7 +63,7 @@ def _reversed_matches(matched: Matches) -> Matches:
 def _project_corners(
     first: SmoothFace, second: SmoothFace, reach: float, lateral: float
 ) -> Matches:
-    """Contact points of the corners of the first face with the surface of the second face."""
+    """Project the corners of a smooth face on another; return the contact points."""
     corners = second.points[second.triangles]
     corner_owner, triangle_owner = (
         np.zeros(len(rows), dtype=np.int64) for rows in (first.points, corners)
@@ -116,7 +116,7 @@ def _line_hits(points: Array, normal: Array, corners: Array) -> tuple[Array, Arr
 
 
 def _surface_points(face: SmoothFace, rows: Index, share: Array) -> _SurfacePoints:
-    """Points, unit normals and errors on the true surface, from positions on its triangles."""
+    """Points, unit normals and errors on the true surface, from positions on the triangles."""
     used = face.triangles[rows]
     corners, normals = face.points[used], face.normals[used]
     flat = np.einsum("nk,nki->ni", share, corners)
@@ -146,7 +146,7 @@ def _match_sides(first: _SurfacePoints, second: _SurfacePoints) -> Matches:
 
 
 def _rim_crossings(first: SmoothFace, second: SmoothFace, reach: float) -> Matches:
-    """Contact points at which the boundaries of two smooth faces cross."""
+    """Contact points at which the outlines of two smooth faces cross."""
     ends = [face.points[face.rim] for face in (first, second)]
     boxes = [(end.min(axis=1), end.max(axis=1)) for end in ends]
     owners = [np.zeros(len(end), dtype=np.int64) for end in ends]

@@ -52,11 +52,11 @@ __all__ = ["SmoothFace", "smooth_faces"]
 FEWEST = 16
 """Least number of triangles of a smooth face."""
 AROUND = 24
-"""Largest number of corners in a fit; more corners smooth out finer detail."""
+"""Largest number of corners that a fit uses; more corners remove finer detail."""
 SIDES_AWAY = 3
-"""A fit uses corners up to this number of triangle sides away."""
+"""Largest distance of corners in a fit, in triangle sides."""
 HUB = 3 * AROUND
-"""Corners with more sides than this are hubs of fans; a fit does not extend across them."""
+"""Number of triangle sides at a corner above which a fit does not extend beyond it."""
 CUBIC = 13
 """Least number of corners for a fit of third order; a fit of second order needs 6."""
 
@@ -171,7 +171,7 @@ def _mean_normals(points: Array, triangles: Index, normal: Array) -> tuple[Array
 
 
 def _neighbourhoods(points: Array, triangles: Index) -> tuple[Index, Mask]:
-    """Corners near each corner, itself first, shape (n, AROUND), and a mask of valid entries.
+    """Corners near each corner, itself first, shape (n, AROUND), and a mask of real entries.
 
     Corners up to `SIDES_AWAY` sides away, in order of the number of sides, then of the distance.
     For a tall prism these include its other rim: the nearest corners alone would all lie on the

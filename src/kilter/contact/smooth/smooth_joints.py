@@ -1,4 +1,4 @@
-"""Joints of smooth faces that lie on each other but have different triangulations.
+"""Contacts of smooth faces that lie on each other but have different triangles.
 
 Two triangulations of the same curved face penetrate each other by their sagittas, and their corners
 and edges interlock, although the faces do not. If the facets of two smooth faces do not lie on each
@@ -45,15 +45,15 @@ __all__ = ["SmoothJoint", "SmoothJoints", "find_smooth"]
 
 
 MOST = 96
-"""Largest number of points of a joint, those farthest from each other."""
+"""Largest number of contact points of a smooth contact; those farthest apart are kept."""
 DIRECTIONS = 4
 """Largest number of straight sliding directions that are tried."""
 SIDES = 8
 """Sides of the pyramid around the cone of possible forces at a point."""
 FEWEST = 6
-"""Least number of points of a joint."""
+"""Least number of contact points of a smooth contact."""
 FACETS = 0.999
-"""Fraction of the common area on which facets must lie flush to count as real flat faces [-]."""
+"""Fraction of the common area on which facets must lie flush to count as truly flat [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -217,7 +217,7 @@ def find_smooth(search: ContactSearch) -> SmoothJoints:
 def _joint(
     search: ContactSearch, row: int, faces: tuple[SmoothFace, SmoothFace]
 ) -> list[SmoothJoint]:
-    """A list with the contact of two smooth faces; empty if they do not touch or have flat faces.
+    """The contact of two smooth faces; an empty list if they do not touch or are flat.
 
     Flat faces are facets that lie flush.
     """
@@ -266,7 +266,7 @@ def _facets_of(search: ContactSearch, face: SmoothFace) -> Index:
 def _common_area(
     search: ContactSearch, row: int, facets: tuple[Index, Index], reach: float
 ) -> tuple[float, float]:
-    """Area over which facets overlap, and the area over which they lie flush [length unit^2].
+    """Area over which facets overlap, and area over which they also lie flush [length unit^2].
 
     Flush means within the default gap tolerance: a wider tolerance does not show whether the flat
     faces are real.
@@ -293,7 +293,7 @@ def _common_area(
 
 
 def _free_sliding_directions(points: Matches, faces: Iterable[SmoothFace], tilt: float) -> Matches:
-    """Contact points with normals made perpendicular to straight edges that can slide."""
+    """Make normals perpendicular to straight edges of a face, so that it can slide along them."""
     normal = points.normal
     for direction in _straight_directions(faces):
         along = normal @ direction
@@ -323,7 +323,7 @@ def _straight_directions(faces: Iterable[SmoothFace]) -> list[Array]:
 
 
 def _spread_subset(points: Matches, reach: float) -> Matches:
-    """At most `MOST` of the contact points, chosen as far from each other as possible."""
+    """Reduce contact points to at most `MOST`, as far from each other as possible."""
     point = points.point
     chosen = [int(np.linalg.norm(point - point.mean(axis=0), axis=1).argmax())]
     distance = np.linalg.norm(point - point[chosen[0]], axis=1)
