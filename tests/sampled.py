@@ -16,12 +16,15 @@ __all__ = ["SLOW_EXAMPLES", "in_block", "mark_rest_slow", "sampled"]
 
 SLOW_EXAMPLES = frozenset(
     {
+        "kilter.analysis.everything.everything",
         "kilter.analysis.margins.pushes.find_weakest_push",
         "kilter.analysis.margins.tilt.find_tilt_margin",
         "kilter.analysis.margins.uncertainty.find_uncertainty",
         "kilter.analysis.planning.hold.hold.hold",
         "kilter.analysis.regions.friction_cone.friction_cone",
         "kilter.analysis.regions.region.region",
+        "kilter.analysis.transport.transport.Transport.rows",
+        "kilter.analysis.transport.transport.transport",
         "kilter.analysis.turning.orientation.orient",
         "kilter.friction.exclusion.prove_no_motion",
         "kilter.health.doctor",

@@ -131,6 +131,7 @@ def test_no_two_files_import_each_other() -> None:
     assert circles(arrows) == []
 
 
+@pytest.mark.slow
 def test_the_longest_chain_of_rooms_is_short() -> None:
     below: dict[str, set[str]] = {name: set() for name in ROOMS}
     for module in set(FILES) - {"kilter"}:
@@ -187,6 +188,7 @@ BY_NAME = {
 """Modules that may call `import_module`, with the reason. The lazy tables in `__init__` may too."""
 
 
+@pytest.mark.slow
 def test_no_module_imports_another_by_a_string() -> None:
     """An import that the reader of the code, and the tests of layers and circles, cannot see."""
     calls = {
@@ -206,6 +208,7 @@ def test_no_two_files_have_one_name() -> None:
     assert [name for name, times in names.items() if times > 1] == []
 
 
+@pytest.mark.slow
 def test_no_two_classes_have_one_name() -> None:
     names: dict[str, list[str]] = defaultdict(list)
     for module in FILES:
@@ -276,6 +279,7 @@ def test_doubt_readers_finds_a_mark_and_a_step() -> None:
     assert doubt_readers(ast.parse("doubts.degenerate_points")) == set()
 
 
+@pytest.mark.slow
 def test_only_the_decision_reads_doubts() -> None:
     """One cascade: every other analysis calls `decide`, or `Doubts` for the mask of its arrays."""
     # the joined contacts of open pairs are built without the marks, on behalf of the decision

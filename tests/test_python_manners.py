@@ -250,6 +250,7 @@ def test_assemblies_are_merged_with_a_prefix() -> None:
         assembly.merged(assembly.with_friction(0.5), prefix="b/")
 
 
+@pytest.mark.slow
 def test_an_assembly_is_shown_in_a_notebook() -> None:
     shown = stack().show(height=300)
     assert "height:300px" in shown._repr_html_()
@@ -349,7 +350,7 @@ def content_of(answer: Any) -> Any:
     return {key: value for key, value in answer.to_dict().items() if key != "seconds"}
 
 
-@pytest.mark.quick("check", "contacts", "plan", "states")
+@pytest.mark.quick("contacts", "states")
 @pytest.mark.parametrize("verb", [verb for verb in VERBS if verb != "improve"])
 def test_keywords_and_paths_are_the_same_as_a_changed_assembly(verb: str, tmp_path: Any) -> None:
     if verb == "draw":
@@ -372,6 +373,7 @@ def test_keywords_and_paths_are_the_same_as_a_changed_assembly(verb: str, tmp_pa
         assert content_of(function(given, **keywords)) == by_hand
 
 
+@pytest.mark.slow
 def test_bricks_have_the_keywords_too(tmp_path: Any) -> None:
     path = tmp_path / "bricks.txt"
     path.write_text("4x2 (0,0,0)\n4x2 (2,0,1)\n2x2 (5,0,2)\n", "utf-8")
@@ -474,6 +476,7 @@ def test_forces_between_parts_and_on_a_part() -> None:
         forces.on("lowr")
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("verb", ["check", "region", "orient", "margin", "plan", "hold"])
 def test_answers_travel_as_text_and_as_files(verb: str, tmp_path: Any) -> None:
     answer = getattr(kilter, verb)(stack(0.2))

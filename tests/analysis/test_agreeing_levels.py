@@ -56,6 +56,7 @@ def test_the_level_of_a_plan_is_at_most_that_of_the_finished_assembly(run) -> No
     assert main(["verify", "a.kilter.json", "p.json"]) == 0
 
 
+@pytest.mark.slow
 def test_hold_finds_the_supports_that_raise_the_level(run) -> None:
     squeezed = scene("squeezed-block")
     code, fixture = run("hold", squeezed, "--require", "settles")
@@ -122,6 +123,7 @@ def test_a_ball_on_a_ball_is_balanced_in_every_command(run) -> None:
     assert (code, "balanced" in oriented["sentence"]) == (0, True)
 
 
+@pytest.mark.slow
 def test_a_cube_half_over_its_support_is_balanced_in_every_command(run) -> None:
     table = Part("table", Box([1, 1, 1]), Pose([0, 0, -0.5]), grounded=True)
     half = Assembly([table, Part("cube", Box([1, 1, 1]), Pose([0.5, 0, 0.5]))])
@@ -147,6 +149,7 @@ def test_the_page_and_the_notebook_of_a_balanced_assembly_have_its_word_and_sent
     assert '"verdict":"balanced"' in page.replace('": "', '":"')
 
 
+@pytest.mark.slow
 def test_a_wedge_between_walls_keeps_its_level_in_plan_and_hold(run) -> None:
     squeezed = scene("squeezed-block")
     check = run("check", squeezed)
@@ -300,6 +303,7 @@ def test_plan_and_hold_of_others_have_the_level_of_check(
         assert check["level"] in ("settles", "proved")
 
 
+@pytest.mark.slow
 @needs_shared
 def test_the_bonds_of_external_weight_good() -> None:
     model = kilter.load(SHARED / "stablelego" / "external_weight_good.json")

@@ -43,6 +43,7 @@ def test_each_assembly_with_a_bad_fit_is_proved(start: int) -> None:
         assert proves_by_matrix(program, judgement), seed
 
 
+@pytest.mark.slow
 def test_the_sample_has_both_answers_and_unequal_masses() -> None:
     programs = [random_fit(seed) for seed in range(30)]
     assert {judge(program).stable for program in programs} == {True, False}

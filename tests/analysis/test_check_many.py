@@ -206,6 +206,7 @@ def test_a_list_of_verdicts_needs_no_further_check(monkeypatch: pytest.MonkeyPat
         _ = listed[0].sentence
 
 
+@pytest.mark.slow
 def test_every_field_of_a_listed_verdict_is_that_of_check() -> None:
     assemblies = piles(range(3))
     for listed, assembly in zip(kilter.check_many(assemblies), assemblies, strict=True):

@@ -65,6 +65,7 @@ def test_a_program_that_counts_as_large_is_decided_alike(
     assert judge(program).stable is known
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("name", sorted(SCENES))
 @pytest.mark.parametrize("simplex_rows", [0, 1000])
 def test_without_an_answer_of_a_solver_nothing_wrong_is_decided(
@@ -83,6 +84,7 @@ def test_without_an_answer_of_a_solver_nothing_wrong_is_decided(
     )
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", sorted(SCENES))
 def test_no_solver_alone_proves_the_other_side(name: str) -> None:
     program = program_of(SCENES[name]())

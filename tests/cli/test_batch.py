@@ -189,6 +189,7 @@ def test_an_assembly_that_kills_is_found_and_has_a_row(
     ]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_workers_that_do_not_come_up_blame_no_assembly(
     piles: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

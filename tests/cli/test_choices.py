@@ -77,7 +77,7 @@ OPTIONS = {
 }
 
 
-@pytest.mark.quick("joined", "friction")
+@pytest.mark.quick("joined")
 @pytest.mark.parametrize("options", OPTIONS.values(), ids=OPTIONS)
 def test_saved_options_give_the_same_answer(options: str, say: Any) -> None:
     kilter.dump(tower(), "t.kilter.json")
@@ -128,6 +128,7 @@ def test_equal_options_replace_nothing(say: Any) -> None:
     assert not [w for w in answer["warnings"] if "replaces" in w]
 
 
+@pytest.mark.slow
 def test_a_decided_pair_is_joined_touching_or_apart(say: Any) -> None:
     """Part c is 0.01 above b: apart it falls freely, touching or joined it stays."""
     verdicts = {}
@@ -189,6 +190,7 @@ def test_a_material_replaces_the_mass_of_the_file() -> None:
     assert kilter.load("m.json").geometry.mass.tolist() == [2.0]
 
 
+@pytest.mark.slow
 def test_material_and_open_are_options_of_save(say: Any) -> None:
     kilter.dump(tower(), "t.kilter.json")
     words = '--material "b*=7850" --open b c apart --ground a'
@@ -307,6 +309,7 @@ WRONG = {
 }
 
 
+@pytest.mark.quick(4)
 @pytest.mark.parametrize(("keys", "words"), WRONG.values(), ids=WRONG)
 def test_wrong_choices_are_one_sentence(keys: dict[str, Any], words: str, say: Any) -> None:
     write_choices(**keys)
@@ -335,6 +338,7 @@ PLACES = {
 }
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize(("line", "words"), PLACES.values(), ids=PLACES)
 def test_save_refuses_in_one_sentence_and_writes_nothing(line: str, words: str, say: Any) -> None:
     kilter.dump(tower(), "t.kilter.json")
@@ -348,6 +352,7 @@ def test_save_refuses_in_one_sentence_and_writes_nothing(line: str, words: str, 
     assert {path: path.read_bytes() for path in Path().rglob("*") if path.is_file()} == before
 
 
+@pytest.mark.slow
 def test_choices_above_the_file_and_folders_of_meshes(say: Any) -> None:
     Path("parts").mkdir()
     kilter.dump(tower(), "parts/t.kilter.json")

@@ -112,6 +112,7 @@ def test_check_says_everything_that_its_users_rely_on(capsys: pytest.CaptureFixt
     }
 
 
+@pytest.mark.slow
 def test_text_of_an_unstable_assembly_names_the_parts_that_move(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

@@ -43,6 +43,7 @@ def test_exit_codes(file: Path, options: list[str], code: int) -> None:
     assert main(["plan", str(file), *options]) == code
 
 
+@pytest.mark.slow
 def test_the_proof_is_verified_from_the_file(
     file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -61,6 +62,7 @@ def test_the_proof_is_verified_from_the_file(
     assert main(["verify", str(file), str(proof)]) == 1
 
 
+@pytest.mark.slow
 def test_steps_are_written_as_a_table(file: Path, tmp_path: Path) -> None:
     table = tmp_path / "plan.csv"
     assert main(["plan", str(file), "-o", str(table)]) == 0

@@ -122,6 +122,7 @@ def test_several_solids_of_a_product_are_numbered(tmp_path: Path) -> None:
     assert assembly.geometry.center[:, 0] == pytest.approx([0.5, 3.5])
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("units", ["mm", "cm", "m", "in"])
 def test_the_unit_of_the_file_is_kept(units: str, tmp_path: Path) -> None:
     path = write_step(tmp_path / "a.step", [("a", box(1.0, 2.0, 3.0), None)], units)
@@ -154,7 +155,7 @@ SHAPES = {
 PLACES = [None, placement((100, -20, 7), (0.5, 0.1, -0.7, 0.3))]
 
 
-@pytest.mark.quick(6)
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("place", PLACES, ids=["home", "away"])
 @pytest.mark.parametrize("hidden", [False, True], ids=["plain", "splines"])
 @pytest.mark.parametrize("name", SHAPES)
@@ -209,7 +210,7 @@ def test_a_face_of_no_known_kind_lies_on_none(tmp_path: Path) -> None:
     assert 0 < solid.sagitta < 0.1
 
 
-@pytest.mark.quick(4)
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", ["cylinder", "sphere", "cone", "frustum", "drilled"])
 def test_the_triangles_alone_give_the_same_faces(name: str, tmp_path: Path) -> None:
     """The surfaces recognised on the mesh of the solid agree with those of the file."""
@@ -228,6 +229,7 @@ def test_the_triangles_alone_give_the_same_faces(name: str, tmp_path: Path) -> N
 # other contents of a file -------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_what_is_no_solid_is_passed_over_and_named(tmp_path: Path) -> None:
     edge = BRepBuilderAPI_MakeEdge(gp_Pnt(0, 0, 0), gp_Pnt(1, 0, 0)).Shape()
     roots = [("a", box(1.0, 1.0, 1.0), None), ("skin", face_of(cylinder(1, 2)), None)]
@@ -301,6 +303,7 @@ def test_occt_is_loaded_only_for_step_files() -> None:
 # in a kilter file, in a folder -----------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_solid_of_a_file_as_the_shape_of_a_part(tmp_path: Path) -> None:
     peg = cylinder(2, 6)
     write_step(tmp_path / "peg.stp", [("peg", peg, None)], "cm")

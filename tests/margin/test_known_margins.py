@@ -413,6 +413,7 @@ def test_a_push_that_is_not_resisted_says_why():
     assert any("it resists no push" in text for text in answer.warnings)
 
 
+@pytest.mark.slow
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["harmonic-stack", "tube", "channel", "paper-figure-11-turned"])
 def test_what_is_just_balanced_has_margins_of_exactly_zero(name):

@@ -122,6 +122,7 @@ def test_a_wedge_needs_more_friction_to_settle_than_for_equilibrium() -> None:
     assert f"it settles at mu = {number(limit.inside)}" in text_of(margin.to_dict())
 
 
+@pytest.mark.slow
 def test_an_assembly_that_does_not_settle_as_drawn_has_no_such_limit(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -51,6 +51,7 @@ def test_a_box_tips_where_its_centre_passes_the_edge(
     agree(made, made.export, "book.glb", verdict, ground="table")
 
 
+@pytest.mark.slow
 def test_a_block_slides_down_a_plane_that_is_turned(agree: Agree) -> None:
     tilt = 0.2
     up = np.array([np.sin(tilt), 0, np.cos(tilt)])

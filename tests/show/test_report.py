@@ -272,6 +272,7 @@ def test_no_page_from_elsewhere_may_read_it() -> None:
             assert "frame-ancestors 'none'" in headers["Content-Security-Policy"]
 
 
+@pytest.mark.slow
 def test_who_says_nothing_holds_up_nobody() -> None:
     with PageServer("page") as server:
         silent = [socket.create_connection(("127.0.0.1", server.port)) for _ in range(20)]

@@ -41,6 +41,7 @@ def _limit(assembly: kilter.Assembly, motion: CarrierMotion) -> float:
     return limit.value
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("assembly", "expected"),
     [
@@ -106,6 +107,7 @@ def test_rolling_carrier_lets_a_flat_box_slide() -> None:
     assert _limit(tilted, motion) == pytest.approx(closed, rel=1e-6)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("assembly", "expected"),
     [(arch(20), 0.149350), (oppenheim_arch(), 0.373612), (oppenheim_arch(sectors=True), 0.370010)],
@@ -133,6 +135,7 @@ def test_a_slice_lies_between_its_polygon_and_its_lines(seed: int) -> None:
         assert not _holds(assembly, CarrierMotion((1 + SIDE) * along))
 
 
+@pytest.mark.slow
 def test_it_agrees_with_the_tilt_margin() -> None:
     """The tilt margin is the arc tangent of the least acceleration."""
     assembly = stack_on_deck([[0.5, 0.7, 0.4], [0.6, 0.3, 0.5]], 0.35)

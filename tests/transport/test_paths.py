@@ -66,6 +66,7 @@ def test_circle_at_fixed_heading_and_along_it() -> None:
     assert not answer.path.between
 
 
+@pytest.mark.slow
 def test_quintic_through_its_poses() -> None:
     """Cubic splines through 201 poses; the samples bound the factor from above."""
     share = np.linspace(0, 1, 201)

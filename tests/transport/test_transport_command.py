@@ -25,6 +25,7 @@ def stack(tmp_path: Path) -> str:
     return str(path)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("words", "code", "sentence"),
     [
@@ -44,6 +45,7 @@ def test_answers_and_exit_codes(
     assert sentence in capsys.readouterr().out
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -66,6 +68,7 @@ def test_wrong_input_is_a_sentence(
     assert "Traceback" not in error
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("question", [[], ["--accelerate", "1", "2", "0"]])
 def test_proofs_are_verified_and_damage_is_found(
     stack: str, question: list[str], tmp_path: Path
@@ -91,6 +94,7 @@ def test_python_and_the_command_give_the_same_answer(
         assert printed[key] == answer[key], key
 
 
+@pytest.mark.slow
 def test_inner_rows_are_carried_and_outer_rows_enclose() -> None:
     answer = kilter.transport(stack_on_deck([[1, 0.5, 1], [0.4, 0.4, 0.5]], 0.45))
     inner, outer = answer.rows(), answer.rows(inner=False)
@@ -117,6 +121,7 @@ def test_every_code_brakes_and_turns() -> None:
     assert braking.tolist() == [-8.0, 0.0, 0.0]  # the load is pressed forward
 
 
+@pytest.mark.slow
 def test_loads_and_bonds_are_fixed_in_the_carrier() -> None:
     """A downward load of its weight doubles the friction of a box, not its inertia."""
     box = stack_on_deck([[1, 1, 0.2]], 0.3)
@@ -136,6 +141,7 @@ def test_a_planar_assembly_has_no_figure_and_two_horizontal_directions() -> None
         kilter.draw(answer)
 
 
+@pytest.mark.slow
 def test_the_figure_shows_all_horizontal_accelerations(stack: str, tmp_path: Path) -> None:
     figure = tmp_path / "polar.svg"
     assert main(["transport", stack, "--figure", str(figure), "--quiet"]) == 0
