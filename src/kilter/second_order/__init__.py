@@ -1,4 +1,4 @@
-"""Second order: does a motion of no first-order energy cost lead down?
+"""Second order: whether a motion without first-order change of energy lowers the energy.
 
 Folders, each of which uses only those before it:
 

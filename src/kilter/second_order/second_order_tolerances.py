@@ -30,10 +30,10 @@ __all__ = [
 # gaps ---------------------------------------------------------------------------------------
 
 AGREE = 1e-6
-"""Normals at a point are equal, or coplanar, if their spread squared is below this [-]."""
+"""Normals at a point are equal, or coplanar, if their squared spread is below this [-]."""
 
 CROSSING = 1e-3
-"""Least angle between crossing edges whose gap has a form [rad]."""
+"""Least angle between crossing edges for which the gap has a second derivative [rad]."""
 
 ROUND = 1e-6
 """Surfaces touch in a point if the sum of their curvatures is above this, over the larger [-]."""
@@ -45,28 +45,29 @@ CURVED = 2e-8
 BALANCED = 1e-9
 """Largest imbalance of forces in a proof, over the load [-]."""
 BEARS = 10.0
-"""In a proof a row carries if its force is this many times the tolerated imbalance [-]."""
+"""Multiple of the tolerated imbalance above which a force in a proof counts as a force [-]."""
 CARRIES = 1e-9
-"""A row carries if its force is above this, over the largest [-]."""
+"""Fraction of the largest force above which a row counts as carrying [-]."""
 ACROSS = 1e-7
 """A row counts as unchanged by a motion if its gap opens by less than this [-]."""
 LEVEL = 1e-7
 """Largest curvature of the energy along a free motion, over the largest of all [-]."""
 FLAT = 2e-9
-"""A motion is flat if its quadratic gap forms are all below this share of the largest form [-]."""
+"""A motion has no curvature if all second derivatives of gaps along it are below this fraction [-].
+"""
 DROPS = 2e-8
 """Least opening and least power of the second derivative of a path of length 1 [-]."""
 SLIPS = 1e-4
 """Largest first-order penetration of a path, over its second-order opening [-]."""
 LASTS = 10.0
-"""Gaps that open to first order stay open for this many times the length of the fall [-]."""
+"""A gap that opens to first order must stay open for this many lengths of the fall [-]."""
 REACHES = (1.0, 5.0, 30.0, 1000.0)
 """Bounds of the second derivative, tried in turn, for a motion of length 1 [-].
 
 A straighter path stays closer to its derivatives, so the smallest bound comes first.
 """
 KEEPS = 1e-12
-"""Largest opening of a contact that a path of length 1 keeps [-]: rounding."""
+"""Largest opening of a contact that a path of length 1 keeps closed [-]: rounding."""
 SPLITS = 250
 """Largest number of cones into which the critical motions are split."""
 SPREAD = 1e-10

@@ -108,7 +108,7 @@ def answer_alone(
 def _decide_across_free(
     facts: ClusterFacts, critical: Critical | None, work: Work, only_if_stays: bool
 ) -> tuple[EnergyDecision, FreeMotions]:
-    """Decide across (orthogonal to) the free motions; returns the decision and these motions.
+    """Decide whether the energy rises along all motions orthogonal to the free motions.
 
     If motions are left beside the free ones, only symmetries may be divided out.
     """
@@ -133,7 +133,7 @@ def _decide_across_free(
 def _minimum_or_free(
     facts: ClusterFacts, problem: Stationary, decision: EnergyDecision, free: FreeMotions
 ) -> SecondOrder:
-    """Answer for a proved minimum: "free" if a free motion moves a part visibly, else "minimum"."""
+    """Answer for a proved minimum: "free" if a free motion visibly moves a part, else "minimum"."""
     answer = answer_of(facts.program, problem, decision)
     moving = moving_free(facts.assembly, free)
     if not len(moving):
@@ -160,7 +160,7 @@ def _beside_points(facts: ClusterFacts, critical: Critical | None, work: Work) -
 def _without_idle(
     facts: ClusterFacts, kept: Mask, critical: Critical | None, work: Work
 ) -> SecondOrder | None:
-    """Answer from the contacts `kept` alone, shape (K,), extended to all; None if it fails.
+    """Answer from the contacts `kept` alone, extended to all contacts; None if that fails.
 
     Fewer contacts only admit more motions, so a minimum of the subset is a minimum of all. None
     if the subset is neither a minimum nor free, or no free motion opens the other contacts.
@@ -172,7 +172,7 @@ def _without_idle(
 def _opening_idle(
     facts: ClusterFacts, rows: Index, answer: SecondOrder, work: Work
 ) -> SecondOrder | None:
-    """Extend an answer for the contacts `rows` to all contacts; None if that is not possible.
+    """Extend an answer for the contacts `rows` to all contacts; None if that is impossible.
 
     The motion may also shift both parts of a contact alike. None if there is no such motion, or
     the rows are neither at a minimum nor free.
@@ -207,7 +207,7 @@ def _opening_idle(
 def _away(
     program: Program, idle: Mask, free: Array, points: SharpPoints, work: Work
 ) -> Array | None:
-    """Coefficients (f,) of free motions (n, f) whose sum opens idle (forceless) contacts, or None.
+    """Coefficients, (f,), of a sum of free motions that opens all contacts without force; or None.
 
     The sum may also shift all parts alike, and open the idle contacts with held parts. None if no
     such sum was found.
@@ -236,7 +236,7 @@ def _away(
 
 
 def _sliding(facts: ClusterFacts, critical: Critical | None, work: Work) -> SecondOrder | None:
-    """Answer "free" for parts that slide on faces with all turns locked; None without a proof."""
+    """Answer "free" if parts slide on faces and no turn is possible; None without a proof."""
     program, problem = facts.program, facts.problem
     critical = critical or find_critical(problem, work=work)
     if critical is None or program.planar:
@@ -254,7 +254,7 @@ def _sliding(facts: ClusterFacts, critical: Critical | None, work: Work) -> Seco
 
 
 def _stopped_or_none(facts: ClusterFacts, work: Work) -> SecondOrder | None:
-    """Answer "free" for parts that stops keep from sliding off; None without a proof."""
+    """Answer "free" if stops keep sliding parts from falling off; None without a proof."""
     question = stop_question(facts)
     proof = find_stopped(*question, work=work)
     if proof is None:
@@ -268,7 +268,7 @@ def _stopped_or_none(facts: ClusterFacts, work: Work) -> SecondOrder | None:
 def _sliding_by(
     program: Program, problem: Stationary, decision: EnergyDecision, motion: Array
 ) -> SecondOrder:
-    """Answer "free", for parts that slide along `motion`, shape (n,), in scaled unknowns."""
+    """Answer "free" for parts that slide along `motion`, shape (n,), given in scaled unknowns."""
     assert problem.scale is not None
     moved = program.full(motion * problem.scale)
     sizes = np.linalg.norm(moved[:, :3], axis=1)
@@ -281,19 +281,19 @@ def _sliding_by(
 
 
 def _unknown(program: Program, known: Mask) -> str:
-    """Reason for an open answer: surfaces of unknown curvature meet; names their two parts."""
+    """Reason for an open answer: two surfaces of unknown curvature meet; names their parts."""
     pair = _first(program, ~known)
     return f"the curvature of the surfaces of {pair} at their contact is not known"
 
 
 def _sharp(program: Program) -> str:
-    """Reason for an open answer: edges or corners meet without a normal; names their two parts."""
+    """Reason for an open answer: edges or corners meet without a normal; names their parts."""
     pair = _first(program, program.kind != CONTACT)
     return f"edges or corners of {pair} meet without a unique normal"
 
 
 def _first(program: Program, rows: Mask) -> str:
-    """Names of the two parts at the first row of a mask, shape (K,), joined by "and"."""
+    """Names of the two parts of the first row in a mask, shape (K,), joined by "and"."""
     k = int(np.flatnonzero(rows)[0])
     names = (*program.names, "the ground")
     return f"{names[program.part_a[k]]} and {names[program.part_b[k]]}"
@@ -302,7 +302,7 @@ def _first(program: Program, rows: Mask) -> str:
 def _falling(
     facts: ClusterFacts, whole: Program, problem: Stationary, decision: EnergyDecision, work: Work
 ) -> SecondOrder:
-    """Answer "balanced", with an exact lower place on the path down; "open" if none was found.
+    """Answer "balanced" with an exact configuration below the start; "open" if none is found.
 
     Parameters
     ----------

@@ -35,7 +35,7 @@ def growth_rate(program: Program, problem: Stationary, path: Path) -> float:
 
 
 def _mass(program: Program, problem: Stationary) -> Array:
-    """Mass matrix in scaled unknowns, over weight x length, shape (n, n) [s^2]."""
+    """Mass matrix in scaled unknowns, over weight x length, (n, n) [s^2 x length unit / m]."""
     assert problem.scale is not None
     free, per = np.flatnonzero(program.free), len(program.freedoms)
     total = np.zeros((len(problem.scale), len(problem.scale)))
@@ -49,5 +49,5 @@ def _mass(program: Program, problem: Stationary) -> Array:
 
 
 def _per_second(program: Program) -> float:
-    """Factor from scaled unknowns to time: square root of 1 N / (kg x length unit) [1/s]."""
+    """Factor from scaled frequencies to frequencies: sqrt(1 N / (kg x length unit)) [1/s]."""
     return float(1.0 / np.sqrt(metres_per_unit(program.units)))

@@ -1,4 +1,4 @@
-"""Fall of a balanced assembly as exact configurations, each free of penetration and lower.
+"""Fall of a balanced assembly as exact configurations, each lower and without penetration.
 
 The fall starts at the exact configuration of an answer. Each step has the direction in which the
 parts would start to move from rest (Gauss's principle): the du of length h in the metric of the
@@ -36,29 +36,30 @@ from kilter.work import PER_EFFORT, Work
 __all__ = ["PathPlaces", "find_path_places"]
 
 STEP = 0.05
-"""Largest displacement of a part in a step, over its size [-]."""
+"""Largest displacement of a part in one step, over its size [-]."""
 FAR, TURNED = 2.0, np.pi / 3
-"""A path ends once a part has shifted by this, over its size [-], or turned by this [rad]."""
+"""Shift of a part, over its size [-], and turn of a part [rad], at which a path ends."""
 TRIES = 100
 """Largest number of steps, failed steps included."""
 GAP, SHARE = 1e-4, 0.05
 """Largest gap in a step, over the size of the smallest part [-], and over the height lost [-]."""
 AGAIN, HOLDS = 2, 10.0
-"""Corrections after a step, and their stiffness over the load [-]."""
+"""Number of corrections after a step, and their stiffness over the load [-]."""
 BEYOND = 0.01
-"""The separation of parts is not computed above this, over the size of the smallest part [-]."""
+"""Distance, over the size of the smallest part [-], above which separation is not computed."""
 GAINS = 1e-6
 """Least loss of height in a step, over its length [-]; a smaller loss counts as rest."""
 CRUMB = 1e-3
 """Least length of a step, over the size of the smallest part [-]."""
 REACH = 4.0
-"""Reach of a body in a program, over the length of the step [-]; pairs out of reach are skipped."""
+"""Reach of a body in a step, over the length of the step [-]; pairs out of reach are skipped."""
 TILT = 4.0
-"""Largest tilt of a plane [rad], over the length of the step relative to the size [-]."""
+"""Largest tilt of a separating plane in a step [rad], over the length of the step relative to the
+size [-]."""
 STIFF = 1e-5
-"""Cost of a squared tilt, relative to the loss of energy: planes do not tilt without a gain."""
+"""Cost of a squared tilt of a plane, over the energy loss: planes do not tilt without a gain."""
 BLUR = 1e-9
-"""Relative rounding of the conditions of planes that are kept [-]."""
+"""Relative rounding error of the conditions of kept plane contacts [-]."""
 PLANE = 600.0
 """Units of work for the search of a separating plane."""
 ALLOWED = 4 * PER_EFFORT
@@ -67,7 +68,7 @@ ALLOWED = 4 * PER_EFFORT
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PathPlaces:
-    """Configurations of the parts along a fall: the start, and k configurations after it.
+    """Configurations of the parts along a fall: the start, and k configurations below it.
 
     Attributes
     ----------
@@ -138,7 +139,7 @@ def _joined_program(programs: list[Program]) -> Program:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Lower:
-    """A step of the fall, shape (N, 6), the places after it and their least separation."""
+    """A step of the fall, shape (N, 6), the configuration after it, and its least separation."""
 
     motion: Array
     place: Places
@@ -146,7 +147,7 @@ class _Lower:
 
 
 class _Descent:
-    """Descent of the parts from configuration to configuration, steepest for their masses."""
+    """Descent of the parts from configuration to configuration, each as steep as possible."""
 
     def __init__(self, assembly: Assembly, program: Program, work: Work) -> None:
         self.assembly, self.program, self.work = assembly, program, work
@@ -157,7 +158,7 @@ class _Descent:
         self.kept = np.zeros(len(program.part_a), dtype=bool)
 
     def keep(self, planes: Mask, start: Array) -> None:
-        """Keep plane contacts, shape (K,), closed in the fall, if parts are apart only that way.
+        """Keep plane contacts, (K,), closed in the fall, unless the parts separate anyway.
 
         Parts that are pressed between planes shift along them and do not turn.
         """
@@ -171,7 +172,7 @@ class _Descent:
         self.planes.kept = set(zip(a[self.kept].tolist(), b[self.kept].tolist(), strict=True))
 
     def follow(self, start: Array, first: Array) -> PathPlaces:
-        """Configurations from rest down; the first displacement and direction are given, (N, 6)."""
+        """Follow the fall from rest; the first displacement and direction are given, (N, 6)."""
         place, along, h = Places.of(start), first, STEP
         motions, steps, apart = [np.zeros_like(start), start], [start], [self._apart(start)]
         for _ in range(TRIES):
@@ -203,12 +204,12 @@ class _Descent:
         return float(np.maximum(far, turned * self.program.radius).max())
 
     def _largest_move(self, step: Array) -> float:
-        """Largest displacement of a part in a step, relative to the radius of the part [-]."""
+        """Largest displacement of a part in a step, over the radius of the part [-]."""
         far, turned = (np.linalg.norm(rows, axis=1) for rows in (step[:, :3], step[:, 3:]))
         return float(np.maximum(far / self.program.radius, turned).max())
 
     def _ends(self, motion: Array) -> bool:
-        """True if a part has moved far enough to end the fall."""
+        """True if a part has moved so far that the fall ends here."""
         far, turned = (np.linalg.norm(rows, axis=1) for rows in (motion[:, :3], motion[:, 3:]))
         return bool((far > FAR * self.program.radius).any() or (turned > TURNED).any())
 
@@ -264,7 +265,7 @@ class _Descent:
         return _Lower(step, after, apart) if apart > APART * self.length else None
 
     def _basis(self, place: Places) -> Array:
-        """Motions of the free parts, orthonormal in the metric of the masses, shape (6 N, n)."""
+        """Basis of the motions of the free parts, orthonormal for the masses, (6 N, n)."""
         program, per = self.program, self.program.freedoms
         free = np.flatnonzero(program.free)
         mean = float(program.mass[free].mean())
@@ -279,7 +280,7 @@ class _Descent:
         return columns @ null_space(self._plane_conditions() @ columns, BLUR)
 
     def _plane_conditions(self) -> Array:
-        """Rows, shape (7 K, 6 N), that vanish if parts only shift along their kept planes."""
+        """Matrix, (7 K, 6 N), that is 0 on steps in which parts shift along kept planes only."""
         rows = np.flatnonzero(self.kept)
         program, count = self.program, len(rows)
         across = np.zeros((count, 7, len(self.load), 6))
@@ -293,7 +294,7 @@ class _Descent:
     def _steepest_step(
         self, place: Places, basis: Array, h: float, gap: float, holds: float = 0.0
     ) -> Array | None:
-        """Displacement in the basis, (n,), that loses most energy in a step h; None if unsolved.
+        """Displacement in the basis, (n,), that loses most energy in a step of length h; or None.
 
         `holds` is a stiffness: this times half the squared length is added to the cost. None if the
         program was not solved.

@@ -116,7 +116,7 @@ class SecondOrder:
         return self.decision is not None and (self.state != "open" or self.neutral > 0)
 
     def left_open(self, names: tuple[str, ...]) -> str:
-        """Short phrase: the motions that are not decided, and why; empty if all are decided.
+        """Phrase about the motions that are not decided, and the reason; empty if all are decided.
 
         Parameters
         ----------
@@ -155,7 +155,7 @@ class SecondOrder:
 
 
 def _listed_names(names: tuple[str, ...], parts: Index) -> str:
-    """Names of the first few of these parts, and the number of the others."""
+    """Names of the first few parts in a list, and the number of the other parts."""
     shown = [names[k] for k in parts[:NAMED].tolist()]
     if len(parts) > NAMED:
         return f"{', '.join(shown)} or {len(parts) - NAMED} more"
@@ -169,7 +169,7 @@ def open_answer(why: str, program: Program) -> SecondOrder:
 
 
 def answer_of(program: Program, problem: Stationary, decision: EnergyDecision) -> SecondOrder:
-    """Make the answer that has the state and the motion counts of a decision."""
+    """Make the answer with the state and the motion counts of a decision."""
     none = np.zeros(0, dtype=np.int64)
     return SecondOrder(
         decision.state,

@@ -1,4 +1,4 @@
-"""Second-order answer for an assembly, joined from the answers of its clusters.
+"""Second-order answer for an assembly, combined from the answers for its clusters.
 
 1  parts that rest on level faces alone are free, at any size (`level_rest`)
 2  forces that leave no motion neutral hold a cluster to first order (`held`)
@@ -50,13 +50,13 @@ from kilter.work import PER_EFFORT, Work
 __all__ = ["MOST_IN_ALL", "MOST_PARTS", "find_second_order", "with_rolling"]
 
 MOST_PARTS = 20
-"""Largest number of free parts in a cluster that is decided by its gaps."""
+"""Largest number of free parts in a cluster that is decided by second derivatives of gaps."""
 MOST_STRICT = 60
-"""Largest number of free parts in such a cluster at level strict or a higher effort."""
+"""Largest number of free parts in such a cluster at level strict or at higher effort."""
 MOST_IN_ALL = 120
-"""Largest number of free parts in all clusters that are decided by their gaps."""
+"""Largest number of free parts in all clusters that are decided by second derivatives of gaps."""
 WORK, LEAST_WORK = 1_250_000, 200_000
-"""Most and least units of work for the gaps of an assembly at effort 1.
+"""Most and least units of work for second derivatives of gaps, at effort 1.
 
 The most is for up to `FEW_ROWS` contact rows and `FEW_PARTS` free parts; with more the work is in
 inverse proportion to their number. So second order takes less than a fifth of each check of over a
@@ -70,7 +70,7 @@ STRICT_WORK = 10.0
 MOST_LEVEL = 10_000
 """Largest number of free parts for which a rest on level faces is tried."""
 MOST_HELD = 250
-"""Largest number of free parts for which forces that leave no motion neutral are tried."""
+"""Largest number of free parts for which it is tested whether forces leave no neutral motion."""
 
 
 def find_second_order(
@@ -133,7 +133,7 @@ def _share(work: Work, program: Program, *, strict: bool) -> Work:
 
 
 def _of_parts(answer: SecondOrder, groups: RigidGroups) -> SecondOrder:
-    """Convert an answer about rigid groups to all parts, with a motion for each part."""
+    """Convert an answer about rigid groups to one about parts, with a motion for each part."""
     if not groups.tied:
         return answer
     return replace(
@@ -147,7 +147,7 @@ def _of_parts(answer: SecondOrder, groups: RigidGroups) -> SecondOrder:
 def with_rolling(
     second_order: SecondOrder, assembly: Assembly, contacts: ContactSet, program: Program
 ) -> SecondOrder:
-    """Add the result about rolling to a balanced answer; other answers are returned unchanged.
+    """Add the result about rolling to a balanced answer; return other answers unchanged.
 
     Parameters
     ----------
@@ -176,7 +176,7 @@ def with_rolling(
 
 
 class _ClusterSearch:
-    """Search for the answers of all clusters, with facts and work that they share."""
+    """Search for the answers of all clusters; they share geometry and a work limit."""
 
     def __init__(
         self,
@@ -218,7 +218,7 @@ class _ClusterSearch:
         return answer
 
     def by_forces(self, program: Program, forces: Array | None) -> SecondOrder | None:
-        """Answer from contact forces (parts rest level or are held); None if they prove nothing."""
+        """Answer from contact forces alone: parts rest on level faces, or are held; else None."""
         count = int(program.free.sum())
         if count <= MOST_LEVEL and not self.slanted[program.free].any():
             level, sharp = level_rows(program, self.contacts), sharp_points(program, self.contacts)
@@ -233,7 +233,7 @@ class _ClusterSearch:
         return None
 
     def _by_gaps(self, cluster: Cluster) -> SecondOrder:
-        """Answer for a cluster from the second derivatives of its contact gaps."""
+        """Answer for a cluster from first and second derivatives of its contact gaps."""
         program = cluster.program
         certain = program.taking(program.kind == CONTACT)
         first = stationary(certain, np.zeros((len(certain.part_a), 12, 12)))
@@ -249,7 +249,7 @@ class _ClusterSearch:
 
 
 def _on_level(program: Program, rest: LevelRest) -> SecondOrder:
-    """Answer "free" for parts that slide and turn freely on level (horizontal) faces."""
+    """Answer "free" for parts that can slide and turn on horizontal faces without energy."""
     parts = np.flatnonzero(program.free)
     free = len(parts) * (1 if program.planar else 3)
     decision = EnergyDecision("minimum", free, free, 0, 0, rest)
@@ -259,7 +259,7 @@ def _on_level(program: Program, rest: LevelRest) -> SecondOrder:
 
 
 def _without_neutral(program: Program, held: Held) -> SecondOrder:
-    """Answer "minimum" for parts whose contact forces leave no motion neutral."""
+    """Answer "minimum" for parts whose contact forces exclude every neutral motion."""
     none = np.zeros(0, dtype=np.int64)
     decision = EnergyDecision("minimum", 0, 0, 0, 0, held)
     return SecondOrder("minimum", 0, 0, 0, 0, None, None, none, "", decision, program=program)
@@ -288,7 +288,7 @@ def _join_answers(answers: tuple[SecondOrder, ...]) -> SecondOrder:
 
 
 def _rate(same: list[SecondOrder]) -> float | None:
-    """Fastest growth of balanced clusters, or slowest oscillation of minima [1/s]; else None.
+    """Fastest growth rate of balanced clusters, or slowest oscillation of minima [1/s]; or None.
 
     None if the oscillation of a minimum is unknown.
     """

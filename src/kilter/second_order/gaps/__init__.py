@@ -1,4 +1,4 @@
-"""Gap of each contact, to second order in the motions of its two parts.
+"""Gap of each contact as a function of the motions of its parts, to second order.
 
 - `features`: the face, edge or vertex of each part at a contact point, and its curvature
 - `features_of`: the features at the contacts of a program

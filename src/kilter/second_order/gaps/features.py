@@ -17,7 +17,7 @@ from kilter.arrays import Array, Index, Mask, Rows, columns, read_only
 __all__ = ["EDGE", "FACE", "FEATURES", "OPEN", "VERTEX", "Features"]
 
 OPEN, VERTEX, EDGE, FACE = -1, 0, 1, 2
-"""Kinds of feature; a known kind is its number of tangent directions."""
+"""Kinds of features; a known kind is the number of its tangent directions."""
 FEATURES = {"open": OPEN, "vertex": VERTEX, "edge": EDGE, "face": FACE}
 """Kinds of feature by name."""
 

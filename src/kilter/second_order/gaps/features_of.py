@@ -48,7 +48,7 @@ def features_of(program: Program, contacts: ContactSet, *, recognised: bool = Fa
 
 
 def _nothing_known(program: Program) -> dict[str, Any]:
-    """Columns of `Features` in which the features of every row are unknown."""
+    """Columns of `Features` with unknown features in every row."""
     count = len(program.part_a)
     return {
         "kind_a": np.full(count, OPEN),
@@ -85,7 +85,7 @@ def _set_given(columns: dict[str, Any], program: Program, contacts: ContactSet) 
 def _set_side(
     columns: dict[str, Any], side: str, rows: Index, feature: Feature, normal: Array
 ) -> None:
-    """Fill in the stated feature of a part, at rows that share a normal.
+    """Fill in the stated feature of one side, at rows that have the same normal.
 
     The component of an edge along the normal is removed.
     """
@@ -104,7 +104,7 @@ ROUND = ("sphere", "cylinder", "cone", "torus")
 
 
 def detected_rows(program: Program, contacts: ContactSet) -> Index:
-    """Indices of the rows of detected contacts with closed gaps and exact normals, shape (k,)."""
+    """Indices of rows of detected contacts with a closed gap and an exact normal, shape (k,)."""
     rows = np.flatnonzero((program.kind == CONTACT) & (program.doubt == 0))
     patch = program.source[rows]
     known = np.isin(contacts.patch_kind[patch], (*FLAT, *ROUND))

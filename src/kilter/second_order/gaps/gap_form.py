@@ -1,4 +1,4 @@
-"""Second derivative of a contact gap in the motions of both parts, by a single formula.
+"""Second derivative of a contact gap by the motions of both parts, by a single formula.
 
 Part i moves by x -> c_i + r_i + exp(theta_i) (x - c_i). With n from a to b, p_i = x - c_i,
 v_i = r_i + theta_i x p_i, v = v_b - v_a, v_t its tangential part, sigma = n x (theta_b - theta_a),
@@ -54,7 +54,7 @@ def gap_forms(program: Program, features: Features) -> Array:
 
 
 def formed(program: Program, features: Features) -> Mask:
-    """Mask of the rows whose gap has a second derivative, shape (K,).
+    """Mask of the rows whose gap has a known second derivative, shape (K,).
 
     Both features are known, and together they span the tangent plane (unlike an edge along an edge
     or a vertex on a vertex). In the directions in which both extend the surfaces separate: the sum
@@ -82,7 +82,7 @@ def formed(program: Program, features: Features) -> Mask:
 
 
 def _forms(program: Program, features: Features, rows: Index) -> Array:
-    """`gap_forms` for rows whose gap has a second derivative, shape (k, 12, 12)."""
+    """Second derivatives as of `gap_forms`, for rows that have them, shape (k, 12, 12)."""
     normal, frame = program.normal[rows], _frame(program.normal[rows])
     arm_a, arm_b = _arms(program, rows)
     slip, turn = _relative(arm_a, arm_b)
@@ -98,7 +98,7 @@ def _forms(program: Program, features: Features, rows: Index) -> Array:
 
 
 def corner_slips(program: Program, features: Features) -> Array:
-    """Linear maps from part motions to turn and slip of corners where two faces end, (K, 4, 12).
+    """Matrices from part motions to turn and slip at corners where two faces end, (K, 4, 12).
 
     If two faces end together, the corner of b touches the face of a as long as it stays on it: the
     form of the row is that of this gap. If it has slipped off, the corner of a touches the face of
@@ -132,7 +132,7 @@ def _arms(program: Program, rows: Index) -> tuple[Array, Array]:
 
 
 def _relative(arm_a: Array, arm_b: Array) -> tuple[Array, Array]:
-    """Maps from the motions of both parts to slip and turn of b past a, shape (k, 3, 12) each."""
+    """Matrices from motions of both parts to slip and turn of part b past part a, (k, 3, 12)."""
     eye, none = np.tile(np.eye(3), (len(arm_a), 1, 1)), np.zeros((len(arm_a), 3, 3))
     slip = np.concatenate([-eye, skew(arm_a), eye, -skew(arm_b)], axis=2)
     return slip, np.concatenate([none, -eye, none, eye], axis=2)
@@ -152,7 +152,7 @@ def _swing(normal: Array, arm: Array) -> Array:
 
 
 def _spans(features: Features, frame: Array) -> tuple[Array, Array]:
-    """Projections of the tangent plane onto the features' directions, shape (K, 2, 2) each."""
+    """Projections of the tangent plane on the directions of both features, (K, 2, 2) each."""
     spans = []
     for kind, edge in ((features.kind_a, features.edge_a), (features.kind_b, features.edge_b)):
         along = np.einsum("kij,kj->ki", frame, edge)
@@ -169,7 +169,7 @@ def _spans(features: Features, frame: Array) -> tuple[Array, Array]:
 def _curvatures(
     features: Features, frame: Array, span_a: Array, span_b: Array
 ) -> tuple[Array, Array]:
-    """Curvatures of both features within their directions, in the frame, (K, 2, 2) each."""
+    """Curvatures of both features in the tangent frame, shape (K, 2, 2) each."""
     across_ = frame.swapaxes(1, 2)
     a = span_a @ frame @ features.curvature_a @ across_ @ span_a
     b = span_b @ frame @ features.curvature_b @ across_ @ span_b
@@ -177,7 +177,7 @@ def _curvatures(
 
 
 def _rolling(features: Features, frame: Array) -> Array:
-    """Matrix of the rolling term psi in (turn sigma, slip v_t), in the frame, shape (K, 4, 4)."""
+    """Matrix of the rolling term in the variables (turn, slip) of each row, shape (K, 4, 4)."""
     span_a, span_b = _spans(features, frame)
     a, b = _curvatures(features, frame, span_a, span_b)
     scale = np.maximum(np.abs(a).max(axis=(1, 2)), np.abs(b).max(axis=(1, 2)))

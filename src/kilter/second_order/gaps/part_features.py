@@ -32,9 +32,10 @@ from kilter.second_order.second_order_tolerances import AGREE, CROSSING
 __all__ = ["PartFeatures", "part_features"]
 
 OFF = 4.0
-"""Error of the radius of curvature of a surface recognised in a mesh, over its doubt d [-]."""
+"""Factor from the doubt of a surface recognised in a mesh to the error of its radius of curvature
+[-]."""
 ROUGH = 0.5
-"""A curvature with a larger relative error than this is unknown [-]."""
+"""Relative error of a curvature above which it counts as unknown [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,7 +99,7 @@ def part_features(
 def _triangles_at(
     geometry: Geometry, part: Index, point: Array, reach: Array
 ) -> tuple[Index, Index]:
-    """Pairs of a point and a triangle of its part within `reach` of it, sorted by point."""
+    """Pairs (point, triangle) of a point and a triangle within `reach` of it, by point."""
     corners = geometry.vertices[geometry.triangles]
     box = corners.min(axis=1), corners.max(axis=1)
     pairs = [(k, t) for _, k, t in joins(part, (point, point), geometry.triangle_part, box, reach)]
@@ -117,7 +118,7 @@ def _triangles_at(
 def _of_triangles(
     geometry: Geometry, near: Index, triangle: Index, point: Array, outward: Array, reach: Array
 ) -> PartFeatures:
-    """Features at points whose near triangles are all of flat faces; unknown at other points."""
+    """Features at points where all near triangles lie in flat faces; unknown at other points."""
     count = len(point)
     p = geometry.vertices[geometry.triangles[triangle]]
     normal = unit_rows(cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]))
@@ -143,7 +144,7 @@ def _of_triangles(
 def _within_rim(
     geometry: Geometry, near: Index, triangle: Index, point: Array, outward: Array, reach: Array
 ) -> Mask:
-    """Mask of points on a chord of a round flat face, whose true rim lies farther outside."""
+    """Mask of points on a chord of a round flat face; the true rim there lies farther outside."""
     s, surface = geometry.surfaces, geometry.triangle_surface[triangle]
     p = geometry.vertices[geometry.triangles[triangle]]
     normal = unit_rows(cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]))
@@ -159,7 +160,7 @@ def _within_rim(
 
 
 def _other_faces(geometry: Geometry, near: Index, triangle: Index, surface: Index) -> Mask:
-    """Mask of points on a curved surface that are also within reach of another face."""
+    """Mask of points on a curved surface that are near another face as well."""
     other = geometry.triangle_surface[triangle] != surface[near]
     return np.bincount(near, other, minlength=len(surface)) > 0
 
@@ -204,7 +205,7 @@ def _of_surfaces(
 
 
 def _at_ends(geometry: Geometry, surface: Index, x: Array, reach: Array) -> Mask:
-    """Mask of points at the flat end of a cylinder or cone that covers a full turn."""
+    """Mask of points at the flat end of a cylinder or cone with a full turn."""
     s = geometry.surfaces
     at_end = np.zeros(len(surface), dtype=bool)
     k = np.flatnonzero(np.isin(s.kind[surface], (CYLINDER, CONE)))

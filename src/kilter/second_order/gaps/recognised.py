@@ -32,7 +32,7 @@ __all__ = ["bounded", "formed_for_all"]
 
 
 def formed_for_all(program: Program, features: Features) -> Mask:
-    """Mask of rows whose gap has a second derivative for all surfaces within their doubt, (K,)."""
+    """Mask of rows whose gap has a second derivative whatever the true surfaces are, (K,)."""
     rows = formed(program, features)
     if features.doubted:
         rows &= formed(program, _bent(features, program.normal, -1.0))
@@ -40,13 +40,13 @@ def formed_for_all(program: Program, features: Features) -> Mask:
 
 
 def bounded(program: Program, features: Features, sense: float) -> Stationary:
-    """Gaps and load to second order, at the upper (sense 1) or lower (-1) curvature bounds."""
+    """Gaps and load to second order, at the upper (1) or lower (-1) bounds of curvature."""
     bent = _bent(features, program.normal, sense)
     return problem_of(program, bent)
 
 
 def _bent(features: Features, normal: Array, sense: float) -> Features:
-    """Features with each curvature moved by its uncertainty, in all tangent directions."""
+    """Copy of the features with each curvature moved to its upper or lower bound."""
     plane = np.eye(3) - normal[:, :, None] * normal[:, None, :]
     return replace(
         features,

@@ -1,4 +1,4 @@
-"""Contact gaps and load about a configuration, to second order, in scaled unknowns.
+"""Contact gaps and load near a configuration, to second order, in scaled unknowns.
 
 Part i moves by x -> c + r + exp(theta)(x - c). The energy is linear in these coordinates, and the
 gap of contact k is
@@ -81,13 +81,13 @@ class Stationary:
 
     @property
     def planes(self) -> Mask:
-        """Mask of rows at which at least one part touches with a plane, shape (K,)."""
+        """Mask of rows at which at least one of both features is a plane, shape (K,)."""
         if self.on_plane is None:
             return np.zeros(len(self.rows), dtype=bool)
         return self.on_plane
 
     def _spread(self, vectors: Array) -> Array:
-        """Entries of vectors (n, d) that belong to the two parts of each row, shape (K, 12, d)."""
+        """Rows of vectors (n, d) that belong to the two parts of each contact, shape (K, 12, d)."""
         padded = np.vstack([vectors, np.zeros((1, vectors.shape[1]))])
         return padded[self.columns]
 
@@ -102,14 +102,14 @@ class Stationary:
         return np.asarray(np.einsum("ki,kij,kj->k", spread, self.forms, spread))
 
     def sliding(self, motions: Array) -> Array:
-        """Slips of flush corners (both faces end) along motions (n, d), (2 K, d); else empty."""
+        """Slips of corners at which both faces end, along motions (n, d), shape (2 K, d)."""
         if self.slips is None:
             return np.zeros((0, motions.shape[1]))
         slips = self.slips[:, 2:] @ self._spread(motions)
         return np.asarray(slips.reshape(2 * len(slips), motions.shape[1]))
 
     def slipped(self, forces: Array, basis: Array) -> Array:
-        """Change of the energy's curvature, (d, d), if all corners where two faces end slip off."""
+        """Change of the energy's curvature, (d, d), if corners where two faces end slip off."""
         if self.slips is None:
             return np.zeros((basis.shape[1],) * 2)
         turn, slip = np.split(self.slips @ self._spread(basis), 2, axis=1)
@@ -117,7 +117,7 @@ class Stationary:
         return np.asarray(more + more.T)
 
     def one_form(self, motions: Array) -> Mask:
-        """Mask of rows, (K,), where no corner of ending faces slips off along motions (n, d).
+        """Mask of rows, (K,), at which no corner slips off the end of a face along motions (n, d).
 
         The motions do not turn the parts there, or do not slip.
         """
@@ -128,12 +128,12 @@ class Stationary:
         return stays
 
     def curvature(self, forces: Array, basis: Array) -> Array:
-        """Curvature of the energy under contact forces in a basis Z, shape (d, d), symmetric."""
+        """Second derivative of the energy under contact forces, in a basis Z, shape (d, d)."""
         weighted = np.tensordot(forces, self.restricted(basis), axes=1)
         return -(weighted + weighted.T) / 2
 
     def imbalance(self, forces: Array) -> float:
-        """Largest imbalance component of contact forces, over that of the load [-].
+        """Largest imbalance of contact forces, over the largest entry of the load [-].
 
         It is not relative to the forces: beside large forces the load would pass for rounding.
         """
@@ -142,14 +142,14 @@ class Stationary:
 
 
 def problem_of(program: Program, features: Features) -> Stationary:
-    """Contact gaps and load to second order, of a program without friction."""
+    """Build the gaps and the load of a program to second order, without friction."""
     forms = np.nan_to_num(gap_forms(program, features))
     slips = corner_slips(program, features) if features.flush.any() else None
     return stationary(program, forms, slips)
 
 
 def stationary(program: Program, forms: Array, slips: Array | None = None) -> Stationary:
-    """Make the scaled second-order problem from gap second derivatives in physical units.
+    """Scale a second-order problem whose gap derivatives are given in physical units.
 
     Parameters
     ----------

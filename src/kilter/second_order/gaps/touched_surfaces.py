@@ -59,7 +59,7 @@ class Touched:
     direction: Array
 
     def conditions(self, origin: Array, length: float) -> list[Array]:
-        """Conditions C, shape (c, 6), of the screws that keep the surface of each row in place.
+        """Linear conditions, (c, 6), on a screw motion that maps the surface of each row to itself.
 
         C (v, L omega) = 0, the velocity v at `origin`.
         """
@@ -80,7 +80,7 @@ class Touched:
         return [blocks[int(kind)][k] for k, kind in enumerate(self.kind)]
 
     def level(self, down: Array) -> Mask:
-        """Mask of the rows whose surface is a plane perpendicular to gravity, shape (K,)."""
+        """Mask of the rows whose surface is a horizontal plane, shape (K,)."""
         level: Mask = (self.kind == PLANE) & (np.abs(self.direction @ down) > 1 - FACES)
         return level
 
@@ -120,7 +120,7 @@ def touched_surfaces(
 
 
 def planes_of(touched: tuple[Touched, Touched]) -> Mask:
-    """Mask of rows in which at least one part touches with a plane, shape (K,)."""
+    """Mask of rows in which the surface of at least one part is a plane, shape (K,)."""
     planes: Mask = (touched[0].kind == PLANE) | (touched[1].kind == PLANE)
     return planes
 
@@ -135,7 +135,7 @@ def _surfaces_of_side(
     geometry: Geometry,
     given: Mask,
 ) -> Touched:
-    """Exact surfaces of the parts on a side, from points, outward normals and features."""
+    """Exact surfaces of the parts on one side of the contacts, from normals and features."""
     touched = Touched(np.full(len(at), UNKNOWN), at.copy(), out.copy())
     bent = np.abs(curvature).max(axis=(1, 2), initial=0.0)
     on_surface = np.zeros(len(at), dtype=bool)
@@ -173,7 +173,7 @@ def _fill_stated_curvature(touched: Touched, row: int, curvature: Array) -> None
 
 
 def _on_surfaces(touched: Touched, rows: Index, part: int, geometry: Geometry) -> None:
-    """Fill in the surfaces of a part that pass through the contact points of some rows.
+    """Fill in the surfaces of a part that pass through the contact points of its rows.
 
     A surface counts if its outward normal agrees with the direction of the row; a curved one goes
     before a plane.

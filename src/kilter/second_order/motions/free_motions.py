@@ -1,4 +1,4 @@
-"""Motions that keep every gap and the energy exactly, each with the kind of its proof.
+"""Motions that keep every gap and the energy exactly constant, each with its kind of proof.
 
     spin      a part turns about its centre of mass and keeps each of its touched surfaces in
               place: a ball, a top
@@ -45,12 +45,13 @@ __all__ = ["FreeMotions", "find_free_motions"]
 EXACT = 1e-9
 """Singular values below this fraction of the largest count as zero [-]."""
 ALL_SETS = 6
-"""Every set of parts is tried up to this number of free parts; beyond, only connected sets."""
+"""Largest number of free parts for which every set of parts is tried; above, connected sets only.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FreeMotions:
-    """F motions of N parts that keep every gap and the energy; may be linearly dependent.
+    """F motions of N parts that keep every gap and the energy; they may be linearly dependent.
 
     `motions`, shape (F, N, 6): (r, theta) of each part [length unit, rad]; `kinds`: the proof of
     each (spin, level, slide, pivot or shift).
@@ -61,7 +62,7 @@ class FreeMotions:
 
     @property
     def symmetries(self) -> FreeMotions:
-        """The free motions that may be divided out: spins, pivots, level (horizontal) motions."""
+        """The free motions that form a symmetry: spins, pivots, and horizontal motions."""
         chosen = [k for k, kind in enumerate(self.kinds) if kind in ("spin", "level", "pivot")]
         return FreeMotions(self.motions[chosen], tuple(self.kinds[k] for k in chosen))
 
@@ -139,7 +140,7 @@ class _FreeSearch:
         return FreeMotions(motions, tuple(self.kinds))
 
     def _add(self, parts: Index | list[int], screw: Array, kind: str) -> None:
-        """Add a screw motion (v, L omega) about the origin of the search, made by `parts` alike."""
+        """Add a motion in which the given parts move alike, as a screw (v, L omega)."""
         motion = np.zeros((len(self.program.names), 6))
         turn = screw[3:] / self.length
         arms = self.program.center[parts] - self.origin
@@ -149,7 +150,7 @@ class _FreeSearch:
         self.kinds.append(kind)
 
     def _add_screws_of_part(self, part: int) -> None:
-        """Add the screws of a part that keep its touched surfaces in place, and its height.
+        """Add the screws of a part that keep its touched surfaces and its height.
 
         A centre of mass keeps its height to all orders if it stays, or if the screw is level.
         """
@@ -163,7 +164,7 @@ class _FreeSearch:
                 self._add([part], screw, kind)
 
     def _upright(self) -> Array:
-        """Conditions of a horizontal screw, shape (3, 6): no rise, turns only about verticals."""
+        """Conditions, (3, 6), on a screw without rise and with turns about verticals only."""
         rows = np.zeros((3, 6))
         rows[0, :3] = self.down
         rows[1:, 3:] = null_space(self.down[None], EXACT).T
@@ -188,7 +189,7 @@ class _FreeSearch:
         return np.append(-np.cross(axis, arm), axis * self.length)
 
     def _sets(self) -> Iterator[Index]:
-        """Yield sets of free parts that are tried as a single rigid body."""
+        """Yield sets of free parts that may move together as a rigid body."""
         parts, count = self.parts, len(self.program.names)
         if len(parts) <= ALL_SETS:
             for size in range(1, len(parts) + 1):
@@ -208,7 +209,7 @@ class _FreeSearch:
                     yield chosen
 
     def _level(self, chosen: Index) -> None:
-        """Add horizontal screws of a set of parts, past held surroundings or past another part."""
+        """Add horizontal screws of a set of parts, relative to held parts or to another part."""
         program = self.program
         across = np.isin(program.part_a, chosen) != np.isin(program.part_b, chosen)
         crossing = np.flatnonzero(across & ~self.level)
@@ -218,7 +219,7 @@ class _FreeSearch:
             self._level_across(chosen, across, without, "slide")
 
     def _level_across(self, chosen: Index, across: Mask, crossing: Index, kind: str) -> None:
-        """Add horizontal screws of a set of parts that keep the surfaces at its border in place.
+        """Add horizontal screws of a set of parts that keep its border surfaces in place.
 
         `across`, shape (K,): rows between the set and its surroundings; `crossing`: indices of the
         rows whose surfaces count.
@@ -232,7 +233,7 @@ class _FreeSearch:
                     self._add(chosen, screw, proof)
 
     def _frame_rows(self, crossing: Index, frame: int) -> list[Array] | None:
-        """Conditions that keep a frame's surfaces in place; None if a contact does not touch it.
+        """Conditions that keep the surfaces of a reference part in place; or None.
 
         The frame is a part, or the held surroundings (-1).
         """
@@ -249,7 +250,7 @@ class _FreeSearch:
         ]
 
     def _shifts(self) -> None:
-        """Add translations in which every gap is an affine function of them and stays closed."""
+        """Add translations along which all gaps are linear and stay closed."""
         program, sharp = self.program, self._sharp()
         count = len(self.parts)
         place = np.full(len(program.names) + 1, -1)
@@ -282,7 +283,7 @@ class _FreeSearch:
         return straight
 
     def _turns_at_walls(self, sharp: Mask) -> bool:
-        """True if a part that turns freely touches a face, edge or corner that is not level."""
+        """True if a part that can turn touches a face, edge or corner that is not horizontal."""
         program = self.program
         turning = np.zeros(len(program.names) + 1, dtype=bool)
         for motion in self.motions:

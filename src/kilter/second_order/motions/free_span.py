@@ -19,7 +19,7 @@ __all__ = ["free_span", "moving_free", "scaled_columns"]
 
 
 def free_span(program: Program, problem: Stationary, free: FreeMotions) -> Array:
-    """Orthonormal basis, shape (n, f), of the free motions that open no row and cost no energy."""
+    """Orthonormal basis, (n, f), of the free motions that open no contact and cost no energy."""
     columns = scaled_columns(program, problem, free.motions)
     size = np.linalg.norm(columns, axis=0)
     columns = np.asarray(columns[:, size > 0] / size[size > 0], dtype=np.float64)
@@ -41,7 +41,7 @@ def scaled_columns(program: Program, problem: Stationary, motions: Array) -> Arr
 
 
 def moving_free(assembly: Assembly, free: FreeMotions) -> Index:
-    """Indices of the parts that a free motion visibly moves, not spins about their own axes.
+    """Indices of the parts that a free motion visibly moves; spins of round parts do not count.
 
     A group of tied parts counts as its first part, as in the motions.
     """
@@ -53,7 +53,7 @@ def moving_free(assembly: Assembly, free: FreeMotions) -> Index:
 
 
 def _spins_unseen(assembly: Assembly, part: int, motion: Array) -> bool:
-    """True if a motion, shape (6,), only spins a part about an axis of revolution of its shape."""
+    """True if a motion, shape (6,), only spins a round part about its own axis."""
     turn, center = motion[3:], assembly.geometry.center[part]
     radius = float(assembly.geometry.radius[part])
     speed = float(np.abs(turn).max()) * radius
@@ -70,7 +70,7 @@ def _spins_unseen(assembly: Assembly, part: int, motion: Array) -> bool:
 
 
 def _of_revolution(geometry: Geometry, part: int, motion: Array, center: Array) -> bool:
-    """True if a motion, shape (6,), turns every face of a part into itself."""
+    """True if a motion, shape (6,), maps every face of a part to itself."""
     surfaces, turn = geometry.surfaces, motion[3:] / np.linalg.norm(motion[3:])
     near = ACROSS * float(geometry.radius[part]) + float(geometry.accuracy[part])
     faces = np.arange(surfaces.start[part], surfaces.start[part + 1])

@@ -10,7 +10,7 @@ __all__ = ["null_space"]
 
 
 def null_space(rows: Array, blur: float) -> Array:
-    """Orthonormal basis, shape (n, d), of the null space of contact rows, shape (K, n).
+    """Orthonormal basis, (n, d), of the vectors that a matrix (K, n) maps to 0 up to rounding.
 
     Singular values below `blur` times the largest count as zero.
 

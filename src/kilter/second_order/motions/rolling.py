@@ -47,12 +47,12 @@ __all__ = ["Rolling", "Rolls", "find_rolling", "worst_rolling"]
 
 Rolls = Literal["holds", "falls", "open"]
 ORDER: tuple[Rolls, ...] = ("falls", "open", "holds")
-"""The result for an assembly is the first of these that any of its clusters has."""
+"""Results about rolling; an assembly has the first one that any of its clusters has."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rolling:
-    """Proved result about rolling without slip: holds, falls or open.
+    """Result about rolling without slip (holds, falls or open), with its proof.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class Rolling:
 
 
 def worst_rolling(states: Iterable[Rolls]) -> Rolls:
-    """Result about rolling for an assembly, from the results for its balanced clusters."""
+    """Combine the results about rolling of several clusters to the result of the assembly."""
     return min(states, key=ORDER.index, default="open")
 
 
@@ -117,7 +117,7 @@ def find_rolling(program: Program, features: Features) -> Rolling:
 def _result(
     program: Program, basis: Array, stiffness: Array, forces: Array, *, unique: bool
 ) -> Rolling:
-    """Result about rolling, from the stiffness against each motion of a basis of rollings."""
+    """Result about rolling, from the energy's second derivative on a basis of rolling motions."""
     dimension = basis.shape[1]
     weight = float(program.weight[program.free].max())
     length = float(program.radius[program.free].max())
@@ -148,7 +148,7 @@ def _open(program: Program, why: str) -> Rolling:
 
 
 def _unmodelled_reason(program: Program, features: Features) -> str:
-    """Reason why rolling is not modelled for a cluster; empty if it is modelled."""
+    """Reason why rolling of a cluster cannot be modelled; empty if it can."""
     if (program.kind != CONTACT).any() or program.pull.any() or program.tied.any():
         return "rolling is not modelled with joints and bonds"
     if not (program.mu > 0).all():
@@ -161,7 +161,7 @@ def _unmodelled_reason(program: Program, features: Features) -> str:
 
 
 def _scale(program: Program) -> Array:
-    """Displacement per unit of each unknown, shape (n,): 1 for shifts, 1 / radius for turns."""
+    """Displacement for one unit of each unknown, shape (n,): 1 for shifts, 1 / radius for turns."""
     units = np.where(np.arange(6) < 3, 1.0, 1 / program.radius[program.free, None])
     return np.asarray(units[:, program.freedoms].reshape(-1))
 
@@ -221,7 +221,7 @@ def _stiffness(program: Program, features: Features, forces: Array, basis: Array
 
 
 def _turning(program: Program, inverse: Array, motion: Array) -> Array:
-    """Second-order slip term g of a rolling motion at each contact, shape (K, 3)."""
+    """Second-order part of the slip in a rolling motion, at each contact, shape (K, 3)."""
     padded = np.vstack([motion, np.zeros((1, 6))])
     a, b = padded[program.part_a], padded[program.part_b]
     turn = cross(program.normal, b[:, 3:] - a[:, 3:])
@@ -230,7 +230,7 @@ def _turning(program: Program, inverse: Array, motion: Array) -> Array:
 
 
 def _rolls_over(program: Program, features: Features) -> Array:
-    """Inverse sum of both curvatures, 0 off their common directions, shape (K, 3, 3)."""
+    """Inverse of the sum of both curvatures, within their common directions, (K, 3, 3)."""
     total = features.curvature_a + features.curvature_b
     inverse = np.zeros_like(total)
     for k in range(len(total)):
@@ -241,7 +241,7 @@ def _rolls_over(program: Program, features: Features) -> Array:
 
 
 def _common(program: Program, features: Features, k: int) -> Array:
-    """Unit tangent directions in which both features of contact k extend, as rows."""
+    """Unit tangents along which both features of contact k extend, as rows."""
     away = [program.normal[k]]
     for kind, edge in (
         (features.kind_a[k], features.edge_a[k]),

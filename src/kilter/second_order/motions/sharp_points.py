@@ -44,7 +44,7 @@ def sharp_pushes(contacts: ContactSet) -> Mask:
 
 
 def with_sharp(program: Program, contacts: ContactSet) -> Program:
-    """Add rows for the normals of sharp points (edges, corners) to a program of contacts."""
+    """Copy of a program with extra rows for the normals of sharp points (edges, corners)."""
     possible = contacts.possible
     moves = program.free[possible.part_a] | program.free[possible.part_b]
     pushes = np.flatnonzero(sharp_pushes(contacts) & moves)
@@ -56,7 +56,7 @@ def with_sharp(program: Program, contacts: ContactSet) -> Program:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SharpPoints(Rows):
-    """Numbers of the sharp contacts (edges, corners) at K program rows; -1 at other rows.
+    """Numbers of pair and normal of the sharp points (edges, corners) at K rows; or -1.
 
     `pair`, shape (K,): number of the pair of parts. `along`, shape (K,): number of the pair and the
     normal, if every sharp point of the pair has that normal, else -1.
@@ -69,7 +69,7 @@ class SharpPoints(Rows):
         read_only(self)
 
     def opened(self, opens: Mask) -> Mask:
-        """Rows that open, or whose pair of parts is separated at its sharp points, shape (K,)."""
+        """Mask of rows that open, or whose two parts are separated at a sharp point, shape (K,)."""
         closed = np.isin(self.along, self.along[~opens])
         separated = np.isin(self.pair, self.pair[(self.along >= 0) & ~closed])
         opened: Mask = opens | ((self.pair >= 0) & separated)
@@ -77,7 +77,7 @@ class SharpPoints(Rows):
 
 
 def sharp_points(program: Program, contacts: ContactSet) -> SharpPoints:
-    """Number the sharp contacts (edges, corners without a unique normal) in a program's rows.
+    """Number the sharp points (edges, corners without a unique normal) of a program's rows.
 
     Points that are only sharp within tolerance have no number: a motion has to open each row.
     """
@@ -99,7 +99,7 @@ def sharp_points(program: Program, contacts: ContactSet) -> SharpPoints:
 
 
 def _number_rows(rows: Array | Index) -> Index:
-    """Number the rows of an array (k, m), with equal numbers for equal rows, shape (k,)."""
+    """Numbers for the rows of an array; equal rows have equal numbers, shape (k,)."""
     return np.asarray(np.unique(rows, axis=0, return_inverse=True)[1]).reshape(-1)
 
 
@@ -110,7 +110,7 @@ def _different(values: Index, group: Index) -> Index:
 
 
 def opens_points(program: Program, contacts: ContactSet, motion: Array) -> bool:
-    """True if a motion, shape (N, 6), separates every pair of parts at all its sharp points.
+    """True if a motion, shape (N, 6), separates each pair of parts at all its sharp points.
 
     `program` has the rows of the sharp points.
     """

@@ -1,4 +1,4 @@
-"""Support of parts by each other: contacts at which an upper part stands on a lower part."""
+"""Which part stands on which: contacts at which an upper part is supported by a lower part."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["Bearing", "bearing_of", "by_depth", "in_footing", "level_axes", "sum
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bearing:
-    """Contact rows at which a part stands on another, and each part's depth of support.
+    """Contacts at which a part stands on another, and the level of each part in this order.
 
     `rows`, `upper`, `lower`, shape (k,): each row with its upper and its lower part. `depth`, shape
     (N + 1,): 0 for held parts, else 1 plus the largest depth of the supporting parts. The last
@@ -27,7 +27,7 @@ class Bearing:
     depth: Index
 
     def footings(self, program: Program) -> tuple[Array, Array]:
-        """Level coordinates (1, u, v) of contacts from upper and lower centres, (k, 2 or 3) each.
+        """Contact points as (1, u, v) from the upper and the lower centre, (k, 2 or 3) each.
 
         u and v are over the radius of the part [-]. Those of the ground are not used.
         """
@@ -41,7 +41,7 @@ class Bearing:
 
 
 def bearing_of(program: Program, rows: Mask) -> Bearing | None:
-    """Order of support of the parts by contacts, shape (K,); None if parts form a ring."""
+    """Find which part stands on which, by the given contacts; None if parts support each other."""
     places = np.flatnonzero(rows)
     up = program.normal[places] @ program.down < 0  # part a supports part b
     a, b = program.part_a[places], program.part_b[places]
@@ -62,14 +62,14 @@ def bearing_of(program: Program, rows: Mask) -> Bearing | None:
 
 
 def by_depth(depth: Index) -> list[Index]:
-    """Groups of indices of equal depth, from the largest depth to the smallest."""
+    """Groups of indices of equal depth; the group of largest depth comes first."""
     order = np.argsort(depth, kind="stable")
     _, first = np.unique(depth[order], return_index=True)
     return np.split(order, first[1:])[::-1]
 
 
 def in_footing(program: Program, wrench: Array) -> Array:
-    """Upward force of wrenches, with its two moments, in the form (1, u, v), (N, 3 or 2) [N].
+    """Vertical force of wrenches and its two moments, per part, shape (N, 3 or 2) [N].
 
     From wrenches (N, 6) about the centres of mass; the moments are over the radius of the part.
     """

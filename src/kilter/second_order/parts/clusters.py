@@ -20,12 +20,12 @@ __all__ = ["Cluster", "State", "clusters", "joined_state"]
 
 State = Literal["minimum", "free", "balanced", "open"]
 ORDER: tuple[State, ...] = ("balanced", "open", "free", "minimum")
-"""The state of an assembly is the first of these that any of its clusters has."""
+"""States in order of precedence: an assembly has the first state that any of its clusters has."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cluster:
-    """Program of a cluster, in which only the cluster's parts are free, and its row indices.
+    """Program in which only the parts of a cluster are free, and the indices of its rows.
 
     `rows`, shape (k,): indices of its rows in the program of the assembly.
     """
@@ -35,7 +35,7 @@ class Cluster:
 
 
 def clusters(program: Program) -> list[Cluster]:
-    """Clusters (free parts that touch each other) of a program, ordered by first part.
+    """Divide a program into clusters (sets of free parts that touch), ordered by first part.
 
     Rows between held parts belong to no cluster.
     """

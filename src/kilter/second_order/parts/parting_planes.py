@@ -1,4 +1,4 @@
-"""Separating planes of neighbouring bodies, and the bounds they set on small motions.
+"""Separating planes between neighbouring bodies, and the limits they set on small motions.
 
 A plane n.x = o separates two bodies if n.x <= o for every point of the first, and n.x >= o for
 every point of the second. Bodies and plane move together: the part of the second body moves by
@@ -33,9 +33,9 @@ RIM = np.concatenate([[0.0], FAN, -FAN, np.pi / 4 * np.arange(1, 8)])
 They are dense about it, because a chord lies within the rim by an eighth of its angle squared.
 """
 POINTS = 48
-"""Largest number of points of a body, the nearest first, that stay beyond a plane."""
+"""Largest number of points of a body, nearest first, for which a plane gives a condition."""
 TRIES = 30
-"""Normals tried about the last normal of a plane at a cylinder."""
+"""Number of normals that are tried near the last normal of a plane at a cylinder."""
 
 Pair = tuple[int, int, int, int]
 """A part and a body of it, then another part and a body of it."""
@@ -59,7 +59,7 @@ class Places:
         return np.hstack([self.shifts, np.array([_rotation_of(turn) for turn in self.turns])])
 
     def after(self, step: Array) -> Places:
-        """Displacements after a further step of shifts and turns about the centres, (N, 6)."""
+        """Displacements after one more step of shifts and turns about the centres, (N, 6)."""
         turns = np.array([turn_of(vector) for vector in step[:, 3:]])
         return Places(self.shifts + step[:, :3], turns @ self.turns)
 
@@ -87,7 +87,7 @@ class PartingPlanes:
         """Normals from which the search for a plane starts, shape (k, 3)."""
 
     def rows(self, places: Places, reach: Array, gap: float) -> tuple[Array, Array]:
-        """Linear conditions A x <= b that keep bodies apart by `gap`; x are part steps and planes.
+        """Linear conditions A x <= b on the steps of parts and planes that keep bodies apart.
 
         Parameters
         ----------
@@ -200,7 +200,7 @@ def _box_distance(a: Body, b: Body) -> float:
 
 
 def _farthest(body: Body, toward: Array) -> Array:
-    """Points of a body that are farthest in a direction, the farthest first, shape (m, 3).
+    """Points of a body that are farthest along a direction, the farthest first, shape (m, 3).
 
     For a ball its centre, for a cylinder points of its rims.
     """

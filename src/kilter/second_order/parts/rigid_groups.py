@@ -24,7 +24,7 @@ __all__ = ["RigidGroups"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RigidGroups:
-    """Groups of parts that fixed joints tie into rigid bodies; a lone part is a group.
+    """Rigid bodies formed by parts that fixed joints connect; a lone part is a group, too.
 
     Attributes
     ----------
@@ -67,11 +67,11 @@ class RigidGroups:
 
     @property
     def tied(self) -> bool:
-        """True if any rigid group has several parts."""
+        """True if any rigid group has more than one part."""
         return bool((self.first != np.arange(len(self.first))).any())
 
     def merged(self, program: Program, assembly: Assembly) -> Program:
-        """The program with each rigid group merged into its first part, and rows between groups."""
+        """Program in which the first part of each rigid group stands for the group."""
         if not self.tied:
             return program
         first, arms = self.first, self.arms
@@ -103,7 +103,7 @@ class RigidGroups:
         return np.where(part >= 0, self.first[part], part)
 
     def between(self, program: Program, assembly: Assembly) -> Mask:
-        """Mask of the program's rows that join two different rigid groups, shape (K,)."""
+        """Mask of the rows between two different rigid groups, shape (K,)."""
         free = np.append(~self.held, False)
         joint = program.kind == JOINT
         fixed = np.array([joint.kind == "fixed" for joint in assembly.joints] or [False])
@@ -113,7 +113,7 @@ class RigidGroups:
         return between
 
     def apart(self, program: Program, assembly: Assembly, contacts: ContactSet) -> Program:
-        """A merged program of contacts with single parts in place of their rigid groups."""
+        """The opposite of `merged`: contact rows between single parts instead of rigid groups."""
         parts, geometry = contacts.patch_parts[program.source], assembly.geometry
         return replace(
             program,
@@ -125,13 +125,13 @@ class RigidGroups:
         )
 
     def spread(self, motions: Array) -> Array:
-        """Velocities of all parts from the velocities of their rigid groups, shape (..., N, 6)."""
+        """Velocities of all parts from the velocities of their rigid groups, (..., N, 6)."""
         velocities = motions[..., self.first, :].copy()
         velocities[..., :3] += np.cross(velocities[..., 3:], self.arms)
         return velocities
 
     def placed(self, motion: Array) -> Array:
-        """Displacements of all parts from those of their rigid groups, shape (N, 6)."""
+        """Displacements of all parts from the displacements of their rigid groups, (N, 6)."""
         displacements = motion[self.first].copy()
         for k in np.flatnonzero(np.abs(self.arms).max(axis=1) > 0):
             displacements[k, :3] += (turn_of(displacements[k, 3:]) - np.eye(3)) @ self.arms[k]
@@ -139,5 +139,5 @@ class RigidGroups:
 
 
 def _sums(first: Index, values: Array) -> Array:
-    """Sums of values over each group, stored in the row of its first part; other rows are 0."""
+    """Sum of the values of each group, in the row of its first part; 0 in other rows."""
     return group_sums(first, values, len(values))

@@ -49,7 +49,7 @@ A torus that does not contain a circle meets it in at most 8 points, and a quadr
 """
 
 FAN, ZOOMS = 33, 8
-"""Directions across an axis in a fan, and number of fans, each around the best of the last."""
+"""Number of directions in a fan, and number of fans, each narrower about the best direction."""
 
 SIMPLEX = 1e-3
 """Size of the first simplex about the best direction [-]."""
@@ -78,7 +78,7 @@ class Body:
         return Body(corners, self.radius, axis, normals, edges)
 
     def reach(self, directions: Array) -> Array:
-        """Support function of the body: largest n.x over its points x, for directions n; (k,)."""
+        """Largest n.x over the points x of the body, for each direction n, shape (k,)."""
         most: Array = (self.corners @ directions.T).max(axis=0)
         if self.radius == 0:
             return most
@@ -110,7 +110,7 @@ def bodies_of(assembly: Assembly, part: int) -> list[Body] | None:
 
 
 def _round_pieces(geometry: Geometry, part: int) -> list[Body] | None:
-    """Whole balls and cylinders that contain all faces of a part; None if they do not."""
+    """Whole balls and cylinders that enclose a round part; None if its faces exceed them."""
     s, near = geometry.surfaces, CONVEX * float(geometry.size[part])
     pieces = []
     for row in range(s.start[part], s.start[part + 1]):
@@ -137,7 +137,7 @@ def _round_pieces(geometry: Geometry, part: int) -> list[Body] | None:
 
 
 def _is_within(body: Body, points: Array, near: float) -> Mask:
-    """Mask of points (n, 3) inside a ball or a cylinder, up to the distance `near`, (n,)."""
+    """Mask of points, (n, 3), inside a ball or cylinder enlarged by `near`, shape (n,)."""
     off = points - body.corners[0]
     if body.axis is None:
         return np.asarray(np.linalg.norm(off, axis=1) <= body.radius + near)
@@ -152,7 +152,7 @@ def _normals(triangles: Array) -> Array:
 
 
 def _hull(triangles: Array, corners: Array) -> Body:
-    """Convex polyhedron (or a triangle) with its candidate directions for separating planes."""
+    """Convex polyhedron (or triangle) with the normals of its faces and its edge directions."""
     edges = np.concatenate([triangles[:, k] - triangles[:, k - 1] for k in range(3)])
     normals = unit_rows(_normals(triangles))
     if len(triangles) == 1:
@@ -165,12 +165,12 @@ def _hull(triangles: Array, corners: Array) -> Body:
 
 
 def separation(a: Body, b: Body, hints: Array) -> float:
-    """Greatest gap between bodies a and b that was found over directions [length unit]."""
+    """Largest gap between two bodies along any tried direction [length unit]."""
     return parting(a, b, hints)[0]
 
 
 def parting(a: Body, b: Body, hints: Array, tries: int = 1000) -> tuple[float, Array]:
-    """Greatest gap between bodies a and b over directions, and the best direction from a to b."""
+    """Largest gap between two bodies along any tried direction, and this direction."""
     if a.radius == 0 and b.radius == 0:
         assert a.normals is not None
         assert b.normals is not None
@@ -204,7 +204,7 @@ def parting(a: Body, b: Body, hints: Array, tries: int = 1000) -> tuple[float, A
 
 
 def _across_axes(a: Body, b: Body, near: Array) -> list[Array]:
-    """Candidates for the direction that separates two bodies, at least one a cylinder.
+    """Directions, from the axes of cylinders, that may separate two bodies.
 
     Along an axis, across both axes, and the best direction across each axis.
     """
@@ -299,7 +299,7 @@ Pieces = list[Body] | None
 def _parted_as_before(
     before: tuple[Pieces, Pieces], now: tuple[Pieces, Pieces], normals: Array, size: float
 ) -> bool:
-    """True if a plane across a contact normal separates two parts as well as before."""
+    """True if a plane at a contact normal still separates two parts as well as before."""
     was, is_ = (
         np.min([_gaps_along(a, b, normals) for a in first or () for b in second or ()], axis=0)
         for first, second in (before, now)
@@ -308,7 +308,7 @@ def _parted_as_before(
 
 
 def _far(assembly: Assembly, motion: Array, pair: tuple[int, int], beyond: float) -> bool:
-    """True if the boxes of two parts prove that they stay farther apart than `beyond`."""
+    """True if the boxes of two moved parts are farther apart than `beyond`."""
     geometry = assembly.geometry
     low, high = geometry.part_boxes
     i, j = pair
@@ -352,7 +352,7 @@ def separation_of_point(body: Body, point: Array) -> float:
 
 
 def parting_point(body: Body, point: Array) -> tuple[float, Array]:
-    """Distance of a point from a convex polyhedron or a triangle, and the direction to it."""
+    """Distance of a point from a convex polyhedron or triangle, and the direction from it."""
     assert body.normals is not None
     assert body.edges is not None
     heights = body.normals @ point - body.reach(body.normals)
@@ -368,7 +368,7 @@ def parting_point(body: Body, point: Array) -> tuple[float, Array]:
 
 
 def turn_of(rotation: Array) -> Array:
-    """Rotation matrix of a rotation vector, shape (3,) [rad]."""
+    """Rotation matrix, shape (3, 3), of a rotation vector [rad]."""
     angle = float(np.linalg.norm(rotation))
     if angle == 0.0:
         return np.eye(3)

@@ -1,4 +1,4 @@
-"""Second-order proofs and their judges, which use neither a solver nor a search.
+"""Second-order proofs, and functions that verify them without a solver or a search.
 
 - `held`: forces that leave no motion neutral
 - `level_rest`: parts that rest on level faces

@@ -1,4 +1,4 @@
-"""Contacts whose force in an equilibrium is larger than rounding.
+"""Contacts whose equilibrium force is larger than rounding errors.
 
 Forces f > 0 on rows J leave a residual r of the load. Let M = sum of f_k J_k J_k^T, positive
 definite across the neutral motions with the least eigenvalue m there, and M y = -r. Then the forces
@@ -26,7 +26,7 @@ ROUNDING = 1e-13
 
 
 def carrying_rows(problem: Stationary, forces: Array) -> Mask:
-    """Mask of the contact rows whose forces, shape (K,), exceed the tolerated imbalance."""
+    """Mask of the contact rows whose force, of shape (K,), is clearly above the tolerance."""
     limit = max(BALANCED, problem.blur)
     return np.asarray(forces > BEARS * limit * forces.max(initial=TINY))
 
@@ -34,7 +34,7 @@ def carrying_rows(problem: Stationary, forces: Array) -> Mask:
 def carry_beyond_doubt(
     problem: Stationary, forces: Array, carries: Mask, neutral: Array, load: Array
 ) -> bool:
-    """True if the forces on given rows stay positive once they balance the load exactly.
+    """True if the forces on given rows remain positive after an exact correction of the balance.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def carry_beyond_doubt(
 
 
 def all_carry(rows: csr_array, forces: Array, missing: float, neutral: Array | None = None) -> bool:
-    """True if forces (k,) on rows (k, n) stay positive after any correction of their residual.
+    """True if forces (k,) on rows (k, n) remain positive after any correction of their residual.
 
     Parameters
     ----------

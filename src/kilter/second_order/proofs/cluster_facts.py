@@ -1,4 +1,4 @@
-"""Facts of a cluster, computed from the assembly and never read from a proof.
+"""Data of a cluster that proofs are verified against, computed from the assembly alone.
 
 Judges and searches use the same facts; each is computed when it is first used.
 """
@@ -26,14 +26,15 @@ from kilter.second_order.parts.clusters import Cluster
 __all__ = ["ClusterFacts", "Judged"]
 
 Judged = str | tuple[str, int | None, int | None]
-"""Why a proof does not hold; or the state, the neutral motions and the free motions that it proves.
+"""Result of a verification: the reason of failure, or the proved state, number of neutral motions
+and number of free motions.
 
 The counts of a balanced cluster are None: a path that leads down does not prove them.
 """
 
 
 class ClusterFacts:
-    """Geometry and contact gaps of a cluster, each computed when first used.
+    """Geometry and contact gaps of a cluster, for the verification of proofs; lazy.
 
     Parameters
     ----------
@@ -57,7 +58,7 @@ class ClusterFacts:
         self._find_features = find_features
 
     def taking(self, rows: Index | Mask) -> ClusterFacts:
-        """The facts of the cluster with a subset of its contacts."""
+        """The same data for a subset of the contacts."""
         chosen = np.arange(len(self.program.kind))[rows]
         return ClusterFacts(
             self.assembly,
@@ -67,7 +68,7 @@ class ClusterFacts:
         )
 
     def of_cluster(self, cluster: Cluster) -> ClusterFacts:
-        """The facts of a cluster that belongs to the program of these facts."""
+        """The same data for a cluster whose program is part of this program."""
         return ClusterFacts(
             self.assembly,
             self.contacts,
@@ -77,7 +78,7 @@ class ClusterFacts:
 
     @cached_property
     def certain(self) -> ClusterFacts:
-        """The facts without contacts of edges and corners that have no unique normal."""
+        """The same data without contacts of edges and corners that have no unique normal."""
         rows = self.program.kind == CONTACT
         return self if rows.all() else self.taking(rows)
 

@@ -41,7 +41,7 @@ BENT = 0.5
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Configuration:
-    """Exact configuration on a path: the energy is lower and no parts penetrate.
+    """Exact configuration on a falling path, with lower energy and without penetration.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class Configuration:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fall:
-    """Proof that parts fall: a path of decreasing energy, and a lower place on it.
+    """Proof that parts fall: a path of decreasing energy, and an exact configuration on it.
 
     The motion has shape (N, 6). It is None if the path alone is the proof (`by_path_alone`).
     """
@@ -94,7 +94,7 @@ class Fall:
         )
 
     def judge(self, facts: ClusterFacts) -> Judged:
-        """Check the proof of a fall: reason why it fails, or the state and counts it proves."""
+        """Verify the proof of a fall: the reason of failure, or the state and counts it proves."""
         path, wrong = self.path, []
         if abs(float(np.linalg.norm(path.first)) - 1) > ACROSS or not path.falls:
             wrong.append("its path does not lead down")
@@ -108,7 +108,7 @@ class Fall:
         return "; ".join(wrong) or ("balanced", None, None)
 
     def _wrong_place(self, facts: ClusterFacts) -> list[str]:
-        """Reasons why the place is not on the path, lower and without penetration; else empty."""
+        """Reasons why the configuration is not on the path, not lower or penetrates; else empty."""
         program, problem = facts.program, facts.bounded(-1.0)
         if self.place is None:
             if by_path_alone(facts) and self.path.one_form:
@@ -127,7 +127,7 @@ class Fall:
 
 
 def by_path_alone(facts: ClusterFacts) -> bool:
-    """True if the bodies are not known exactly, so that the path alone is the proof.
+    """True if the bodies are not known exactly, so that only the path can be the proof.
 
     So it is for given contacts, and for surfaces that were recognised in meshes.
     """
@@ -168,7 +168,7 @@ def is_on(path: Path, columns: Array) -> bool:
 def find_configuration(
     assembly: Assembly, contacts: ContactSet, program: Program, problem: Stationary, path: Path
 ) -> tuple[Configuration | None, str]:
-    """Find a configuration on a falling path where no parts penetrate; else None and a reason.
+    """Find a configuration on a falling path without penetration; else None and the reason.
 
     Returns
     -------

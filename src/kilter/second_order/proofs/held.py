@@ -27,7 +27,7 @@ __all__ = ["Held", "judge_held", "scaled_rows", "unbalanced"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Held:
-    """Equilibrium forces, shape (K,) [N], as a proof that no motion is neutral."""
+    """Equilibrium forces, (K,) [N], that prove that no neutral motion exists."""
 
     FORM: ClassVar[Form] = keys(held=list_of(NUMBER))
     SURFACES: ClassVar[str] = "none"
@@ -46,7 +46,7 @@ class Held:
         return cls(np.array(data["held"], dtype=float))
 
     def judge(self, facts: ClusterFacts) -> Judged:
-        """Check the proof of held parts: reason why it fails, or the state and counts it proves."""
+        """Verify the proof of held parts: why it fails, or the state and counts it proves."""
         certain = facts.program.taking(facts.program.kind == CONTACT)
         return judge_held(certain, self) or ("minimum", 0, 0)
 

@@ -1,4 +1,4 @@
-"""Proof that parts on level faces can move freely, however far, without losing height.
+"""Proof that parts on horizontal faces can move freely without losing height.
 
 A level motion shifts a part across gravity and turns it about the vertical. At a contact of a level
 face with a face, an edge or a corner, no level motion changes the gap or the energy. Let f be
@@ -61,7 +61,7 @@ OPEN_TILT = "its forces leave the tilt of a part open"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LevelRest:
-    """Proof that the neutral motions are exactly the level (horizontal) ones, and are free.
+    """Proof that the neutral motions are exactly the horizontal motions, which are free.
 
     `forces`, shape (K,) [N], of equilibrium on level contacts; `motion`, shape (N, 6): a level
     motion that opens all other contacts, by up to 1 length unit.
@@ -86,7 +86,7 @@ class LevelRest:
         return cls(np.array(data["level"], dtype=float), motion)
 
     def judge(self, facts: ClusterFacts) -> Judged:
-        """Check the proof of level rest: reason why it fails, or the state and counts it proves."""
+        """Verify the proof of level rest: why it fails, or the state and counts it proves."""
         program, contacts = facts.program, facts.contacts
         level, sharp = level_rows(program, contacts), sharp_points(program, contacts)
         free = int(program.free.sum()) * (1 if program.planar else 3)
@@ -94,7 +94,7 @@ class LevelRest:
 
 
 def level_rows(program: Program, contacts: ContactSet) -> Mask:
-    """Mask of the detected contact rows with a level (horizontal) face, shape (K,)."""
+    """Mask of the detected contact rows at a horizontal face, shape (K,)."""
     flat = [kind for kind in FLAT if kind != "edge-edge"]
     level = np.zeros(len(program.part_a), dtype=bool)
     rows = detected_rows(program, contacts)
@@ -126,7 +126,7 @@ def judge_level_rest(
 
 
 def wrong_forces(program: Program, level: Mask, forces: Array) -> str:
-    """Reason why forces, shape (K,) [N], do not prove a rest on level faces; else empty."""
+    """Reason why forces, (K,) [N], do not prove a rest on horizontal faces; empty if they do."""
     if not (forces >= 0).all() or forces[~level].any():
         return "a force acts off the level faces"
     if not unbalanced(program, forces) <= BALANCED:
@@ -139,7 +139,7 @@ def wrong_forces(program: Program, level: Mask, forces: Array) -> str:
 
 
 def _wrong_tilts(program: Program, bearing: Bearing, forces: Array) -> str:
-    """Reason why exactly balanced forces near the given ones may not all push; else empty.
+    """Reason why an exact correction of the forces may make a force negative; else empty.
 
     The y of each part corrects the balance of its load and of the parts above it, the highest part
     first. The imbalance that the tolerance allows changes no force by more than half, either.
@@ -174,7 +174,7 @@ def _wrong_tilts(program: Program, bearing: Bearing, forces: Array) -> str:
 def wrong_motion(
     program: Program, level: Mask, motion: Array, sharp: SharpPoints | None = None
 ) -> str:
-    """Reason why a motion, (N, 6), is not level or does not open other contacts; else empty."""
+    """Reason why a motion, (N, 6), is not horizontal or opens too few contacts; else empty."""
     if motion[~program.free].any():
         return "its motion moves held parts"
     moved = np.vstack([motion[:, :3], np.zeros(3)])  # the ground is the last

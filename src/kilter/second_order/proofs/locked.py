@@ -1,4 +1,4 @@
-"""Proof that parts only slide: self-stress locks every turn of parts that touch in faces.
+"""Proof that parts can only slide: a self-stress excludes every turn of parts on flat faces.
 
 If faces touch at points that are not collinear, a motion that costs no energy to first order turns
 both parts alike, except for a relative turn about the normal. To first order this turn is the same
@@ -56,7 +56,7 @@ class Faces:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LockedTurns:
-    """Equilibrium forces and self-stress that lock every turn of parts, shape (K,) each [-]."""
+    """Equilibrium forces and self-stress, (K,) each [-], which prove that parts cannot turn."""
 
     FORM: ClassVar[Form] = keys(locked=list_of(NUMBER), stress=list_of(NUMBER))
     SURFACES: ClassVar[str] = "exact"
@@ -79,7 +79,7 @@ class LockedTurns:
         return cls(forces, np.array(data["stress"], dtype=float))
 
     def judge(self, facts: ClusterFacts) -> Judged:
-        """Check the proof of locked turns: why it fails, or the state and counts it proves."""
+        """Verify the proof of locked turns: why it fails, or the state and counts it proves."""
         if facts.program.planar:
             return "parts in a plane have no turns to lock"
         faces = faces_of(facts.program, facts.contacts, facts.problem)
@@ -88,7 +88,7 @@ class LockedTurns:
 
 
 def faces_of(program: Program, contacts: ContactSet, problem: Stationary) -> Faces:
-    """Contacts of a face on a face among the detected contacts of a program."""
+    """Detected contacts of flat faces on flat faces in a program."""
     flat = np.zeros(len(program.source), dtype=bool)
     rows = detected_rows(program, contacts)
     flat[rows] = contacts.patch_kind[program.source[rows]] == "plane"
@@ -96,7 +96,7 @@ def faces_of(program: Program, contacts: ContactSet, problem: Stationary) -> Fac
 
 
 def shifts(problem: Stationary) -> tuple[Array, Array]:
-    """Orthonormal bases of the neutral motions without turns, (n, f), and of the other ones."""
+    """Orthonormal bases of the neutral motions without turns, (n, f), and of all others."""
     neutral = null_space(problem.rows, problem.blur)
     turns = np.arange(neutral.shape[0]) % 6 >= 3
     free = neutral @ null_space(neutral[turns], ACROSS)
@@ -133,7 +133,7 @@ def judge_locked(problem: Stationary, faces: Faces, proof: LockedTurns) -> str:
 
 
 def _wide(faces: Faces) -> bool:
-    """True if the contact points of each face are not collinear."""
+    """True if the contact points of every face span an area, not only a line."""
     points = [faces.point[faces.patch == patch] for patch in np.unique(faces.patch)]
     arms = [point - point.mean(axis=0) for point in points]
     return all(np.linalg.eigvalsh(arm.T @ arm)[1] > SPREAD for arm in arms)

@@ -50,7 +50,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Leaf:
-    """Proof on a cone of motions: contact forces, shape (K,), and side weights, shape (m, m)."""
+    """Proof for a cone of motions: contact forces, (K,), and weights of its sides, (m, m)."""
 
     forces: Array
     weights: Array
@@ -58,7 +58,7 @@ class Leaf:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MinimumProof:
-    """Proof of a strict energy minimum across (orthogonal to) the free motions, scaled.
+    """Proof of a strict energy minimum for the motions orthogonal to the free motions.
 
     Attributes
     ----------
@@ -126,7 +126,7 @@ class MinimumProof:
         )
 
     def judge(self, facts: ClusterFacts) -> Judged:
-        """Check the proof of a minimum: reason why it fails, or the state and counts it proves."""
+        """Verify the proof of a minimum: why it fails, or the state and counts it proves."""
         known = facts.known
         if not known.all() and self.free.shape[1]:
             return "motions count as free past contacts whose second order is not known"
@@ -142,13 +142,13 @@ class MinimumProof:
         return "free" if moves else "minimum", self.basis.shape[1] + free, free
 
     def _free_motions(self, facts: ClusterFacts) -> FreeMotions:
-        """Free motions that may be divided out: only symmetries if other neutral motions exist."""
+        """Free motions that may be left out: only symmetries if other motions are neutral."""
         motions = facts.free_motions
         return motions.symmetries if self.basis.shape[1] else motions
 
 
 def orthants(dimension: int, *, half: bool) -> list[Array]:
-    """All orthants of a space, or the half of them with y_0 >= 0, each by its rays as columns."""
+    """The orthants of a space, or those with y_0 >= 0, each as a matrix of its rays."""
     signs = itertools.product((1.0, -1.0), repeat=dimension - 1)
     first = [np.diag([1.0, *rest]) for rest in signs]
     return first if half else [*first, *(-rays for rays in first)]
@@ -164,14 +164,14 @@ def split(rays: Array, i: int, j: int) -> tuple[Array, Array]:
 
 
 def sides_of_cone(rays: Array) -> Array:
-    """Unit rows R such that the cone spanned by independent rays (columns) is R y >= 0."""
+    """Unit rows R such that R y >= 0 describes the cone of independent rays (columns)."""
     return unit_rows(np.asarray(np.linalg.inv(rays), dtype=np.float64))
 
 
 def leaf_cones(
     dimension: int, splits: Sequence[tuple[int, int] | None], *, half: bool
 ) -> Iterator[Array | None]:
-    """Yield the rays of each leaf of a tree of cones; None stands for the whole space.
+    """Yield the rays of each undivided cone in a tree of splits; None for the whole space.
 
     Raises
     ------
@@ -246,7 +246,7 @@ def _positive(weights: Array) -> bool:
 
 
 def _wrong_forces(problem: Stationary, forces: Array) -> str:
-    """Reason why forces, shape (K,), are no equilibrium of pushing contacts; else empty."""
+    """Reason why forces, (K,), are not an equilibrium of pushing contacts; empty if they are."""
     if forces.shape != (len(problem.rows),) or not np.isfinite(forces).all():
         return "its forces are not those of the contacts"
     if (forces < 0).any():
@@ -256,7 +256,7 @@ def _wrong_forces(problem: Stationary, forces: Array) -> str:
 
 
 def _wrong_spaces(problem: Stationary, proof: MinimumProof, carries: Mask, neutral: Array) -> str:
-    """Reason why the subspaces of a proof may miss a critical motion; empty if they do not.
+    """Reason why the motions of a proof may not include all critical motions; else empty.
 
     The subspaces are its basis, its free motions and its sides. `carries`, shape (K,), marks the
     contact rows whose force, averaged over the cases of the proof, is not zero. `neutral` is an
@@ -297,7 +297,7 @@ def _wrong_free(problem: Stationary, proof: MinimumProof, forces: Array) -> str:
 
 
 def definite(matrix: Array) -> bool:
-    """True if the symmetric part of a matrix is positive definite by more than rounding.
+    """True if the symmetric part of a matrix is positive definite beyond rounding.
 
     Cholesky itself reads only one triangle of a matrix, and accepts infinite numbers.
     """

@@ -1,4 +1,4 @@
-"""Contacts, joints, bonds and loads for which second order has no model.
+"""Contacts, joints, bonds and loads that second order cannot model.
 
 Open pairs and contacts that are not modelled may exert forces without a gap, so the answer is open.
 Two kinds of possible contacts are exceptions:
@@ -60,7 +60,7 @@ def why_beyond(program: Program) -> str:
 
 
 def loads_off_centre(assembly: Assembly, program: Program) -> tuple[Mask, Mask]:
-    """Masks of parts with a load off their centre, and with an inclined such load, (N,) each.
+    """Masks of parts with a load off their centre, and of those with an inclined one, (N,).
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def _within_groups(assembly: Assembly, contacts: ContactSet) -> Mask:
 
 
 def _on_rims(contacts: ContactSet) -> Mask:
-    """Mask of possible contacts in the plane of a flat patch of the same parts, shape (k,)."""
+    """Mask of possible contacts that lie in the plane of a flat patch of the same parts, (k,)."""
     possible, count = contacts.possible, len(contacts.assembly.parts)
     flat = np.flatnonzero(contacts.patch_kind == "plane")
     parts = contacts.patch_parts[flat]

@@ -1,4 +1,4 @@
-"""Paths that lead down: z(t) = t dp + t^2 d2 / 2, with all gaps open and less energy.
+"""Falling paths z(t) = t dp + t^2 d2 / 2 along which no gap closes and energy decreases.
 
     J_k dp >= 0, w.dp = 0;   J_k d2 + dp.H_k dp >= m for rows with J_k dp = 0;   w.d2 >= m,   m > 0
 
@@ -34,12 +34,12 @@ from kilter.second_order.second_order_tolerances import (
 __all__ = ["Path", "judge_path"]
 
 FARTHEST = REACHES[-1] * (1 + ACROSS)
-"""Largest component of a second derivative, with an allowance for rounding [-]."""
+"""Largest component of a second derivative d2, with an allowance for rounding [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Path:
-    """A path of the parts in scaled unknowns, with the numbers by which it is judged.
+    """A path of the parts in scaled unknowns, with figures that decide whether it falls.
 
     Attributes
     ----------
@@ -79,7 +79,7 @@ class Path:
 
 
 def judge_path(problem: Stationary, first: Array, second: Array) -> Path:
-    """Make a path from its two derivatives, with the numbers by which it is judged."""
+    """Make a path from its first and second derivative, and compute the figures that decide."""
     first_opens = problem.rows @ first
     second_opens = problem.rows @ second + problem.bends(first)
     kept, later = _kept(problem, first, second), first_opens <= DROPS
@@ -96,7 +96,7 @@ def judge_path(problem: Stationary, first: Array, second: Array) -> Path:
 
 
 def _kept(problem: Stationary, first: Array, second: Array) -> Mask:
-    """Mask of rows with a plane along which both parts shift without turns, shape (K,)."""
+    """Mask of rows at a plane along which both parts only shift, without turns, shape (K,)."""
     path = np.column_stack([first, second])
     moved = np.abs(problem.rows @ path).max(axis=1, initial=0.0)
     turned = np.append(np.abs(path).max(axis=1), 0.0)[problem.columns[:, [3, 4, 5, 9, 10, 11]]]

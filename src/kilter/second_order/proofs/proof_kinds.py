@@ -22,7 +22,7 @@ __all__ = ["KINDS", "SecondOrderProof"]
 
 
 class SecondOrderProof(Protocol):
-    """Second-order proof of the state of a cluster.
+    """Common methods of the second-order proofs: write, read and verify.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class SecondOrderProof(Protocol):
         """
 
     def judge(self, facts: ClusterFacts) -> Judged:
-        """Check the proof against facts: why it fails, or the state and counts it proves."""
+        """Verify the proof: return the reason of failure, or the state and counts it proves."""
 
 
 KINDS: dict[str, type[SecondOrderProof]] = {
@@ -61,4 +61,4 @@ KINDS: dict[str, type[SecondOrderProof]] = {
     "first": Fall,
     "basis": MinimumProof,
 }
-"""The kind of a proof by its key in a proof file."""
+"""Class of each kind of proof, by its key in a proof file."""

@@ -26,7 +26,7 @@ __all__ = [
 
 
 def counts(entries: Iterable[dict[str, Any] | None]) -> dict[str, int]:
-    """Sums of the motion counts of several clusters' proofs; empty if any cluster falls."""
+    """Total counts of motions over the proofs of clusters; empty if any cluster falls."""
     given = [entry for entry in entries if entry is not None]
     if any(entry["state"] == "balanced" for entry in given):
         return {}
@@ -42,19 +42,19 @@ def square(weights: list[Any]) -> Array:
 
 
 def stacked(program: Program, problem: Stationary, motions: Iterable[Any]) -> Array:
-    """Motions from proof data as columns of scaled unknowns, shape (n, d)."""
+    """Convert motions of proof data to columns of scaled unknowns, shape (n, d)."""
     columns = [read_columns(program, problem, motion) for motion in motions]
     return np.array(columns).T if columns else np.zeros((len(problem.load), 0))
 
 
 def by_part(program: Program, problem: Stationary, columns: Array) -> dict[str, list[float]]:
-    """Convert a motion in scaled unknowns, shape (n,), to data by names of the free parts."""
+    """Convert a motion in scaled unknowns, shape (n,), to numbers by part name."""
     assert problem.scale is not None
     return named_motion(program, program.full(columns * problem.scale))
 
 
 def named_motion(program: Program, motion: Array) -> dict[str, list[float]]:
-    """Motion of all parts, shape (N, 6), as data by names of the free parts."""
+    """Convert a motion of all parts, shape (N, 6), to numbers by part name."""
     return {program.names[k]: motion[k].tolist() for k in np.flatnonzero(program.free)}
 
 

@@ -1,4 +1,4 @@
-"""Recheck, without a solver, of the second-order proof in a proof file.
+"""Verify the second-order proof of a proof file, without a solver.
 
 Clusters, features, forms, free motions and separations are computed from the assembly. Only forces,
 motions, weights and places are taken from the file, after its form has been verified.
@@ -90,12 +90,12 @@ def recheck_second_order(
 
 
 def _entries(data: dict[str, Any]) -> list[dict[str, Any]]:
-    """The cluster proofs in the data of a second-order proof, without open clusters."""
+    """Proofs of the single clusters in the data, without clusters whose answer is open."""
     return [entry for entry in data.get("clusters", [data]) if entry is not None]
 
 
 def _kind_of(entry: Any) -> type[SecondOrderProof]:
-    """Class of a cluster's proof, found by its key; raises if the data do not have its form.
+    """Class of a cluster's proof, by its key; raises if the data do not have its form.
 
     Raises
     ------
@@ -177,7 +177,7 @@ def _wrong_proof(facts: ClusterFacts, entry: dict[str, Any]) -> str:
 
 
 def _wrong_surfaces(surfaces: str, facts: ClusterFacts) -> str:
-    """Reason why surfaces are not known well enough for a kind of proof; empty if they are."""
+    """Reason why the surfaces are too uncertain for a kind of proof; empty if they are not."""
     if surfaces == "none":
         return ""
     if surfaces == "all":
@@ -191,7 +191,7 @@ def _wrong_surfaces(surfaces: str, facts: ClusterFacts) -> str:
 
 
 def _wrong_without_idle(facts: ClusterFacts, entry: dict[str, Any]) -> str:
-    """Reason why a proof that omits idle (forceless) contacts fails; empty if it is valid.
+    """Reason why a proof that leaves out contacts without force fails; empty if it is valid.
 
     Fewer contacts only admit more motions, so a minimum stays a minimum with them. A free state
     stays free with them if a free motion opens them all.
@@ -225,7 +225,7 @@ def _wrong_without_idle(facts: ClusterFacts, entry: dict[str, Any]) -> str:
 
 
 def _alike(program: Program, motion: Array) -> Mask:
-    """Mask of rows between free parts that a motion shifts alike without turns, shape (K,)."""
+    """Mask of rows whose two free parts a motion shifts equally, without turns, shape (K,)."""
     a, b, free = program.part_a, program.part_b, program.free
     most = KEEPS * float(np.abs(motion[:, :3]).max())
     shifts = np.abs(motion[a, :3] - motion[b, :3]).max(axis=1)
@@ -236,7 +236,7 @@ def _alike(program: Program, motion: Array) -> Mask:
 
 
 def _wrong_joined(data: dict[str, Any]) -> list[str]:
-    """Objection if the state and counts of an assembly do not follow from its clusters."""
+    """Objection if the stated state or counts of an assembly do not follow from its clusters."""
     given = _entries(data)
     states = [entry["state"] for entry in given]
     states += ["open"] * (len(data["clusters"]) - len(given))
@@ -248,7 +248,7 @@ def _wrong_joined(data: dict[str, Any]) -> list[str]:
 def _wrong_rolling(
     assembly: Assembly, contacts: ContactSet, data: dict[str, Any], entries: list[Any]
 ) -> list[str]:
-    """Objection if the stated result about rolling is not the recomputed result."""
+    """Objection if the stated result about rolling differs from the recomputed result."""
     program = with_sharp(build_program(assembly, contacts), contacts)
     program = RigidGroups.of(assembly).merged(program, assembly)
     parted, features = clusters(program), features_of(program, contacts)

@@ -1,4 +1,4 @@
-"""Proof that stops keep parts on level faces and edges from sliding to a fall.
+"""Proof that stops keep parts from sliding off horizontal faces and edges.
 
 Level motions F shift parts across gravity and turn them about the vertical. At level contacts,
 between a level plane and any feature or between level edges and corners, they keep every gap and
@@ -61,7 +61,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stopped:
-    """Forces, weights and a level motion that prove: stops keep sliding parts from falling.
+    """Proof that stops keep sliding parts from falling: forces, weights, a horizontal motion.
 
     `forces`, shape (K,), on level contacts, over the weight [-]; `weights`, shape (s, m): W for s
     stops and m level contacts without force; `opening`, shape (n,): a level motion that opens all
@@ -101,7 +101,7 @@ class Stopped:
         )
 
     def judge(self, facts: ClusterFacts) -> Judged:
-        """Check the proof by stops: reason why it fails, or the state and counts it proves."""
+        """Verify the proof by stops: the reason of failure, or the state and counts it proves."""
         question = stop_question(facts)
         if word := judge_stopped(*question, self):
             return word
@@ -111,7 +111,7 @@ class Stopped:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StopForms:
-    """Quadratic and linear forms of energy and stops that a proof by stops combines.
+    """Matrices of the energy and of the stops that a proof by stops combines.
 
     Attributes
     ----------
@@ -157,7 +157,7 @@ class StopForms:
 
 
 def level_contacts(program: Program, features: Features, touched: tuple[Touched, Touched]) -> Mask:
-    """Mask of contact rows whose gap no horizontal motion changes, shape (K,).
+    """Mask of contact rows whose gap stays constant in every horizontal motion, shape (K,).
 
     Their normal is upright. Either a side is a level plane, or both sides are planes, straight
     edges or corners.
@@ -173,7 +173,7 @@ def level_contacts(program: Program, features: Features, touched: tuple[Touched,
 
 
 def level_motions(program: Program) -> Array:
-    """Basis of horizontal shifts, and turns about verticals, of free parts, (n, f), scaled."""
+    """Basis, (n, f), of horizontal shifts and of turns about verticals of free parts, scaled."""
     axes = level_axes(program)
     six = np.zeros((len(axes) + (not program.planar), 6))
     six[: len(axes), :3], six[len(axes) :, 3:] = axes, program.down
@@ -182,7 +182,7 @@ def level_motions(program: Program) -> Array:
 
 
 def stop_question(facts: ClusterFacts) -> tuple[Stationary, Mask, Array, Array]:
-    """Gaps to second order, level contacts, level motions and symmetries for a proof by stops."""
+    """Data of a proof by stops: gaps to second order, level contacts, motions, symmetries."""
     program, problem = facts.program, facts.problem
     level = level_contacts(program, facts.features, facts.touched)
     span = free_span(program, problem, facts.free_motions.symmetries)
@@ -192,7 +192,7 @@ def stop_question(facts: ClusterFacts) -> tuple[Stationary, Mask, Array, Array]:
 def stop_forms(
     problem: Stationary, level: Mask, motions: Array, free: Array, forces: Array
 ) -> StopForms:
-    """Forms of energy and stops for a proof by stops, under given forces, shape (K,).
+    """Matrices of energy and stops for a proof by stops, under given forces, shape (K,).
 
     The other arguments are those of `judge_stopped`.
     """
@@ -260,7 +260,7 @@ def judge_stopped(
 
 
 def _wrong_forms(forms: StopForms, weights: Array) -> str:
-    """Reason why forms and weights do not prove the minimum; empty if they do."""
+    """Reason why these matrices and weights do not prove a minimum; empty if they do."""
     if not forms.carried:
         return "its forces carry by rounding"
     if not forms.one_form:
@@ -285,7 +285,7 @@ def _wrong_forms(forms: StopForms, weights: Array) -> str:
 
 
 def _least(rows: Array) -> float:
-    """Least singular value of rows (m, d); 0 if there are fewer than d rows."""
+    """Least singular value of a matrix (m, d); 0 if it has fewer than d rows."""
     if len(rows) < rows.shape[1]:
         return 0.0
     return float(np.linalg.svd(rows, compute_uv=False).min(initial=np.inf))

@@ -1,4 +1,4 @@
-"""Linear programs whose work is counted; none is solved once the work is over."""
+"""Linear programs that are charged to a work limit; none is solved once it is spent."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["optimum"]
 
 
 def optimum(program: LinearProgram, work: Work | None) -> Array | None:
-    """Optimal solution of a linear program, shape (n,); None without one, or if work is over."""
+    """Optimal point of a linear program, shape (n,); None without one, or without work left."""
     if work is None:
         work = Work()
     if work.over:

@@ -1,4 +1,4 @@
-"""Critical motions: admissible motions that cost no energy to first order.
+"""Critical motions: motions that close no contact and cost no energy to first order.
 
     Lambda = {f >= 0, J^T f + w = 0}        C = {J z >= 0, w.z = 0}
 
@@ -26,7 +26,7 @@ __all__ = ["Critical", "carrying_forces", "find_critical"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Critical:
-    """Cone of the critical motions, {basis y: sides y >= 0}, and the forces that prove it.
+    """Cone of the critical motions, as a basis with inequalities, and the forces that prove it.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ def find_critical(problem: Stationary, *, work: Work | None = None) -> Critical 
 def carrying_forces(
     rows: csr_array, load: Array, *, work: Work | None
 ) -> tuple[Array, Mask] | None:
-    """Equilibrium forces that are positive on every row that can carry, and a mask of these.
+    """Equilibrium forces, positive on every row that can carry force, and a mask of these rows.
 
     Max sum t:  J^T f + s w = 0,  0 <= t <= 1,  f >= t,  s >= 1.  The forces are f / s, shape (K,),
     and the mask is t = 1. None if there is no equilibrium, or the work is over.

@@ -1,4 +1,4 @@
-"""Equilibrium forces under which the energy curves upward, by semidefinite programs.
+"""Search for equilibrium forces under which the energy has a positive second derivative.
 
 Over the critical motions z = Z y with sides R y >= 0, and H(f) = sum of f_k H_k:
 
@@ -33,7 +33,7 @@ MOST_FORCE = 1e4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CurvedEnergy:
-    """Contact forces with the largest least curvature of the energy; not yet verified.
+    """Contact forces under which the least curvature of the energy is largest; unverified.
 
     `forces`, shape (K,), over the weight [-]; `sides`, shape (m, m): N; `motions`, shape (d, d): X.
     """
@@ -46,7 +46,7 @@ class CurvedEnergy:
 def best_curvature(
     problem: Stationary, basis: Array, sides: Array, *, work: Work
 ) -> CurvedEnergy | None:
-    """Contact forces that maximise the least curvature of the energy; None if not solved.
+    """Contact forces that maximise the least curvature of the energy; None if unsolved.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def best_curvature(
 
 
 def blocking_stress(problem: Stationary, basis: Array, *, work: Work) -> Array | None:
-    """Self-stress with the largest trace of energy curvature, shape (K,); None without one.
+    """Self-stress that curves the energy upward most, shape (K,); None if there is none.
 
     s >= 0, sum s = 1, J^T s = 0, -Z^T H(s) Z >= 0.
     """
@@ -106,7 +106,7 @@ def _solve(
     forms: tuple[Array, Array],
     work: Work,
 ) -> tuple[Array, Array] | None:
-    """Solve max gain.x under sum of x_k form_k >= 0, total.x <= most: x and multiplier, or None.
+    """Solve a small semidefinite program: optimal x and multiplier; None if it fails.
 
     None if the solver fails, or the work is over.
     """
@@ -135,7 +135,7 @@ def _solve(
 
 
 def _independent(rows: Array) -> Array:
-    """Linearly independent rows with the null space of the given rows."""
+    """Linearly independent rows that have the same null space as the given rows."""
     left, values, _ = np.linalg.svd(rows, full_matrices=False)
     rank = int((values > 1e-10 * values.max(initial=1e-300)).sum())
     return np.asarray(left[:, :rank].T @ rows)

@@ -1,4 +1,4 @@
-"""Decide between a strict minimum of the energy and a path that leads down.
+"""Decide whether an equilibrium is a strict energy minimum or a path leads down from it.
 
 1  find the critical motions C (`critical`)
 2  divide out the motions that are proved free; motions that no contact curves stay undecided
@@ -50,9 +50,9 @@ EXACT_DIMENSION = 4
 NARROW = 1e-3
 """Cones are not split below this largest distance of their unit rays [-]."""
 MOST_MOTIONS = 24
-"""Largest dimension of the neutral motions that are not free."""
+"""Largest number of neutral motions that are not free, for a decision."""
 EXACT = 1e-12
-"""Largest imbalance of forces, over the load, with which they exclude paths [-]."""
+"""Largest imbalance of forces, over the load, at which they exclude falling paths [-]."""
 ROUNDS = 4
 """Largest number of searches for self-stress."""
 
@@ -96,7 +96,7 @@ def decide(
     only_if_stays: bool = False,
     work: Work | None = None,
 ) -> EnergyDecision:
-    """Decide if an equilibrium is an energy minimum, balanced (a path leads down) or open.
+    """Decide whether an equilibrium is an energy minimum, is balanced (can fall) or stays open.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def decide(
 
 
 def _even(problem: Stationary, critical: Critical, free: Array) -> Array:
-    """Free motions along which the energy stays level to second order, shape (n, f').
+    """Free motions whose energy is also constant to second order, shape (n, f').
 
     This excludes sliding past the edge of a table. The energy must stay level both if flush corners
     stay on their edges and if they slip off.
@@ -134,7 +134,7 @@ def _even(problem: Stationary, critical: Critical, free: Array) -> Array:
 
 
 class _Question:
-    """An equilibrium and its critical motions orthogonal to the free motions, to be decided."""
+    """An equilibrium to decide, with its critical motions orthogonal to the free motions."""
 
     def __init__(
         self,
@@ -155,7 +155,7 @@ class _Question:
         self.flat = 0
 
     def answer(self) -> EnergyDecision:
-        """Decide by the critical motions: minimum, balanced by a path that leads down, or open."""
+        """Decide from the critical motions: minimum, balanced with a falling path, or open."""
         if not self.across.shape[1]:
             return self._minimum((), (Leaf(self.critical.forces, self._no_weights()),))
         if self.across.shape[1] > MOST_MOTIONS:
@@ -175,11 +175,11 @@ class _Question:
         )
 
     def _no_weights(self) -> Array:
-        """Zero matrix of weights for the sides (inequalities) of the critical motions."""
+        """Zero matrix of weights, for the inequalities of the critical motions."""
         return np.zeros((len(self.sides), len(self.sides)))
 
     def _without_flat(self) -> Array:
-        """Basis of the critical motions, without motions on which no contact has curvature."""
+        """Basis of the critical motions without those for which no contact has curvature."""
         forms = self.carrying.restricted(self.across)
         stacked = forms.reshape(-1, forms.shape[2])
         size = float(np.abs(forms).max(initial=0.0))
@@ -188,7 +188,7 @@ class _Question:
         return self.across @ null_space(null_space(stacked, FLAT).T, FLAT)
 
     def _without_blocked(self, basis: Array) -> tuple[Array, Array]:
-        """Basis of motions that no self-stress blocks, and self-stress that blocks the others."""
+        """Basis of the motions that no self-stress excludes, and the self-stress for the others."""
         total = np.zeros(len(self.carrying.rows))
         for _ in range(ROUNDS):
             if not basis.shape[1]:
@@ -207,7 +207,7 @@ class _Question:
         return basis, total
 
     def _decide_on_basis(self, basis: Array, stress: Array) -> EnergyDecision:
-        """Find a minimum or a descending path in a span of motions, beside a self-stress."""
+        """Look for a minimum or a falling path within a span of motions, given a self-stress."""
         if self._only_forces():
             forces = self.critical.forces[self.critical.carries]
             proved = self._strengthened_minimum(forces, stress)
@@ -232,23 +232,23 @@ class _Question:
         return self._open("neither forces that prove a minimum nor a path down were found")
 
     def _only_forces(self) -> bool:
-        """True if the equilibrium forces are unique and no side (inequality) needs a weight."""
+        """True if the equilibrium forces are unique and the inequalities need no weights."""
         rows = self.carrying.rows
         rank = int(np.linalg.matrix_rank(rows, tol=self.problem.blur))
         return not len(self.sides) and rank == len(rows)
 
     def sides_of(self, basis: Array) -> Array:
-        """Sides (inequality rows) of the critical motions, in coordinates of a basis of them."""
+        """Inequalities of the critical motions in the coordinates of a basis of them."""
         return self.sides @ (self.across.T @ basis)
 
     def _from_forces(self, basis: Array) -> list[Array]:
-        """Two motions along which the energy curves least under the critical forces."""
+        """The two motions along which the known forces curve the energy least."""
         forces = self.critical.forces[self.critical.carries]
         _, vectors = np.linalg.eigh(self.carrying.curvature(forces, basis))
         return [basis @ vectors[:, k] for k in range(min(2, vectors.shape[1]))]
 
     def _from_multiplier(self, basis: Array, motions: Array) -> list[Array]:
-        """Motions along the largest axes of a multiplier X, and their sums with all signs."""
+        """Motions along the main axes of a multiplier matrix, and their sums with both signs."""
         values, vectors = np.linalg.eigh(motions)
         axes = (vectors * np.sqrt(np.maximum(values, 0.0)))[:, ::-1]
         single = [basis @ axes[:, k] for k in range(min(6, axes.shape[1]))]
@@ -257,7 +257,7 @@ class _Question:
         return single + [basis @ (axes[:, :most] @ np.array([1.0, *rest])) for rest in signs]
 
     def _paths(self, candidates: list[Array]) -> list[Path]:
-        """Falling paths along critical motions near the candidates, the steepest path first."""
+        """Falling paths near the candidate motions, the steepest first."""
         paths = []
         about = self._about_edges(np.hstack([self.across, self.free]))
         for motion in candidates:
@@ -272,11 +272,11 @@ class _Question:
         return self._steepest(paths)
 
     def _path(self, critical: Array) -> Path | None:
-        """Path along a critical motion; None without one, or if known forces exclude it."""
+        """Path along a critical motion; None if there is none, or known forces exclude it."""
         return find_path(self.problem, critical, balancing=self.balancing, work=self.work)
 
     def _note(self, forces: Array) -> None:
-        """Store forces of the carrying rows if they balance: such forces exclude falling paths."""
+        """Store forces that balance, because such forces exclude falling paths."""
         forces = self._nearest_balanced_forces(forces)
         if self.carrying.imbalance(forces) < EXACT:
             self.balancing = np.vstack([self.balancing, self._spread(forces)])
@@ -297,7 +297,7 @@ class _Question:
         return sorted(paths, key=lambda path: -min(path.opens, path.power))
 
     def _motions_of_part(self) -> list[Array]:
-        """Critical motions of a single part along which the energy curves least."""
+        """For each part, critical motions of it alone along which the energy curves least."""
         whole = np.hstack([self.across, self.free])
         columns = self.problem.columns.reshape(-1, 6)
         motions: list[Array | None] = []
@@ -314,13 +314,13 @@ class _Question:
         return [motion for motion in motions if motion is not None]
 
     def _about_edges(self, basis: Array) -> Array:
-        """Motions in a basis along which no carrying flush corner slips off its edge."""
+        """Motions within a basis in which no loaded corner slips off the end of a face."""
         if self.carrying.slips is None:
             return basis[:, :0]
         return basis @ null_space(self.carrying.sliding(basis), self.problem.blur)
 
     def _pivots(self, about: Array, critical: list[Array | None]) -> list[Array]:
-        """Critical motions near given motions along which no flush corner slips off its edge."""
+        """Critical motions near given motions in which no corner slips off the end of a face."""
         if not about.shape[1]:
             return []
         near = [about @ (about.T @ motion) for motion in critical if motion is not None]
@@ -332,7 +332,7 @@ class _Question:
         ]
 
     def _critical(self, motion: Array, basis: Array | None = None) -> Array | None:
-        """Nearest critical motion of length 1 in an orthonormal basis; None if it is zero."""
+        """Nearest critical motion of length 1 within a basis; None if it is zero."""
         basis = self.across if basis is None else basis
         y, sides = basis.T @ motion, self.sides_of(basis)
         sides = sides[np.linalg.norm(sides, axis=1) > FLAT]  # the basis does not open the others
@@ -347,7 +347,7 @@ class _Question:
     def _strengthened_minimum(
         self, forces: Array, stress: Array, weights: Array | None = None
     ) -> EnergyDecision | None:
-        """Minimum proved by forces plus enough self-stress; None if no amount suffices."""
+        """Prove a minimum by forces plus a multiple of a self-stress; None if none is enough."""
         forces = self._nearest_balanced_forces(forces)
         weights = self._no_weights() if weights is None else weights
         for share in (0.0, *np.geomspace(1.0, 1e6, 13)) if stress.any() else (0.0,):
@@ -360,20 +360,20 @@ class _Question:
         return None
 
     def _nearest_balanced_forces(self, forces: Array) -> Array:
-        """Nearest forces that balance the load; negative forces become 0 first."""
+        """Nearest forces that balance the load, after negative forces were set to 0."""
         rows = self.carrying.rows
         miss = rows.T @ forces + self.carrying.load
         nearest = np.linalg.lstsq(rows.T, miss, rcond=None)[0]
         return np.maximum(forces - nearest, 0.0)
 
     def _spread(self, forces: Array) -> Array:
-        """Forces on the carrying rows as forces on all rows, shape (K,)."""
+        """Forces of the carrying rows as an array over all rows, shape (K,)."""
         total = np.zeros(len(self.problem.rows))
         total[self.critical.carries] = forces
         return total
 
     def _by_cones(self, basis: Array) -> EnergyDecision:
-        """Split the critical motions into cones; prove each by its own forces, or find a path."""
+        """Split the critical motions into cones, and prove each by other forces, or find a path."""
         dimension, sides = basis.shape[1], self.sides_of(basis)
         todo = orthants(dimension, half=not len(sides))[::-1]
         splits: list[tuple[int, int] | None] = []
@@ -411,7 +411,7 @@ class _Question:
         return self._open("it is too near a limit, or of a higher order")
 
     def _curves(self, basis: Array, forces: Array, sides: Array, weights: Array) -> bool:
-        """True if forces curve the energy upward by more than the weighted sides (inequalities)."""
+        """True if forces curve the energy upward by more than the weighted inequalities."""
         matrix = (
             self.carrying.curvature(self._nearest_balanced_forces(forces), basis)
             - sides.T @ weights @ sides
@@ -422,7 +422,7 @@ class _Question:
     def _minimum(
         self, splits: tuple[tuple[int, int] | None, ...], leaves: tuple[Leaf, ...]
     ) -> EnergyDecision:
-        """Decision "minimum" by the forces of all cones; "open" if the judge rejects the proof."""
+        """The decision "minimum" by the forces of all cones; "open" if its verification fails."""
         proof = MinimumProof(self.across, self.sides, self.free, splits, leaves)
         wrong = judge_minimum(self.problem, proof)
         return self._open(wrong) if wrong else self._decision("minimum", proof)
@@ -430,13 +430,13 @@ class _Question:
     def _decision(
         self, state: Literal["minimum", "balanced"], proof: MinimumProof | Path, *others: Path
     ) -> EnergyDecision:
-        """A proved decision with the counts of neutral, free and blocked motions."""
+        """A proved decision, with the numbers of neutral, free and blocked motions."""
         free = self.free.shape[1]
         blocked = self.neutral - free - self.flat
         return EnergyDecision(state, self.neutral, free, blocked, self.flat, proof, others=others)
 
     def _open(self, why: str) -> EnergyDecision:
-        """Decision "open"; motions that the critical forces curve upward count as blocked."""
+        """The decision "open"; motions along which known forces curve the energy up are blocked."""
         free = self.free.shape[1]
         forces = self._nearest_balanced_forces(self.critical.forces[self.critical.carries])
         values = np.linalg.eigvalsh(self.carrying.curvature(forces, self.across))

@@ -28,7 +28,7 @@ def decided_for_all(
     decision: EnergyDecision,
     work: Work,
 ) -> tuple[Stationary, EnergyDecision]:
-    """The decision if valid for all surfaces within their doubt, else "open"; and its problem.
+    """Return a decision only if it holds for all surfaces within their doubt; else "open".
 
     Parameters
     ----------

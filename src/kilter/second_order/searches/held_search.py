@@ -1,4 +1,4 @@
-"""Search for equilibrium forces that leave no motion neutral."""
+"""Search for equilibrium forces that exclude every neutral motion."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ __all__ = ["find_held"]
 FULL = 1e-12
 """J has full rank if the least eigenvalue of J^T J over its largest entry is above this [-]."""
 ROUNDS = 50
-"""Largest number of rounds in which forces are spread over the contacts."""
+"""Largest number of rounds in which forces are redistributed over the contacts."""
 SHARE = 0.02
-"""Least force of a contact that spreading aims at, over the mean force; half of it is enough."""
+"""Least force of a contact at which redistribution aims, over the mean force; half is enough."""
 
 
 def find_held(program: Program, forces: Array) -> Held | None:
@@ -29,7 +29,7 @@ def find_held(program: Program, forces: Array) -> Held | None:
 
 
 def _spread_out(program: Program, forces: Array) -> Array | None:
-    """Equilibrium forces near given ones that push on every contact; None if not found."""
+    """Equilibrium forces near the given forces that push at every contact; None if not found."""
     rows = scaled_rows(program)
     gram = (rows.T @ rows).toarray()
     try:

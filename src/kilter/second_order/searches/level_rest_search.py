@@ -1,4 +1,4 @@
-"""Search for proofs that parts rest on level (horizontal) faces.
+"""Search for proofs that parts rest on horizontal faces.
 
 The load of each part is spread over its supports, from the highest part down. If that leaves a part
 without a footing, the forces of the verdict are tried, then those of a linear program. The motion
@@ -32,13 +32,13 @@ from kilter.work import Work
 __all__ = ["find_level_rest", "find_parting", "rests_level"]
 
 MOST_ASKED = 100
-"""Largest number of free parts for which a linear program spreads the load."""
+"""Largest number of free parts for which a linear program distributes the load."""
 MOST_PARTED = 20
-"""Largest number of free parts for which a linear program finds the motion."""
+"""Largest number of free parts for which a linear program finds the opening motion."""
 POLISHED = 2
 """Rounds of refinement that balance the forces of the program."""
 PULLS = 1e-3
-"""If a least-squares force is below this share of the load of its part, all are recomputed [-]."""
+"""Share of a part's load below which a least-squares force leads to a new computation [-]."""
 STEPS = 30
 """Largest number of Newton steps."""
 ROUNDING = 1e-13
@@ -77,7 +77,7 @@ def find_level_rest(
 
 
 def rests_level(program: Program, level: Mask, forces: Array) -> bool:
-    """True if forces on level faces alone fix the height and tilts of every part.
+    """True if forces on horizontal faces alone fix the height and the tilts of every part.
 
     Then no motion lowers the energy to second order, so that the assembly is not only balanced.
     The condition is that of `level_rest`, without the motion that opens the other contacts.
@@ -102,7 +102,7 @@ def _candidate_forces(
     *,
     programs: bool = True,
 ) -> Iterator[Array]:
-    """Yield equilibrium forces [N] on level faces, those of the cheapest method first.
+    """Yield equilibrium forces [N] on horizontal faces, from the cheapest method first.
 
     `programs`: whether a linear program is the last candidate.
     """
@@ -146,7 +146,7 @@ def _from_program(program: Program, level: Mask, work: Work | None) -> Array | N
 
 
 def _grams(program: Program, part: Index, footing: Array) -> Array:
-    """Sum over each part of the outer products of its footing, (N, 3, 3) or (N, 2, 2)."""
+    """For each part, the sum of outer products of its support points, (N, 3, 3) or (N, 2, 2)."""
     return sums_by_part(part, footing[:, :, None] * footing[:, None, :], len(program.names))
 
 
@@ -158,7 +158,7 @@ def _on_no_line(grams: Array) -> bool:
 def _from_above(
     program: Program, bearing: Bearing, footings: tuple[Array, Array], grams: Array
 ) -> Array | None:
-    """Forces [N] that spread each part's load over its supports, from above; None if it fails.
+    """Forces [N] that distribute each part's load over its supports, from the top down; or None.
 
     They are the forces of least squares, or of the largest entropy if a least-squares force pulls.
     None if a part is lifted by its load.
@@ -186,7 +186,7 @@ def _from_above(
 
 
 def _pushing_forces(part: Index, footing: Array, need: Array) -> Array:
-    """Forces exp(y . (1, u, v)) [N], with a vector y for each part, that carry the load `need`.
+    """Positive forces [N] that carry the loads `need`, as exponentials of linear functions.
 
     Newton's method minimises the sum of exp(y . (1, u, v)) minus y . need for each part; a step
     changes no force by more than a factor of e.
@@ -217,7 +217,7 @@ def _pushing_forces(part: Index, footing: Array, need: Array) -> Array:
 def find_parting(
     program: Program, level: Mask, sharp: SharpPoints | None, work: Work | None
 ) -> Array | None:
-    """Level shifts of all parts that open every row that is not level, (N, 6); else None.
+    """Horizontal shifts of all parts that open every other contact, (N, 6); None without one.
 
     All parts move away from a common point, or as a linear program finds. The largest shift is 1
     length unit. None if no such motion was found.

@@ -1,4 +1,4 @@
-"""Search for self-stress that locks every turn of parts that touch in faces."""
+"""Search for a self-stress that excludes every turn of parts on flat faces."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ from kilter.work import Work
 __all__ = ["find_locked"]
 
 SHARES = (0.5, 0.1, 0.9, 0.01)
-"""Shares of the self-stress that presses on all contacts, tried in turn; the rest locks most."""
+"""Shares of the self-stress that presses at all contacts, tried in turn; the rest excludes turns.
+"""
 
 
 def find_locked(
@@ -40,7 +41,7 @@ def find_locked(
 
 
 def _pressing(problem: Stationary, work: Work) -> Array | None:
-    """Self-stress that presses on all contacts, shape (K,); None if there is none."""
+    """Self-stress that presses at every contact, shape (K,); None if there is none."""
     count, freedoms = problem.rows.shape
     x = optimum(
         LinearProgram(

@@ -17,11 +17,11 @@ from kilter.work import Work
 __all__ = ["enough_to_open", "opening_motion"]
 
 MOST_CHOICES = 64
-"""Largest number of choices of a normal for each pair."""
+"""Largest number of combinations of normals, one for each pair."""
 
 
 def opening_motion(rows: Array, work: Work | None) -> Array | None:
-    """Motion, shape (f,), that opens all rows (s, f), the least as far as possible; else None.
+    """Motion, (f,), that opens all given rows as widely as possible; None if none opens all.
 
     Max t:  rows x >= t,  |x| <= 1.
     """
@@ -41,7 +41,7 @@ def opening_motion(rows: Array, work: Work | None) -> Array | None:
 
 
 def enough_to_open(points: SharpPoints, rows: Mask) -> Iterator[Mask]:
-    """Yield subsets of the given rows, shape (K,), whose opening separates every pair of parts.
+    """Yield subsets of the given rows that, if opened, separate every pair of parts.
 
     For a pair with sharp points the rows of a single normal suffice. There are at most
     `MOST_CHOICES` subsets.

@@ -1,4 +1,4 @@
-"""Paths that lead down and also separate the falling parts from their neighbours.
+"""Falling paths along which the falling parts also separate from their neighbours.
 
 While they fall, all parts also move level, away from a common point or in a common direction. Parts
 on level faces keep their height, while sharp points and contacts that stay closed along the path
@@ -28,7 +28,7 @@ from kilter.work import Work
 __all__ = ["parted_paths"]
 
 SHARES = (0.3, 1.0, 3.0)
-"""Lengths of the level motion, over that of the path [-]."""
+"""Lengths of the added horizontal motion, over the length of the path [-]."""
 MOST = 4
 """Largest number of paths that are tried; paths of few parts come first."""
 
@@ -40,7 +40,7 @@ def parted_paths(
     paths: tuple[Path, ...],
     work: Work,
 ) -> Iterator[Path]:
-    """Yield falling paths near given paths, varied by level shifts that open other contacts.
+    """Yield falling paths near given ones, with added shifts that open other contacts.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def parted_paths(
 def _level_shifts(
     program: Program, contacts: ContactSet, problem: Stationary, work: Work
 ) -> list[Array]:
-    """Level motions (n,) of parts: away from a common point, if that opens contacts, and alike."""
+    """Horizontal motions, (n,): parts away from a common point, and all parts alike."""
     points = sharp_points(program, contacts)
     parting = find_parting(program, level_rows(program, contacts), points, work)
     motions = [] if parting is None else [parting]

@@ -1,4 +1,4 @@
-"""Search for a path that leads down along a critical motion, by its second derivative.
+"""Search for a falling path along a critical motion, by choice of its second derivative.
 
     max m:   J_k d2 + dp.H_k dp >= m for rows with J_k dp = 0,   w.d2 >= m,   |d2| <= reach
 
@@ -36,7 +36,7 @@ def find_path(
     balancing: Array | None = None,
     work: Work | None = None,
 ) -> Path | None:
-    """Path along a critical motion, (n,), with the fastest opening and fall; None if unsolved.
+    """Falling path along a critical motion, (n,); None if the linear program is not solved.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def _held_up(problem: Stationary, motion: Array, balancing: Array | None) -> boo
 def _along_planes(
     problem: Stationary, motion: Array, balancing: Array | None, work: Work | None
 ) -> Path | None:
-    """Path that keeps every plane along which the motion only shifts parts; None without one."""
+    """Path on which parts stay on the planes along which they shift; None without one."""
     turned = np.append(np.abs(motion), 0.0)[problem.columns[:, TURNS]].max(axis=1, initial=0.0)
     keep = problem.planes & (np.abs(problem.rows @ motion) < ACROSS) & (turned < ACROSS)
     if not keep.any():
@@ -102,7 +102,7 @@ def _along_planes(
 
 
 def _turns_of(problem: Stationary, rows: Mask) -> Index:
-    """Indices of the unknowns that turn the parts at given rows, shape (K,)."""
+    """Indices of the unknowns for turns of the parts at given rows, shape (K,)."""
     places = np.unique(problem.columns[rows][:, TURNS])
     return np.asarray(places[places >= 0], dtype=np.int64)
 
@@ -114,7 +114,7 @@ def _second_derivative(
     work: Work | None,
     bends: Array | None = None,
 ) -> Array | None:
-    """Second derivative of a path with the fastest opening and fall, shape (n,), or None.
+    """Second derivative of a path that opens and falls as fast as possible, (n,); or None.
 
     J d2 + dp.H dp >= m for rows that dp keeps closed,  w.d2 >= m,  |d2| <= reach.
     """

@@ -1,4 +1,4 @@
-"""Search for weights of stops that limit level motions, for proofs by stops."""
+"""Search for the weights of stops in a proof that stops keep sliding parts from falling."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from kilter.work import Work
 __all__ = ["find_stopped"]
 
 SHARES = (0.1, 1e-3, 1e-5)
-"""Lower bounds of the weights, over the most even weights, when the curvature is maximised [-]."""
+"""Lower bounds of the weights, over the most even weights, while curvature is maximised [-]."""
 MOST_WEIGHTS = 2_000
 """Largest number of products of a stop and a level contact."""
 
@@ -27,7 +27,7 @@ MOST_WEIGHTS = 2_000
 def find_stopped(
     problem: Stationary, level: Mask, motions: Array, free: Array, *, work: Work | None = None
 ) -> Stopped | None:
-    """Search for a proof by stops that level motions have the least energy; None without one.
+    """Search for a proof by stops that the energy has a minimum; None without a proof.
 
     The arguments are those of `judge_stopped`.
     """
@@ -49,7 +49,7 @@ def find_stopped(
 
 
 def _candidate_weights(forms: StopForms, work: Work | None) -> Iterator[Array]:
-    """Weights for a proof by stops, shape (s, m): the most even first, then the most useful."""
+    """Weights for a proof by stops, (s, m): first the most even, then the most effective."""
     if not len(forms.stops_level) * len(forms.rises):
         yield np.zeros((len(forms.stops_level), len(forms.rises)))
         return
@@ -64,7 +64,7 @@ def _candidate_weights(forms: StopForms, work: Work | None) -> Iterator[Array]:
 
 
 def _weights(forms: StopForms, least: float | None, work: Work | None) -> Array | None:
-    """Stop weights that reproduce the energy's coupling, each >= t, shape (s, m); else None.
+    """Weights that match the coupling terms of the energy, each at least t, (s, m); or None.
 
     Without `least`, t is maximised; otherwise t = `least`, and the trace of S is maximised. None if
     the program is not solved.
