@@ -90,7 +90,7 @@ def open_edges(vertices: Array, triangles: Index) -> Index:
 
 
 def shared_edges(triangles: Index) -> tuple[Index, Index]:
-    """Pairs of half-edges of neighbouring triangles on the same edge, as two arrays.
+    """Pairs of half-edges of neighbouring triangles at the same edge, as two index arrays.
 
     Half-edge ``3 t + k`` runs from corner k of triangle t to the next corner.
 
@@ -168,7 +168,7 @@ def contains(vertices: Array, triangles: Index, point: Array) -> bool:
 
 
 def _sides(triangles: Index) -> Index | None:
-    """Number of the oriented surface of each triangle, then of each reversed copy, shape (2 T,).
+    """Connected surface of each triangle, then of each triangle reversed; None if one-sided.
 
     None if a triangle and its reverse are on the same surface, which is then not orientable.
     """
@@ -231,7 +231,7 @@ def _unmatched_edges(edges: Index) -> Index:
 
 
 def _representatives(vertices: Array, distance: float) -> Index:
-    """Index of each vertex's representative after merging vertices closer than `distance`."""
+    """For each vertex, the vertex that replaces it when vertices closer than `distance` merge."""
     from scipy.spatial import cKDTree
 
     pairs = cKDTree(vertices).query_pairs(distance, output_type="ndarray")
@@ -291,7 +291,7 @@ def _without_repeats(triangles: Index) -> tuple[Index, int]:
 
 
 def _split_at_vertices(vertices: Array, edges: Index) -> Index:
-    """Open edges, shape (n, 2), divided at the ends of other open edges that lie on them."""
+    """Split open edges at the ends of other open edges that lie on them, shape (n, 2)."""
     if len(edges) > 4000:
         return edges
     points = np.unique(edges)

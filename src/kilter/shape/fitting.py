@@ -179,7 +179,7 @@ def _middle_and_size(points: Array) -> tuple[Array, float]:
 
 
 def _split(p: Array, axis: Array) -> tuple[Array, Array, Array]:
-    """Height of points along an axis, distance from the axis, and unit direction away from it."""
+    """Height of points along an axis, distance from it, and unit direction away from it."""
     along = p @ axis
     away = p - along[:, None] * axis
     aside = np.linalg.norm(away, axis=1)
@@ -187,7 +187,7 @@ def _split(p: Array, axis: Array) -> tuple[Array, Array, Array]:
 
 
 def _cone_start(p: Array, axis: Array) -> tuple[Array, Array, float] | None:
-    """First estimate of a cone's apex, axis and half angle, from its axis; None if impossible.
+    """First estimate of apex, axis and half angle of a cone, for a given axis; None if impossible.
 
     Points of a cone satisfy |across - c|^2 = (along - h)^2 tan^2 w. This equation is linear in c,
     the foot of the axis, and in auxiliary unknowns. Then |across - c| is linear in `along`. The

@@ -49,7 +49,7 @@ __all__ = ["recognise"]
 
 
 PATIENCE = 60
-"""Number of failed seeds after which the rest of a region stays flat; more take longer."""
+"""Number of failed seeds after which the rest of a region counts as flat; more take longer."""
 SAMPLE = 1000
 """Largest number of facets of a region for the first fit."""
 MOST_NEIGHBOURS = 12
@@ -130,7 +130,7 @@ def _common_surface(mesh: FacetMesh, facets: Index) -> Surface | None:
 
 
 def _grow_surfaces(mesh: FacetMesh, facets: Index) -> _FacetSurfaces:
-    """Round surfaces in a region of several, each grown from a seed facet by adding neighbours."""
+    """Divide a region into round surfaces, each grown from a seed facet by adding neighbours."""
     free = np.zeros(len(mesh.graph.area), dtype=bool)
     free[facets] = True
     fresh = free.copy()
@@ -153,7 +153,7 @@ def _grow_surfaces(mesh: FacetMesh, facets: Index) -> _FacetSurfaces:
 
 
 def _seeds(mesh: FacetMesh, facets: Index) -> Index:
-    """Facets in the order in which growing from them is tried.
+    """Facets of a region in the order in which they are tried as seeds of a surface.
 
     Facets with two neighbours of similar area come first.
     """
@@ -184,7 +184,7 @@ def _grow_from_seed(mesh: FacetMesh, seed: int, free: Mask) -> tuple[Surface | N
 
 
 def _starts(mesh: FacetMesh, seed: int, free: Mask) -> list[tuple[str, Index]]:
-    """Kinds of surface to try from a seed facet, each with the facets for the first fit.
+    """Kinds of surface to try at a seed facet, each with the facets for its first fit.
 
     The first facets are the seed and two neighbours on opposite sides; a sphere needs a third
     neighbour.
@@ -208,7 +208,7 @@ def _starts(mesh: FacetMesh, seed: int, free: Mask) -> list[tuple[str, Index]]:
 
 
 def _grow(mesh: FacetMesh, start: Index, kind: str, free: Mask) -> tuple[Surface | None, Index]:
-    """Extend a surface from its first facets to all neighbours that lie on it.
+    """Extend a surface from its first facets to all connected facets that lie on it.
 
     Returns
     -------
@@ -248,7 +248,7 @@ def _grow(mesh: FacetMesh, start: Index, kind: str, free: Mask) -> tuple[Surface
 def _refit(
     mesh: FacetMesh, chosen: Index, front: Index, kind: str, surface: Surface
 ) -> tuple[Surface, Index, Index]:
-    """Fit a surface to its facets again, and drop the facets that do not lie on it.
+    """Fit a surface to its facets once more, and drop the facets that do not lie on it.
 
     Returns
     -------

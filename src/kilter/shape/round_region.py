@@ -133,7 +133,7 @@ def facet_graph(vertices: Array, triangles: Index, accuracy: float) -> FacetGrap
 
 
 def gather_rows(rows: Index, start: Index, values: Index) -> Index:
-    """Concatenate the given rows of a ragged array (rows of unequal length).
+    """Concatenate some groups of a ragged array, given by their numbers.
 
     Examples
     --------
@@ -279,7 +279,7 @@ def deviation(mesh: FacetMesh, facets: Index, surface: Surface) -> Array:
 
 
 def agreement(mesh: FacetMesh, facets: Index, surface: Surface) -> Array:
-    """Cosine of the angle between each facet's normal and that of a surface, shape (n,)."""
+    """Cosine of the angle between the normals of each facet and of a surface, shape (n,)."""
     rows, owner = mesh.corners(facets)
     middles = mesh.vertices[mesh.triangles[rows]].mean(axis=1)
     count = np.bincount(owner, minlength=len(facets))[:, None]
@@ -347,7 +347,7 @@ def sagitta_limit(sagitta: Array) -> float:
 
 
 def _has_enough_turn(mesh: FacetMesh, facets: Index, surface: Surface, whole: bool) -> bool:
-    """Whether the normals of facets have enough distinct directions and turn far enough."""
+    """Whether the normals of facets have enough directions, and span a wide enough angle."""
     normal = mesh.graph.normal[facets]
     if surface.kind == "sphere":
         mean = normal.mean(axis=0)
@@ -363,12 +363,12 @@ def _has_enough_turn(mesh: FacetMesh, facets: Index, surface: Surface, whole: bo
 
 
 def _is_slice(mesh: FacetMesh, facets: Index) -> bool:
-    """Whether facets are one of several parallel bands of similar width."""
+    """Whether facets form one of several parallel bands of similar width."""
     graph = mesh.graph
     usual = float(np.median(graph.area[facets]))
 
     def beside(these: Index, apart: Index) -> Index:
-        """Neighbours of the facets `these` with similar area, without those in `apart`."""
+        """Neighbours of given facets with a similar area, without the facets `apart`."""
         near = np.unique(gather_rows(these, graph.first, graph.neighbours))
         near = near[~np.isin(near, apart)]
         return near[(graph.area[near] > usual / 2) & (graph.area[near] < usual * 2)]

@@ -24,11 +24,12 @@ value closes larger gaps."""
 NO_AREA = 1e-14
 """Twice the area up to which a face counts as flat [squares of its longest edge]."""
 EDGE_END = 1e-9
-"""Margin at the ends of an edge in which a vertex does not split it [edge lengths]."""
+"""Distance from the end of an edge within which a vertex does not split the edge [edge lengths]."""
 POLYGON_AREA = 1e-12
 """Area up to which a polygon counts as flat [squares of its size]."""
 CUT_AREA = 1e-6
-"""Largest difference between the area of a polygon and that of its triangles [areas]."""
+"""Largest difference between the area of a polygon and the total area of its triangles [area of the
+polygon]."""
 WHOLE_TURN = 1e-6
 """Largest difference of the total turn of a convex polygon from 360 degrees [rad]."""
 GRAZING = 1e-6
@@ -45,7 +46,7 @@ PLANE_FLATNESS = 1e-9
 PLANE_ROUNDINGS = 4.0
 """Largest distance of a corner from the plane of a neighbour [accuracies of a coordinate]."""
 NARROW = 10.0
-"""Height up to which a triangle has no reliable normal [tolerances]."""
+"""Height of a triangle up to which its normal is unreliable [tolerances]."""
 
 # which facets are one round face -------------------------------------------------------------
 

@@ -202,7 +202,7 @@ def outward(surface: Surface, points: Array) -> Array:
 
 
 def facing(surface: Surface, vertices: Array, triangles: Index) -> Surface:
-    """The surface with its material on the side that the triangles of the face show.
+    """Copy of a surface with its material on the side that the triangles of the face show.
 
     The axis of a plane is directed outwards; `hollow` is set for other surfaces.
 
@@ -273,7 +273,7 @@ def move_solid(solid: Solid, pose: Pose) -> Solid:
 
 
 def _move_boxes(boxes: Array, turn: Array, step: Array) -> Array:
-    """Boxes around axis-parallel boxes after a rotation and a translation, shape (n, 2, 3)."""
+    """Boxes that enclose given boxes after a rotation and a translation, shape (n, 2, 3)."""
     middle, half = boxes.mean(axis=1) @ turn.T + step, np.ptp(boxes, axis=1) / 2 @ np.abs(turn).T
     return np.stack([middle - half, middle + half], axis=1)
 

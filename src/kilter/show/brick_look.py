@@ -23,7 +23,7 @@ HEIGHT = 0.5
 SIDES = 16
 """Corners of the polygon of a stud; with fewer, its side edges would be drawn as creases."""
 MOST = 2500
-"""Bricks with more studs are drawn without studs."""
+"""Largest number of bricks that are drawn with studs."""
 DIRECT = 0x2000000
 """Colour codes from this value on contain red, green and blue directly."""
 

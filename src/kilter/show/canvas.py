@@ -24,7 +24,7 @@ __all__ = ["SUFFIXES", "encode_figure", "label", "legend", "new_figure", "requir
 SUFFIXES = (".svg", ".png", ".pdf")
 """File endings of the supported figure formats."""
 SHORT = 24
-"""A longer name is cut [characters]."""
+"""Largest length of a name; a longer name is cut [characters]."""
 LINE = 72
 """Length of a title line [characters]."""
 LINES = 3

@@ -45,13 +45,13 @@ SPACE = (0.89, 0.76)
 MARGIN = 0.06
 """Margin around the assembly [size of the picture]."""
 HELD_IN_VIEW = 0.35
-"""Held parts are cut off at this distance beyond the free parts [size of the free parts]."""
+"""Distance beyond the free parts at which held parts are cut off [size of the free parts]."""
 ARROW = 0.24
 """Length of the longest arrow, and displacement of the farthest ghost [size of the picture]."""
 NAMED = 14
-"""By default, names are written for up to this many parts."""
+"""Largest number of parts whose names are written by default."""
 PATCHES = 30
-"""By default, contacts are drawn for up to this many patches."""
+"""Largest number of contact patches that are drawn by default."""
 
 
 def draw_assembly(
@@ -117,7 +117,7 @@ def draw_assembly(
 
 
 def camera_of(assembly: Assembly, view: tuple[float, float] | None) -> Camera:
-    """Camera for a view; it turns the assembly so that gravity points down on the page."""
+    """Camera for a view, which also turns the assembly so that gravity points down on the page."""
     azimuth, elevation = view or (FRONT if assembly.planar else VIEW)
     turn = quaternion_to_matrix(rotation_between(assembly.down, [0.0, 0.0, -1.0]))
     if np.allclose(assembly.down[:2], 0.0) and assembly.down[2] > 0:
@@ -127,7 +127,7 @@ def camera_of(assembly: Assembly, view: tuple[float, float] | None) -> Camera:
 
 
 def _limits(assembly: Assembly, camera: Camera, figure: Figure) -> tuple[Array, Array]:
-    """Lower left and upper right corner of the picture: free parts and nearby held parts."""
+    """Lower left and upper right corner of the picture, around free parts and nearby held parts."""
     geometry = assembly.geometry
     flat = camera.flat(geometry.vertices)
     free = ~geometry.grounded[geometry.vertex_part]

@@ -106,7 +106,7 @@ class Film:
         self._samplers: list[dict[str, Any]] = []
 
     def add_mark(self, name: str, at: Array) -> int:
-        """Add a mark of size zero at a point in the world, and return its node.
+        """Add a marker of size zero at a point in the world, and return its node.
 
         An animation scales it up.
         """

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 __all__ = ["film_of_fall", "film_of_motion"]
 
 MOVES, RESTS = 2.0, 1.0
-"""Duration of the motion, and of the pause before it repeats [s]."""
+"""Duration of the motion, and of the pause before it is shown again [s]."""
 KEYS = 25
-"""Keys of a track along the motion."""
+"""Number of key frames of a track along the motion."""
 
 
 def film_of_motion(assembly: Assembly, travel: Array) -> bytes:
@@ -75,7 +75,7 @@ def _move(
 
 
 def _continuous(quaternions: Array) -> Array:
-    """Choose the signs of quaternions, (k, 4), so that interpolation turns the shorter way."""
+    """Choose the signs of quaternions, (k, 4), so that interpolation takes the shorter rotation."""
     agree = np.einsum("ij,ij->i", quaternions[1:], quaternions[:-1])
     signs = np.cumprod(np.append(1.0, np.where(agree < 0, -1.0, 1.0)))
     return quaternions * signs[:, None]

@@ -31,11 +31,11 @@ __all__ = ["draw_fall", "draw_forces", "draw_gravity", "draw_motion", "draw_name
 MOTION, FORCE, PATCH = (ROLES[name].light for name in ("unstable", "force", "patch"))
 PATCH_FILL, PATCH_EDGE = (PATCH, 0.15), (PATCH, 0.7)
 SHOWN = 0.02
-"""Arrows shorter than this share of the longest are left out [-]."""
+"""Share of the longest arrow below which arrows are left out [-]."""
 ARROWS = 400
-"""Maximum number of arrows; the longest are drawn."""
+"""Maximum number of arrows; the shortest are left out."""
 GHOSTS = 60
-"""Displaced outlines are drawn for up to this many moving parts."""
+"""Largest number of moving parts that are also drawn as displaced outlines."""
 ARC = np.linspace(0.0, 1.5 * np.pi, 40)
 """Angles of the arrow of a rotation [rad]."""
 GRAVITY_AT = (0.052, 0.80)
@@ -47,11 +47,11 @@ PLATE = (PAPER, 0.68)
 """Background colour of a name, and its opacity."""
 HEAD = "-|>,head_width={},head_length={}"
 CANDIDATES = 12
-"""Largest faces of a part that are tried as the place of its name."""
+"""Number of largest faces of a part that are tried as the place of its name."""
 HEAD_SIZE = 11.0
 """Size of an arrow head [pt]; heads of short arrows are smaller."""
 KIND = {"potentially-stable": "a possible ", "undecided": "with the modelled contacts alone: "}
-"""Start of the motion's legend for the verdicts that do not assert the motion."""
+"""First words of the legend of a motion, for verdicts that do not assert that it occurs."""
 HALO = 2.6
 """Width of the light outline around an arrow [pt]."""
 
@@ -73,7 +73,7 @@ def draw_patches(axes: Axes, verdict: Verdict, camera: Camera) -> list[tuple[Any
 
 
 def _outline_order(flat: Array) -> Array:
-    """Order of the corners of a convex patch by angle around its middle on the page."""
+    """Order of the corners of a convex patch by angle around its middle, as seen on the page."""
     apart = flat - flat.mean(axis=0)
     return flat[np.argsort(np.arctan2(apart[:, 1], apart[:, 0]), kind="stable")]
 

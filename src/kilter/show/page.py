@@ -28,11 +28,11 @@ if TYPE_CHECKING:
 __all__ = ["error_page", "render", "render_plan"]
 
 MAIN = "<main>"
-"""Start of the content in the template. It is unique, because titles are escaped."""
+"""Tag in the template at which the content starts; it is unique, because titles are escaped."""
 REPORT = {"motion": "motion.html", "player": "fall.html", "side": "ball.html"}
-"""Files of a report for the slots of the template."""
+"""Asset files of a report, by the slot of the template."""
 PLAN = {"player": "player.html", "side": "step.html"}
-"""Files of a plan for the slots of the template."""
+"""Asset files of a plan, by the slot of the template."""
 PACKAGES = ("kilter", "numpy", "scipy", "highspy", "clarabel")
 """Packages whose versions the page states."""
 

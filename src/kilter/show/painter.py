@@ -23,13 +23,14 @@ __all__ = ["Camera", "Polygon", "back_to_front", "visible_triangles"]
 
 
 WORK = 400_000
-"""Polygon-plane tests up to which the order is exact; enough for some thousand polygons."""
+"""Number of tests of a polygon against a plane up to which the order is exact."""
 MANY = 200
-"""In larger groups only the largest polygons are tried as planes, else an even sample."""
+"""Number of polygons of a group above which only the largest, and an even sample, serve as planes.
+"""
 THICK = 1e-6
-"""Corners closer than this to a plane count as in the plane [size of the scene]."""
+"""Distance from a plane below which a corner counts as in the plane [size of the scene]."""
 TRIED = 5
-"""Planes that are tried at each partition; the plane with the fewest cuts is used."""
+"""Number of planes that are tried at each partition; the plane with the fewest cuts is used."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,7 +49,7 @@ class Camera:
 
     @classmethod
     def at(cls, azimuth: float, elevation: float, turn: Array | None = None) -> Camera:
-        """Camera to the right of -y by `azimuth`, and above the ground by `elevation` [deg].
+        """Camera at an angle `azimuth` to the right of -y, and `elevation` above the ground [deg].
 
         `turn`, shape (3, 3), rotates directions of the scene to a frame in which z is up.
         """
@@ -79,7 +80,7 @@ class Polygon:
 
 
 def visible_triangles(vertices: Array, triangles: Index, edges: Index, part: int) -> list[Polygon]:
-    """Triangles (m, 3) of a part as polygons; only sides in `edges` (k, 2) are drawn.
+    """Triangles (m, 3) of a part as polygons, of which only the sides in `edges` (k, 2) are drawn.
 
     Triangles of zero area are left out.
     """

@@ -44,7 +44,7 @@ BACK = 1.5
 MARGIN = 0.07
 """Margin around the assembly [its size]."""
 REACH = 0.12
-"""Held parts are cut off at this distance beyond the free parts [size of the free parts]."""
+"""Distance beyond the free parts at which held parts are cut off [size of the free parts]."""
 
 
 def draw_plan(
@@ -144,7 +144,7 @@ def _draw_step(
 def _displacement_before(
     assembly: Assembly, group: list[int], step: Mapping[str, Any]
 ) -> tuple[Array, Array]:
-    """Displacement of the new parts before the last segment of their path, and its direction.
+    """Displacement of the new parts before the last leg of their path, and its direction.
 
     The direction is a unit vector.
 

@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 __all__ = ["film_of_plan"]
 
 LEAD, STEP, MOVES = 0.8, 1.25, 1.0
-"""Time before the first step, duration of a step, and duration of its motion [s]."""
+"""Time before the first step, duration of a step, and duration of the motion in it [s]."""
 KEYS = 13
-"""Keys of a track along a path."""
+"""Number of key frames of a track along a path."""
 NEAR = 1.2
 """Greatest distance of a part from its first corner at the start [size of the assembly]."""
 TURNS = 3
-"""Rotations of a nut on its thread, for illustration."""
+"""Number of turns that a nut makes on its thread in the film."""
 MARK = 0.28
 """Size of the mark of a held part [bounding radius of the part]."""
 
@@ -90,7 +90,7 @@ def _nut_rotations(along: Array, rest: Array) -> Array:
 
 
 def _held_times(steps: list[dict[str, Any]]) -> dict[str, list[tuple[float, int]]]:
-    """Times [s] at which each part is gripped (1) or released (0), for parts that are ever held.
+    """For each part that is ever held, the times [s] at which it is gripped (1) or released (0).
 
     Each list begins at the time 0.
     """

@@ -37,7 +37,8 @@ WORDS = {
 }
 """Words for the verdicts of a plan."""
 GAP = 0.85
-"""Gap between a part and the part under it in the exploded view [extent of the part along d_p]."""
+"""Gap between a part and the part under it in the exploded view [extent of the part in this
+direction]."""
 FARTHEST = 1.1
 """Largest displacement of a part in the exploded view [radius of the picture]."""
 
@@ -129,7 +130,7 @@ def _hand(assembly: Assembly, hand: Hand) -> dict[str, Any]:
 
 
 def _falls(order: Order) -> list[dict[str, Any]]:
-    """Groups of parts that fall in every reachable state, if no order was found; else empty."""
+    """Groups of parts that fall in every reached state, if no order was found; else empty."""
     if order.steps:
         return []
     groups = []
@@ -141,7 +142,7 @@ def _falls(order: Order) -> list[dict[str, Any]]:
 
 
 def _thread(assembly: Assembly, step: Mapping[str, Any], over: str) -> float:
-    """Length of the path of a step's nut on the bolt named `over` [length unit]."""
+    """Length of the path along which a nut turns on the bolt `over` [length unit]."""
     along = np.array(step["direction"])
     nut, bolt = (
         assembly.geometry.corners_of(assembly.index[name]).reshape(-1, 3) @ along

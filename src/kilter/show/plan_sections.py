@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 __all__ = ["plan_sections"]
 
 DRAWN = 150
-"""The graph is drawn for up to this many steps."""
+"""Largest number of steps for which the precedence graph is drawn."""
 PLAYED = (
     "Playing starts no computation: paths, held parts and forces are those of the plan. The forces "
     "are those of the proof of the step, and not unique. The turning of a nut is illustration."

@@ -21,7 +21,7 @@ FILL, EDGE, LIMIT, GRID = (
 RINGS = 4
 """Approximate number of rings of equal acceleration."""
 ROOM = 1.15
-"""Radius of the figure [largest carried acceleration]."""
+"""Radius of the figure, over the largest carried acceleration [-]."""
 
 
 def draw_polar(answer: Mapping[str, Any]) -> Figure:
@@ -92,7 +92,7 @@ def _rings(radius: float) -> list[float]:
 
 
 def _axis_name(axis: list[float]) -> str:
-    """Name of a coordinate axis of the frame; the components of any other direction."""
+    """Name of the coordinate axis along a direction; for any other direction, its components."""
     largest = int(np.abs(axis).argmax())
     if abs(axis[largest]) > 1 - 1e-9:
         return ("" if axis[largest] > 0 else "-") + "xyz"[largest]

@@ -19,9 +19,9 @@ HIGH, ROW, GAP = 24.0, 62.0, 10.0
 WIDE = (30.0, 128.0)
 """Width of a node with its number alone, and with a name [px]."""
 NAMED = 40
-"""Names are written for up to this many steps."""
+"""Largest number of steps for which names are written in the nodes."""
 LETTERS = 15
-"""A longer name is cut [characters]."""
+"""Largest length of a name; a longer name is cut [characters]."""
 MARGIN = 8.0
 """Margin around the graph [px]."""
 SWEEPS = 6
@@ -51,7 +51,7 @@ def graph_svg(answer: Mapping[str, Any], needs: Sequence[tuple[str, str]]) -> st
 
 
 def _transitive_reduction(count: int, edges: set[Edge]) -> set[Edge]:
-    """Edges (a, b), a < b, of a graph that do not follow from a path of other edges."""
+    """Edges (a, b), a < b, of a graph without those that follow from other edges."""
     above = [0] * count
     kept: set[Edge] = set()
     for b in range(count):

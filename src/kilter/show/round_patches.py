@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 __all__ = ["RoundPatches", "round_patches"]
 
 OPEN = np.radians(125.0)
-"""Between neighbours on a circle with a wider gap, no contact is drawn [rad]."""
+"""Angle between neighbouring points on a circle above which no contact is drawn between them [rad].
+"""
 FINE = np.radians(7.5)
 """Angle between the drawn points of an arc [rad]."""
 ALIKE = 1e-3
@@ -117,7 +118,7 @@ def _rings(points: Array, normals: Array) -> list[Array]:
 
 
 def _ring(points: Array, across: Array, angle: Array, axes: Array) -> Array | None:
-    """Polygon along a circle, shape (k, 3); None if the points are on no common circle.
+    """Polygon along a circle, shape (k, 3); None if the points lie on no common circle.
 
     `across`: unit normals across the axis; `angle`: angles of the points about it [rad]; `axes`:
     the two directions across the axis, and the axis.

@@ -32,9 +32,9 @@ __all__ = ["build_scene", "build_things", "coincide"]
 
 
 SAME = 1e-12
-"""Points closer than this are equal [size of the largest part]."""
+"""Distance below which two points count as equal [size of the largest part]."""
 SAME_DOWN = 1e-9
-"""Unit directions closer than this are equal [-]."""
+"""Distance below which two unit directions count as equal [-]."""
 HELD_IN_VIEW = 1.5
 """The first view shows held parts up to this size, relative to the free parts [-]."""
 
@@ -92,7 +92,7 @@ def build_things(assembly: Assembly, contacts: ContactSet) -> dict[str, Any]:
 
 
 def _view(assembly: Assembly) -> tuple[Array, Array]:
-    """Middle and half lengths of the box that the first view shows [length unit].
+    """Middle and half lengths of the box that the page shows at first [length unit].
 
     The box contains the free parts and the held parts near them. A table extends beyond it.
     """

@@ -38,9 +38,10 @@ __all__ = [
 LISTED = 1000
 """Maximum rows of a table. A note counts the remaining rows, and `--json` lists all."""
 ABOVE = ("seconds", "level")
-"""Facts that are not listed: the banner shows the level, and the time would change each page."""
+"""Facts that the page does not list: the banner shows the level, and times would change the page.
+"""
 OPEN = 60
-"""A section with more rows than this is closed at first."""
+"""Number of rows above which a section is closed at first."""
 RESTS = (
     "Without friction, the assembly returns to a strict minimum after small pushes. The tilt is "
     "the largest turn of gravity for which the assembly stays. For a single body on a table it is "
@@ -95,7 +96,7 @@ def sections(answers: Everything, *, command: str, versions: dict[str, str]) -> 
 
 
 def section(title: str, *body: str, rows: int = 0) -> str:
-    """HTML of a collapsible section of the page; it is closed at first if it has many rows."""
+    """HTML of a section that can be opened and closed; with many rows it is closed at first."""
     state = " open" if rows <= OPEN else ""
     inner = "\n".join(body)
     return f"<details{state}><summary><h2>{text(title)}</h2></summary>\n{inner}\n</details>"

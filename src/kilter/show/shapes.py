@@ -24,9 +24,9 @@ __all__ = ["PlacedShapes", "ShapeMesh", "feature_edges", "place_shapes", "shape_
 
 
 GRID = 2.0**-20
-"""Grid to which positions are rounded [size of the shape]."""
+"""Grid spacing to which positions are rounded [size of the shape]."""
 CREASE = 25.0
-"""An edge is drawn between faces whose normals differ by more than this angle [deg]."""
+"""Angle between the normals of two faces above which their edge is drawn [deg]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,7 +91,7 @@ def place_shapes(assembly: Assembly) -> PlacedShapes:
 
 
 def shape_mesh(vertices: Array, triangles: Index) -> tuple[ShapeMesh, Array]:
-    """Shape of a surface relative to its middle, and that middle, shape (3,)."""
+    """Shape of a surface relative to its middle point, and that point, shape (3,)."""
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     middle = (low + high) / 2
     step = GRID * max(float((high - low).max()), 1e-300)
@@ -104,7 +104,7 @@ def shape_mesh(vertices: Array, triangles: Index) -> tuple[ShapeMesh, Array]:
 
 
 def feature_edges(vertices: Array, triangles: Index, crease: float = CREASE) -> Index:
-    """Edges of a surface between faces at an angle, or of a single face, shape (k, 2).
+    """Edges to draw: those between faces at an angle, and those of a single face, shape (k, 2).
 
     Parameters
     ----------

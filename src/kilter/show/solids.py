@@ -35,7 +35,7 @@ GRIP: Colour = ROLES["grip"].light
 STRIPES = 0.018
 """Distance between the stripes of held parts [size of the picture]."""
 HELD = 400
-"""Held parts are striped if they have at most this many polygons."""
+"""Largest number of polygons of held parts for which stripes are drawn."""
 CLEAR: Colour = "none"
 
 

@@ -38,11 +38,11 @@ REST_MARKS = {
 }
 """Markers and colours of places of rest, by state."""
 SAMPLES = 241
-"""Samples of the fill across a half; the border is drawn separately and exactly."""
+"""Number of samples across a half of the ball that fill the region; the border is exact."""
 AROUND = np.linspace(0.0, 2 * np.pi, 721)
 """Angles of the points of a great circle [rad]."""
 ON = 1e-7
-"""Directions this close to a facet count as on it [-]."""
+"""Distance to a facet below which a direction counts as on it [-]."""
 
 
 def draw_region(region: Region) -> Figure:
@@ -86,7 +86,7 @@ def draw_region(region: Region) -> Figure:
 
 
 def _halves(middle: Array) -> list[tuple[Camera, str]]:
-    """Two cameras on opposite sides of the sphere, with captions.
+    """Two opposite cameras that together show the whole sphere, each with a caption.
 
     The first sees `middle` slightly from the side.
     """
@@ -149,7 +149,7 @@ def _fill(axes: Axes, region: Region, camera: Camera) -> dict[str, Any]:
 
 
 def _border(axes: Axes, region: Region, camera: Camera) -> dict[str, Any]:
-    """Draw the boundary of the region as great circles, or a flat region itself.
+    """Draw the boundary of a region as great circles; a flat region is drawn itself.
 
     Return its legend entry.
     """
