@@ -8,15 +8,18 @@
 
 Families: arch, pile, wedge, round, voronoi (3D cells with shared faces), squeezed (blocks between
 walls, troughs, ladders), bricks, bonded, open (parts pushed into overlap or out of contact), real.
-Each command has a limit of 20 CPU s; a command that reaches it is counted as cut.
+Each command has a limit of 20 CPU s; a command that reaches it is counted as cut. Most assemblies
+have up to 4 free parts, one of eight has up to 12. One case of four is decided with the usual
+effort of every command, the others with effort 0.1.
 
 Rules, each counted as tests and contradictions:
 
 plan        the verdict of the finished assembly in a plan = the verdict of check
 hold        with the supports of `hold --require L`, check reaches level L
 limit       just inside a limit check holds at the level of the limit, just outside it does not:
-            tilt, least friction, load factor of a body force, the weakest push of a part; each
-            at equilibrium and at settles
+            tilt, least friction, load factor of a body force, the weakest push of a part; at
+            equilibrium in every case. At settles in the cases of usual effort: tilt and friction,
+            and in turn the load factor or a push
 region      a direction is in the region iff check holds there at equilibrium; directions between
             the inner and the outer cone, and regions that open pairs decide, are left out
 orient      check holds at the recommended direction, at the reported level
@@ -75,37 +78,49 @@ from kilter.errors import InputError
 from kilter.mechanics.bundle import apply_change
 from kilter.scenes.random_bricks import random_bricks
 from kilter.tell.levels import holds
+from kilter.work import EFFORT
 
 LIMIT = 20.0
 """Limit of each command [CPU s]."""
 NEAR = 1e-3
 """Distance of the tests from a limit: relative, or of a direction [rad]."""
+AGAIN = 10_000
+"""Step of the seeds of an assembly that is drawn again."""
+USUAL_EVERY = 4
+"""One of so many cases of a family is decided with the usual effort."""
+LITTLE = 0.1
+"""Effort of the other cases [-]."""
 DIRECTIONS = 6
 """Random directions that are compared with the region."""
+FEW, MANY = 4, 12
+"""Largest number of free parts of most assemblies, and of one of eight."""
 FAMILIES = (
     *("arch", "pile", "wedge", "round", "voronoi"),
     *("squeezed", "bricks", "bonded", "open", "real"),
 )
-REAL = {
+REAL: dict[str, dict[str, Any]] = {
     "compas_cra/A.json": {"ground": ["0", "1"]},
     "compas_cra/H.json": {"ground": ["0", "1"]},
-    "compas_cra/bridge.json": {"ground": ["0"]},
     "compas_cra/cubes.json": {"ground": ["0"]},
-    "compas_cra/curve-3-blocks.json": {"ground": ["0"]},
-    "compas_cra/shelf-stable.json": {"ground": ["0"]},
     "compas_cra/type-a.json": {"ground": ["0", "1"]},
     "compas_cra/type-c.json": {"ground": ["0", "1"]},
     "stablelego/stair_19.json": {},
     "stablelego/stair_20.json": {},
     "stablelego/external_weight_good.json": {},
     "stablelego/external_weight_fail.json": {},
-    "learn2assemble/tetris-2": {"ground": ["0"]},
-    "cad/flange_coupling.step": {"floor": True},
-    "cad/one_plate.step": {"floor": True},
-    "cax-if/dm1-id-214.stp": {"floor": True},
-    "cax-if/as1-oc-214.stp": {"ground": ["plate"]},
 }
 """Real files and the options of reading them."""
+SLOW_REAL: dict[str, dict[str, Any]] = {
+    "compas_cra/bridge.json": {"ground": ["0"]},
+    "learn2assemble/tetris-2": {"ground": ["0"]},
+    "compas_cra/shelf-stable.json": {"ground": ["0"]},
+    "cax-if/dm1-id-214.stp": {"floor": True},
+    "cad/flange_coupling.step": {"floor": True},
+    "compas_cra/curve-3-blocks.json": {"ground": ["0"]},
+    "cad/one_plate.step": {"floor": True},
+    "cax-if/as1-oc-214.stp": {"ground": ["plate"]},
+}
+"""Real files of which each is read in one of eight cases only."""
 LEVELS = ("equilibrium", "settles", "proved")
 
 
@@ -115,15 +130,21 @@ class Cut(Exception):
 
 @dataclass
 class Case:
-    """Counts of a case: tests and contradictions of each rule, cut commands, CPU seconds."""
+    """Counts of a case: tests and contradictions of each rule, cut commands, CPU seconds.
+
+    `seconds` has the slowest run of each command, `total` the sum over all `runs`.
+    """
 
     family: str
     seed: int
+    effort: float = EFFORT
     verdict: str = "error"
     tests: collections.Counter[str] = field(default_factory=collections.Counter)
     wrong: list[str] = field(default_factory=list)
     cut: list[str] = field(default_factory=list)
     seconds: dict[str, float] = field(default_factory=dict)
+    total: float = 0.0
+    runs: int = 0
 
     def test(self, rule: str, agrees: bool, words: str) -> None:
         """Count a test of a rule, and note the contradiction."""
@@ -148,6 +169,8 @@ class Case:
             signal.setitimer(signal.ITIMER_PROF, 0)
             taken = time.process_time() - began
             self.seconds[name] = max(self.seconds.get(name, 0.0), taken)
+            self.total += taken
+            self.runs += 1
         return None
 
 
@@ -156,7 +179,29 @@ def _cut(*_: object) -> None:
 
 
 def build(family: str, seed: int, real: Path | None) -> Assembly | None:
-    """The assembly of a family and a seed; None without the folder of real files."""
+    """The assembly of a family and a seed; None without the folder of real files.
+
+    It is the first assembly with few free parts (`FEW`, `MANY`) of a sequence of seeds.
+    """
+    most = MANY if _turn_of(seed) % 8 == 0 else FEW
+    for k in range(1000):
+        assembly = _drawn(family, seed + k * AGAIN, real)
+        if assembly is None or family == "real" or _free_count(assembly) <= most:
+            return assembly
+    raise ValueError(f"no small assembly of the family {family} for seed {seed}")
+
+
+def _turn_of(seed: int) -> int:
+    """Number of the case within its family, if all families alternate."""
+    return seed // len(FAMILIES)
+
+
+def _free_count(assembly: Assembly) -> int:
+    return sum(not part.grounded for part in assembly.parts)
+
+
+def _drawn(family: str, seed: int, real: Path | None) -> Assembly | None:
+    """The assembly of a family and a seed, of any size; None without the folder of real files."""
     random = np.random.default_rng([seed, 17])
     if family in ("arch", "pile", "wedge", "round"):
         return random_turned(family, seed)
@@ -170,7 +215,7 @@ def build(family: str, seed: int, real: Path | None) -> Assembly | None:
         return random_bonded(seed).assembly
     if family == "open":
         return pushed_assembly(seed, _touching).drawn
-    return None if real is None else _real(random, real)
+    return None if real is None else _real(random, _turn_of(seed), real)
 
 
 def _touching(assembly: Assembly) -> tuple[Any, Any, Any]:
@@ -179,13 +224,18 @@ def _touching(assembly: Assembly) -> tuple[Any, Any, Any]:
     return found.patch_parts, found.patch_normal, gap
 
 
-def _real(random: np.random.Generator, folder: Path) -> Assembly:
-    """A real file with a random friction coefficient, tilted by up to 20 deg in half of cases."""
-    names = sorted(REAL)
-    name = names[int(random.integers(len(names)))]
-    options = dict(REAL[name])
-    options["friction"] = float(random.choice([0.0, 0.05, 0.3, 0.84]))
+def _real(random: np.random.Generator, turn: int, folder: Path) -> Assembly:
+    """A real file with random friction, often with a further held part, or tilted by up to 20 deg.
+
+    Files with bonds are not tilted, since bond forces do not turn with gravity.
+    """
+    files = SLOW_REAL if turn % 8 == 0 else REAL
+    name = list(files)[(turn // 8 if turn % 8 == 0 else turn) % len(files)]
+    options = {**files[name], "friction": float(random.choice([0.0, 0.05, 0.3, 0.84]))}
     assembly = kilter.load(folder / name, **options)
+    free = [part.name for part in assembly.parts if not part.grounded]
+    if len(free) > 1 and random.random() < 1 / 3:
+        assembly = assembly.with_grounded(str(random.choice(free)))
     if random.random() < 0.5 or assembly.bonds:
         return assembly
     across = np.cross(assembly.down, random.normal(size=3))
@@ -197,12 +247,13 @@ def _real(random: np.random.Generator, folder: Path) -> Assembly:
 def judge(family: str, seed: int, real: Path | None, folder: Path) -> Case | None:
     """Run every command on a case and compare the answers; keep its file in a folder."""
     signal.signal(signal.SIGPROF, _cut)
-    case = Case(family, seed)
+    usual = (_turn_of(seed) + FAMILIES.index(family)) % USUAL_EVERY == 0
+    case = Case(family, seed, EFFORT if usual else LITTLE)
     try:
         assembly = build(family, seed, real)
         if assembly is None:
             return None
-        verdict = case.run("check", lambda: kilter.check(assembly))
+        verdict = case.run("check", lambda: kilter.check(assembly, effort=case.effort))
         if verdict is None:
             return case
         case.verdict = verdict.verdict
@@ -228,7 +279,9 @@ def _verify(case: Case, assembly: Assembly, verdict: Any) -> None:
 def _plan(case: Case, assembly: Assembly, verdict: Any) -> None:
     order = case.run(
         "plan",
-        lambda: kilter.plan(assembly, contacts=verdict.contacts, require=verdict.require),
+        lambda: kilter.plan(
+            assembly, contacts=verdict.contacts, require=verdict.require, effort=case.effort
+        ),
     )
     if order is None or order.interrupted:
         return
@@ -249,7 +302,7 @@ def _hold(case: Case, assembly: Assembly, verdict: Any) -> None:
         fixture = case.run(
             f"hold {level}",
             lambda level=level: kilter.hold(
-                assembly, contacts=verdict.contacts, require=level, most=3
+                assembly, contacts=verdict.contacts, require=level, most=3, effort=case.effort
             ),
         )
         if fixture is None or not fixture.holds:
@@ -257,7 +310,9 @@ def _hold(case: Case, assembly: Assembly, verdict: Any) -> None:
         if fixture.supports:
             entry = next(e for e in fixture.proof()["proofs"] if e["about"] == "held")
             held, touching = apply_change(assembly, verdict.contacts, entry["change"])
-            other = case.run("check", partial(kilter.check, held, contacts=touching))
+            other = case.run(
+                "check", partial(kilter.check, held, contacts=touching, effort=case.effort)
+            )
         else:
             other = verdict
         if other is not None:
@@ -272,20 +327,34 @@ def _limits(case: Case, assembly: Assembly, verdict: Any) -> None:
         push = np.array([1.0, 0.0, 0.0])
     free = [part.name for part in assembly.parts if not part.grounded]
     pushed = free[case.seed % len(free) :][:1] if free else []
-    margin = case.run(
-        "margin",
-        lambda: kilter.margin(
-            assembly, contacts=verdict.contacts, push=push, pushed=pushed, require="settles"
-        ),
-    )
-    if margin is None:
-        return
-    for words, other, level, expected in _beside_limits(assembly, margin, push):
-        answer = case.run("check", lambda other=other, level=level: _decide(other, verdict, level))
-        if answer is None:
+    questions = [("equilibrium", push, pushed)]
+    if case.effort == EFFORT:
+        factor = (_turn_of(case.seed) + FAMILIES.index(case.family)) // USUAL_EVERY % 2 == 0
+        questions.append(("settles", push if factor else None, [] if factor else pushed))
+    for level, force, names in questions:
+        margin = case.run(
+            f"margin {level}",
+            lambda level=level, force=force, names=names: kilter.margin(
+                assembly,
+                contacts=verdict.contacts,
+                push=force,
+                pushed=names,
+                require=level,
+                effort=case.effort,
+            ),
+        )
+        if margin is None:
             continue
-        # open pairs, or a time limit, may leave either side undecided: this is no "holds"
-        case.test("limit", holds(answer.level, level) is expected, f"{words}: {answer.verdict}")
+        beside = _beside_limits(assembly, margin, push)
+        if level != "equilibrium":
+            beside = _beside_level_limits(assembly, margin, force) if margin.at_level else ()
+        for words, other, reached, expected in beside:
+            answer = case.run("check", partial(_decide, other, verdict, reached))
+            if answer is None:
+                continue
+            # open pairs, or a time limit, may leave either side undecided: this is no "holds"
+            agrees = holds(answer.level, reached) is expected
+            case.test(f"limit at {reached}", agrees, f"{words}: {answer.verdict}")
 
 
 def _decide(assembly: Assembly, verdict: Any, level: str) -> Any:
@@ -293,7 +362,7 @@ def _decide(assembly: Assembly, verdict: Any, level: str) -> Any:
     if assembly.friction != verdict.assembly.friction:
         touching = touching.with_friction(assembly.friction)
     touching = touching.of(assembly)
-    return kilter.check(assembly, contacts=touching, require=level)
+    return kilter.check(assembly, contacts=touching, require=level, effort=verdict.effort)
 
 
 def _beside_limits(
@@ -326,8 +395,6 @@ def _beside_limits(
             if np.isfinite(size) and (expected or weakest.limit.mechanism is not None):
                 loaded = _pushed(assembly, weakest, size)
                 yield f"push {weakest.part} {size:.6g} N", loaded, "equilibrium", expected
-    if margin.at_level is not None:
-        yield from _beside_level_limits(assembly, margin, push)
 
 
 def _pushed(assembly: Assembly, weakest: Any, size: float) -> Assembly:
@@ -339,7 +406,7 @@ def _pushed(assembly: Assembly, weakest: Any, size: float) -> Assembly:
 def _beside_level_limits(
     assembly: Assembly, margin: Any, push: Any
 ) -> Iterator[tuple[str, Assembly, str, bool]]:
-    """As `_beside_limits`, for the limits of a level above equilibrium."""
+    """As `_beside_limits`, for the limits of a level above equilibrium; `push` may be None."""
     limits, size = margin.at_level, float(np.linalg.norm(assembly.gravity))
 
     def turned(degrees: float) -> Assembly:
@@ -351,7 +418,7 @@ def _beside_level_limits(
 
     ways: list[tuple[str, Any, Callable[[float], Assembly]]] = [
         ("tilt", limits.tilt, turned),
-        *(("load factor", end, loaded) for end in limits.factor),
+        *(("load factor", end, loaded) for end in limits.factor if push is not None),
         *(
             (f"push {w.part}", limits.pushes.get(w.part), partial(_pushed, assembly, w))
             for w in margin.pushes
@@ -410,7 +477,9 @@ def _orient(case: Case, assembly: Assembly, verdict: Any) -> None:
 
 
 def _report(case: Case, assembly: Assembly, verdict: Any) -> None:
-    shown = case.run("report", lambda: everything(assembly, contacts=verdict.contacts))
+    shown = case.run(
+        "report", lambda: everything(assembly, contacts=verdict.contacts, effort=case.effort)
+    )
     if shown is not None:
         same = shown.given.check["verdict"] == verdict.verdict
         case.test("report", same, f"page {shown.given.check['verdict']}")
@@ -419,13 +488,17 @@ def _report(case: Case, assembly: Assembly, verdict: Any) -> None:
 
 
 def _many(case: Case, assembly: Assembly, verdict: Any) -> None:
-    many = case.run("check_many", lambda: kilter.check_many([assembly]).verdict.tolist())
+    many = case.run(
+        "check_many", lambda: kilter.check_many([assembly], effort=case.effort).verdict.tolist()
+    )
     if many is not None:
         case.test("many", many == [verdict.verdict], f"check_many {many}, check {verdict.verdict}")
 
 
 def _batch(case: Case, verdict: Any, path: Path) -> None:
-    rows = case.run("batch", lambda: judged_rows([(0, str(path))], BatchQuestion()))
+    rows = case.run(
+        "batch", lambda: judged_rows([(0, str(path))], BatchQuestion(effort=case.effort))
+    )
     for row in rows or ():
         agrees = (row["verdict"], row["level"]) == (verdict.verdict, verdict.level)
         words = f"batch {row['verdict']} {row['level']}, check {verdict.verdict} {verdict.level}"
@@ -441,6 +514,7 @@ def _remedies(case: Case, assembly: Assembly, verdict: Any) -> None:
         kilter.dump(assembly, path)
         for remedy in remedies:
             words = ["check", str(path), *shlex.split(remedy["option"]), "--json", "--quiet"]
+            words += ["--effort", str(case.effort)]
             out = io.StringIO()
 
             def typed(words: list[str] = words, out: io.StringIO = out) -> int:
@@ -516,12 +590,12 @@ def _print_counts(cases: list[Case]) -> int:
     print("slowest of each command [CPU s]")
     for name, (taken, place) in sorted(slowest.items(), key=lambda item: -item[1][0]):
         print(f"  {taken:6.1f}  {name}: {place}")
-    commands = sum(len(case.seconds) for case in cases)
+    commands = sum(case.runs for case in cases)
     wrong = [text for case in cases for text in case.wrong]
     print("\n".join(wrong))
     print(
         f"{len(cases)} assemblies, {sum(cuts.values())} of {commands} commands cut, "
-        f"{len(wrong)} contradictions"
+        f"{len(wrong)} contradictions, {sum(case.total for case in cases) / 60:.1f} CPU min"
     )
     return 1 if wrong else 0
 

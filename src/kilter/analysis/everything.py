@@ -390,8 +390,8 @@ def _ray_forces(assembly: Assembly, contacts: ContactSet, stable: Region) -> tup
             [[index[name] for name in point["parts"]] for point in proof.data["points"]],
             proof.data["forces"],
         )
-        for proof in stable.proofs()
-        if proof.about in ("ray", "line") and "forces" in proof.data
+        for proof in stable.proofs(about=("ray", "line"))
+        if "forces" in proof.data
     )
 
 

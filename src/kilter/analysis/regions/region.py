@@ -196,8 +196,15 @@ class Region(InCells, Answer):
         """
         return self.cone.contains(directions, margin)
 
-    def proofs(self, *, options: dict[str, Any] | None = None) -> list[RegionProof]:
+    def proofs(
+        self,
+        *,
+        about: Iterable[str] = ("ray", "line", "facet", "equation"),
+        options: dict[str, Any] | None = None,
+    ) -> list[RegionProof]:
         """Proofs of every ray, line, facet and equation of the region, as data.
+
+        `about` limits the proofs to these kinds.
 
         Facets and equations are left out if forces that were not counted might hold directions
         beyond them. For several assemblies a ray has a proof in each, a facet in the
@@ -208,15 +215,19 @@ class Region(InCells, Answer):
             certified = common_proofs(self.cone, self.assemblies, self.contacts)
         if self.friction and not self.complete:
             certified = [(p, k) for p, k in certified if isinstance(p.certificate, ForceProof)]
+        programs = list(map(build_program, self.assemblies, self.contacts))
+        kinds = frozenset(about)
         proofs = [
             region_proof(
                 proof,
                 self.assemblies[k],
                 self.contacts[k],
+                programs[k],
                 friction=self.friction,
                 options=options or {},
             )
             for proof, k in certified
+            if proof.about in kinds
         ]
         return [proof for proof in proofs if proof is not None]
 

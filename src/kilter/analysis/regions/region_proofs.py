@@ -56,6 +56,7 @@ def region_proof(
     proof: DirectionProof,
     assembly: Assembly,
     contacts: ContactSet,
+    program: Program,
     *,
     friction: bool,
     options: dict[str, Any],
@@ -67,13 +68,15 @@ def region_proof(
     proof : DirectionProof
     assembly, contacts
         That it is about.
+    program : Program
+        Newly built from them, with any direction of gravity; a region needs it only once.
     friction : bool
         Whether forces of friction were counted.
     options : dict
         Of the reading, for the file.
     """
     turned = assembly.with_down(proof.down)
-    program = build_program(turned, contacts)
+    program = program.turned(turned.down)
     if isinstance(proof.certificate, ForceProof) and not friction:
         program = program.frictionless
     certificate = _certified(program, turned, contacts, proof, friction)
