@@ -9,7 +9,7 @@
 Families: arch, pile, wedge, round, voronoi (3D cells with shared faces), squeezed (blocks between
 walls, troughs, ladders), bricks, bonded, open (parts pushed into overlap or out of contact), real.
 Each command has a limit of 20 CPU s; a command that reaches it is counted as cut. Most assemblies
-have up to 4 free parts, one of eight has up to 12. One case of four is decided with the usual
+have up to 4 free parts, one of eight has up to 12. One case of eight is decided with the usual
 effort of every command, the others with effort 0.1.
 
 Rules, each counted as tests and contradictions:
@@ -86,7 +86,7 @@ NEAR = 1e-3
 """Distance of the tests from a limit: relative, or of a direction [rad]."""
 AGAIN = 10_000
 """Step of the seeds of an assembly that is drawn again."""
-USUAL_EVERY = 4
+USUAL_EVERY = 8
 """One of so many cases of a family is decided with the usual effort."""
 LITTLE = 0.1
 """Effort of the other cases [-]."""

@@ -57,6 +57,7 @@ def decide(
     known: Judgement | None = None,
     second_order: bool = True,
     question: bool = True,
+    proof_first: bool = False,
 ) -> Decision:
     """Decide which verdict level an assembly with these contacts reaches, up to a required level.
 
@@ -78,6 +79,9 @@ def decide(
         Whether second order separates balanced from stable.
     question : bool
         Whether the deciding open pairs of an undecided assembly are searched for.
+    proof_first : bool
+        Whether the proof that no motion exists is tried before settling, which is left out if the
+        proof succeeds. The level is the same.
 
     Examples
     --------
@@ -88,7 +92,7 @@ def decide(
     'stable'
     """
     work = Work() if work is None else work
-    decision = _first_order(assembly, contacts, require, work, known, question)
+    decision = _first_order(assembly, contacts, require, work, known, question, proof_first)
     if decision.verdict == "unstable":
         reason = doubts_of(assembly, contacts).explain_motion(decision.program)
         return (
@@ -108,6 +112,7 @@ def _first_order(
     work: Work,
     known: Judgement | None,
     question: bool,
+    proof_first: bool = False,
 ) -> Decision:
     """Decide an assembly by first-order motions, as if its coordinates were exact."""
     program = build_program(assembly, contacts)
@@ -125,7 +130,9 @@ def _first_order(
         reason = "the time limit was reached" if work.cut else _best_figures(judgement)
         return Decision("undecided", program, judgement, reasons=(reason,))
     if judgement.stable:
-        return _with_friction(assembly, contacts, program, judgement, require, work)
+        return _with_friction(
+            assembly, contacts, program, judgement, require, work, proof_first=proof_first
+        )
     outer = build_program(assembly, contacts, possible=True)
     # no open contacts: the motion is already proved against every contact
     if len(outer.part_a) == len(program.part_a):
@@ -165,6 +172,8 @@ def _with_friction(
     judgement: Judgement,
     require: str,
     work: Work,
+    *,
+    proof_first: bool,
 ) -> Decision:
     """Decide whether motions are excluded by proof, if friction allows an equilibrium."""
     # imported late, since the import of scipy.optimize is slow
@@ -177,12 +186,15 @@ def _with_friction(
         return Decision("potentially-stable", program, judgement, answer)
     if require == "equilibrium" or program.cohesion.any():
         return Decision("potentially-stable", program, judgement, not_asked(program))
-    if not can_be_tried(still_open(contacts.open_pairs, assembly)):
+    left_open = still_open(contacts.open_pairs, assembly)
+    if not can_be_tried(left_open):
         # the open pairs limit the level to equilibrium, whatever the certain contacts guarantee
         limited = OpenTrial(EQUILIBRIUM, 0)
         answer = not_asked(program)
         return Decision("potentially-stable", program, judgement, answer, trial=limited)
-    answer, trial = ask_friction(program, work=work), None
+    # with open pairs a proof alone is not enough: the answer may fall back to settling
+    proof_first = proof_first and not left_open
+    answer, trial = ask_friction(program, work=work, proof_first=proof_first), None
 
     def level(other: Program) -> int:
         if judge(other.frictionless, work=work).stable:

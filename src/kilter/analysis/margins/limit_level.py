@@ -9,7 +9,7 @@ decided. The total work of the decisions is bounded.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -78,11 +78,15 @@ class LevelDecisions:
         Work of each decision, as in a check.
     work : Work
         Work of all decisions together, and the time limit.
+    proved : list of bool
+        Whether each decision until now had a proof that no motion exists. A proof is likely beside
+        a proof, and then it is tried first.
     """
 
     level: str
     units: float
     work: Work
+    proved: list[bool] = field(default_factory=list)
 
     def reach(self, assembly: Assembly, contacts: ContactSet) -> bool:
         """Whether an assembly with these contacts reaches the verdict level."""
@@ -94,7 +98,9 @@ class LevelDecisions:
             work=part,
             second_order=False,
             question=False,
+            proof_first=any(self.proved[-1:]),
         )
+        self.proved.append(decision.friction is not None and decision.level == "proved")
         # equilibrium is not charged by the decision itself
         self.work.conic(JUDGED_STEPS, 12 * len(decision.program.part_a))
         self.work.charge(DECISION + part.spent)
@@ -102,7 +108,8 @@ class LevelDecisions:
 
     def share(self, fraction: float) -> LevelDecisions:
         """Copy of these decisions with a fraction of the remaining work."""
-        return LevelDecisions(self.level, self.units, self.work.fraction_left(fraction))
+        work = self.work.fraction_left(fraction)
+        return LevelDecisions(self.level, self.units, work, self.proved)
 
     def no_limit(self) -> NoLimit:
         """The reason why a level was not decided: the time limit, or no work left."""
