@@ -11,6 +11,7 @@ import pytest
 
 import kilter
 from kilter import Assembly
+from kilter.analysis.decision.cascade import decide
 from kilter.analysis.margins.level_limits import SHARE
 from kilter.analysis.margins.limit_level import (
     DECISION,
@@ -22,11 +23,12 @@ from kilter.analysis.margins.limit_level import (
 from kilter.analysis.margins.load_limit import NoLimit
 from kilter.assembly import Load
 from kilter.cli import main
+from kilter.contact import contacts
 from kilter.scenes import friction, scene, stacks
 from kilter.tell.levels import holds
 from kilter.tell.numbers import number
 from kilter.tell.text import text_of
-from kilter.work import Work
+from kilter.work import Work, units_of
 
 
 def decisions(allowed: float = np.inf) -> LevelDecisions:
@@ -163,3 +165,33 @@ def test_without_a_required_level_no_level_is_decided() -> None:
     margin = kilter.margin(stacks.block_on_slope(20.0, friction=0.5), pushed=[])
     assert margin.at_level is None
     assert margin.to_dict()["at_level"] is None
+
+
+@pytest.mark.quick("proved")
+@pytest.mark.parametrize(
+    ("assembly", "level"),
+    [
+        (stacks.block_on_slope(20.0, friction=0.5), "proved"),
+        (friction.h_block(friction=0.84), "equilibrium"),
+        (stacks.block_on_slope(20.0, friction=0.3), None),
+    ],
+    ids=["proved", "refuted", "unstable"],
+)
+def test_a_proof_that_is_tried_first_changes_no_level(assembly: Assembly, level: str) -> None:
+    touching = contacts(assembly)
+    usual = decide(assembly, touching, second_order=False)
+    first = decide(assembly, touching, second_order=False, proof_first=True)
+    assert usual.level == first.level == level
+    if level == "proved":  # nothing else was examined
+        assert len(usual.friction.tries) == usual.friction.settling.of
+        assert not first.friction.tries
+        assert first.friction.exclusion.proved
+
+
+@pytest.mark.slow
+def test_a_proof_is_tried_first_beside_a_proof_only() -> None:
+    search = LevelDecisions("settles", units_of(1), Work())
+    slope, squeezed = stacks.block_on_slope(20.0, friction=0.5), friction.h_block(friction=0.84)
+    assert search.reach(slope, contacts(slope))
+    assert not search.reach(squeezed, contacts(squeezed))
+    assert search.share(0.5).proved == [True, False]
