@@ -273,7 +273,7 @@ def test_too_little_memory_is_one_sentence(tmp_path: Path) -> None:
     import sys
 
     program = (
-        "import resource, sys, kilter.cli, kilter.cli.app, kilter.files.kilter_json\n"
+        "import resource, sys, kilter.cli, kilter.cli.judging, kilter.files.kilter_json\n"
         "import kilter.analysis.check\n"
         "held = int(open('/proc/self/statm').read().split()[0]) * resource.getpagesize()\n"
         "resource.setrlimit(resource.RLIMIT_AS, (held + 2**26,) * 2)\n"

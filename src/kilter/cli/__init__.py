@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
@@ -18,6 +19,9 @@ from kilter.cli.streams import is_full, open_closed_streams
 from kilter.threads import make_no_threads
 
 __all__ = ["main"]
+
+HELP: tuple[list[str], ...] = ([], ["--help"], ["-h"])
+"""Command lines that print the overview of the commands."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -36,6 +40,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if alone:
             # the command owns this process, so it may change threads and streams
             make_no_threads()
+            # plug-ins of pydantic are searched for in the metadata of every installed package
+            os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
             open_closed_streams()
         with warnings.catch_warnings(), interruptible(alone=alone) as heard:
             warnings.simplefilter("ignore")
@@ -72,6 +78,11 @@ def _read_ahead(words: list[str]) -> None:
 
 def _run(words: list[str]) -> int:
     """Run a command given as words; return its exit code, or that of wrong usage."""
+    if words in HELP:
+        from kilter.cli.overview import overview
+
+        print(overview())
+        return WRITTEN
     with suppress(OSError):
         _read_ahead(words)
     import typer
@@ -82,7 +93,8 @@ def _run(words: list[str]) -> int:
 
     try:
         given = with_two_names(with_several_names(with_floor_value(words)))
-        result = command()(given, prog_name="kilter", standalone_mode=False)
+        program = command(given[0] if given else None)
+        result = program(given, prog_name="kilter", standalone_mode=False)
         sys.stdout.flush()
         if result == INTERRUPTED:
             # the option parser converts an interruption into its exit code

@@ -8,50 +8,14 @@ from typing import Annotated, Any
 
 import typer
 
-from kilter.cli.batches import batch
-from kilter.cli.directions import margin, orient, region
-from kilter.cli.doctoring import doctor
-from kilter.cli.holding import hold
-from kilter.cli.improving import improve
-from kilter.cli.judging import check, contacts, example, verify
-from kilter.cli.pages import draw, report, view
-from kilter.cli.planning import plan
-from kilter.cli.saving import save
-from kilter.cli.transporting import transport
+from kilter.cli.overview import GROUPS, PURPOSE, overview
 
-__all__ = ["command"]
+__all__ = ["COMMANDS", "command"]
 
-GROUPS: dict[str, dict[Callable[..., int], str]] = {
-    "ask": {
-        check: "does it stay together, and which parts move if not?",
-        contacts: "which parts touch, and which nearly touch?",
-        orient: "in which orientation does it stay with the widest margin?",
-        region: "in which directions of gravity does it stay?",
-        margin: "how far may it tilt, how little friction does it need?",
-        transport: "how hard may it be accelerated?",
-    },
-    "plan": {
-        plan: "in which order can it be put together?",
-        hold: "which supports are the fewest that hold it?",
-        improve: "which toy brick makes it stand?",
-    },
-    "show": {
-        report: "write an offline page in 3D with all answers",
-        view: "show the page in the browser, updated with the file",
-        draw: "write a figure or a film",
-    },
-    "files": {
-        save: "save the options about a file for all later commands",
-        verify: "recompute a proof without any solver",
-        batch: "check many files, and write a table",
-        example: "list the built-in examples, or write one of them",
-        doctor: "test this installation",
-    },
-}
-"""Commands by group, each with its summary in a few words."""
-JUDGING = (check, orient, region, margin, transport, plan, hold)
-COMMANDS = tuple(entry for group in GROUPS.values() for entry in group)
-PURPOSE = "Does an assembly of rigid parts stay together under gravity? With a proof."
+Command = Callable[..., int]
+"""Function of a command: the values of its options become an exit code."""
+COMMANDS = tuple(name for group in GROUPS.values() for name in group)
+"""Names of all commands, in the order of the help text."""
 
 
 def _untyped(params: list[Any]) -> list[Any]:
@@ -76,42 +40,87 @@ class _Group(typer.core.TyperGroup):
         formatter.write(overview())
 
 
-def overview() -> str:
-    """Help text of the program: its purpose, and its commands in groups."""
-    lines = [PURPOSE, ""]
-    for group, entries in GROUPS.items():
-        for k, (entry, summary) in enumerate(entries.items()):
-            lines.append(f"{'' if k else group:7}{entry.__name__:10}{summary}")
-    return (
-        "\n".join(
-            [
-                *lines,
-                "",
-                "options: kilter COMMAND --help; kilter --version, kilter --install-completion",
-            ]
-        )
-        + "\n"
+def command(name: str | None = None) -> Any:
+    """Create the program with its commands and their help texts.
+
+    Parameters
+    ----------
+    name : str, optional
+        Name of the only command to create, for a short start-up. All commands are created if it
+        is missing or no command has this name.
+    """
+    app = typer.Typer(
+        name="kilter",
+        cls=_Group,
+        help=PURPOSE,
+        invoke_without_command=True,
+        pretty_exceptions_enable=False,
+        context_settings={"help_option_names": ["-h", "--help"]},
     )
-
-
-app = typer.Typer(
-    name="kilter",
-    cls=_Group,
-    help=PURPOSE,
-    invoke_without_command=True,
-    pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
-
-
-def command() -> Any:
-    """Create the program with all its commands and their help texts."""
+    app.callback()(kilter_options)
+    for function in _functions(name if name in COMMANDS else None):
+        app.command(cls=_Command)(function)
     program = typer.main.get_command(app)
-    for entry in (program, *getattr(program, "commands", {}).values()):
-        entry.help = _help_text(entry.help)
-        for option in entry.params:
+    for described in (program, *getattr(program, "commands", {}).values()):
+        described.help = _help_text(described.help)
+        for option in described.params:
             option.help = _help_text(getattr(option, "help", None))
     return program
+
+
+def _functions(name: str | None) -> list[Command]:
+    """The function of a command, or the functions of all commands in the order of the help text.
+
+    Only the modules that contain them are imported.
+    """
+    loaders = LOADERS if name is None else [load for load in LOADERS if name in LOADERS[load]]
+    functions = {each.__name__: each for load in loaders for each in load()}
+    return [functions[each] for each in (COMMANDS if name is None else (name,))]
+
+
+def _judging() -> tuple[Command, ...]:
+    from kilter.cli.judging import check, contacts, example, verify
+
+    return check, contacts, example, verify
+
+
+def _directions() -> tuple[Command, ...]:
+    from kilter.cli.directions import margin, orient, region
+
+    return margin, orient, region
+
+
+def _pages() -> tuple[Command, ...]:
+    from kilter.cli.pages import draw, report, view
+
+    return draw, report, view
+
+
+def _plans() -> tuple[Command, ...]:
+    from kilter.cli.holding import hold
+    from kilter.cli.improving import improve
+    from kilter.cli.planning import plan
+
+    return hold, improve, plan
+
+
+def _others() -> tuple[Command, ...]:
+    from kilter.cli.batches import batch
+    from kilter.cli.doctoring import doctor
+    from kilter.cli.saving import save
+    from kilter.cli.transporting import transport
+
+    return batch, doctor, save, transport
+
+
+LOADERS: dict[Callable[[], tuple[Command, ...]], tuple[str, ...]] = {
+    _judging: ("check", "contacts", "example", "verify"),
+    _directions: ("margin", "orient", "region"),
+    _pages: ("draw", "report", "view"),
+    _plans: ("hold", "improve", "plan"),
+    _others: ("batch", "doctor", "save", "transport"),
+}
+"""Functions that import the commands of these names."""
 
 
 def _help_text(text: str | None) -> str | None:
@@ -129,7 +138,6 @@ def _version(wanted: bool) -> None:
         raise typer.Exit
 
 
-@app.callback()
 def kilter_options(
     context: typer.Context,
     version: Annotated[
@@ -142,7 +150,3 @@ def kilter_options(
     """Handle the options of the program. Without a command, print the help."""
     if context.invoked_subcommand is None:
         print(context.get_help())
-
-
-for _function in COMMANDS:
-    app.command(cls=_Command)(_function)

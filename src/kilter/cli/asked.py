@@ -13,6 +13,7 @@ from kilter.cli.arguments import ToleranceOptions, reading_of
 from kilter.cli.colour import in_colour
 from kilter.cli.exit_codes import VERDICT
 from kilter.cli.output import as_json, emit, keep_apart, tell_warnings, tell_written, write_whole
+from kilter.cli.quick_scipy import import_scipy_quickly
 from kilter.errors import InputError, TimeLimitReached, shell_words
 
 if TYPE_CHECKING:
@@ -92,6 +93,7 @@ class Asked:
         InputError
             If a value is invalid, or the answer would overwrite the file.
         """
+        import_scipy_quickly()
         reading = reading_of(
             *(given[key] for key in ("ground", "floor", "without", "down", "friction")),
             *(given[key] for key in ("units", "density")),

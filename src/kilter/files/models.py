@@ -33,7 +33,8 @@ Pair = Annotated[list[Name], Field(min_length=2, max_length=2)]
 class Entry(BaseModel):
     """An object of the assembly file; unknown keys are errors."""
 
-    model_config = ConfigDict(extra="forbid")
+    # only the model of a whole file validates, so the models of its entries need no validators
+    model_config = ConfigDict(extra="forbid", defer_build=True)
 
 
 class PoseEntry(Entry):
@@ -151,7 +152,9 @@ class PartEntry(Entry):
     """A rigid part with exactly one shape: mesh, box, cylinder, sphere, polygon, step or solid."""
 
     model_config = ConfigDict(
-        extra="forbid", json_schema_extra={"oneOf": [{"required": [key]} for key in SHAPES]}
+        extra="forbid",
+        defer_build=True,
+        json_schema_extra={"oneOf": [{"required": [key]} for key in SHAPES]},
     )
 
     name: Name
@@ -281,7 +284,7 @@ class BondEntry(Entry):
 class AssemblyFile(Entry):
     """An assembly of rigid parts: shapes, poses, held parts, contacts, joints, bonds and loads."""
 
-    model_config = ConfigDict(extra="forbid", title="kilter assembly")
+    model_config = ConfigDict(extra="forbid", defer_build=True, title="kilter assembly")
 
     kilter: Literal[1]
     units: Literal["m", "cm", "mm", "in"] = Field("m", description="unit of every length")

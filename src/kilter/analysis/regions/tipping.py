@@ -24,15 +24,18 @@ from __future__ import annotations
 
 import heapq
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
 
 from kilter.analysis.turning_tolerances import NO_PROJECTION, NO_RISE, SAME_RAY
 from kilter.arrays import Array, Index, Mask, across, connected, cross, unit_rows
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.lowest import lowest_heights
 from kilter.assembly.surfaces import FREE, SPHERE, TORUS
+
+if TYPE_CHECKING:
+    from scipy.spatial import ConvexHull
 
 __all__ = ["Tipping", "find_tipping"]
 
@@ -99,6 +102,8 @@ def _corners(geometry: Geometry, part: int) -> Array:
 
 def _of_polyhedron(corners: Array, down: Array, size: float) -> Tipping | None:
     """Tipping of a polyhedron over the edges of its hull; None if not in an energy minimum."""
+    from scipy.spatial import ConvexHull, QhullError  # slow to import
+
     try:
         hull = ConvexHull(corners)
     except QhullError:
@@ -174,6 +179,8 @@ def _lowest_pass(base: int, rests: Mask, links: tuple[Index, Index], levels: Arr
 
 def _base_distance(base: Array, down: Array) -> float:
     """Distance from the foot of the centre of mass to the nearest base edge [length unit]."""
+    from scipy.spatial import ConvexHull  # slow to import
+
     flat = ConvexHull(base @ np.stack(across(down), axis=1))
     return float(-flat.equations[:, 2].max())
 

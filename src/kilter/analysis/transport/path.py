@@ -34,7 +34,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.optimize import nnls
 
 from kilter.analysis.margins.load_limit import Limit, NoLimit, find_limit, finite, starting
 from kilter.analysis.transport.carrier import load_matrix
@@ -194,6 +193,8 @@ class _PathSearch:
         points = self.carried
         if not len(points):
             return False
+        from scipy.optimize import nnls  # slow to import
+
         cone = not (self.program.has_strength or self.program.applied.any())
         size = np.maximum(np.abs(points).max(axis=0), np.abs(load))
         used = size > 0.0

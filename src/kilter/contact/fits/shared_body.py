@@ -18,7 +18,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-import manifold3d
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, distinct_rows
@@ -55,6 +54,8 @@ class PartSolids:
 
     def _make(self, part: int) -> Any:
         """Merge the corners of a part's triangles into a solid; None if they enclose no volume."""
+        import manifold3d  # slow to import
+
         g = self.geometry
         rounds, box = self.finer or (0, (g.center[part], g.center[part]))
         corners, rows = refine(g, part, rounds, box)

@@ -21,7 +21,6 @@ from scipy.sparse import csr_array
 
 from kilter.arrays import Array
 from kilter.second_order.gaps.stationary import Stationary
-from kilter.solvers.clarabel import solve_semidefinite
 from kilter.solvers.semidefinite import SemidefiniteProgram
 from kilter.work import Work
 
@@ -110,6 +109,8 @@ def _solve(
 
     None if the solver fails, or the work is over.
     """
+    from kilter.solvers.clarabel import solve_semidefinite
+
     if work.over:
         return None
     bodies, gain = forms

@@ -1,0 +1,49 @@
+"""Names of the commands in groups, and the help text of the program.
+
+The module imports nothing, so that `kilter --help` needs neither the parser of options nor the
+modules of the commands.
+"""
+
+from __future__ import annotations
+
+__all__ = ["GROUPS", "PURPOSE", "overview"]
+
+GROUPS: dict[str, dict[str, str]] = {
+    "ask": {
+        "check": "does it stay together, and which parts move if not?",
+        "contacts": "which parts touch, and which nearly touch?",
+        "orient": "in which orientation does it stay with the widest margin?",
+        "region": "in which directions of gravity does it stay?",
+        "margin": "how far may it tilt, how little friction does it need?",
+        "transport": "how hard may it be accelerated?",
+    },
+    "plan": {
+        "plan": "in which order can it be put together?",
+        "hold": "which supports are the fewest that hold it?",
+        "improve": "which toy brick makes it stand?",
+    },
+    "show": {
+        "report": "write an offline page in 3D with all answers",
+        "view": "show the page in the browser, updated with the file",
+        "draw": "write a figure or a film",
+    },
+    "files": {
+        "save": "save the options about a file for all later commands",
+        "verify": "recompute a proof without any solver",
+        "batch": "check many files, and write a table",
+        "example": "list the built-in examples, or write one of them",
+        "doctor": "test this installation",
+    },
+}
+"""Names of the commands by group, each with its summary in a few words."""
+PURPOSE = "Does an assembly of rigid parts stay together under gravity? With a proof."
+
+
+def overview() -> str:
+    """Help text of the program: its purpose, and its commands in groups."""
+    lines = [PURPOSE, ""]
+    for group, entries in GROUPS.items():
+        for k, (name, summary) in enumerate(entries.items()):
+            lines.append(f"{'' if k else group:7}{name:10}{summary}")
+    options = "options: kilter COMMAND --help; kilter --version, kilter --install-completion"
+    return "\n".join([*lines, "", options]) + "\n"
