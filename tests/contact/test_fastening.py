@@ -105,7 +105,7 @@ def test_glob_that_matches_nothing_names_the_nearest():
         fastened(stack(), [("pots", "arm-*")])
     with pytest.raises(InputError, match="no part is named 'arms-"):
         fastened(stack(), [("post", "arms-*")])
-    with pytest.raises(InputError, match="not two names"):
+    with pytest.raises(InputError, match="does not have two names"):
         fastened(stack(), [("post",)])
 
 

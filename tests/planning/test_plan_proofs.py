@@ -131,7 +131,7 @@ def falls_in_a_step(proof: Proof) -> None:
 
 
 CHANGES: list[tuple[str, str, Change]] = [
-    ("arch", "its residual is not that of its forces", more_force),
+    ("arch", "its stated residual differs from that of its forces", more_force),
     ("no order", "its fastest part does not move by 1", other_motion),
     (
         "tower",
@@ -187,7 +187,7 @@ CHANGES: list[tuple[str, str, Change]] = [
     ),
     (
         "arch",
-        "it changes more than the present and held parts",
+        "it changes more than which parts are present and which are held",
         lambda p: entries(p, "step")[0]["change"].update(mu=5.0),
     ),
     ("arch", "of the unknown kind 'else'", lambda p: entries(p, "step")[0].update(about="else")),

@@ -195,7 +195,7 @@ def test_a_changed_number_is_refused() -> None:
     steep = int(np.flatnonzero(~level)[0])
     forces = proof.forces.copy()
     forces[steep] = 1e-3
-    assert "level face" in judge_level_rest(program, level, LevelRest(forces, proof.motion))
+    assert "not horizontal" in judge_level_rest(program, level, LevelRest(forces, proof.motion))
     for column, by in ((0, 2.0), (2, 0.5), (3, 0.5), (4, 0.5), (5, 0.5)):
         motion = proof.motion.copy()
         motion[3, column] += by  # past its neighbour, or not level

@@ -29,7 +29,7 @@ from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, DROPS
 from kilter.shape.primitives import Box
 
 X, Y, Z = np.eye(3)
-TILT = "its forces leave the tilt of a part open"
+TILT = "its forces do not exclude a tilt of a part"
 Point = tuple[str, str, Any, Any]
 """Part a, part b, the contact point, and the normal from a to b."""
 
@@ -82,7 +82,7 @@ def test_it_holds_as_it_is(mass: float) -> None:
 def test_numbers_are_of_the_parts_and_contacts() -> None:
     program, forces = stands()
     level, motion = all_level(program), shift(program)
-    none = "its numbers are not those of the parts and contacts"
+    none = "its numbers do not match the parts and contacts"
     assert judge_level_rest(program, level, LevelRest(forces[:-1], motion)) == none
     assert judge_level_rest(program, level, LevelRest(forces, motion[:-1])) == none
     for bad in (np.nan, np.inf):
@@ -97,7 +97,7 @@ def test_no_force_pulls_and_what_is_not_level_carries_nothing() -> None:
     twice = program.taking(np.append(np.arange(4), 0))
     pulls = np.append(forces, -1.0)
     pulls[0] += 1.0
-    none = "a force acts off the level faces"
+    none = "a force acts at a face that is not horizontal"
     assert wrong_forces(twice, all_level(twice), pulls) == none
     assert wrong_forces(twice, all_level(twice), np.append(forces, 0.0)) == ""
     walls: list[Point] = [("base", "0", [0, 0, 0], sense * X) for sense in (1, -1)]
@@ -131,7 +131,7 @@ def test_parts_do_not_bear_one_another_around() -> None:
     points += on_feet("0", "1", 0.5, -0.5) + on_feet("1", "0", 0.5, -0.5)
     program = program_of(points, [1.0, 1.0])
     forces = np.full(16, 9.81 / 4)
-    around = "parts support one another in a ring"
+    around = "parts support each other in a ring"
     assert wrong_forces(program, all_level(program), forces) == around
     forces[8:] = 0.0
     assert wrong_forces(program, all_level(program), forces) == ""
@@ -203,7 +203,7 @@ def test_a_motion_is_a_level_shift_of_what_is_free() -> None:
     held = shift(program)
     held[0, 1] = 1.0
     assert wrong_motion(program, level, held) == "its motion moves held parts"
-    none = "its motion is not a level shift of the parts"
+    none = "its motion is not a horizontal shift of the parts"
     assert wrong_motion(program, level, np.zeros((2, 6))) == none
     turning = shift(program)
     turning[1, 5] = 1e-3

@@ -104,7 +104,7 @@ def test_what_does_not_lock_is_refused() -> None:
     proof = proved(problem, faces)
     assert judge_locked(problem, faces, proof) == ""
     hollow = dataclasses.replace(problem, forms=-problem.forms)
-    assert "lock" in judge_locked(hollow, faces, proof)
+    assert "exclude every turn" in judge_locked(hollow, faces, proof)
     some = proof.stress.copy()
     some[0] = 0.0
     assert "press" in judge_locked(problem, faces, LockedTurns(proof.forces, some))

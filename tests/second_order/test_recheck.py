@@ -56,15 +56,15 @@ def scaled(by: float) -> Callable[[Any], Any]:
     return made
 
 
-FORM = "not of its form"
-OWN = "its state or its counts are not"
+FORM = "do not have the required form"
+OWN = "its stated result or counts differ"
 DAMAGES = [
     ("held", "state", "free", OWN),
     ("held", "neutral", 1, OWN),
     ("held", "free", 1, OWN),
     ("held", "held", scaled(1.1), "do not balance"),
     ("held", "held", scaled(-1.0), "pulls"),
-    ("held", "held", lambda old: old[:-1], "not those of the contacts"),
+    ("held", "held", lambda old: old[:-1], "a finite force for each contact"),
     ("held", "held", lambda old: [[one] for one in old], FORM),
     ("held", "held", ["nan"] * 6, FORM),
     ("held", "held", lambda old: [str(one) for one in old], FORM),
@@ -77,7 +77,7 @@ DAMAGES = [
     ("level", "neutral", 2, OWN),
     ("level", "free", 2, OWN),
     ("level", "level", scaled(1.1), "do not balance"),
-    ("level", "motion", {"block": [0, 0, 1, 0, 0, 0]}, "not a level shift"),
+    ("level", "motion", {"block": [0, 0, 1, 0, 0, 0]}, "not a horizontal shift"),
     ("level", "motion", {"floor": [1, 0, 0, 0, 0, 0]}, FORM),
     ("level", "motion", {}, FORM),
     ("level", "motion", None, FORM),
@@ -96,24 +96,24 @@ DAMAGES = [
     ("minimum", "state", "balanced", OWN),
     ("minimum", "neutral", 4, OWN),
     ("minimum", "free", 5, OWN),
-    ("minimum", "basis", lambda old: old[:1], "not all that its forces leave neutral"),
-    ("minimum", "across", lambda old: old[:1], "not all that its forces leave neutral"),
+    ("minimum", "basis", lambda old: old[:1], "leave other motions neutral"),
+    ("minimum", "across", lambda old: old[:1], "leave other motions neutral"),
     ("minimum", "forces", lambda old: [scaled(1.1)(old[0])], "do not balance"),
     ("minimum", "forces", [], FORM),
     ("minimum", "weights", [[[1.0]]], "weights of its sides"),
     ("minimum", "weights", [[[1.0, 2.0]]], FORM),
-    ("minimum", "sides", [[1.0, 0.0]], "not the row of a contact"),
+    ("minimum", "sides", [[1.0, 0.0]], "not belong to a contact"),
     ("minimum", "rolling", "holds", "only a balanced cluster"),
-    ("cones", "splits", lambda old: old[:3], "fewer than the orthants"),
-    ("cones", "splits", lambda old: old[:4], "no tree"),
-    ("cones", "splits.0", [0, 3], "no tree"),
+    ("cones", "splits", lambda old: old[:3], "fewer cones than orthants"),
+    ("cones", "splits", lambda old: old[:4], "do not form a tree"),
+    ("cones", "splits.0", [0, 3], "do not form a tree"),
     ("cones", "splits.0", [2, 1.5], ""),
     ("cones", "weights.0", lambda old: [scaled(-1.0)(one) for one in old], "weights of its sides"),
     ("rolls", "state", "minimum", OWN),
     ("rolls", "free", 4, OWN),
-    ("idle", "idle", [], "no minimum"),
+    ("idle", "idle", [], "only of a proof of a minimum"),
     ("idle", "idle", [0], "do not balance"),
-    ("idle", "idle", [0, 1], "not those of the contacts"),
+    ("idle", "idle", [0, 1], "a finite force for each contact"),
     ("idle", "idle", [2], FORM),
     ("idle", "state", "minimum", OWN),
     ("idle", "state", "balanced", OWN),
@@ -126,13 +126,13 @@ DAMAGES = [
     ("odd", "motion", {"ball": [0, 0, 0, 0, 0, 1]}, "only spins parts"),
     ("odd", "motion", {"ball": [0, 0, 0, 0, 0, -1]}, "does not open the contacts"),
     ("pair", "motion", {"ball": [0] * 6, "other": [1, 0, 0, 0, 0, 0]}, "does not open"),
-    ("unknown", "idle", None, "free past contacts whose second order is not known"),
-    ("unknown", "idle", [0], "free past contacts whose second order is not known"),
+    ("unknown", "idle", None, "free although the curvature at some contacts is unknown"),
+    ("unknown", "idle", [0], "free although the curvature at some contacts is unknown"),
     ("unknown", "state", "free", OWN),
     ("path", "state", "minimum", OWN),
-    ("path", "first", scaled(1.0 + 1e-6), "does not lead down"),
-    ("path", "first", scaled(0.0), "does not lead down"),
-    ("path", "second", scaled(-1.0), "does not lead down"),
+    ("path", "first", scaled(1.0 + 1e-6), "not decrease along its path"),
+    ("path", "first", scaled(0.0), "not decrease along its path"),
+    ("path", "second", scaled(-1.0), "not decrease along its path"),
     ("path", "second", None, FORM),
     ("path", "neutral", 5, OWN),
     ("path", "free", 3, OWN),
@@ -142,7 +142,7 @@ DAMAGES = [
     ("place", "configuration", None, "no configuration"),
     ("place", "configuration", scaled(-1.0), "not on its path"),
     ("beside", "configuration", None, "no configuration"),
-    ("mesh", "second", scaled(-1.0), "does not lead down"),
+    ("mesh", "second", scaled(-1.0), "not decrease along its path"),
     ("joined", "state", "free", OWN),
     ("joined", "state", "open", OWN),
     ("joined", "neutral", 5, OWN),
@@ -181,10 +181,10 @@ def test_beside_what_falls_nothing_else_is_to_be_known() -> None:
 @pytest.mark.parametrize(
     ("kind", "of", "more", "reason"),
     [
-        ("mesh", "locked", {}, "known too roughly"),
-        ("mesh", "stopped", {}, "known too roughly"),
-        ("doubtful", "rolls", {}, "known too roughly"),
-        ("unknown", "path", {}, "not every contact has a second order"),
+        ("mesh", "locked", {}, "not known exactly enough"),
+        ("mesh", "stopped", {}, "not known exactly enough"),
+        ("doubtful", "rolls", {}, "not known exactly enough"),
+        ("unknown", "path", {}, "the curvature is not known at every contact"),
         ("sharp", "rolls", {}, "edges and corners without a unique normal"),
     ],
 )
@@ -237,7 +237,7 @@ def test_a_path_on_a_mesh_is_one_on_every_surface_it_may_stand_for() -> None:
     assert kilter.verify(true, proof).holds
     near["second_order"] = proof["second_order"]
     near["digest"] = digest_of(near)
-    assert any("does not lead down" in one for one in kilter.verify(other, near).reasons)
+    assert any("not decrease along its path" in one for one in kilter.verify(other, near).reasons)
 
 
 def test_what_is_level_to_second_order_is_not_free_for_that() -> None:
@@ -319,12 +319,22 @@ def down_a_ball(step: float, opens: float) -> dict[str, Any]:
         ("place", 0.01, 0.25, []),
         ("place", 0.05, 0.25, []),
         ("near", 0.005, 0.25, []),
-        ("near", 0.02, 0.25, ["its second order: its configuration is not apart"]),
+        ("near", 0.02, 0.25, ["its second order: parts penetrate each other in its configuration"]),
         # apart by opens step^2 / 2, lower by (1/2 - opens) step^2 / 2
-        ("place", 2.2e-6, 0.45, ["its second order: its configuration is not lower"]),
-        ("place", 2.2e-6, 0.05, ["its second order: its configuration is not apart"]),
+        ("place", 2.2e-6, 0.45, ["its second order: the energy of its configuration is not lower"]),
+        (
+            "place",
+            2.2e-6,
+            0.05,
+            ["its second order: parts penetrate each other in its configuration"],
+        ),
         ("place", 3.5e-6, 0.25, []),
-        ("place", 1e-3, 1.1e-6, ["its second order: its configuration is not apart"]),
+        (
+            "place",
+            1e-3,
+            1.1e-6,
+            ["its second order: parts penetrate each other in its configuration"],
+        ),
         ("place", 2e-3, 1.1e-6, []),
     ],
 )
@@ -339,7 +349,7 @@ def test_cones_are_counted_before_they_are_made() -> None:
     """Five motions have 16 orthants, up to sign."""
     judge, data = proved("rolls")
     forged = data | {"basis": data["across"], "across": [], "free": 0}
-    for count, reason in ((15, "fewer than the orthants"), (16, "")):
+    for count, reason in ((15, "fewer cones than orthants"), (16, "")):
         reasons = judge(forged | {"splits": [None] * count})
         assert any(reason in one for one in reasons)
         assert any("orthants" in one for one in reasons) == bool(reason)

@@ -142,4 +142,4 @@ def test_a_proof_for_the_surface_as_recognised_alone_is_refused(
     assert proof["second_order"]["state"] == state
     found = kilter.verify(near, proof)
     assert not found.holds
-    assert any("curve upward" in one or "lead down" in one for one in found.reasons)
+    assert any("curve upward" in one or "decrease along its path" in one for one in found.reasons)

@@ -52,13 +52,13 @@ def test_a_ball_rolls_off_a_ball_and_back_in_a_bowl(number: str, state: str) -> 
 
 @pytest.mark.parametrize("number", ["R2", "R3", "R6"])
 def test_in_space_falling_is_proved_above_a_limit_and_nothing_below(number: str) -> None:
-    """Below it the energy rises, but rolling is not holonomic."""
+    """Below it the energy rises, but its rolling depends on the path, which is not modelled."""
     case = rolling_case(number)
     assert case.limit is not None
     assert rolled(case.build(case.limit + OFF))[1].state == "falls"
     below = rolled(case.build(case.limit - OFF))[1]
     assert below.state == "open"
-    assert below.why == "rolling is not holonomic"
+    assert below.why == "its rolling depends on the path, which is not modelled"
     assert below.curvature > -1e-9
 
 
@@ -108,7 +108,7 @@ def test_a_hook_falls_over_sideways_in_space() -> None:
 def test_a_board_on_two_rollers_does_not_roll() -> None:
     _, found = rolled(rolling_case("R9").build(0.0))
     assert (found.state, found.dimension) == ("open", 0)
-    assert "not determined" in found.why
+    assert "not unique" in found.why
 
 
 @pytest.mark.parametrize("h", [0.3, 0.6, 0.9])

@@ -154,18 +154,18 @@ def test_what_stops_nothing_is_refused() -> None:
 
     stops = ~question[1]
     pressed = np.where(stops, 1e-3, proof.forces)
-    assert "off the level contacts" in word(forces=pressed)
-    assert "off the level contacts" in word(forces=-proof.forces)
+    assert "contact that is not horizontal" in word(forces=pressed)
+    assert "contact that is not horizontal" in word(forces=-proof.forces)
     assert "do not balance" in word(forces=1.01 * proof.forces)
-    assert "not those of the parts" in word(forces=proof.forces[1:])
+    assert "do not match the parts" in word(forces=proof.forces[1:])
     assert "not finite" in word(weights=np.nan * proof.weights)
     assert "not positive" in word(weights=-proof.weights)
     assert "not positive" in word(weights=np.zeros_like(proof.weights))
     assert "not positive" in word(weights=proof.weights[1:])
     assert "not match the curvature" in word(weights=1.01 * proof.weights)
     assert "does not open every stop" in word(opening=-proof.opening)
-    assert "not level" in word(opening=0 * proof.opening)
-    assert "not level" in word(opening=proof.opening + 0.1)
+    assert "not horizontal" in word(opening=0 * proof.opening)
+    assert "not horizontal" in word(opening=proof.opening + 0.1)
     high = asked(case_of("24b").build(0.3))
     assert "does not curve upward" in judge_stopped(*high, proof)
 

@@ -83,7 +83,7 @@ def recheck_exclusion(program: Program, data: dict[str, Any]) -> tuple[list[str]
     except MalformedProof as error:
         return [f"the steps that exclude every motion cannot be repeated ({error})"], []
     if not left <= none:
-        return [f"its steps leave motions of {left:.3g} of the power of free fall"], []
+        return [f"its steps do not exclude motions with {left:.3g} of the power of free fall"], []
     note = f"no motion obeys Coulomb's law: {len(steps)} steps by {data['kind']} repeated"
     return [], [note + (f", assuming {data['assumes']}" if data["assumes"] else "")]
 

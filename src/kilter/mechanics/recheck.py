@@ -121,7 +121,7 @@ def _subject_objections(
     if not _agree(proof["gravity"], assembly.gravity, gravity):
         reasons.append(f"its gravity is {proof['gravity']}, the file's {assembly.gravity.tolist()}")
     if not _agree(proof["down"], assembly.down, 1.0):
-        reasons.append("its direction of gravity is not the file's")
+        reasons.append("its direction of gravity differs from that of the file")
     if proof["planar"] != assembly.planar or proof["units"] != assembly.units:
         reasons.append("the proof and the file differ in `planar` or in units")
     reasons += _part_objections(program, proof["parts"])
@@ -139,19 +139,19 @@ def _subject_objections(
         for load in assembly.loads
     ]
     if loads != file_loads:
-        reasons.append("its loads are not the file's")
+        reasons.append("its loads differ from those of the file")
     keys = ("parts", "kind", "point", "axis")
     joints = [[entry[key] for key in keys] for entry in proof["joints"]]
     file_joints = joints_of(assembly, program, None)
     if joints != [[entry[key] for key in keys] for entry in file_joints]:
-        reasons.append("its joints are not the file's")
+        reasons.append("its joints differ from those of the file")
     return reasons
 
 
 def _part_objections(program: Program, parts: list[dict[str, Any]]) -> list[str]:
     """Objections to the parts of a proof, at most 10."""
     if [part["name"] for part in parts] != list(program.names):
-        return ["its parts are not the file's"]
+        return ["its parts differ from those of the file"]
     reasons = []
     for k, part in enumerate(parts):
         if part["grounded"] == bool(program.free[k]):
@@ -181,17 +181,17 @@ def _point_objections(
     size = float(np.abs(program.point).max()) + float(program.radius.max())
     reasons = []
     if not _agree([p["x"] for p in points], program.point[rows], size):
-        reasons.append("its contact points are not where the file's are")
+        reasons.append("its contact points are at other places than those of the file")
     if not _agree([p["normal"] for p in points], program.normal[rows], 1.0):
-        reasons.append("its contact normals are not the file's")
+        reasons.append("its contact normals differ from those of the file")
     if not _agree([p["mu"] for p in points], coefficients(contacts, program, rows), 1.0):
-        reasons.append("its friction coefficients are not the file's")
+        reasons.append("its friction coefficients differ from those of the file")
     pulls = [p.get("pull", 0.0) for p in points]
     tied = [p.get("tied", False) for p in points]
     strongest = float(program.pull.max(initial=0.0))
     same_pull = _agree(pulls, program.pull[rows], strongest) and tied == program.tied[rows].tolist()
     if not same_pull or not _same_shear(program, rows, [p.get("shear") for p in points]):
-        reasons.append("its bonds are not the file's")
+        reasons.append("its bonds differ from those of the file")
     return reasons
 
 
@@ -275,7 +275,7 @@ def _recheck_forces(program: Program, proof: dict[str, Any]) -> tuple[float, lis
     reasons += joint_objections
     judged = check_forces(program, forces, friction)
     if not _agree(judged.residual, proof["certificate"]["residual"], 1.0):
-        reasons.append("its residual is not that of its forces")
+        reasons.append("its stated residual differs from that of its forces")
     if not judged.holds:
         reasons.append(f"the forces leave {judged.residual:.3g} of a part's weight unbalanced")
     return judged.residual, reasons
@@ -384,14 +384,14 @@ def _recheck_motion(
             f"{judged.violation:.3g}: that proves nothing"
         )
     if proof["open_pairs"] != open_pairs_of(assembly, contacts):
-        reasons.append("its open pairs are not the file's, so the motion may be blocked")
+        reasons.append("its open pairs differ from those of the file, so the motion may be blocked")
     sizes = part_sizes(outer, motion, per_radius=False)
     if not _agree(sizes.max(initial=0.0), 1.0, 1.0):
         reasons.append("its fastest part does not move by 1")
     if outer.planar and motion[:, [1, 3, 5]].any():
         reasons.append("its motion leaves the plane")
     if not _agree(judged.violation, proof["certificate"]["violation"], 1.0):
-        reasons.append("its violation is not that of its motion")
+        reasons.append("its stated violation differs from that of its motion")
     claimed = float(proof["certificate"]["power"])
     # near a limit the power is a small difference of large terms (cancellation)
     terms = float(np.abs(outer.load * motion).sum())

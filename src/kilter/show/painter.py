@@ -25,8 +25,7 @@ __all__ = ["Camera", "Polygon", "back_to_front", "visible_triangles"]
 WORK = 400_000
 """Number of tests of a polygon against a plane up to which the order is exact."""
 MANY = 200
-"""Number of polygons of a group above which only the largest, and an even sample, serve as planes.
-"""
+"""Number of polygons in a group above which only the largest, not an even sample, are planes."""
 THICK = 1e-6
 """Distance from a plane below which a corner counts as in the plane [size of the scene]."""
 TRIED = 5

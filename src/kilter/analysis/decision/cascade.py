@@ -271,4 +271,4 @@ def _unclear_reason(contacts: ContactSet, bound: Judgement, work: Work) -> str:
         return f"with every possible contact, {_best_figures(bound)}"
     if contacts.open_pairs:
         return "open pairs and round rims, taken together, could hold it"
-    return "the polygon in place of a round face could hold it, but the circle might not"
+    return "a polygon replaces a round face: the polygon could hold it, but the circle might not"

@@ -82,7 +82,7 @@ class Degenerates:
         if self.branching:
             sentences.append(
                 "where edges and corners meet without a unique normal, every possible normal was "
-                "tried: it is stable for all of them (without a proof file)"
+                "tried: it is stable for all of them (no proof file can be written)"
             )
         if self.approximation is not None:
             word = "stable" if self.approximation else "unstable"

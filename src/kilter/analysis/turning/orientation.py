@@ -415,7 +415,9 @@ def _open_questions(
         )
     if contacts.open_pairs:
         why.append(f"open pairs could hold it: {open_pair_names(assembly, contacts)}")
-    return why or ["the polygon in place of a round face could hold it, but the circle might not"]
+    return why or [
+        "a polygon replaces a round face: the polygon could hold it, but the circle might not"
+    ]
 
 
 def _none_is_stable(program: Program, best: DiamondOptimum) -> bool:

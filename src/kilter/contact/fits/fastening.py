@@ -74,7 +74,9 @@ def fastened(
     """
     patterns = [tuple(pair) for pair in pairs]
     if any(len(pair) != 2 for pair in patterns):
-        raise InputError("something to fasten is not two names", hint="give pairs of names")
+        raise InputError(
+            "an entry of the pairs to fasten does not have two names", hint="give pairs of names"
+        )
     if not (patterns or suggested or overlaps):
         return assembly
     matched = [tuple(_parts_matching(assembly, pattern) for pattern in pair) for pair in patterns]

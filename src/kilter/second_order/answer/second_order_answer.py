@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 
 __all__ = ["LATE", "SPENT", "SecondOrder", "answer_of", "open_answer"]
 
-LATE = "the time limit was met"
-SPENT = "its work is spent; level strict or a higher effort continues"
+LATE = "the time limit was reached"
+SPENT = "its work limit is reached; --require strict or a higher --effort continues"
 NAMED = 3
 """Number of parts that a phrase names; it counts the others."""
 

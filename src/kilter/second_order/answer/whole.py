@@ -210,7 +210,7 @@ class _ClusterSearch:
             return open_answer(f"more than {most} free parts touch each other", program)
         self.parts_so_far += count
         if self.parts_so_far > MOST_IN_ALL:
-            why = f"more than {MOST_IN_ALL} parts would have to be decided by their gaps"
+            why = f"more than {MOST_IN_ALL} parts would need second derivatives of their gaps"
             return open_answer(why, program)
         answer = None if self.work.over else self._by_gaps(cluster)
         if answer is None or (answer.state == "open" and self.work.over):

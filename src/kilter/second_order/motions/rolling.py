@@ -130,15 +130,19 @@ def _result(
         np.abs(np.linalg.norm(np.cross(program.normal, program.down), axis=1)).max() < BALANCED
     )
     sure = unique or (count == 2 and program.free.sum() == 1)  # a squeeze does no work
-    why = "friction is not determined"
+    why = "its friction forces are not unique"
     if dimension and least < -CURVED:
         if (holonomic and sure) or (unique and count == 1 and upright):
             return Rolling("falls", dimension, least, "", forces, motion)
-        why = why if not unique else "rolling is not holonomic"
+        why = why if not unique else "its rolling depends on the path, which is not modelled"
     elif sure:
         if holonomic and (not dimension or least > CURVED):
             return Rolling("holds", dimension, least, "", forces, motion)
-        why = "it is too near a limit" if holonomic else "rolling is not holonomic"
+        why = (
+            "it is too close to the boundary of two answers"
+            if holonomic
+            else "its rolling depends on the path, which is not modelled"
+        )
     return Rolling("open", dimension, least, why, forces, motion)
 
 

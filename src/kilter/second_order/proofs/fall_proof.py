@@ -97,7 +97,7 @@ class Fall:
         """Verify the proof of a fall: the reason of failure, or the state and counts it proves."""
         path, wrong = self.path, []
         if abs(float(np.linalg.norm(path.first)) - 1) > ACROSS or not path.falls:
-            wrong.append("its path does not lead down")
+            wrong.append("the energy does not decrease along its path")
         wrong += self._wrong_place(facts.certain)
         if facts.certain is not facts:
             scale = facts.certain.problem.scale
@@ -113,16 +113,16 @@ class Fall:
         if self.place is None:
             if by_path_alone(facts) and self.path.one_form:
                 return []
-            return ["it has no configuration that is apart and lower"]
+            return ["it has no configuration with lower energy and without penetration"]
         columns = scaled_columns(program, problem, self.place[None])[:, 0]
         if not is_on(self.path, columns):
             return ["its configuration is not on its path"]
         wrong = []
         apart = separation_at(facts.assembly, facts.contacts, program, problem, self.place)
         if apart is None or not apart > APART * problem.length:
-            wrong.append("its configuration is not apart")
+            wrong.append("parts penetrate each other in its configuration")
         if not problem.load @ columns > APART:
-            wrong.append("its configuration is not lower")
+            wrong.append("the energy of its configuration is not lower")
         return wrong
 
 
@@ -193,4 +193,4 @@ def find_configuration(
             )
         if apart > APART * problem.length and energy < -APART:
             return Configuration(motion, apart, energy * problem.weight * problem.length), ""
-    return None, "a path leads down, but no exact configuration on it was found to be apart"
+    return None, "a path leads down, but no exact configuration without penetration was found on it"

@@ -55,7 +55,7 @@ def judge_held(program: Program, proof: Held) -> str:
     """Reason why a proof of held parts (without friction) fails; empty if it is valid."""
     forces = proof.forces
     if forces.shape != program.part_a.shape or not np.isfinite(forces).all():
-        return "its forces are not those of the contacts"
+        return "it does not have a finite force for each contact"
     if (forces < 0).any():
         return "a contact force pulls"
     limit = max(BALANCED, float(program.tolerance.max(initial=0.0)))

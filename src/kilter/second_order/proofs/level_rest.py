@@ -56,7 +56,7 @@ __all__ = ["LevelRest", "judge_level_rest", "level_rows", "wrong_forces", "wrong
 
 MOST_CHANGED = 0.5
 """Largest relative change of a force by the correction that balances the load exactly [-]."""
-OPEN_TILT = "its forces leave the tilt of a part open"
+OPEN_TILT = "its forces do not exclude a tilt of a part"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -118,7 +118,7 @@ def judge_level_rest(
         Sharp points, which a single normal may open; without them every row has to open.
     """
     if proof.forces.shape != level.shape or proof.motion.shape != (len(program.names), 6):
-        return "its numbers are not those of the parts and contacts"
+        return "its numbers do not match the parts and contacts"
     if not (np.isfinite(proof.forces).all() and np.isfinite(proof.motion).all()):
         return "its numbers are not finite"
     wrong = wrong_forces(program, level, proof.forces)
@@ -128,13 +128,13 @@ def judge_level_rest(
 def wrong_forces(program: Program, level: Mask, forces: Array) -> str:
     """Reason why forces, (K,) [N], do not prove a rest on horizontal faces; empty if they do."""
     if not (forces >= 0).all() or forces[~level].any():
-        return "a force acts off the level faces"
+        return "a force acts at a face that is not horizontal"
     if not unbalanced(program, forces) <= BALANCED:
         return "its forces do not balance the load"
     carries = forces > CARRIES * forces.max(initial=TINY)
     bearing = bearing_of(program, level & carries)
     if bearing is None:
-        return "parts support one another in a ring"
+        return "parts support each other in a ring"
     return _wrong_tilts(program, bearing, forces)
 
 
@@ -182,7 +182,7 @@ def wrong_motion(
     flat = level_axes(program)
     off = np.abs(moved - moved @ flat.T @ flat).max(initial=0.0)
     if size == 0 or off > ACROSS * size or motion[:, 3:].any():
-        return "its motion is not a level shift of the parts"
+        return "its motion is not a horizontal shift of the parts"
     apart = moved[program.part_b] - moved[program.part_a]
     opens = np.einsum("ij,ij->i", program.normal, apart) > DROPS * size
     if sharp is not None:

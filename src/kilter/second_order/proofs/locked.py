@@ -107,7 +107,7 @@ def judge_locked(problem: Stationary, faces: Faces, proof: LockedTurns) -> str:
     """Reason why a proof of locked turns fails; empty if it is valid."""
     count = len(problem.rows)
     if proof.forces.shape != (count,) or proof.stress.shape != (count,):
-        return "its forces are not those of the contacts"
+        return "it does not have a finite force for each contact"
     if not (np.isfinite(proof.forces).all() and np.isfinite(proof.stress).all()):
         return "its numbers are not finite"
     if problem.rows.shape[1] % 6 or not faces.flat.all() or not _wide(faces):
@@ -123,12 +123,12 @@ def judge_locked(problem: Stationary, faces: Faces, proof: LockedTurns) -> str:
     neutral = null_space(problem.rows, problem.blur)
     scaled, every = proof.stress / most, np.ones(count, dtype=bool)
     if not carry_beyond_doubt(problem, scaled, every, neutral, np.zeros_like(problem.load)):
-        return "its self-stress presses by rounding"
+        return "its self-stress is no larger than rounding errors"
     free, across = shifts(problem)
     if np.abs(problem.load @ free).max(initial=0.0) > ACROSS:
         return "its shifts cost energy"
     if not definite(problem.curvature(scaled, across)):
-        return "its self-stress does not lock every turn"
+        return "its self-stress does not exclude every turn"
     return ""
 
 

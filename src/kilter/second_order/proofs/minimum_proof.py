@@ -108,10 +108,10 @@ class MinimumProof:
         basis, free = (stacked(program, problem, data[key]) for key in ("basis", "across"))
         size = basis.shape[1]
         if any(len(side) != size for side in sides):
-            raise MalformedProof("a side is not over the basis")
+            raise MalformedProof("an inequality has the wrong length")
         # counted before the cones are built: their number doubles with each dimension
         if data["splits"] and len(data["splits"]) < 2 ** (size - 1):
-            raise MalformedProof("its cones are fewer than the orthants")
+            raise MalformedProof("it has fewer cones than orthants")
         if len(data["forces"]) != len(data["weights"]):
             raise MalformedProof("its forces and weights are not of the same cones")
         return cls(
@@ -129,7 +129,7 @@ class MinimumProof:
         """Verify the proof of a minimum: why it fails, or the state and counts it proves."""
         known = facts.known
         if not known.all() and self.free.shape[1]:
-            return "motions count as free past contacts whose second order is not known"
+            return "it calls motions free although the curvature at some contacts is unknown"
         wrong = judge_minimum(facts.problem.taking(known), self, facts.bounded(1.0).taking(known))
         if wrong:
             return wrong
@@ -227,7 +227,7 @@ def judge_minimum(problem: Stationary, proof: MinimumProof, worst: Stationary | 
         half = not len(proof.sides)
         cones = list(leaf_cones(proof.basis.shape[1], proof.splits, half=half))
     except ValueError as error:
-        return f"its cones are no tree: {error}"
+        return f"its cones do not form a tree: {error}"
     if len(cones) != len(proof.leaves):
         return "it does not have a set of forces for each cone"
     basis = neutral @ (neutral.T @ proof.basis)  # errors of the basis might curve upward
@@ -248,7 +248,7 @@ def _positive(weights: Array) -> bool:
 def _wrong_forces(problem: Stationary, forces: Array) -> str:
     """Reason why forces, (K,), are not an equilibrium of pushing contacts; empty if they are."""
     if forces.shape != (len(problem.rows),) or not np.isfinite(forces).all():
-        return "its forces are not those of the contacts"
+        return "it does not have a finite force for each contact"
     if (forces < 0).any():
         return "a contact force pulls"
     balanced = problem.imbalance(forces) <= max(BALANCED, problem.blur)
@@ -270,9 +270,9 @@ def _wrong_spaces(problem: Stationary, proof: MinimumProof, carries: Mask, neutr
         return "its motions are not of length 1 and across one another"
     opened = np.abs(problem.rows[carries] @ spanned).max(initial=0.0)
     if spanned.shape != neutral.shape or opened > ACROSS:
-        return "its motions are not all that its forces leave neutral"
+        return "its forces leave other motions neutral, too"
     if not carry_beyond_doubt(problem, forces, carries, neutral, problem.load):
-        return "its forces carry by rounding"
+        return "its forces are no larger than rounding errors"
     if np.abs(problem.rows @ proof.free).max(initial=0.0) > ACROSS:
         return "a free motion opens a contact"
     if len(proof.sides):
@@ -280,7 +280,7 @@ def _wrong_spaces(problem: Stationary, proof: MinimumProof, carries: Mask, neutr
         turns = np.linalg.norm(other, axis=1) > ACROSS  # a vanishing row has no direction
         apart = proof.sides[:, None] - unit_rows(other[turns])
         if not (np.linalg.norm(apart, axis=2).min(axis=1, initial=np.inf) < ACROSS).all():
-            return "a side is not the row of a contact"
+            return "an inequality does not belong to a contact"
     return ""
 
 
@@ -291,9 +291,9 @@ def _wrong_free(problem: Stationary, proof: MinimumProof, forces: Array) -> str:
     size = max(1.0, float(np.abs(curvature).max(initial=0.0)))
     level = np.abs(curvature[:, proof.basis.shape[1] :]).max(initial=0.0) <= LEVEL * size
     if not level:
-        return "the energy is not level along its free motions"
+        return "the energy changes along its free motions"
     flush = not problem.one_form(both)[forces > 0].all()
-    return "a corner on edges of both parts carries and may slip off" if flush else ""
+    return "a loaded corner lies on edges of both parts and may slip off" if flush else ""
 
 
 def definite(matrix: Array) -> bool:

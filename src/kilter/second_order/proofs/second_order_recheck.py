@@ -86,7 +86,7 @@ def recheck_second_order(
             _kind_of(entry)
         return _wrong(assembly, contacts, program, data)
     except MalformedProof as fault:
-        return [f"its second order is not of its form ({fault})"]
+        return [f"its second-order data do not have the required form ({fault})"]
 
 
 def _entries(data: dict[str, Any]) -> list[dict[str, Any]]:
@@ -105,7 +105,7 @@ def _kind_of(entry: Any) -> type[SecondOrderProof]:
     fault = ENTRY(entry, "")
     kind = None if fault else next((KINDS[key] for key in KINDS if key in entry), None)
     if kind is None:
-        raise MalformedProof(fault or "it is no proof of any kind")
+        raise MalformedProof(fault or "it is not a proof of a known kind")
     if fault := kind.FORM(entry, ""):
         raise MalformedProof(fault)
     return kind
@@ -173,7 +173,7 @@ def _wrong_proof(facts: ClusterFacts, entry: dict[str, Any]) -> str:
     if isinstance(judged, str):
         return judged
     claimed = (entry["state"], entry.get("neutral"), entry.get("free"))
-    return "" if claimed == judged else "its state or its counts are not those of its proof"
+    return "" if claimed == judged else "its stated result or counts differ from those of its proof"
 
 
 def _wrong_surfaces(surfaces: str, facts: ClusterFacts) -> str:
@@ -186,8 +186,8 @@ def _wrong_surfaces(surfaces: str, facts: ClusterFacts) -> str:
         return "edges and corners without a unique normal are not left out"
     known = bool(facts.known.all())
     if facts.features.doubted and not (known and surfaces != "exact"):
-        return "its surfaces are known too roughly"
-    return "" if known or surfaces != "all" else "not every contact has a second order"
+        return "its surfaces are not known exactly enough"
+    return "" if known or surfaces != "all" else "the curvature is not known at every contact"
 
 
 def _wrong_without_idle(facts: ClusterFacts, entry: dict[str, Any]) -> str:
@@ -199,10 +199,10 @@ def _wrong_without_idle(facts: ClusterFacts, entry: dict[str, Any]) -> str:
     program, contacts = facts.program, facts.contacts
     kept = np.ones(len(program.part_a), dtype=bool)
     if max(entry["idle"], default=-1) >= len(kept) or min(entry["idle"], default=0) < 0:
-        raise MalformedProof("its idle contacts do not exist")
+        raise MalformedProof("it leaves out contacts that do not exist")
     kept[entry["idle"]] = False
     if _kind_of(entry) is not MinimumProof or kept.all():
-        return "contacts are left out of a proof of no minimum"
+        return "contacts may be left out only of a proof of a minimum"
     word = _wrong_proof(facts.taking(kept), entry)
     if word or entry["state"] == "minimum":
         return word
@@ -242,7 +242,7 @@ def _wrong_joined(data: dict[str, Any]) -> list[str]:
     states += ["open"] * (len(data["clusters"]) - len(given))
     claimed = {key: data[key] for key in ("neutral", "free") if key in data}
     agrees = data["state"] == joined_state(states) != "open" and claimed == counts(given)
-    return [] if agrees else ["its state or its counts are not those of its clusters"]
+    return [] if agrees else ["its stated result or counts differ from those of its clusters"]
 
 
 def _wrong_rolling(

@@ -236,12 +236,12 @@ def judge_stopped(
         Orthonormal basis of the symmetries (`FreeMotions.symmetries`).
     """
     if proof.forces.shape != level.shape or proof.opening.shape != problem.load.shape:
-        return "its numbers are not those of the parts and contacts"
+        return "its numbers do not match the parts and contacts"
     given = (proof.forces, proof.weights, proof.opening)
     if not all(np.isfinite(values).all() for values in given):
         return "its numbers are not finite"
     if (proof.forces < 0).any() or proof.forces[~level].any():
-        return "a force acts off the level contacts"
+        return "a force acts at a contact that is not horizontal"
     if problem.imbalance(proof.forces) > max(BALANCED, problem.blur):
         return "its forces do not balance the load"
     kept = max(
@@ -249,11 +249,11 @@ def judge_stopped(
         np.abs(problem.load @ motions).max(initial=0.0),
     )
     if kept > ACROSS:
-        return "a level motion opens a level contact, or costs energy"
+        return "a horizontal motion opens a horizontal contact, or costs energy"
     size = float(np.linalg.norm(proof.opening))
     off = proof.opening - motions @ (motions.T @ proof.opening)
     if not size > 0 or np.abs(off).max(initial=0.0) > ACROSS * size:
-        return "its motion is not level"
+        return "its motion is not horizontal"
     if not (problem.rows[~level] @ proof.opening > DROPS * size).all():
         return "its motion does not open every stop"
     return _wrong_forms(stop_forms(problem, level, motions, free, proof.forces), proof.weights)
@@ -262,11 +262,11 @@ def judge_stopped(
 def _wrong_forms(forms: StopForms, weights: Array) -> str:
     """Reason why these matrices and weights do not prove a minimum; empty if they do."""
     if not forms.carried:
-        return "its forces carry by rounding"
+        return "its forces are no larger than rounding errors"
     if not forms.one_form:
-        return "a corner on edges of both parts carries and may slip off"
+        return "a loaded corner lies on edges of both parts and may slip off"
     if forms.uneven > LEVEL * forms.size:
-        return "the energy is not level along its level motions"
+        return "the energy changes along its horizontal motions"
     if not forms.tilts.shape[1]:
         return ""
     if weights.shape != (len(forms.stops_level), len(forms.rises)) or not (weights > 0).all():
@@ -280,7 +280,7 @@ def _wrong_forms(forms: StopForms, weights: Array) -> str:
         return "its weights do not match the curvature of the energy"
     mixed = forms.stops_tilts.T @ weights @ forms.rises
     if not definite(forms.curvature - (mixed + mixed.T) / 2):
-        return "the energy does not curve upward across the level motions"
+        return "the energy does not curve upward across the horizontal motions"
     return ""
 
 

@@ -171,7 +171,7 @@ class _Question:
             return self._decide_on_basis(rest, stress)
         forces = self.critical.forces[self.critical.carries]
         return self._strengthened_minimum(forces, stress) or self._open(
-            "the numbers carry no proof"
+            "numerical errors prevent a proof"
         )
 
     def _no_weights(self) -> Array:
@@ -408,7 +408,7 @@ class _Question:
         else:
             if not todo:
                 return self._minimum(tuple(splits), tuple(leaves))
-        return self._open("it is too near a limit, or of a higher order")
+        return self._open("it is too close to the boundary of two answers, or needs a higher order")
 
     def _curves(self, basis: Array, forces: Array, sides: Array, weights: Array) -> bool:
         """True if forces curve the energy upward by more than the weighted inequalities."""

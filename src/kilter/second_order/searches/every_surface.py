@@ -16,9 +16,7 @@ from kilter.work import Work
 
 __all__ = ["decided_for_all"]
 
-TOO_NEAR = (
-    "it is too near a limit for surfaces that were recognised in meshes: they are known too roughly"
-)
+TOO_NEAR = "the surfaces recognised in meshes are not known exactly enough to decide"
 
 
 def decided_for_all(

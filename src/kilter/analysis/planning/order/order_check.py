@@ -73,7 +73,8 @@ def wrong_order(
             yield f"{kind} {_subject_names(entry)}: the verdict of its state is {verdict}"
         if set(change) - CHANGES - MORE.get(kind, set()):
             subject = _subject_names(entry)
-            yield f"{kind} {subject}: it changes more than the present and held parts"
+            more = "it changes more than which parts are present and which are held"
+            yield f"{kind} {subject}: {more}"
     shows = ("step", "falls alone", "finished falls", "locked", "refused")
     if not (any(entries[kind] for kind in shows) or _is_held(assembly, entries)):
         yield "it has neither an order nor a proof that there is none"
@@ -129,8 +130,8 @@ def _wrong_impossibility(
     excludes = bool(entries["falls alone"] or entries["refused"])
     if excludes and (given["groups"] or given["turn"]):
         yield (
-            "a proof that no order exists is valid only if parts move singly and gravity does not "
-            "turn"
+            "a proof that no order exists is valid only if parts move one at a time and gravity "
+            "does not turn"
         )
     yield from _wrong_closure(assembly, entries["falls alone"])
     if entries["refused"]:
@@ -261,7 +262,7 @@ def _wrong_closure(assembly: Assembly, falling: Sequence[About]) -> Iterator[str
         change = entry["change"]
         present = set(assembly.names) - set(change["without"])
         if present != reached | {entry["part"]} or set(change["held"]) != reached - base:
-            yield f"{entry['part']!r} is not proved to fall on all parts that can be reached"
+            yield f"{entry['part']!r} is not proved to fall from the parts that can stand"
 
 
 def _wrong_exhaustion(
@@ -310,7 +311,7 @@ def _wrong_locking(
         name, change = entry["part"], entry["change"]
         standing = set(assembly.names) - set(change["without"])
         if name in base or standing != core | base or set(change["held"]) != core - {name}:
-            yield f"the state that locks {name!r} is not that of the base and the locked parts"
+            yield f"the proof for {name!r} has other parts than the base and the locked parts"
             continue
         present = np.array([other in standing for other in assembly.names])
         held = present & (np.array(assembly.names) != name)
