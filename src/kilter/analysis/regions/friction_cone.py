@@ -148,7 +148,9 @@ class _Cutting:
         self.program, self.progress = program, progress
         self.wide: ConeProblem = cone_problem(program)
         self.opening = Opening(self.wide)
-        self.axes = np.array([gravity_wrench(program, axis) for axis in np.eye(3)])
+        axes = np.array([gravity_wrench(program, axis) for axis in np.eye(3)])
+        # only the cost depends on the direction, so the matrices are built once
+        self.nearest = nearest_load(self.wide, axes, np.zeros(3))
         self.rays: list[DirectionProof] = []
         self.facets: list[DirectionProof] = []
         self.slack = 0.0
@@ -200,7 +202,8 @@ class _Cutting:
         self.programs += 1
         if self.progress is not None:
             self.progress(f"directions that are held: conic program {self.programs}")
-        answer = solve_conic(nearest_load(self.wide, self.axes, direction), tolerance=CONIC_SHARP)
+        cost = np.concatenate([self.nearest.cost[:-3], -direction])
+        answer = solve_conic(replace(self.nearest, cost=cost), tolerance=CONIC_SHARP)
         if not answer.found:
             return self._from_within(direction, np.pi)
         nearest = answer.x[-3:]
@@ -250,9 +253,10 @@ class _Cutting:
 
         for angle in steps:
             # twice as far as where it just holds: a reader's rounding is another
-            if judged(angle).certificate.holds and judged(2 * angle).certificate.holds:
+            farther = judged(2 * angle)
+            if farther.certificate.holds and judged(angle).certificate.holds:
                 self.slack = max(self.slack, 2 * angle if on.any() else 0.0)
-                return judged(2 * angle)
+                return farther
         return None
 
     def _from_within(self, direction: Array, angle: float) -> tuple[float, DirectionProof | None]:
