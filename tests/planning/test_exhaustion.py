@@ -103,5 +103,8 @@ def test_a_proof_that_is_changed_is_refused(change: str) -> None:
         else:
             proof["rules"]["precedence"] = []
 
-    why = {"free": "other parts are free in the proof", "turn": "valid only if parts move one at a time"}
+    why = {
+        "free": "other parts are free in the proof",
+        "turn": "valid only if parts move one at a time",
+    }
     assert why.get(change, "do not exclude every order") in wrong(from_both_sides(1), changed)
