@@ -49,6 +49,22 @@ def test_shares_count_together():
     assert Work(math.inf).until(0.0).over
 
 
+def test_the_total_includes_separate_budgets_and_may_end_all_of_them():
+    work = Work(1000.0)
+    work.beside(10.0).charge(10.0)
+    work.until(0.5).charge(5.0)
+    assert (work.total, work.spent) == (15.0, 5.0)
+    other = work.whole(100.0, 50.0)
+    assert (other.allowed, other.total) == (50.0, 0.0)
+    other.beside().charge(99.0)
+    assert not other.late
+    assert not other.over
+    other.beside(1e9).charge(1.0)
+    assert not other.cut  # nobody was stopped yet
+    assert other.beside().late
+    assert (other.cut, work.late, work.total) == (True, False, 15.0)
+
+
 def test_steps_that_are_left_never_fall_to_none():
     work = Work(1000.0)
     few = work.steps(10**9, 10_000)
@@ -89,6 +105,7 @@ def test_a_time_limit_ends_it_with_work_left_and_is_remembered(monkeypatch):
     assert part.over
     assert work.cut
     assert work.beside().late
+    assert work.whole(1e9).late
     assert work.seconds == LEAST  # a step that has begun may end
 
 

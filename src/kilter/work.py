@@ -79,10 +79,16 @@ def units_of(effort: float) -> float:
 
 @dataclass(slots=True)
 class _Clock:
-    """Deadline [s], time of the last progress message [s], whether the deadline ended a step."""
+    """Deadlines, and the state of a computation and of all its separate budgets.
+
+    `deadline` and the time of the last progress message `said` are in seconds; `units` of all
+    budgets together may reach `most`. `cut` is True once a deadline cut work.
+    """
 
     deadline: float
     said: float
+    most: float = inf
+    units: float = 0.0
     cut: bool = False
 
 
@@ -142,15 +148,23 @@ class Work:
         return max(self.allowed - self.spent, 0.0)
 
     @property
+    def total(self) -> float:
+        """Units of work of the whole computation, including separate budgets (`beside`)."""
+        return self._clock.units
+
+    @property
     def late(self) -> bool:
-        """True if the time limit is reached, from then on for ever; a caller then stops."""
-        if isfinite(self._clock.deadline) and perf_counter() >= self._clock.deadline:
-            self._clock.cut = True
-        return self._clock.cut
+        """True if the time limit or the limit of `whole` is reached, from then on for ever."""
+        clock = self._clock
+        if clock.units >= clock.most or (
+            isfinite(clock.deadline) and perf_counter() >= clock.deadline
+        ):
+            clock.cut = True
+        return clock.cut
 
     @property
     def cut(self) -> bool:
-        """True if the time limit ended any step of the computation."""
+        """True if the time limit, or the limit of `whole`, ended any step of the computation."""
         return self._clock.cut
 
     @property
@@ -167,6 +181,7 @@ class Work:
     def charge(self, units: float) -> None:
         """Add units of work to those that are spent."""
         self._count[0] += units
+        self._clock.units += units
 
     def conic(self, iterations: int, entries: int) -> None:
         """Charge the work of a solved conic program."""
@@ -229,6 +244,20 @@ class Work:
         part = Work(allowed, self._progress)
         part._clock = self._clock
         return part
+
+    def whole(self, most: float, allowed: float = inf) -> Work:
+        """Budget of another computation with the same deadline, which ends as late work ends.
+
+        Parameters
+        ----------
+        most : float
+            Largest `total` of the other computation [units]: all its budgets end there.
+        allowed : float
+            Units of this budget.
+        """
+        other = Work(allowed, self._progress)
+        other._clock = _Clock(self._clock.deadline, self._clock.said, most)
+        return other
 
     def _share(self, allowed: float, since: float) -> Work:
         part = self.beside(allowed)

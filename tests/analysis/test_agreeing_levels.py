@@ -5,6 +5,7 @@ assemblies of others, and are skipped without them.
 """
 
 import json
+from dataclasses import replace
 from html import unescape
 from pathlib import Path
 
@@ -38,6 +39,13 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureF
         return code, json.loads(capsys.readouterr().out)
 
     return command
+
+
+def result_is(typed: dict, remedy: dict) -> bool:
+    """Whether the answer with typed options has the result that the line of a remedy states."""
+    if remedy["leads_to"] is None:  # only forces of equilibrium were decided
+        return typed["level"] is not None
+    return typed["verdict"] == remedy["leads_to"]
 
 
 def sunk() -> Assembly:
@@ -200,38 +208,86 @@ def test_without_friction_the_sentence_states_it_and_mu_is_a_remedy() -> None:
     assert verdict.sentence.startswith("Unstable: without friction")
     assert verdict.remedies == ()  # mu .3 is not enough at 20 deg
     (remedy,) = kilter.check(stacks.block_on_slope(10.0)).remedies
-    rough = kilter.check(stacks.block_on_slope(10.0, friction=0.3))
-    assert (remedy.option, remedy.leads_to) == ("--friction 0.3", rough.verdict)
-    assert rough.verdict == "stable"
+    rough = kilter.check(stacks.block_on_slope(10.0, friction=0.3), require="equilibrium")
+    assert (remedy.option, remedy.leads_to) == ("--friction 0.3", None)
+    assert remedy.level == rough.level == "equilibrium"
 
 
-@pytest.mark.parametrize(
-    ("charge", "levels"),
-    [
-        (0.2e6, ["settles", "settles", "settles"]),
-        (0.6e6, ["settles", "equilibrium"]),
-        (1.1e6, ["settles"]),
-    ],
-)
-def test_the_work_of_all_remedies_together_is_limited(
-    monkeypatch: pytest.MonkeyPatch, charge: float, levels: list[str]
-) -> None:
-    tried: list[str] = []
+def tried(
+    monkeypatch: pytest.MonkeyPatch, charge: float, verdict_units: float, require: str
+) -> tuple[list[str], list[tuple[str | None, str | None]], float]:
+    """Levels of the tries of four friction coefficients, their results, and their work [units].
+
+    Each try charges `charge` units to the tries of a verdict of `verdict_units` units.
+    """
+    levels: list[str] = []
+    totals: list[float] = []
     decide = remedies.decide
 
     def charged(*arguments, require: str, work: Work, **options) -> Decision:
-        tried.append(require)
+        levels.append(require)
         work.charge(charge)
-        return decide(*arguments, require="equilibrium", work=work, **options)
+        decision = decide(*arguments, require=require, work=work, **options)
+        totals.append(work.total)
+        return replace(decision, units=work.total)
 
-    changes = [remedies._Change(friction=mu) for mu in (0.21, 0.22, 0.23, 0.24)]
     monkeypatch.setattr(remedies, "decide", charged)
+    changes = [remedies._Change(friction=mu) for mu in (0.21, 0.22, 0.23, 0.24)]
     monkeypatch.setattr(remedies, "_changes", lambda *_: iter(changes))
-    answers = kilter.check(stacks.block_on_slope(10.0)).remedies
-    assert tried == levels
-    stated = [None if level == "equilibrium" else "potentially-stable" for level in levels]
-    assert [remedy.leads_to for remedy in answers] == stated
-    assert {remedy.level for remedy in answers} == {"equilibrium"}
+    verdict = kilter.check(stacks.block_on_slope(10.0))
+    decision = replace(verdict.decision, units=verdict_units)
+    found = remedies.find_remedies(
+        verdict.assembly, verdict.contacts, decision, require=require, work=Work(1e6)
+    )
+    return levels, [(remedy.leads_to, remedy.level) for remedy in found], sum(totals)
+
+
+@pytest.mark.parametrize(("charge", "tries"), [(10.0, 3), (30e3, 2), (80e3, 1)])
+def test_a_cheap_verdict_pays_only_for_equilibrium_forces(
+    monkeypatch: pytest.MonkeyPatch, charge: float, tries: int
+) -> None:
+    levels, found, units = tried(monkeypatch, charge, 1e3, "settles")
+    assert levels == ["equilibrium"] * tries
+    assert found == [(None, "equilibrium")] * tries
+    assert units <= remedies.LEAST_WORK
+
+
+def test_a_costly_verdict_pays_for_the_required_level(monkeypatch: pytest.MonkeyPatch) -> None:
+    levels, found, units = tried(monkeypatch, 0.0, 2e6, "settles")
+    assert levels == [*["equilibrium"] * 3, "settles"]
+    assert found == [("stable", "proved")]  # a larger change is not offered
+    assert units <= 2e6
+
+
+def test_a_guarantee_that_lacks_work_is_not_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    levels, found, _ = tried(monkeypatch, 0.3e6, 1.8e6, "settles")
+    assert levels == [*["equilibrium"] * 3, *["settles"] * 3]
+    assert found == [(None, "equilibrium")] * 3
+
+
+def test_forces_decide_a_remedy_if_equilibrium_is_required(monkeypatch: pytest.MonkeyPatch) -> None:
+    levels, found, _ = tried(monkeypatch, 0.0, 1e3, "equilibrium")
+    assert levels == ["equilibrium"] * 3
+    assert found == [("potentially-stable", "equilibrium")] * 3
+
+
+@pytest.mark.quick("slot")
+@pytest.mark.parametrize("name", ["slot", "paper-figure-4", "wall-with-opening", "hanging-brick"])
+def test_the_remedies_of_a_scene_cost_no_more_work_than_its_verdict_or_the_least(
+    monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    decide, totals = remedies.decide, []
+
+    def counted(*arguments, work: Work, **options) -> Decision:
+        decision = decide(*arguments, work=work, **options)
+        totals.append(work.total)
+        return decision
+
+    monkeypatch.setattr(remedies, "decide", counted)
+    verdict = kilter.check(scene(name))
+    assert verdict.remedies is not None
+    assert totals
+    assert 0 < sum(totals) <= max(verdict.decision.units, remedies.LEAST_WORK)
 
 
 @needs_shared
@@ -282,7 +338,7 @@ def test_a_heatsink_of_others_falls_without_friction_and_its_remedy_is_typed(run
     assert answer["remedies"]
     for remedy in answer["remedies"]:
         typed = run("check", sink, *remedy["option"].split())[1]
-        assert typed["verdict"] == remedy["leads_to"]
+        assert result_is(typed, remedy)
 
 
 @needs_shared
@@ -320,4 +376,4 @@ def test_a_printed_remedy_of_a_flange_has_the_result_that_it_states(run) -> None
     _, answer = run("check", flange)
     assert answer["remedies"]
     for remedy in answer["remedies"]:
-        assert run("check", flange, *remedy["option"].split())[1]["verdict"] == remedy["leads_to"]
+        assert result_is(run("check", flange, *remedy["option"].split())[1], remedy)

@@ -34,7 +34,12 @@ from kilter.contact.smooth.smooth_joints import find_smooth
 from kilter.contact.unknown import unknown_contacts
 from kilter.errors import InputError
 
-__all__ = ["contacts", "contacts_side_by_side", "detected_with_friction"]
+__all__ = [
+    "contacts",
+    "contacts_side_by_side",
+    "detected_with_friction",
+    "friction_needs_detection",
+]
 
 
 def contacts(
@@ -257,8 +262,7 @@ def detected_with_friction(detected: ContactSet, mu: float) -> ContactSet:
         Friction coefficient of all pairs [-].
     """
     assembly = detected.assembly.with_friction(mu)
-    # forces beside a fitted normal depend on friction, and listed contacts may have their own
-    if detected.patch_doubt.any() or assembly.contacts:
+    if friction_needs_detection(detected):
         return contacts(assembly, tolerance=detected.tolerance)
     possible = detected.possible
     # the last rows are forces of open pairs in any direction, which have no friction
@@ -271,6 +275,14 @@ def detected_with_friction(detected: ContactSet, mu: float) -> ContactSet:
         patch_mu=certain_friction(mu, detected.patch_doubt),
         possible=dataclasses.replace(possible, mu=of_pairs),
     )
+
+
+def friction_needs_detection(detected: ContactSet) -> bool:
+    """True if contacts with another friction coefficient cannot be derived from detected contacts.
+
+    Forces beside a fitted normal depend on friction, and listed contacts may have their own.
+    """
+    return bool(detected.patch_doubt.any() or detected.assembly.contacts)
 
 
 def _with_friction(assembly: Assembly, possible: PossibleContacts) -> PossibleContacts:

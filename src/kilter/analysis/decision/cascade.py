@@ -92,17 +92,15 @@ def decide(
     'stable'
     """
     work = Work() if work is None else work
+    before = work.total
     decision = _first_order(assembly, contacts, require, work, known, question, proof_first)
     if decision.verdict == "unstable":
         reason = doubts_of(assembly, contacts).explain_motion(decision.program)
-        return (
-            dataclasses.replace(decision, verdict="undecided", reasons=(reason,))
-            if reason
-            else decision
-        )
-    if not second_order or decision.verdict != "stable" or decision.friction is not None:
-        return decision
-    return _with_second_order(decision, assembly, contacts, require, work)
+        if reason:
+            decision = dataclasses.replace(decision, verdict="undecided", reasons=(reason,))
+    elif second_order and decision.verdict == "stable" and decision.friction is None:
+        decision = _with_second_order(decision, assembly, contacts, require, work)
+    return dataclasses.replace(decision, units=work.total - before)
 
 
 def _first_order(

@@ -41,6 +41,8 @@ class Decision:
         The open pairs that decide an undecided verdict.
     trial : OpenTrial or None
         The level with the open pairs as ordinary contacts, if friction guarantees a level.
+    units : float
+        Work of the solvers for this decision (`kilter.work`) [units].
     """
 
     verdict: Word
@@ -51,6 +53,7 @@ class Decision:
     reasons: tuple[str, ...] = ()
     question: OpenQuestion | None = None
     trial: OpenTrial | None = None
+    units: float = 0.0
 
     @property
     def level(self) -> str | None:

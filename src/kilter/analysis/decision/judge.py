@@ -267,6 +267,12 @@ def _solve_with_word(
     from kilter.solvers.highs import solve_linear
 
     answer = solve_linear(lp, **options)
+    work, entries = options["work"], lp.matrix.nnz
+    if options["method"] == "interior":
+        work.conic(answer.iterations, entries)
+    else:
+        work.loaded(entries)
+        work.linear(answer.iterations, entries)
     return answer, f"{word}: {answer.solver}, {answer.iterations} iterations, {answer.outcome}"
 
 
@@ -401,6 +407,7 @@ def _by_own_cones(program: Program, work: Work) -> Iterator[_Candidate]:
     balance = load_share(program)
     word, steps = "load factor in cones: kilter, {} iterations, {}", 0
     for step in iterates(balance.cones):
+        work.conic(step.number - steps, balance.cones.columns.size)
         steps = step.number
         x, y = step.balanced(), step.against()
         if x is not None:

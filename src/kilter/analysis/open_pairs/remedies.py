@@ -4,15 +4,16 @@ A remedy is a set of options of the command line. It is applied to the assembly 
 it (joints, tolerance, friction), and the cascade of `kilter.check` decides the result at the
 required level. The answer prints the option with this result.
 
-All tries together have the work limit of a check, or the work of the verdict if it is greater.
-Half of it serves tries at the required level. With the other half only the existence of
-equilibrium forces is decided, and the answer then reports this fact alone. No try starts after it.
+All tries together have the work of the verdict itself, or `LEAST_WORK` if that is more. First each
+option is decided by equilibrium forces, which cost about as much as an unstable verdict. Then the
+remaining work decides the options at the required level. For an option that this work does not
+decide, the answer reports only that equilibrium forces exist.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from kilter.analysis.decision.cascade import decide
@@ -23,7 +24,6 @@ from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.fastening import fastened
 from kilter.contact.fits.suggestions import suggest_joints
 from kilter.errors import InputError, shell_words
-from kilter.mechanics.program import Program
 from kilter.tell.levels import LEVELS
 from kilter.tell.open_words import OpenOption, open_options
 from kilter.work import Work
@@ -34,13 +34,24 @@ if TYPE_CHECKING:
 __all__ = ["Remedy", "find_remedies"]
 
 MOST = 3
-"""Largest number of remedies in an answer; each try costs about as much as a verdict."""
-RULED = 1_000_000.0
-"""Smallest work of all tries together [units], that of effort 1."""
-DETECTED = 300.0
-"""Units of a detection of contacts, per contact row."""
-JUDGED = 90.0
-"""Units of a judgement of equilibrium, per contact row."""
+"""Largest number of remedies in an answer."""
+LEAST_WORK = 100_000.0
+"""Work of all tries together if the verdict costs less [units].
+
+It pays for the equilibrium forces of `MOST` options on 300 contact rows. Without it, an option that
+needs friction could not be tried: its decision takes two programs, an unstable verdict only one.
+"""
+DECISION, ROW = 10_000.0, 40.0
+"""Units of a decision by equilibrium forces beside the solvers: in all, and per contact row."""
+DETECTION, VERTEX = 10_000.0, 50.0
+"""Units of a detection of contacts: in all, and per vertex. Round and oblique parts cost up to ten
+times more, for the verdict and for the tries.
+"""
+SETTLED = LEVELS.index("settles")
+FRICTION_WORK = 200_000.0
+"""Least work with which the levels of friction are decided [units]; with less, nearly every answer
+is cut. The proof for one block on a slope needs as much.
+"""
 FRICTION = 0.3
 """Friction coefficient that is tried for an assembly without friction [-]."""
 
@@ -127,6 +138,12 @@ class _Change:
             )
         return assembly, contacts.of(assembly)
 
+    def detects(self, contacts: ContactSet) -> bool:
+        """True if these options need another detection of contacts."""
+        other = self._tolerance(contacts.tolerance) != contacts.tolerance
+        rubs = self.friction is not None
+        return other or (rubs and detect.friction_needs_detection(contacts))
+
     def _tolerance(self, tolerance: Tolerance) -> Tolerance:
         """Copy of a contact tolerance with the values of these options."""
         if self.loose:
@@ -169,41 +186,117 @@ def find_remedies(
     """
     if decision.verdict not in ("unstable", "undecided"):
         return ()
-    remedies: list[Remedy] = []
+    units = _decision_units(decision) + _detection_units(assembly)
+    tries = _Tries(decision, require, work, work.beside(max(units, LEAST_WORK)))
     detected: dict[_Detection, ContactSet] = {}
-    budget = work.beside(max(work.allowed, RULED, _units(decision.program, 2, detect=True)))
     for change in _changes(assembly, contacts, decision):
-        if len(remedies) == MOST or budget.over:
+        if len(tries.hopeful) == MOST:
             break
-        known = len(detected)
         try:
-            other, touching = change.apply(assembly, contacts, detected)
+            tries.by_forces(change, assembly, contacts, detected)
         except InputError:  # the option does not apply to this assembly, so it is no remedy
             continue
-        # the effort of a check: with less, a motion that refutes the guarantee may stay unknown
-        whole = budget.spent <= 0.5 * budget.allowed
-        effort = work.beside(work.allowed)
-        level = require if whole else "equilibrium"
-        result = decide(other, touching, require=level, work=effort, question=False)
-        budget.charge(effort.spent)
-        budget.charge(_units(result.program, 2, detect=len(detected) > known))
-        if result.level is None and (
-            decision.verdict == result.verdict or result.verdict == "undecided"
-        ):
-            continue
-        decided = result.friction is None or level == require
-        remedies.append(Remedy(change.option, result.verdict if decided else None, result.level))
-        if result.level is not None and LEVELS.index(result.level) >= LEVELS.index("settles"):
-            break  # later candidates change more of the assembly
-    return tuple(remedies)
+    return tuple(tries.at_the_level())
 
 
-def _units(program: Program, judgements: int, *, detect: bool) -> float:
-    """Units of work of a number of judgements, and of a contact detection if `detect` is set.
+@dataclass(frozen=True, slots=True)
+class _Try:
+    """A change of options, the changed assembly with its contacts, and the decision on it."""
 
-    In units of `Work`.
+    change: _Change
+    assembly: Assembly
+    contacts: ContactSet
+    decision: Decision
+
+    def remedy(self, decided: bool) -> Remedy:
+        """The remedy; without the verdict word unless it is `decided` at the required level."""
+        result = self.decision
+        word = result.verdict if decided or result.level is None else None
+        level = result.level if decided or result.level is None else "equilibrium"
+        return Remedy(self.change.option, word, level)
+
+
+@dataclass(slots=True)
+class _Tries:
+    """Tries of changes within a work budget; `work` is the limit of a check.
+
+    `hopeful`: the tries that change the verdict by equilibrium forces or by a motion. `expected`:
+    work of the next try, that of the most costly so far [units].
     """
-    return len(program.part_a) * (JUDGED * judgements + DETECTED * detect)
+
+    decision: Decision
+    require: str
+    work: Work
+    budget: Work
+    hopeful: list[_Try] = field(default_factory=list)
+    expected: float = 0.0
+
+    def by_forces(
+        self,
+        change: _Change,
+        assembly: Assembly,
+        contacts: ContactSet,
+        detected: dict[_Detection, ContactSet],
+    ) -> None:
+        """Decide by equilibrium forces whether a change is a remedy; raises InputError."""
+        known = len(detected)
+        if self.budget.left < max(self.expected, _decision_units(replace(self.decision, units=0))):
+            return
+        other, touching = change.apply(assembly, contacts, detected)
+        decision = decide(
+            other,
+            touching,
+            require="equilibrium",
+            work=self.work.whole(self.budget.left),
+            second_order=False,
+            question=False,
+        )
+        self.expected = max(self.expected, _decision_units(decision))
+        self.budget.charge(_decision_units(decision))
+        if len(detected) > known and change.detects(contacts):
+            self.budget.charge(_detection_units(assembly))
+        falls = decision.level is None
+        if not (falls and decision.verdict in (self.decision.verdict, "undecided")):
+            self.hopeful.append(_Try(change, other, touching, decision))
+
+    def at_the_level(self) -> Iterator[Remedy]:
+        """Yield the remedies with their results at the required level, as far as work is left."""
+        for number, hopeful in enumerate(self.hopeful):
+            if hopeful.decision.level is None:
+                yield hopeful.remedy(True)
+                continue
+            share = self.budget.fraction_left(1 / (len(self.hopeful) - number)).left
+            rubs = hopeful.decision.friction is not None
+            if share < (FRICTION_WORK if rubs else _decision_units(hopeful.decision)):
+                yield hopeful.remedy(rubs and self.require == "equilibrium")
+                continue
+            part = self.work.whole(share, self.work.allowed)
+            decision = decide(
+                hopeful.assembly,
+                hopeful.contacts,
+                require=self.require,
+                work=part,
+                question=False,
+            )
+            self.budget.charge(_decision_units(decision))
+            # work that was cut may have left a refutation unknown, but a proof stays a proof
+            proved = decision.friction is not None and decision.friction.guarantee != "open"
+            if part.cut and not proved:
+                yield hopeful.remedy(False)
+                continue
+            yield replace(hopeful, decision=decision).remedy(True)
+            if decision.level in LEVELS and LEVELS.index(decision.level) >= SETTLED:
+                return  # later candidates change more of the assembly
+
+
+def _decision_units(decision: Decision) -> float:
+    """Work of a decision [units]."""
+    return decision.units + DECISION + ROW * len(decision.program.part_a)
+
+
+def _detection_units(assembly: Assembly) -> float:
+    """Work of a detection of the contacts of an assembly [units]."""
+    return DETECTION + VERTEX * len(assembly.geometry.vertices)
 
 
 def _changes(assembly: Assembly, contacts: ContactSet, decision: Decision) -> Iterator[_Change]:
