@@ -2,7 +2,7 @@
 
     python benchmarks/agreement.py                       600 assemblies, 2 processes
     python benchmarks/agreement.py 50 --first 100        seeds 100 to 149
-    python benchmarks/agreement.py 60 --family voronoi   a single family
+    python benchmarks/agreement.py --family voronoi      the 60 assemblies of a single family
     python benchmarks/agreement.py --real ../shared/data real files too, in place of a tenth
     python benchmarks/agreement.py --log rows.jsonl      a row a case; a later run continues it
 
@@ -299,8 +299,9 @@ def main() -> int:
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--log", type=Path, help="a row a case; cases that it has are not repeated")
     given = parser.parse_args()
-    families = given.family or FAMILIES
-    jobs = [(families[k % len(families)], k) for k in range(given.first, given.first + given.count)]
+    seeds = range(given.first, given.first + given.count)
+    jobs = [(FAMILIES[k % len(FAMILIES)], k) for k in seeds]
+    jobs = [job for job in jobs if job[0] in (given.family or FAMILIES)]
     known = {} if given.log is None else logged_cases(given.log)
     cases = [known[job] for job in jobs if job in known]
     left = [job for job in jobs if job not in known]
