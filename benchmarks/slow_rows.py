@@ -21,6 +21,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -52,13 +53,58 @@ def _staggered_dome() -> Any:
     return staggered_dome()
 
 
+def _staggered_rings() -> Any:
+    from staggered_dome import staggered_dome
+
+    return staggered_dome(1, rings=5, per_ring=14)
+
+
+def _leaning_wall(bricks: int) -> Any:
+    """A leaning wall of about so many bricks, as in the comparison with other tools."""
+    sys.path.append(str(ROOT / "benchmarks" / "peers"))
+    from closed_forms import leaning_wall
+
+    courses = round(bricks**0.5)
+    return leaning_wall(courses, round(bricks / courses), 0.5)
+
+
+def _long_arch(blocks: int) -> Any:
+    from kilter.scenes.arches import arch
+
+    return arch(blocks, ratio=0.3, friction=0.6)
+
+
 def _open_rows() -> Iterator[Row]:
     """Rows whose verdict depends on many open pairs."""
     vault = DATA / "compas_assembly" / "crossvault.json"
     friction = ("--friction", "0.84")
     for command in ("check", "hold", "margin", "orient", "region", "plan"):
         yield Row(f"crossvault {command}", vault, (command, *friction))
+    yield Row("crossvault report", vault, ("report", *friction, "-o", "vault.html"))
+    yield Row("crossvault plan, interfaces", vault, ("plan", *friction, "--contacts", "file"))
+    yield Row("crossvault check, no effort", vault, ("check", *friction, "--effort", "0"))
     yield Row("staggered dome check", _staggered_dome, ("check",), 20.0)
+    for command in ("hold", "margin", "orient", "region", "plan"):
+        yield Row(f"staggered rings {command}", _staggered_rings, (command,))
+
+
+def _friction_rows() -> Iterator[Row]:
+    """Limits, regions and plans with friction."""
+    faults = DATA / "faults"
+    for name, command in (
+        ("least-friction-does-not-end", "margin"),
+        ("margin-takes-minutes", "margin"),
+        ("region-with-friction-fails", "region"),
+        ("region-with-friction-fails", "orient"),
+    ):
+        yield Row(f"{name} {command}", faults / f"{name}.kilter.json", (command,))
+    dome = DATA / "learn2assemble" / "dome"
+    held = ("--ground", "72", "--units", "m", "--friction", "0.55")
+    for command in ("check", "margin", "hold", "plan"):
+        yield Row(f"voussoir dome {command}", dome, (command, *held))
+    for bricks in (300, 1000):
+        yield Row(f"leaning wall of {bricks}", partial(_leaning_wall, bricks), ("check",))
+        yield Row(f"arch of {bricks}", partial(_long_arch, bricks), ("check",))
 
 
 def _step_rows() -> Iterator[Row]:
@@ -69,16 +115,22 @@ def _step_rows() -> Iterator[Row]:
     yield Row("as1-oc-214 fasten", as1, ("check", "--floor", "--fasten", "*bolt*", "*nut*"))
 
 
-ROWS: tuple[Callable[[], Iterator[Row]], ...] = (_open_rows, _step_rows)
+ROWS: tuple[Callable[[], Iterator[Row]], ...] = (_open_rows, _friction_rows, _step_rows)
 """Functions that yield rows."""
 
 
-def measured(words: list[str], limit: float, environment: dict[str, str]) -> tuple[float, int, str]:
-    """User time [s], peak memory [MB] and exit code of a process, or "limit" if it was ended."""
+def measured(
+    words: list[str], limit: float, environment: dict[str, str], folder: Path
+) -> tuple[float, int, str]:
+    """User time [s], peak memory [MB] and exit code of a process, or "limit" if it was ended.
+
+    The process works in a folder, where it may write files.
+    """
     process = subprocess.Popen(
         [sys.executable, *words],
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
+        cwd=folder,
         env={**os.environ, **THREADS, **environment},
     )
     end, killed = time.monotonic() + limit, False
@@ -106,11 +158,11 @@ def run(row: Row, folder: Path) -> tuple[str, bool]:
     patience = PATIENCE * row.limit
     command, *options = row.words
     words = ["-m", "kilter", command, str(file), *options]
-    cpu, memory, code = measured(words, patience, row.environment)
+    cpu, memory, code = measured(words, patience, row.environment, folder)
     read = 0.0
     if file.suffix.lower() in (".stp", ".step"):
         script = "import sys, kilter; kilter.load(sys.argv[1])"
-        read, _, _ = measured(["-c", script, str(file)], patience, row.environment)
+        read, _, _ = measured(["-c", script, str(file)], patience, row.environment, folder)
     beside = cpu - read
     keeps = code != "limit" and beside <= row.limit
     numbers = f"{cpu:8.2f} {read:8.2f} {beside:8.2f} {row.limit:6.0f} {memory:7d} {code:>6}"

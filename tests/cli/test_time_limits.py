@@ -11,7 +11,7 @@ import pytest
 
 import kilter
 from kilter import Assembly, Box, Part, Pose
-from kilter.analysis.margins import margin as margin_analysis
+from kilter.analysis.margins import margin_steps
 from kilter.analysis.margins.load_limit import NoLimit
 from kilter.cli import main
 from kilter.errors import TimeLimitReached
@@ -72,11 +72,11 @@ def test_a_solver_that_the_limit_cut_short_is_not_reported_as_failed(
 ) -> None:
     late = {"now": False}
 
-    def cut_short(program: Program) -> NoLimit:
+    def cut_short(program: Program, **options: object) -> NoLimit:
         late["now"] = True
         return NoLimit("failed")
 
-    monkeypatch.setattr(margin_analysis, "find_least_friction", cut_short)
+    monkeypatch.setattr(margin_steps, "find_least_friction", cut_short)
     slope = stacks.block_on_slope(10.0, friction=0.5)
     assert kilter.margin(slope, pushed=[]).missing["friction"] == "failed"
     monkeypatch.setattr(Work, "late", property(lambda work: late["now"]))

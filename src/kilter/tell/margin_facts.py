@@ -185,6 +185,10 @@ def _factor_at_level(answer: Answer) -> str:
     return greatest.replace(" up to ", f" from {number(least)} up to ", 1)
 
 
+WIDE = 0.01
+"""Relative distance of the bounds of the least friction above which both are named alike [-]."""
+
+
 def _least_friction(answer: Answer) -> str:
     """Return the least friction coefficient that holds an assembly, and its lower bound."""
     least = answer["friction"]
@@ -201,7 +205,12 @@ def _least_friction(answer: Answer) -> str:
         )
     lower = answer["friction_limit"]["lower"]
     words = f"mu >= {number(least)}, the same at every contact"
-    if least - lower > 1e-6 * least:
+    if least - lower > WIDE * least:
+        words = (
+            f"the least mu is between {number(lower)}, proved not to be enough, and "
+            f"{number(least)}, the same at every contact"
+        )
+    elif least - lower > 1e-6 * least:
         words += f" ({number(lower)} is proved not to be enough)"
     return words + _at_level(answer, "friction", number, bound="at mu =")
 

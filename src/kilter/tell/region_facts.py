@@ -35,7 +35,7 @@ def orient_facts(answer: Answer) -> list[Fact]:
         facts.append(("region", region_phrase(**answer["region"])))
         if answer["residual"] is not None:
             facts.append(("proof", balance_phrase(answer["residual"])))
-    else:
+    elif answer["nearest"] is not None:  # None for a large assembly whose open pairs decide
         facts.append(("instability", instability_phrase(answer)))
         facts += _nearest(answer["nearest"], answer["units"])
     return [*facts, *joint_facts(answer), ("programs", f"{answer['programs']} solved")]

@@ -136,12 +136,14 @@ def _region_sentence(answer: Answer) -> str:
     head = region_sentence(answer["kind"], friction=answer["friction"])
     inner = _lower_case(head)
     if answer["pairs_decide"]:
-        joined = region_sentence(answer["if_joined"]["kind"], friction=answer["friction"])
+        joined, friction = "forces that hold it exist for gravity as given.", answer["friction"]
+        if answer["if_joined"] is not None:  # None for a large assembly
+            joined = _lower_case(region_sentence(answer["if_joined"]["kind"], friction=friction))
         pairs = some([" and ".join(map(plain, pair["parts"])) for pair in answer["open_pairs"]])
-        friction = "with friction" if answer["friction"] else "without friction"
+        counted = "with friction" if friction else "without friction"
         return (
-            f"Undecided, since open pairs decide ({pairs}). As drawn, {friction}, {inner} "
-            f"If these pairs are joined, {_lower_case(joined)}"
+            f"Undecided, since open pairs decide ({pairs}). As drawn, {counted}, {inner} "
+            f"If these pairs are joined, {joined}"
         )
     if answer["friction"]:
         return f"{head} {HELD}"

@@ -18,7 +18,7 @@ coefficient is then zero and not attained: as mu decreases, the forces grow with
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -43,7 +43,7 @@ from kilter.mechanics.rows import CONTACT
 if TYPE_CHECKING:
     from kilter.tell.answer_data.margin_data import FrictionLimitData
 
-__all__ = ["LeastFriction", "find_least_friction"]
+__all__ = ["Failing", "LeastFriction", "find_least_friction"]
 
 
 TRIED = (1.0, 30.0, 1e3)
@@ -59,6 +59,13 @@ PATIENT = 3
 """If the interval was not halved in this number of steps, the next step bisects it."""
 UNDECIDED = 3
 """Maximum number of coefficients left undecided; they cost many times more than others."""
+
+
+class Failing(NamedTuple):
+    """A friction coefficient `mu` of all contacts that is not enough, and the motion proving it."""
+
+    mu: float
+    motion: MotionProof
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,7 +107,9 @@ class LeastFriction:
         }
 
 
-def find_least_friction(program: Program) -> LeastFriction | NoLimit:
+def find_least_friction(
+    program: Program, *, failing: Failing | None = None, programs: float = np.inf
+) -> LeastFriction | NoLimit:
     """Compute the least friction coefficient, equal at all contacts, that holds the assembly.
 
     The result is a `NoLimit` with the reason "none" if no coefficient is enough, or "failed" if the
@@ -110,6 +119,10 @@ def find_least_friction(program: Program) -> LeastFriction | NoLimit:
     ----------
     program : Program
         Program of the assembly; its own friction coefficients have no influence.
+    failing : Failing, optional
+        A coefficient that is known to fail. The search begins above it.
+    programs : float
+        Number of coefficients after which the search ends with the bounds that are proved.
 
     Examples
     --------
@@ -121,29 +134,42 @@ def find_least_friction(program: Program) -> LeastFriction | NoLimit:
     >>> round(float(found.value), 6), round(float(np.tan(np.radians(20))), 6)
     (0.36397, 0.36397)
     """
-    smooth = judge(program.frictionless)
-    if smooth.stable:
-        assert smooth.forces is not None
-        return LeastFriction(0.0, 0.0, True, smooth.forces, None, 1)
     if not (program.kind == CONTACT).any():
-        return NoLimit("none" if smooth.stable is False else "failed")
-    balances = _balances_without_slip(program)
-    if not balances:
-        return NoLimit("failed" if balances is None else "none")
-    squeezed = None if program.cohesion.any() else held_by_squeeze(program)
-    if squeezed is not None:
-        return LeastFriction(0.0, 0.0, False, squeezed, smooth.motion, 4)
-    sides = _Sides(program, smooth.motion)
-    for mu in TRIED:
-        sides.decide(mu, surely=True)
-        if sides.forces is not None:
-            break
+        return _without_contacts(program)
+    sides = _Sides(program, failing, programs)
+    if failing is None:
+        smooth = judge(program.frictionless)
+        if smooth.stable:
+            assert smooth.forces is not None
+            return LeastFriction(0.0, 0.0, True, smooth.forces, None, 1)
+        sides.motion = smooth.motion
+    else:
+        sides.decide_first()
+    if sides.forces is None:
+        balances = _balances_without_slip(program)
+        if not balances:
+            return NoLimit("failed" if balances is None else "none")
+    if failing is None and not program.cohesion.any():
+        squeezed = held_by_squeeze(program)
+        if squeezed is not None:
+            return LeastFriction(0.0, 0.0, False, squeezed, sides.motion, 4)
+    while sides.forces is None and sides.decide_first():
+        pass
     if sides.forces is None:
         return NoLimit("none" if sides.lower == LARGEST else "failed")
     sides.narrow(surely=False)
     if not sides.near(MU_CLOSE):
         sides.narrow(surely=True)
     return LeastFriction(sides.upper, sides.lower, True, sides.forces, sides.motion, sides.programs)
+
+
+def _without_contacts(program: Program) -> LeastFriction | NoLimit:
+    """The least friction coefficient of a program without contacts: zero, or none is enough."""
+    smooth = judge(program)
+    if smooth.stable:
+        assert smooth.forces is not None
+        return LeastFriction(0.0, 0.0, True, smooth.forces, None, 1)
+    return NoLimit("none" if smooth.stable is False else "failed")
 
 
 class _Sides:
@@ -155,10 +181,15 @@ class _Sides:
     Close to the limit both proofs may fail. The interval `_undecided` spans these coefficients.
     """
 
-    def __init__(self, program: Program, motion: MotionProof | None) -> None:
+    def __init__(self, program: Program, failing: Failing | None, most: float) -> None:
         self.program = program
         self.lower, self.upper = 0.0, LARGEST
-        self.motion = motion
+        self.motion: MotionProof | None = None
+        if failing is not None:
+            self.lower, self.motion = failing
+        self._first = [mu for mu in TRIED if mu > self.lower]
+        self._most = most
+        self._decided = 0
         self.forces: ForceProof | None = None
         self.programs = 4
         self._undecided: tuple[float, float] | None = None
@@ -177,6 +208,13 @@ class _Sides:
         unseen = TOLERANCE / self._slope if self._slope > 0.0 else np.inf
         return max(agree * self.upper, unseen if self._off <= unseen < np.inf else 0.0)
 
+    def decide_first(self) -> bool:
+        """Decide the next of the coefficients `TRIED`; False if none is left."""
+        if not self._first:
+            return False
+        self.decide(self._first.pop(0), surely=True)
+        return True
+
     def narrow(self, *, surely: bool) -> None:
         """Decide further friction coefficients until the bounds of the least coefficient meet.
 
@@ -192,7 +230,7 @@ class _Sides:
             left = max(self.upper - high, low - self.lower)
             if min(self.upper - self.lower, left) <= self._tolerated_gap(MU_AGREES):
                 return
-            if failures > UNDECIDED:
+            if failures > UNDECIDED or self._decided >= self._most:
                 return
             middle = self._next(by_root=left <= 0.5 * widths[-PATIENT])
             widths.append(left)
@@ -226,6 +264,7 @@ class _Sides:
             forces = judgement.forces if judgement.stable else None
             motion = judgement.motion if judgement.stable is False else None
         self.programs += 1
+        self._decided += 1
         decided = motion is not None
         if motion is not None:
             self.lower, self.motion = max(mu, self.lower), motion

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from kilter.analysis.check import check
 from kilter.analysis.decision.fitted_normals import fits_left_out
 from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
-from kilter.analysis.margins.least_friction import LeastFriction, find_least_friction
+from kilter.analysis.margins.least_friction import LeastFriction
 from kilter.analysis.margins.level_limits import LevelLimits, Limits
 from kilter.analysis.margins.load_limit import Limit, Why, finite
 from kilter.analysis.margins.margin_proofs import margin_proofs
@@ -337,8 +337,7 @@ def _limits(
     axis = question.axis
     turned = None if axis is None else steps.limit("about", tilt_about, program, axis)
     tell("friction" if degrees is None else f"tilt {degrees:.6g} deg; friction")
-    fitted = build_program(assembly, verdict.contacts, fitted=True)
-    friction = steps.limit("friction", find_least_friction, fitted)
+    friction = steps.friction()
     bonded = (find_bond_factor, program, verdict.contacts)
     bond = steps.limit("bond", *bonded) if assembly.bonds else None
     tell(f"{'' if friction is None else f'friction {friction.value:.6g}; '}load factor")

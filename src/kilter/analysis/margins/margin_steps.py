@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from kilter.analysis.margins.least_friction import Failing, LeastFriction, find_least_friction
 from kilter.analysis.margins.level_limits import LevelLimits, Limits, find_level_limits
 from kilter.analysis.margins.limit_level import verdict_outside
 from kilter.analysis.margins.load_limit import Limit, NoLimit, Why, find_limit, gravity_wrench
@@ -25,14 +26,23 @@ from kilter.analysis.margins.uncertainty import Uncertainty, find_uncertainty
 from kilter.analysis.margins.what_helps import Help, what_helps
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.errors import TimeLimitReached, some_names
+from kilter.mechanics.certificate import MotionProof, check_motion
 from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.opening import Opening
-from kilter.mechanics.program import Program
-from kilter.work import Work, stop_after
+from kilter.mechanics.program import Program, build_program
+from kilter.mechanics.rows import CONTACT
+from kilter.work import PER_EFFORT, Work, stop_after
 
 __all__ = ["Ends", "MarginSteps"]
 
 T = TypeVar("T")
+
+LARGE = 500
+"""Number of rows of a program above which the number of coefficients is limited."""
+COEFFICIENTS, OPEN = 20, 1
+"""Number of friction coefficients that are decided at effort 1 or less, and if open pairs decide
+and a coefficient is already proved not to be enough.
+"""
 
 Ends = tuple[Limit | None, Limit | None]
 """Limits at the least and the greatest load factor; None for an end that has no limit."""
@@ -85,11 +95,44 @@ class MarginSteps:
         if self.program.has_strength:
             self.warnings.append("no tilt margin: bond forces do not turn with gravity")
             return None
-        gravity = self._in_time(_tilt_or_nearest, self.program)
+        # the verdict proves that no tilt limit exists, so that only the nearest direction is open
+        falls = self._large and self._falls is not None
+        gravity = self._in_time(find_nearest_held if falls else _tilt_or_nearest, self.program)
         if isinstance(gravity, NoLimit):
             self.missing["tilt"] = gravity.why
             return None
         return gravity
+
+    def friction(self) -> LeastFriction | None:
+        """Compute bounds of the least friction coefficient; None without a value.
+
+        The number of coefficients tried is limited for a large assembly, above all if open pairs
+        decide: then the limit concerns the drawing only. The motion of the verdict proves a lower
+        bound.
+        """
+        fitted = build_program(self.question.assembly, self.verdict.contacts, fitted=True)
+        contacts, failing, most = fitted.kind == CONTACT, None, np.inf
+        if self._large and self._falls is not None and not fitted.cohesion.any():
+            mu = fitted.mu[contacts]
+            if len(mu) and mu.min() == mu.max() > 0.0:
+                proof = check_motion(fitted, self._falls.motion)
+                failing = Failing(float(mu[0]), proof) if proof.holds else None
+        if self._large:
+            few = self.verdict.question is not None and failing is not None
+            most = OPEN if few else COEFFICIENTS * max(self.work.allowed / PER_EFFORT, 1.0)
+        find = partial(find_least_friction, failing=failing, programs=most)
+        return self.limit("friction", find, fitted)
+
+    @property
+    def _large(self) -> bool:
+        """Whether programs are so large that limits of the drawing are searched with less work."""
+        return len(self.program.part_a) > LARGE
+
+    @property
+    def _falls(self) -> MotionProof | None:
+        """The motion by which the verdict proves that the certain contacts do not hold."""
+        judgement = self.verdict.judgement
+        return judgement.motion if judgement.stable is False else None
 
     def load_factor(self, name: str, program: Program) -> Ends | None:
         """Least and greatest load factor at which the assembly holds; None if no load is given."""

@@ -27,6 +27,7 @@ from itertools import combinations
 import numpy as np
 
 from kilter.analysis.decision.judge import Judgement, judge
+from kilter.analysis.open_pairs.irreducible_subset import irreducible_subset
 from kilter.analysis.open_pairs.joining_wrenches import joining_wrenches
 from kilter.arrays import Array, Index, Mask, connected
 from kilter.contact.open_pairs import KINDS, OpenPair
@@ -210,7 +211,13 @@ class _PairSearch:
 
         Some can, if the search ended early.
         """
-        return frozenset(self._irreducible_part([], self._start(), False))
+
+        def suffices(chosen: list[int]) -> bool:
+            holds = self.holds(chosen)
+            self.doubtful |= holds is None
+            return holds is True
+
+        return frozenset(irreducible_subset(self._start(), suffices, lambda: self.ended))
 
     def _start(self) -> list[int]:
         """A set of pairs that holds if joined, to be reduced: pairs with wrenches, else all."""
@@ -244,29 +251,6 @@ class _PairSearch:
                 root[b] = a
                 forest.append(k)
         return forest
-
-    def _irreducible_part(
-        self, base: list[int], candidates: list[int], base_changed: bool
-    ) -> list[int]:
-        """A minimal subset of `candidates` that holds if joined together with `base`.
-
-        First the second half is reduced with the whole first half in the base. Then the first
-        half is reduced with the rest of the second. This solves few programs if few pairs are
-        needed (U. Junker, QuickXplain, 2004). An unchanged base is known not to hold.
-        """
-        if self.ended:
-            return candidates
-        if base_changed:
-            holds = self.holds(base)
-            self.doubtful |= holds is None
-            if holds:
-                return []
-        if len(candidates) == 1:
-            return candidates
-        half = (len(candidates) + 1) // 2
-        first, second = candidates[:half], candidates[half:]
-        later = self._irreducible_part([*base, *first], second, bool(first))
-        return self._irreducible_part([*base, *later], first, bool(later)) + later
 
 
 def _least_hitting(every: Sequence[int], to_hit: Sequence[frozenset[int]]) -> frozenset[int]:

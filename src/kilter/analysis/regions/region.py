@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kilter.analysis.decision.judge import judge
 from kilter.analysis.open_pairs.open_question import open_pairs_answer
 from kilter.analysis.regions.cone_oracle import intersection
 from kilter.analysis.regions.friction_cone import friction_cone
@@ -56,6 +57,9 @@ __all__ = ["Region", "common_region", "region"]
 Tell = Callable[[str], None]
 SAME_REGION = 1e-6
 """Angle up to which two regions are the same [rad]; a larger one hides pairs that decide."""
+LARGE = 1000
+"""Number of contact points above which the region with joined open pairs is not computed if a
+single direction proves that these pairs decide. Such a region takes a minute."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,6 +97,9 @@ class Region(InCells, Answer):
         State of rest in its axis, lines and rays, if it was requested.
     joined : Region or None
         The region with the parts of every open pair joined; None without open pairs.
+    joined_holds : bool
+        In place of `joined` for a large assembly: whether it is proved that the given direction,
+        which the region excludes, is held with the parts of every open pair joined.
     """
 
     answer: ClassVar[str] = "region"
@@ -109,6 +116,7 @@ class Region(InCells, Answer):
     seconds: dict[str, float]
     rests: tuple[PlaceOfRest, ...] = ()
     joined: Region | None = None
+    joined_holds: bool = False
 
     @property
     def level(self) -> str:
@@ -120,7 +128,7 @@ class Region(InCells, Answer):
         """Whether the region changes if the parts of pairs with uncertain contact are joined."""
         other = self.joined
         if other is None:
-            return False
+            return self.joined_holds
         if other.kind != self.kind:
             return True
         ends = np.concatenate([other.rays, other.lines, -other.lines])
@@ -378,16 +386,38 @@ def region(
     limit = None if time_limit is None else time_limit - (time.perf_counter() - started)
     with given_direction_known(assembly, contacts, limit):
         stable = _region(assembly, contacts, rubs, gap_deg, started, progress)
-        pairs = still_open(contacts.open_pairs, assembly)
-        if pairs:
-            names = assembly.names
-            joints = [Joint((names[pair.parts[0]], names[pair.parts[1]])) for pair in pairs]
-            joined = assembly.with_joints(joints)
-            other = _region(joined, contacts, rubs, gap_deg, time.perf_counter(), progress)
-            stable = replace(stable, joined=other)
+        if still_open(contacts.open_pairs, assembly):
+            joined = _all_joined(assembly, contacts)
+            if _joined_holds(stable, joined):
+                stable = replace(stable, joined_holds=True)
+            else:
+                other = _region(joined, contacts, rubs, gap_deg, time.perf_counter(), progress)
+                stable = replace(stable, joined=other)
         if not rests:
             return stable
         return replace(stable, rests=find_rests(stable.cone, assembly, contacts))
+
+
+def _all_joined(assembly: Assembly, contacts: ContactSet) -> Assembly:
+    """The assembly with the parts of every open pair joined."""
+    names, pairs = assembly.names, still_open(contacts.open_pairs, assembly)
+    return assembly.with_joints(
+        [Joint((names[pair.parts[0]], names[pair.parts[1]])) for pair in pairs]
+    )
+
+
+def _joined_holds(drawn: Region, joined: Assembly) -> bool:
+    """Whether forces prove for a large assembly that its open pairs change the region.
+
+    The given direction must be outside the region as drawn, and be held with all pairs joined. This
+    costs a single judgement instead of a second region.
+    """
+    contacts = drawn.contacts[0]
+    inside = drawn.kind != "none" and bool(drawn.contains(joined.down[None])[0])
+    if inside or len(contacts.points) <= LARGE:
+        return False
+    program = build_program(joined, contacts)
+    return judge(program if drawn.friction else program.frictionless).stable is True
 
 
 def _region(

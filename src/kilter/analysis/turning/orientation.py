@@ -246,6 +246,8 @@ def _orient(
     program = build_program(assembly, contacts)
     tell("stable region")
     every = region(assembly, contacts=contacts, progress=progress if program.mu.any() else None)
+    if every.kind == "none" and every.joined_holds:
+        return _open_pairs_decide(program, every, method)
     tell("orientation")
     smooth = program.frictionless
     for turned_program, cone in _sides(program, every):
@@ -278,6 +280,37 @@ def _require_turnable(assembly: Assembly, method: str) -> None:
             part=assembly.loads[0].part,
             hint="leave the loads out to look for an orientation",
         )
+
+
+def _open_pairs_decide(program: Program, every: Region, method: Method) -> Orientation:
+    """The answer for a large assembly that no direction holds as drawn, but open pairs may hold.
+
+    The direction nearest to stable is not searched for, since open pairs may change it.
+    """
+    assembly = every.assemblies[0]
+    return Orientation(
+        verdict="undecided",
+        sentence=(
+            "Undecided: as drawn no orientation is held, but if all open pairs were joined, forces "
+            "that hold it with gravity as given would exist: "
+            f"{open_pair_names(assembly, every.contacts[0])}."
+        ),
+        assembly=assembly,
+        down=assembly.down,
+        rotation=frozen(_least_turn(assembly, assembly.down)),
+        tilt_margin_deg=None,
+        friction=every.friction,
+        z=None,
+        instability=None,
+        nearest=None,
+        method=method,
+        programs=every.programs,
+        judgement=judge(program if every.friction else program.frictionless),
+        level=None,
+        check=None,
+        region=every,
+        warnings=every.warnings,
+    )
 
 
 def _sides(program: Program, every: Region) -> Iterator[tuple[Program, Cone]]:

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kilter.analysis.planning.hold.gripped_parts import grips_that_hold
 from kilter.analysis.planning.hold.supported import Supported, SupportedState
 from kilter.analysis.planning.states.covers import Shares, least_cover
 from kilter.tell.levels import holds
@@ -22,8 +23,16 @@ from kilter.work import EFFORT, Work, units_of
 
 __all__ = ["LeastSupports", "Stopping", "find_least_supports"]
 
-JUDGED, FEW = 2000.0, 4
-"""Units of work to judge a set of supports: for each part, and for `FEW` further parts."""
+JUDGED, FEW, JUDGED_ROW = 2000.0, 4, 200.0
+"""Units of work to judge a set of supports: for each part, for `FEW` further parts, and for each
+row of the program above `LARGE`.
+"""
+LARGE, MANY = 500, 12
+"""Number of rows of a program above which grips that hold are found from least wrenches, and number
+of candidates above which they are if open pairs leave the assembly undecided.
+"""
+SMALLER = 1 / 16
+"""Fraction of the work for sets that are smaller than known grips which hold [-]."""
 RAISING = 1 / 80
 """Share of the remaining work that the search for a set of a higher level may take [-]."""
 
@@ -106,9 +115,14 @@ def find_least_supports(
         return LeastSupports(state, least, enough, tuple(motions), not share.over)
 
     share = work  # of the current search: for equilibrium, then for the level
+    known = _known_to_hold(given, work, limit)  # the next set to judge if no smaller one is left
+    smaller = work.fraction_left(SMALLER)
     while True:
         chosen = least_cover([*(motion.shares for motion in motions), *passed], limit)
-        if chosen is None or share.over:
+        enough = chosen is None or (known is not None and len(chosen) >= len(known))
+        if known is not None and (enough or smaller.over):
+            chosen, known = known, None
+        elif chosen is None or share.over:
             if lower is not None:
                 return answer(lower, True)
             none = chosen is None and not passed and limit == count
@@ -116,6 +130,7 @@ def find_least_supports(
         work.tell(f"{len(chosen)} supports")
         state = _judge_supports(given, chosen, work)
         if state.stable:
+            known = None
             left = units_of(effort) if lower is None else min(units_of(effort), share.left)
             part = work.beside(left)
             state = given.decide(state, require=require, work=part)
@@ -149,8 +164,26 @@ def _stops_witness(given: Supported, state: SupportedState) -> Shares:
 def _judge_supports(given: Supported, chosen: frozenset[int], work: Work) -> SupportedState:
     before = given.asked
     state = given.judge(chosen, work)
-    work.charge(JUDGED * (given.asked - before) * (FEW + len(given.assembly)))
+    work.charge((given.asked - before) * _judging(given))
     return state
+
+
+def _judging(given: Supported) -> float:
+    """Units of work of a judgement of an assembly with some of its supports."""
+    rows = max(len(given.whole.part_a) - LARGE, 0)
+    return JUDGED * (FEW + len(given.assembly)) + JUDGED_ROW * rows
+
+
+def _known_to_hold(given: Supported, work: Work, limit: int) -> frozenset[int] | None:
+    """Grips that hold, so that no larger set is searched for; None for a small assembly."""
+    large = len(given.whole.part_a) > LARGE
+    if not large and len(given.supports) <= MANY:
+        return None
+    alone = _judge_supports(given, frozenset(), work).stable
+    if alone or (alone is False and not large):
+        return None
+    grips = grips_that_hold(given, work, _judging(given))
+    return None if grips is None or len(grips) > limit else grips
 
 
 def _fewest_that_stop(given: Supported, state: SupportedState, work: Work) -> Stopping:

@@ -91,6 +91,10 @@ class Supported:
         """The program with every candidate support except the grips."""
         return self._programs.whole
 
+    def without_supports(self) -> Program:
+        """The program of the certain contacts without any candidate support."""
+        return self._program(frozenset(), self._programs.whole)
+
     def given(self, chosen: Iterable[int]) -> tuple[list[str], list[Support]]:
         """Split chosen supports into the names of gripped parts and the other supports."""
         members = sorted(chosen)

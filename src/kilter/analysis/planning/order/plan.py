@@ -119,8 +119,7 @@ def plan(
         units = sets_of_order(assembly, rules.sequence)
     part_states = states(assembly, contacts=contacts, tolerance=tolerance, progress=progress)
     searching = time.perf_counter()
-    whole = _whole_state(part_states)
-    finished = part_states.decide(whole, require=level, effort=effort, work=work, finished=True)
+    whole, finished = part_states.finished(require=level, effort=effort, work=work)
     screws = tuple(find_screws(part_states.contacts, rules.screws))
     search = _order_search(part_states, rules, work, after, units, screws)
     obstacles = _find_obstacles(search, rules, whole)
@@ -278,13 +277,6 @@ def _least(searched: Searched, falling: int) -> str | None:
     if searched.least == 0 or (searched.least == 1 and falling > 1):
         return "always"
     return "as-tried" if searched.proved else None
-
-
-def _whole_state(part_states: States) -> State:
-    """State of the finished assembly with only its grounded parts held."""
-    assembly = part_states.assembly
-    grounded = assembly.geometry.grounded
-    return part_states.judge(np.ones(len(assembly), dtype=bool), grounded)
 
 
 def _names(assembly: Assembly, *sets: int) -> tuple[str, ...]:

@@ -387,6 +387,20 @@ class States:
         stable = None if verdict.verdict == "undecided" else verdict.stable
         return replace(state, stable=stable, verdict=verdict)
 
+    def finished(self, *, require: str, effort: float, work: Work) -> tuple[State, Decision]:
+        """State of the whole assembly with only its grounded parts held, and its decision.
+
+        Parameters are those of `decide`. The decision comes first: if open pairs decide, the state
+        is undecided, and no second search is needed.
+        """
+        present, grounded = np.ones(len(self.assembly), dtype=bool), ~self._programs.free
+        program = self._programs.of(present, grounded)
+        state = State(self.assembly.names, present, self._programs.free, None, program)
+        decision = self.decide(state, require=require, effort=effort, work=work, finished=True)
+        if decision.question is not None:
+            return state, decision
+        return self.judge(present, grounded), decision
+
     def decide(
         self,
         state: State,
