@@ -41,5 +41,5 @@ def test_two_vertices_have_no_normal_and_slide_off() -> None:
 
 
 def test_another_contact_is_one_sentence() -> None:
-    with pytest.raises(InputError, match="Figure 3 has no contact 'e'; give 'a', 'b' or 'c'"):
+    with pytest.raises(InputError, match="Figure 3 has no contact 'e'; give 'a', 'b', 'c' or 'd'"):
         figure_3("e")

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.assembly import Assembly, Part
+from kilter.assembly import Assembly, GivenContact, Part
 from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.scenes.pieces import block, prism
@@ -42,6 +42,20 @@ def figure_2() -> Assembly:
 
 
 @listed(
+    "paper-figure-3-plane",
+    "two vertices that meet, with a plane assumed for their contact",
+    source="F3(d)",
+    answer="stable",
+    kind="d",
+)
+@listed(
+    "paper-figure-3-vertices",
+    "two vertices that meet have no normal: the upper body slides off",
+    source="F3(c)",
+    answer="unstable",
+    kind="c",
+)
+@listed(
     "paper-figure-3-edges",
     "an edge across a held edge: the slightest push makes it fall",
     source="F3(b)",
@@ -59,8 +73,8 @@ def figure_3(kind: str = "a") -> Assembly:
 
     (a) has five corners, as in the paper; a regular pentagon is assumed. In (b) the edges are
     perpendicular. The contact (c) has no normal of its own: m may slide off along any plane between
-    the vertices, so that the assembly is unstable. It is no built-in example, since the paper
-    assumes a plane for it (d).
+    the vertices, so that the assembly is unstable. The paper assumes a plane for it in "d"; here
+    the plane is horizontal.
     """
     if kind == "a":
         angles = np.pi / 2 + 2 * np.pi * np.arange(5) / 5
@@ -73,11 +87,12 @@ def figure_3(kind: str = "a") -> Assembly:
         ridge = prism("n", [[-1, -1], [1, -1], [0, 0]], 3.0, grounded=True)
         wedge = Prism([[0, 0], [1, 1], [-1, 1]], 3.0)
         return Assembly([ridge, Part("m", wedge, Pose(rotation=QUARTER))])
-    if kind == "c":
+    if kind in ("c", "d"):
         angles = 2 * np.pi * np.arange(3) / 3
         base = np.column_stack([np.cos(angles), np.sin(angles), -np.ones(3)])
         corners = np.vstack([base, np.zeros(3)])
         faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
         m = Part("m", Mesh(corners * [1, -1, -1], faces))
-        return Assembly([Part("n", Mesh(corners, faces), grounded=True), m])
-    raise InputError(f"Figure 3 has no contact {kind!r:.20}", hint="give 'a', 'b' or 'c'")
+        plane = [GivenContact(("n", "m"), [[0, 0, 0]], [0, 0, 1])] if kind == "d" else []
+        return Assembly([Part("n", Mesh(corners, faces), grounded=True), m], contacts=plane)
+    raise InputError(f"Figure 3 has no contact {kind!r:.20}", hint="give 'a', 'b', 'c' or 'd'")
