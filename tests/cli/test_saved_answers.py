@@ -19,11 +19,14 @@ from kilter.cli import main
 from kilter.cli.arguments import with_floor_value, with_several_names, with_two_names
 from kilter.cli.options import READING
 from kilter.errors import KilterError
+from kilter.files.choices_off import OFF
 from kilter.shape.primitives import BOX_CORNERS, BOX_QUADS
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
-VERBS = ("check", "contacts", "orient", "region", "margin", "plan", "hold", "improve")
+VERBS = ("check", "contacts", "orient", "region", "margin", "plan", "hold", "improve", "transport")
+PICTURES = ("report", "draw")
+"""Verbs that write a page or a picture, which is compared in place of JSON."""
 LONGEST = 30
 SETS, EACH = 300, 6
 FLAGS = {"--loose", "--fasten-suggested", "--fasten-overlaps"}
@@ -44,11 +47,18 @@ def timeless(answer: Any) -> Any:
     return [timeless(value) for value in answer] if isinstance(answer, list) else answer
 
 
+def unnoted(text: str) -> Any:
+    """Data of an answer without its warnings about replaced choices."""
+    answer = timeless(json.loads(text))
+    warnings = [words for words in answer["warnings"] if "of the choices" not in words]
+    return {**answer, "warnings": warnings}
+
+
 # commands of the docs -------------------------------------------------------------------
 
 
 def documented() -> list[tuple[str, ...]]:
-    """The longest commands of the pages that answer as JSON about a single file."""
+    """The longest commands of the pages that answer about a single file."""
     commands: set[tuple[str, ...]] = set()
     for page in PAGES:
         text = page.read_text(encoding="utf-8")
@@ -57,7 +67,7 @@ def documented() -> list[tuple[str, ...]]:
         typed = [re.split(r" {3,}", line)[0] for line in lines if line.startswith(("kilter", "$"))]
         for line in [*typed, *re.findall(r"`(kilter [^`\n]+)`", text)]:
             words = tuple(shlex.split(line)[1:])
-            if words[:1] and words[0] in VERBS and "--common" not in words:
+            if words[:1] and words[0] in (*VERBS, *PICTURES) and "--common" not in words:
                 commands.add(words)
     runnable = [words for words in commands if file_of(words) is not None]
     return sorted(runnable, key=lambda words: (-len(" ".join(words)), words))[:LONGEST]
@@ -108,13 +118,34 @@ def test_a_command_of_the_docs_answers_the_same_about_saved_options(
     else:
         kilter.dump(kilter.example(file.removesuffix(".kilter.json")), file)
     reading, others = split([word for word in words[1:] if word != file])
-    given = run([words[0], file, *reading, *others, "--json"])
-    assert given[0] in (0, 1, 3, 4), given[2]
-    saved = run(["save", file, *reading, "-o", "saved.json"])
+    choices = f"{Path(file).stem.split('.')[0]}.json"  # the name, which is the title of a page
+    assert not Path(choices).exists()
+    saved = run(["save", file, *reading, "-o", choices])
     assert saved[0] == 0, saved[2]
-    code, out, _ = run([words[0], "saved.json", *others, "--json"])
-    assert code == given[0]
-    assert timeless(json.loads(out)) == timeless(json.loads(given[1]))
+    code, answer = answer_of(words, [file, *reading, *others])
+    assert code in (0, 1, 3, 4), answer
+    assert answer_of(words, [choices, *others]) == (code, answer)
+
+
+def answer_of(words: tuple[str, ...], request: list[str]) -> tuple[int, Any]:
+    """Exit code, and the JSON or the written picture, of a verb with other words after it."""
+    verb = words[0]
+    if verb in VERBS:
+        code, out, err = run([verb, *request, "--json"])
+        return code, timeless(json.loads(out)) if out else err
+    target = Path("picture" + Path(words[words.index("-o") + 1]).suffix)
+    target.unlink(missing_ok=True)
+    code, _, err = run([verb, *request, "-o", str(target)])
+    assert code == 0, err
+    picture = target.read_bytes()
+    # the page states the command that wrote it
+    page, commands = re.subn(rb"kilter report [^<]*</code>", b"", picture)
+    assert commands == (1 if target.suffix == ".html" else 0)
+    return code, page
+
+
+def test_the_commands_of_the_docs_include_pictures_and_carriers() -> None:
+    assert {"report", "draw", "transport"} <= {words[0] for words in documented()}
 
 
 def test_the_docs_have_enough_long_commands() -> None:
@@ -217,6 +248,10 @@ def test_random_options_answer_the_same_when_they_are_saved(
         if code != 2:
             answers += 1
             assert timeless(json.loads(out)) == timeless(json.loads(given[1])), line
+        plain = run(["check", file, "--effort", "0", "--json"])
+        code, bare, _ = run(["check", "saved.json", "--off", *OFF, "--effort", "0", "--json"])
+        assert code == plain[0], line
+        assert not bare or unnoted(bare) == unnoted(plain[1]), line
         choices = kilter.Choices.read("saved.json")
         run(["save", "saved.json", "-o", "again.json", "--quiet"])
         assert kilter.Choices.read("again.json") == choices, line

@@ -7,6 +7,7 @@ import sys
 import time
 from pathlib import Path
 
+import fastjsonschema
 import pytest
 
 import kilter
@@ -19,6 +20,7 @@ from kilter.mechanics.program import Program
 from kilter.scenes import scene, stacks
 from kilter.tell.text import text_of
 from kilter.work import Work, seconds_left, stop_after
+from published import validator
 
 SHARED = Path(__file__).parents[3] / "shared" / "data"
 VAULT = SHARED / "compas_assembly" / "crossvault.json"
@@ -122,6 +124,10 @@ def test_a_command_at_its_limit_answers_undecided(
     assert main([*command, "--json"]) == 4
     answer = json.loads(capsys.readouterr().out)
     assert (answer["verdict"], answer["time_limit"]) == ("undecided", 0)
+    validator("incomplete")(answer)
+    for wrong in ({**answer, "unlisted": 1}, {**answer, "verdict": "stable"}):
+        with pytest.raises(fastjsonschema.JsonSchemaValueException):
+            validator("incomplete")(wrong)
 
 
 @pytest.mark.slow

@@ -88,11 +88,16 @@ def _run(words: list[str]) -> int:
     import typer
 
     from kilter.cli.app import command
-    from kilter.cli.arguments import with_floor_value, with_several_names, with_two_names
+    from kilter.cli.arguments import (
+        with_floor_value,
+        with_off_names,
+        with_several_names,
+        with_two_names,
+    )
     from kilter.errors import InputError
 
     try:
-        given = with_two_names(with_several_names(with_floor_value(words)))
+        given = with_two_names(with_several_names(with_off_names(with_floor_value(words))))
         program = command(given[0] if given else None)
         result = program(given, prog_name="kilter", standalone_mode=False)
         sys.stdout.flush()

@@ -21,13 +21,14 @@ __all__ = [
     "reading_of",
     "triple_of",
     "with_floor_value",
+    "with_off_names",
     "with_several_names",
     "with_two_names",
 ]
 
 PAIRS = ("--fasten", "--before", "--screws")
 """Options with two names as their value."""
-NAMES = ("--ground", "--without")
+NAMES = ("--ground", "--without", "--off", "--release")
 """Options with one or more names as their value."""
 BOND, OPEN = "--bond", "--open"
 """Options with two names and a third word: a pull [N], or a decision about the pair."""
@@ -54,6 +55,8 @@ def reading_of(
     stud_shear: str | None = None,
     brick_sides: str | None = None,
     bond: list[str] | None = None,
+    off: list[str] | None = None,
+    release: list[str] | None = None,
 ) -> Reading:
     """Create the reading options from the values of the options of a command."""
     # imported late: the help needs no reader
@@ -78,6 +81,8 @@ def reading_of(
         stud_shear=_number_or_word(stud_shear),
         brick_sides=brick_sides,
         bond=tuple(_bond_of(words) for words in bond or ()),
+        off=tuple(dict.fromkeys(word.replace("-", "_") for word in off or ())),
+        release=tuple(release or ()),
     )
 
 
@@ -170,7 +175,7 @@ def with_two_names(words: list[str]) -> list[str]:
 
 
 def with_several_names(words: list[str]) -> list[str]:
-    """Repeat ``--ground`` and ``--without`` before each of their names.
+    """Repeat the options in `NAMES`, such as ``--ground``, before each of their names.
 
     The names end at the next option, and before a word that exists as a path or ends as a file.
 
@@ -198,6 +203,27 @@ def with_several_names(words: list[str]) -> list[str]:
             option = None
             result.append(word)
     return result
+
+
+def with_off_names(words: list[str]) -> list[str]:
+    """Replace ``--no-floor`` by ``--off=floor``, and so for each option that choices save.
+
+    Examples
+    --------
+    >>> with_off_names(["check", "--no-fasten-suggested", "--no-browser"])
+    ['check', '--off=fasten-suggested', '--no-browser']
+    """
+    if not any(word.startswith("--no-") for word in words):
+        return words  # the table of options is loaded only if it is needed
+    from kilter.files.choices_off import OFF
+
+    end = words.index("--") if "--" in words else len(words)
+    return [
+        f"--off={word[5:]}"
+        if word.startswith("--no-") and word[5:].replace("-", "_") in OFF and k < end
+        else word
+        for k, word in enumerate(words)
+    ]
 
 
 def _is_file(word: str) -> bool:

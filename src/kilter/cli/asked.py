@@ -23,10 +23,13 @@ if TYPE_CHECKING:
     from kilter.contact import ContactSet, Tolerance
     from kilter.files.reading import Reading
     from kilter.tell.answer_data.common_data import WarnedData
+    from kilter.tell.answer_data.other_data import IncompleteData
     from kilter.tell.tables import Table
 
 __all__ = ["Asked"]
 
+TOUCHING = ("gap", "angle", "clearance", "loose")
+"""Options of the tolerance."""
 NOTHING_TYPED = ToleranceOptions()
 """Tolerance options of a command line that has none."""
 WORDS_SHARE, MOST_WORDS = 0.2, 1.0
@@ -94,14 +97,19 @@ class Asked:
             If a value is invalid, or the answer would overwrite the file.
         """
         import_scipy_quickly()
+        from kilter.files.choices_off import require_off
+
         reading = reading_of(
             *(given[key] for key in ("ground", "floor", "without", "down", "friction")),
             *(given[key] for key in ("units", "density")),
             *(given[key] for key in ("fasten", "fasten_suggested", "fasten_overlaps")),
             *(given[key] for key in ("up", "contacts", "keyframe", "base")),
             *(given[key] for key in ("stud_pull", "stud_shear", "brick_sides", "bond")),
+            *(given[key] for key in ("off", "release")),
         )
-        touch = ToleranceOptions(*(given[key] for key in ("gap", "angle", "clearance", "loose")))
+        touching = [name for name in TOUCHING if given[name] not in (None, False)]
+        require_off(reading.off, (), touching)
+        touch = ToleranceOptions(*(given[name] for name in TOUCHING))
         effort = _not_negative(given.get("effort", 0.0), "--effort", "N")
         limit = given.get("time_limit")
         asked = cls(
@@ -143,7 +151,7 @@ class Asked:
         limit = "the time limit" if self.limit is None else f"the time limit of {self.limit:g} s"
         sentence = f"Undecided: {limit} was reached before the answer was complete."
         sentence = f"{sentence} {reached.known}".rstrip()
-        answer: dict[str, Any] = {
+        answer: IncompleteData = {
             "verdict": "undecided",
             "sentence": sentence,
             "time_limit": self.limit,
@@ -164,14 +172,15 @@ class Asked:
         asked.apart()
         choices = find_choices(file)
         if choices is None:
-            return replace(asked, reading=self.typed, all_touch=self.touch)
+            plain = replace(self.typed, off=())  # a file without choices has nothing to ignore
+            return replace(asked, typed=plain, reading=plain, all_touch=self.touch)
         from kilter.contact.fits.chosen import chosen
 
         try:
             both = chosen(choices, self.typed)
         except InputError as error:
             raise error.located(file=file) from None
-        touch, replaced = self.touch.over(choices)
+        touch, replaced = self.touch.over(both.choices)
         keep_apart(str(both.path), self.output, self.proof)
         return replace(
             asked,

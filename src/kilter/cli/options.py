@@ -22,6 +22,7 @@ __all__ = ["FORM", "File", "Files", "Json", "Output", "Quiet", "Require", "asks"
 
 HELD = "Held parts, gravity, friction and materials"
 TOUCH = "Contacts and their tolerances"
+SAVED = "Saved choices"
 FORM = "Form of the answer"
 WORK = "Limits of work and time"
 
@@ -288,6 +289,28 @@ Bonded = Annotated[
         show_default=False,
     ),
 ]
+Off = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--off",
+        metavar="OPTION...",
+        help="Ignore the saved values of these options: --off floor loose, or --no-floor "
+        "--no-loose. Repeatable.",
+        rich_help_panel=SAVED,
+        show_default=False,
+    ),
+]
+Release = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--release",
+        metavar="NAME...",
+        help="Do not hold these parts, which the saved choices hold. Repeatable; * and ? are "
+        "wildcards.",
+        rich_help_panel=SAVED,
+        show_default=False,
+    ),
+]
 Require = Annotated[
     str,
     typer.Option(
@@ -361,6 +384,8 @@ READING: dict[str, tuple[Any, Any]] = {
     "angle": (Angle, None),
     "clearance": (Clearance, None),
     "loose": (Loose, False),
+    "off": (Off, None),
+    "release": (Release, None),
 }
 """Options of reading a file and of contact detection, each with its default."""
 SEARCHING: dict[str, tuple[Any, Any]] = {

@@ -18,7 +18,12 @@ from kilter.tell.answer_data.check_data import CheckData
 from kilter.tell.answer_data.contacts_data import ContactsData
 from kilter.tell.answer_data.directions_data import OrientData, RegionData
 from kilter.tell.answer_data.margin_data import MarginData
-from kilter.tell.answer_data.other_data import BatchData, ImproveData, VerifyData
+from kilter.tell.answer_data.other_data import (
+    BatchData,
+    ImproveData,
+    IncompleteData,
+    VerifyData,
+)
 from kilter.tell.answer_data.plan_data import HoldData, PlanData
 from kilter.tell.answer_data.transport_data import TransportData
 from kilter.tell.json_answer import SCHEMA_VERSION
@@ -31,6 +36,7 @@ ANSWERS: dict[str, Any] = {
     "contacts": ContactsData,
     "hold": HoldData,
     "improve": ImproveData,
+    "incomplete": IncompleteData,
     "margin": MarginData,
     "orient": OrientData,
     "plan": PlanData,
@@ -38,7 +44,7 @@ ANSWERS: dict[str, Any] = {
     "transport": TransportData,
     "verify": VerifyData,
 }
-"""Model of the data of each answer, by the name of its verb."""
+"""Model of each answer's data, by verb; "incomplete" is that of any verb at its time limit."""
 
 
 class _PlainSchema(GenerateJsonSchema):
@@ -58,8 +64,9 @@ def build_answer_schema(verb: str) -> dict[str, Any]:
     several: Any = GenericAlias(list, (ANSWERS[verb],))
     adapter = TypeAdapter(several, config=ConfigDict(extra="forbid"))
     content = adapter.json_schema(schema_generator=_PlainSchema)
-    definitions: dict[str, Any] = content["$defs"]
-    root = definitions.pop(ANSWERS[verb].__name__)
+    definitions: dict[str, Any] = content.pop("$defs", {})
+    # a model that refers to no other stands in place
+    root = definitions.pop(ANSWERS[verb].__name__, content["items"])
     added = {"answer": {"const": verb}, "schema": {"const": SCHEMA_VERSION}}
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",

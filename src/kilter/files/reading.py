@@ -18,6 +18,7 @@ from kilter.assembly import Assembly
 from kilter.assembly.bricks import StudRules
 from kilter.errors import InputError, some_names
 from kilter.files.choices import LOWEST, Choices, find_choices
+from kilter.files.choices_off import require_off, require_saved
 from kilter.files.file_content import FileContent, read_path
 from kilter.files.format_options import FormatOptions
 from kilter.files.lying import UP, note_on_up
@@ -58,12 +59,14 @@ class Reading:
 
     `entries` are the keys of choices without an option, as JSON data (`kilter.files.choices`).
     `saved` names the options that come from choices: the parts that they name may be missing.
+    `off` names the saved options that are ignored, and `release` saved held parts that are not
+    held (`kilter.files.choices_off`).
 
     Raises
     ------
     InputError
-        If `up`, `base`, `contacts` or a brick rule has an invalid value, or if both `up` and
-        `down` are given.
+        If `up`, `base`, `contacts`, `off` or a brick rule has an invalid value, or if two of the
+        given options contradict each other.
     """
 
     ground: tuple[str, ...] = ()
@@ -86,6 +89,8 @@ class Reading:
     bond: tuple[tuple[str, str, float], ...] = ()
     entries: Mapping[str, Any] = field(default_factory=dict)
     saved: tuple[str, ...] = ()
+    off: tuple[str, ...] = ()
+    release: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         _ = self.studs
@@ -97,6 +102,8 @@ class Reading:
             raise InputError("up and down are both given", hint="give only up or down")
         if self.contacts is not None and self.contacts not in SOURCES:
             raise InputError(f"contacts are {self.contacts!r:.40}", hint=f"use {_OR.join(SOURCES)}")
+        if self.off or self.release:
+            require_off(self.off, self.release, {**self.options(), **self.entries})
 
     @property
     def fastens(self) -> bool:
@@ -135,7 +142,7 @@ class Reading:
         """
         try:
             values = dict(options)
-            for key in ("ground", "without", "down", "saved"):
+            for key in ("ground", "without", "down", "saved", "off", "release"):
                 if key in values:
                     values[key] = tuple(values[key])
             values["fasten"] = tuple((str(a), str(b)) for a, b in values.get("fasten", ()))
@@ -154,6 +161,7 @@ class Reading:
         """Read an assembly with these options, except the options that join parts."""
         if self.units is not None:
             metres_per_unit(self.units)
+        require_saved(self.release)
         if not isinstance(source, str | os.PathLike):
             content = FileContent(*read_object(source, self.format_options))
         elif not os.fspath(source):
@@ -267,6 +275,8 @@ def load(
     stud_pull: float | None = None,
     stud_shear: float | str | None = None,
     brick_sides: str | None = None,
+    off: str | Iterable[str] = (),
+    release: str | Iterable[str] = (),
 ) -> Assembly:
     """Read an assembly from a file, a folder, standard input (``-``) or an object.
 
@@ -293,7 +303,8 @@ def load(
     ground, without : str or iterable of str
         Names of the parts to hold, and of the parts to leave out; ``*`` and ``?`` are globs.
     floor : bool or float, optional
-        True: a held table under the lowest point; a number: at that height [length unit].
+        True: a held table under the lowest point; a number: at that height [length unit]; False:
+        no floor, also if the choices have a floor.
     down : array_like, shape (3,), optional
         Direction of gravity; its magnitude stays that of the file.
     up : {"x", "y", "z", "-x", "-y", "-z"}, optional
@@ -315,6 +326,10 @@ def load(
         mu (f_n + pull); default "unlimited".
     brick_sides : {"lower-edge", "face", "none"}, optional
         Bricks: the points at which neighbours side by side push each other; default "lower-edge".
+    off : str or iterable of str
+        Choices: options whose saved values are ignored, as in ``off=["floor", "loose"]``.
+    release : str or iterable of str
+        Choices: saved held parts that are not held; ``*`` and ``?`` are wildcards.
 
     Raises
     ------
@@ -336,6 +351,8 @@ def load(
         stud_pull=stud_pull,
         stud_shear=stud_shear,
         brick_sides=brick_sides,
+        off=off,
+        release=release,
     )
     choices = find_choices(source)
     if choices is None:
@@ -350,6 +367,8 @@ def reading_for(
     floor: bool | float | None = None,
     without: str | Iterable[str] = (),
     down: ArrayLike | None = None,
+    off: str | Iterable[str] = (),
+    release: str | Iterable[str] = (),
     **others: Any,
 ) -> Reading:
     """Build a `Reading` from the keywords of `kilter.load`.
@@ -368,6 +387,8 @@ def reading_for(
         floor=height,
         without=_names(without),
         down=None if down is None else (x, y, z),
+        off=tuple(dict.fromkeys([*_names(off), *(["floor"] if floor is False else [])])),
+        release=_names(release),
         **others,
     )
 

@@ -76,8 +76,8 @@ def save(
     if earlier is not None:
         both = chosen(earlier, read)
         path, read = both.path, both.reading
-        keys["tolerance"] = {**(earlier.tolerance or {}), **keys["tolerance"]}
-        keys["loose"] = loose or earlier.loose
+        keys["tolerance"] = {**(both.choices.tolerance or {}), **keys["tolerance"]}
+        keys["loose"] = loose or both.choices.loose
     return save_reading(path, output, read, keys)
 
 

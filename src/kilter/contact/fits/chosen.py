@@ -11,6 +11,7 @@ from kilter.contact.fits.fastening import fasten_as_read
 from kilter.contact.gaps import Tolerance
 from kilter.errors import InputError
 from kilter.files.choices import Choices, digest, find_choices
+from kilter.files.choices_off import switched_off
 from kilter.files.reading import Reading
 
 __all__ = ["Chosen", "chosen", "read_chosen", "tolerance_of"]
@@ -26,12 +27,15 @@ class Chosen:
         The file that the choices name.
     reading : Reading
         Options of reading it, with its digest for proofs.
+    choices : Choices
+        The choices without the keys that are switched off.
     notes : tuple of str
         Sentences about replaced choices and about a changed file.
     """
 
     path: Path
     reading: Reading
+    choices: Choices
     notes: tuple[str, ...]
 
 
@@ -41,19 +45,22 @@ def chosen(choices: Choices, reading: Reading | None = None) -> Chosen:
     Raises
     ------
     InputError
-        If the file does not exist.
+        If the file does not exist, or the choices do not hold a released part.
     """
     path = choices.path
     if find_choices(path) is not None:
         raise InputError(f"{choices.file} is a file of choices itself", hint="name its file")
-    merged, notes = (reading or Reading()).over(choices)
+    given = reading or Reading()
+    choices, notes = switched_off(choices, given.off, given.release)
+    merged, replaced = replace(given, off=(), release=()).over(choices)
+    notes += replaced
     present = digest(path)
     if choices.sha256 not in (None, present):
         notes.append(
             f"{choices.file} has changed since the choices were saved; 'kilter save' renews them"
         )
     merged = replace(merged, entries={**merged.entries, "sha256": present})
-    return Chosen(path, merged, tuple(notes))
+    return Chosen(path, merged, choices, tuple(notes))
 
 
 def tolerance_of(choices: Choices) -> Tolerance:
@@ -83,7 +90,7 @@ def read_chosen(
     """
     both = chosen(choices, reading)
     if tolerance in (None, Tolerance()):
-        tolerance = tolerance_of(choices)
+        tolerance = tolerance_of(both.choices)
     assembly = both.reading.read(both.path)
     assembly, _ = fasten_as_read(assembly, both.reading, tolerance=tolerance)
     own = None if tolerance == Tolerance() else tolerance

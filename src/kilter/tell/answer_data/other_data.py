@@ -1,4 +1,4 @@
-"""Data of the answers of `kilter improve`, `kilter verify` and `kilter batch`."""
+"""Data of `kilter improve`, `kilter verify`, `kilter batch`, and of an incomplete answer."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing_extensions import TypedDict
 
 from kilter.tell.answer_data.common_data import PairNames, Units, Vector, Word
 
-__all__ = ["BatchData", "ImproveData", "VerifyData"]
+__all__ = ["BatchData", "ImproveData", "IncompleteData", "VerifyData"]
 
 
 class BrickChangeData(TypedDict):
@@ -72,3 +72,12 @@ class BatchData(TypedDict):
     counts: dict[str, int]
     errors: list[BatchErrorData]
     found_there: int
+
+
+class IncompleteData(TypedDict):
+    """Data that a command prints if the time limit ended its computation without an answer."""
+
+    verdict: Literal["undecided"]
+    sentence: str
+    time_limit: Annotated[float | None, Field(description="[s]; null without a --time-limit")]
+    warnings: list[str]

@@ -1,0 +1,128 @@
+"""Saved choices without the keys that the caller switches off, and without released parts."""
+
+from __future__ import annotations
+
+import fnmatch
+import json
+from collections.abc import Collection, Iterable, Sequence
+
+from kilter.errors import InputError, nearest_name, some_names
+from kilter.files.choices import OPTIONS, STUDS, Choices
+
+__all__ = ["OFF", "require_off", "require_saved", "switched_off"]
+
+OFF: dict[str, tuple[str, str | None]] = {
+    **{option: (key, None) for key, option in OPTIONS.items()},
+    **{option: ("studs", key) for key, option in STUDS.items()},
+    "floor": ("floor", None),
+    "down": ("gravity", None),
+    "bond": ("bonds", None),
+    "gap": ("tolerance", "gap"),
+    "angle": ("tolerance", "angle_deg"),
+    "clearance": ("tolerance", "clearance"),
+    "loose": ("loose", None),
+    "material": ("materials", None),
+    "open": ("open_pairs", None),
+}
+"""Key of choices, and its inner key if any, of each option that can be switched off."""
+
+
+def require_off(off: Sequence[str], release: Sequence[str], given: Collection[str]) -> None:
+    """Verify that options can be switched off, and that none of them is given as well.
+
+    Parameters
+    ----------
+    off : sequence of str
+        Names of options.
+    release : sequence of str
+        Names of parts that are released.
+    given : collection of str
+        Options and keys that the caller gives.
+
+    Raises
+    ------
+    InputError
+        If a name is unknown (the error names the most similar option), or if an option is given
+        and switched off.
+    """
+    for name in off:
+        if name not in OFF:
+            near = nearest_name(name, OFF)
+            hint = f"did you mean {near!r}?" if near else f"use {', '.join(OFF)}"
+            raise InputError(f"no saved option is named {name!r:.60}", hint=hint)
+    twice = [name for name in off if name in given or OFF[name][0] in given]
+    both = [f"{name} and no-{name}".replace("_", "-") for name in twice]
+    both += ["ground and release"] if release and "ground" in given else []
+    both += ["release and no-ground"] if release and "ground" in off else []
+    if both:
+        raise InputError(f"{both[0]} are both given", hint="give only one of the two")
+
+
+def require_saved(release: Sequence[str]) -> None:
+    """Reject released parts if the file is no file of choices; raises `InputError`."""
+    if release:
+        raise InputError(
+            f"release names {release[0]!r:.60}, but the file is no file of choices",
+            hint="release parts that saved choices hold",
+        )
+
+
+def switched_off(
+    choices: Choices, off: Iterable[str], release: Sequence[str] = ()
+) -> tuple[Choices, list[str]]:
+    """Choices without some keys and held parts, and a sentence for each removed value.
+
+    Parameters
+    ----------
+    choices : Choices
+    off : iterable of str
+        Options in `OFF` whose saved values are ignored.
+    release : sequence of str
+        Saved names of held parts that are not held; ``*`` and ``?`` are wildcards.
+
+    Raises
+    ------
+    InputError
+        If a released name matches no saved name of a held part.
+
+    Examples
+    --------
+    >>> saved = Choices("clamp.step", held=["base", "arm"], floor=True)
+    >>> switched_off(saved, ["floor"], ["arm"])[0].to_dict()
+    {'kilter': 1, 'file': 'clamp.step', 'held': ['base']}
+    """
+    data = choices.to_dict()
+    notes = []
+    for option in dict.fromkeys(off):
+        key, inner = OFF[option]
+        holder = data if inner is None else data.get(key, {})
+        old = holder.pop(inner or key, None)
+        if old is not None:
+            words = json.dumps(old, ensure_ascii=False)
+            name = option.replace("_", "-")
+            notes.append(f"the option no-{name} replaces {inner or key} {words} of the choices")
+    if release:
+        held = data.get("held", [])
+        data["held"] = _remaining(held, release)
+        words = [json.dumps(names, ensure_ascii=False) for names in (list(release), held)]
+        notes.append(f"the option release {words[0]} replaces held {words[1]} of the choices")
+    if not notes:
+        return choices, notes
+    return Choices.from_dict(data, folder=choices.folder), notes
+
+
+def _remaining(held: Sequence[str], release: Sequence[str]) -> list[str]:
+    """The saved names of held parts that no released name matches."""
+    gone = {name for pattern in release for name in fnmatch.filter(held, pattern)} | set(release)
+    for pattern in release:
+        if pattern not in held and not fnmatch.filter(held, pattern):
+            wider = [name for name in held if fnmatch.fnmatch(pattern, name)]
+            raise InputError(
+                f"the choices hold {wider[0]!r}, of which {pattern!r} cannot be released alone"
+                if wider
+                else f"the choices do not hold {pattern!r:.60}",
+                hint="name the held parts with ground"
+                if wider or not held
+                else f"they hold {some_names(held)}",
+            )
+    return [name for name in held if name not in gone]
