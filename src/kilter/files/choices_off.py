@@ -104,8 +104,8 @@ def switched_off(
     if release:
         held = data.get("held", [])
         data["held"] = _remaining(held, release)
-        words = [json.dumps(names, ensure_ascii=False) for names in (list(release), held)]
-        notes.append(f"the option release {words[0]} replaces held {words[1]} of the choices")
+        new, old = (json.dumps(names, ensure_ascii=False) for names in (list(release), held))
+        notes.append(f"the option release {new} replaces held {old} of the choices")
     if not notes:
         return choices, notes
     return Choices.from_dict(data, folder=choices.folder), notes
