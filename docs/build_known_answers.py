@@ -54,10 +54,10 @@ kilter finds {found} of {all} states; {open}.
 | | case | known | kilter finds | neutral | free |
 |---|---|---|---|---|---|
 """
-SIGNS = """Held parts are striped. Quartered circles are centres of mass below the limit; a dashed
-line is their height at the limit. An orange arrow away from the part shows a fall. Two blue
-arrows towards the part show that it returns after a push. Two plain arrows away from the part
-show free motion.
+SIGNS = """Held parts are striped. A quartered circle marks a centre of mass below the limit; a
+dashed line marks its height at the limit. An orange arrow away from the part shows a fall. Two
+blue arrows towards the part show that it returns after a push. Two plain arrows away from the
+part show free motion.
 """
 CARD = """
 -   ![{number}: {title}](images/known/{number}.svg){{ loading=lazy }}

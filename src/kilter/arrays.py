@@ -135,7 +135,7 @@ def starts(count: ArrayLike) -> Index:
 
 
 def counted(count: ArrayLike) -> tuple[Index, Index]:
-    """For each row, its group and its position within it; group k has ``count[k]`` rows.
+    """For each row, its group and its position in that group; group k has ``count[k]`` rows.
 
     Examples
     --------
@@ -348,7 +348,7 @@ class Rows:
         return len(getattr(self, _names(type(self))[0]))
 
     def take(self, rows: Any) -> Self:
-        """The same class with only the rows of an index array, mask or slice."""
+        """Copy with only the rows of an index array, mask or slice."""
         return type(self)(*(getattr(self, name)[rows] for name in _names(type(self))))
 
     @classmethod

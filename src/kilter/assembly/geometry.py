@@ -335,7 +335,7 @@ def _curved_surfaces(
 
 
 def _group_max(values: Array, start: Index) -> Array:
-    """Largest value of each run of rows; run k begins at ``start[k]``."""
+    """Largest value of each group of consecutive rows; group k begins at ``start[k]``."""
     result: Array = np.maximum.reduceat(values, start[:-1])
     return result
 

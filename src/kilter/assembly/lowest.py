@@ -75,7 +75,7 @@ def _inside_faces(geometry: Geometry, up: Array) -> tuple[Index, Array]:
 
 
 def _lowest_of_surface(geometry: Geometry, row: int, up: Array) -> Array:
-    """Lowest points of a sphere or torus, taken as complete, shape (n, 3)."""
+    """Lowest points of a complete sphere or torus, shape (n, 3)."""
     s = geometry.surfaces
     center, axis, radius = s.point[row], s.axis[row], float(s.radius[row])
     if s.kind[row] == SPHERE:

@@ -74,6 +74,6 @@ def closed_moments(mesh: MeshSurface) -> tuple[float, Array, Array]:
 
 
 def _group_sum(values: Array, start: Index) -> Array:
-    """Sum over each run of rows; run k begins at ``start[k]``."""
+    """Sum of each group of consecutive rows; group k begins at ``start[k]``."""
     result: Array = np.add.reduceat(values, start[:-1], axis=0)
     return result

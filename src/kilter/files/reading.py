@@ -203,7 +203,7 @@ class Reading:
         return dataclasses.replace(self, **changes), sorted(set(missing))
 
     def over(self, choices: Choices) -> tuple[Reading, list[str]]:
-        """Saved choices overridden by this reading's options, and a sentence for each such key.
+        """Merge saved choices with these options, which win; also a sentence per overridden key.
 
         The options of this reading win over the keys of the choices.
         """

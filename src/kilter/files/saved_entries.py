@@ -163,7 +163,7 @@ def replacement(option: str, new: Any, key: str, old: Any) -> str:
 
 
 def valid_entries(entries: Any) -> dict[str, Any]:
-    """Saved entries listed in a proof, after the checks for a file; raises `InputError`."""
+    """Validate saved entries that a proof lists, as those of a file; raises `InputError`."""
     given = dict(entries)
     Choices.from_dict({"kilter": 1, "file": "file", **given})
     return given

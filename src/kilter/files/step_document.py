@@ -271,7 +271,7 @@ class _TreeWalk:
         return solids
 
     def _leaf(self, product: Any, path: tuple[str, ...], place: Any) -> list[TreeSolid]:
-        """Collect the solids of a product without components; shells that may close count too."""
+        """Collect the solids of a product without components, and those inside its shells."""
         from OCP.TopAbs import TopAbs_ShapeEnum
         from OCP.TopLoc import TopLoc_Location
         from OCP.XCAFDoc import XCAFDoc_ShapeTool

@@ -208,7 +208,7 @@ def _exclude(program: Program, whole: Work) -> Exclusion:
 
 
 def _out_of_reach(program: Program, whole: Work) -> bool:
-    """True if even one conic program of these questions is expected to exceed the work limit."""
+    """True if a single conic program is already expected to exceed the work limit."""
     entries = program.part_a.size * ENTRIES_OF_POINT * len(program.freedoms)
     expected = CONIC_ENTRY * CONIC_STEPS * entries
     return expected > max(whole.allowed, PER_EFFORT) and bool(program.mu.any())

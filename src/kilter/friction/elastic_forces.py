@@ -46,7 +46,7 @@ def elastic_forces(law: CoulombLaw, *, work: Work) -> ElasticForces | None:
 
 
 def _energy_program(law: CoulombLaw) -> ConicProgram:
-    """Conic program for these forces: balance of parts, joint rows, and friction cones."""
+    """Conic program for the elastic forces: balance of parts, joint rows, friction cones."""
     count = len(law.mu)
     smooth = np.flatnonzero(~law.tied & (law.mu <= 0))
     rough = np.flatnonzero(~law.tied & (law.mu > 0))

@@ -83,7 +83,7 @@ class MomentForms:
         return np.concatenate([self.fn[self.patch == patch], self.ft[groups].ravel()])
 
     def cliques(self) -> list[Index]:
-        """Sets of coordinates of z (cliques); only products within a set are used."""
+        """Groups (cliques) of coordinates of z; only products within a group are used."""
         cliques = []
         for body, freedoms in enumerate(self.bodies):
             forces = [self.forces_of(int(k)) for k in np.flatnonzero(self.touching[:, body])]

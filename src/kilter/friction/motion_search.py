@@ -328,7 +328,7 @@ class DeSaxcePrograms:
         )
 
     def forces(self, multipliers: Array, lubricated: Mask) -> Array:
-        """Scaled forces (n, u, v), shape (K, 3), from the multipliers of such a program."""
+        """Scaled forces (n, u, v), shape (K, 3), from the multipliers of a solved program."""
         forces = np.zeros((len(self.law.mu), 3))
         before = len(self.tied) + len(self.smooth)
         forces[self.tied, 0] = multipliers[: len(self.tied)]

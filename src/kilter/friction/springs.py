@@ -175,7 +175,7 @@ class Springs:
         return solve(blocks, drag, right, work)
 
     def _pair_blocks(self, state: SpringState, exact: bool) -> Array:
-        """Stiffness matrix of each pair of parts, its part of -dr/dx, shape (P, 2 d, 2 d)."""
+        """Stiffness matrix of each pair of parts, a block of -dr/dx, shape (P, 2 d, 2 d)."""
         system = self.system
         slope = _contact_slopes(system.law, self.stiffness, state.opening, exact)[system.points]
         runs, size = len(system.points), system.lever.shape[-1]

@@ -126,7 +126,7 @@ class Program:
 
     @property
     def load(self) -> Array:
-        """Load on each part without rows: force [N], torque [N x length unit], shape (N, 6)."""
+        """Load on each part besides contact forces: force [N], torque [N x length unit], (N, 6)."""
         load = self.applied + self.clamp
         load[:, :3] += self.mass[:, None] * self.gravity
         load[~self.free] = 0.0
@@ -218,7 +218,7 @@ class Program:
 
     @property
     def force_rows(self) -> ForceRows:
-        """The force rows of the program, without its parts and load."""
+        """The rows (possible forces) of the program, without its parts and load."""
         return ForceRows(*(getattr(self, name) for name in ROW_FIELDS))
 
     def with_force_rows(self, rows: ForceRows) -> Program:
@@ -226,7 +226,7 @@ class Program:
         return self.with_rows(**{name: getattr(rows, name) for name in ROW_FIELDS})
 
     def taking(self, rows: Index | Mask) -> Program:
-        """The program with only the rows of an index array or mask."""
+        """Copy of the program with only the given rows (index array or mask)."""
         return self.with_force_rows(self.force_rows.take(rows))
 
     @property

@@ -342,7 +342,7 @@ def _with_opening(rows: list[list[float]], opening: tuple[int, int, int, int]) -
 
 
 def _cut(widths: Sequence[float], left: float, right: float) -> list[float]:
-    """Brick widths of a course with an opening, a negative width, from `left` to `right`."""
+    """Brick widths of a course after an opening is cut from `left` to `right`: a negative width."""
     edges = [0.0, *np.cumsum(np.abs(widths)).tolist()]
     pairs = list(pairwise(edges))
     before = [min(b, left) - a for a, b in pairs if a < left]
@@ -351,5 +351,5 @@ def _cut(widths: Sequence[float], left: float, right: float) -> list[float]:
 
 
 def _with_brick(widths: Sequence[float], left: float, right: float) -> list[float]:
-    """Brick widths of a course in which a single brick fills `left` to `right`."""
+    """Brick widths of a course after a single brick has filled it from `left` to `right`."""
     return [abs(width) if width < 0 else width for width in _cut(widths, left, right)]

@@ -106,7 +106,7 @@ def fit_cylinder(points: Array, normals: Array, weights: Array) -> Surface | Non
         return aside - radius, np.column_stack([-eu, -ev, -eu * along, -ev * along, -1 + 0 * eu])
 
     def update(state: tuple[Array, Array, float], step: Array) -> tuple[Array, Array, float]:
-        """The parameters of the cylinder after a step."""
+        """The parameters of the cylinder after a step of the fit."""
         center, axis, radius = state
         u, v = across(axis)
         turned = axis + step[2] * u + step[3] * v
@@ -149,7 +149,7 @@ def fit_cone(points: Array, normals: Array, weights: Array) -> Surface | None:
         return aside * cos - along * sin, np.column_stack(columns)
 
     def update(state: tuple[Array, Array, float], step: Array) -> tuple[Array, Array, float]:
-        """The parameters of the cone after a step."""
+        """The parameters of the cone after a step of the fit."""
         apex, axis, angle = state
         u, v = across(axis)
         turned = axis + step[3] * u + step[4] * v

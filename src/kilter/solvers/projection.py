@@ -223,7 +223,7 @@ def _step_limit(v: Array, dv: Array) -> float:
 
 
 def _admissible(data: _Data, f: Array) -> tuple[Array, Array, float]:
-    """Multipliers clipped to valid signs, the resulting b, and the violation that both leave."""
+    """Multipliers clipped to valid signs, the unknowns b that follow, and their violation."""
     two_sided = data.two_sided
     f = np.where(two_sided, f, np.maximum(f, 0.0))
     b = data.load + data.push(f)

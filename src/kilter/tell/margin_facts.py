@@ -124,7 +124,7 @@ def level_words(
     more: str = "",
     bound: str = "up to",
 ) -> str:
-    """Return the words about a limit at a higher level, to follow the limit of equilibrium.
+    """Return the words about a limit at a higher level; they continue an equilibrium phrase.
 
     Parameters
     ----------

@@ -125,7 +125,7 @@ def _path_sentence(answer: Answer) -> str:
     if path is None:
         why = answer["missing"]["path"]
         if why == "none":
-            return "A part moves at every speed: in a pose of the path it moves even at rest."
+            return "At a pose of the path a part moves even at rest, so it moves at every speed."
         return f"The speed of the path is {UNKNOWN[why]}."
     if path["factor"] is None:
         return "The path is carried at every speed up to 100 times as fast."

@@ -253,8 +253,8 @@ def _best_figures(judgement: Judgement) -> str:
     if motion:
         ratio = f"the best motion gains {motion.power:.2g} W and violates {motion.violation:.2g}"
     return (
-        f"numerical errors prevent a proof (the best forces leave {residual:.2g} of a weight, "
-        f"{ratio})"
+        f"numerical errors prevent a proof (the best forces leave an imbalance of {residual:.2g} "
+        f"of a part's weight, {ratio})"
     )
 
 

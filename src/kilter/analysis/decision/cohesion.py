@@ -59,7 +59,7 @@ class Cohesion:
 
 
 def find_cohesion(wide: ConeProblem, *, work: Work | None = None) -> Cohesion | None:
-    """Compute the least cohesion that contacts with friction need; None if the solver finds none.
+    """Compute the least cohesion of contacts with which forces balance; None if unsolved.
 
     Parameters
     ----------

@@ -146,7 +146,7 @@ def unbreakable(program: Program) -> Program:
 
 
 def _by_strength(program: Program, contacts: ContactSet) -> BondFactor | NoLimit:
-    """Compute the bond factor if tension and shear strength scale by a common fraction."""
+    """Compute the least common fraction of tension and shear strength that holds an assembly."""
     wide = cone_problem(program)
     strength = find_strength(wide)
     if strength is None or np.isinf(strength.share):

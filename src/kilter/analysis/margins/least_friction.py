@@ -330,7 +330,7 @@ def _balances_without_slip(program: Program) -> bool | None:
 
 
 def _used_friction(wide: ConeProblem, proof: ForceProof) -> tuple[float, ForceProof]:
-    """Friction coefficient that forces use, and these forces after a correction of their balance.
+    """The friction coefficient that given forces need, and the forces after a balance correction.
 
     If the data are too coarse for such balance, the function returns the given forces.
     """

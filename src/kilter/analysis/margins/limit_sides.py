@@ -186,7 +186,7 @@ def _solve_share(rays: Program, wrench: Array, most: float) -> Solution:
 def held_at(
     program: Program, wrench: Array, share: float, along: Array, aside: Array
 ) -> LimitSides:
-    """Bounds whose lower bound is `share` of the load, if the given forces prove it; else open.
+    """Load bounds with `share` as lower bound, if the given forces prove it; else no bounds.
 
     Parameters
     ----------
@@ -203,7 +203,7 @@ def held_at(
 
 
 def beyond_at(program: Program, wrench: Array, share: float, motion: Array) -> LimitSides:
-    """Bounds whose upper bound is just above `share` of the load, if a motion proves it; else open.
+    """Load bounds with an upper bound just above `share`, if a motion proves it; else no bounds.
 
     Parameters
     ----------
@@ -226,7 +226,7 @@ def beyond_at(program: Program, wrench: Array, share: float, motion: Array) -> L
 
 
 def motion_share(program: Program, wrench: Array, motion: Array) -> float:
-    """Multiple of further wrenches above which a motion gains energy [-]; inf if it never does."""
+    """Multiple of a load above which a given motion gains energy [-]; inf if there is none."""
     free = program.free[:, None]
     gain = float((np.where(free, wrench, 0.0) * motion).sum())
     return -program.power(motion) / gain if gain > 0 else np.inf

@@ -70,7 +70,7 @@ class OpenTrial:
 
 
 def can_be_tried(pairs: Sequence[OpenPair]) -> bool:
-    """Whether every subset of these open pairs can be examined in ordinary contact.
+    """Whether the open pairs are few and simple enough to try every subset as contacts.
 
     If not, forces of equilibrium are the highest level that friction can reach.
     """

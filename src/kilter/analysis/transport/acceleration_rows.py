@@ -38,7 +38,7 @@ class KnownAccelerations:
 
 
 def inner_rows(known: KnownAccelerations) -> tuple[Array, Array]:
-    """Constraints A a <= b that guarantee that a is carried: A, shape (m, 3), b [m/s^2]."""
+    """Constraints A a <= b that guarantee that no part moves at acceleration a; A, b [m/s^2]."""
     from scipy.spatial import ConvexHull, QhullError
 
     points = [min(limit.value, MOST) * direction for direction, limit in known.limits]
@@ -59,7 +59,7 @@ def inner_rows(known: KnownAccelerations) -> tuple[Array, Array]:
 
 
 def outer_rows(known: KnownAccelerations) -> tuple[Array, Array]:
-    """Constraints A a <= b that every carried acceleration a obeys: A, shape (m, 3), b [m/s^2]."""
+    """Constraints A a <= b that each acceleration a obeys at which no part moves; A, b [m/s^2]."""
     program = known.program
     rows, bounds = [], []
     for _, limit in known.limits:

@@ -307,7 +307,7 @@ def _ascent(work: VirtualWork, trail: _Trail, test: Optimality) -> Array | None:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Optimality:
-    """Result of a test whether a direction is the most stable of its facet; else a better one.
+    """Whether a direction is the most stable of its facet; if not, where z is greater.
 
     `bound`: no direction of the facet has a greater z over the mass. `toward`, shape (3,):
     the point of the facet toward which z rises, if it does.

@@ -56,7 +56,7 @@ def shared_depth(
 def _crossings(
     geometry: Geometry, part: int, points: Array, normals: Array, boxes: tuple[Array, Array]
 ) -> Iterator[tuple[Index, Array]]:
-    """Yield blocks of (line, t): the parameters t at which lines pass through a part's triangles.
+    """Yield batches of pairs (line, t): a line passes through a triangle of a part at t.
 
     Line k is ``points[k] + t normals[k]``. All crossings inside its box are among the yielded ones.
     """

@@ -56,7 +56,7 @@ def beside_curved(geometry: Geometry, parts: Index, points: Array, slack: Array)
 def round_contacts(
     face_patches: FacePatches, edges: Edges, rows: Index, rims: tuple[Index, Array], reach: Array
 ) -> RoundContacts:
-    """Contacts at curved surfaces of the pairs `rows`, apart from the contact patches found before.
+    """Contacts at curved surfaces of the pairs `rows` that no contact patch explains.
 
     Parameters
     ----------

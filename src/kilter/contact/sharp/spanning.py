@@ -74,7 +74,7 @@ def separating(rays_a: Array, rays_b: Array) -> tuple[Array, Index, Mask]:
 
 
 def _separating_batch(rays_a: Array, rays_b: Array) -> tuple[Array, Index, Mask]:
-    """Extreme separating normals for a batch of cones of equal shape."""
+    """Extreme normals of the planes that separate two cones, for a batch of pairs of cones."""
     ahead = np.concatenate(
         [-rays_a, rays_b], axis=1
     )  # a separating normal has a non-negative product with all of these

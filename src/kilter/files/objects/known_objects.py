@@ -132,7 +132,7 @@ def _mesh(vertices: Any, faces: Any, choices: FormatOptions) -> Assembly:
 
 
 def _several(values: Mapping[Any, Any], choices: FormatOptions) -> Assembly:
-    """Build an assembly of several objects; a key names its object's part if there is one."""
+    """Build an assembly of several objects; keys name objects that have a single part."""
     numbered = all(isinstance(key, int) for key in values)
     parts: list[Part] = []
     names: list[str] = []

@@ -238,7 +238,7 @@ class _Question:
         return not len(self.sides) and rank == len(rows)
 
     def sides_of(self, basis: Array) -> Array:
-        """Inequalities of the critical motions in the coordinates of a basis of them."""
+        """Matrix of the inequalities of the critical motions, in coordinates of a basis."""
         return self.sides @ (self.across.T @ basis)
 
     def _from_forces(self, basis: Array) -> list[Array]:

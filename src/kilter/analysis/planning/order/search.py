@@ -152,7 +152,7 @@ class OrderSearch:
         return (1 << len(self._near)) - 1
 
     def find(self, hold: int) -> list[Removed] | None:
-        """Removals, in order, of an order with at most `hold` held parts; None if not found."""
+        """Find removals that form an order with at most `hold` held parts; None if not found."""
         dead: set[int] = set()
         order: list[Removed] = []
         self.exhausted = False

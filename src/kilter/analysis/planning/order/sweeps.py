@@ -120,7 +120,7 @@ class Sweeps:
         return False
 
     def _ahead(self, part: int, direction: Direction) -> int:
-        """Parts ahead of a part whose projected boxes overlap its projected box, as a bit set."""
+        """Bit set of the parts ahead of a part along a direction whose projected boxes overlap."""
         key = part, direction
         if key not in self._before:
             low, high = self._boxes(direction)

@@ -109,7 +109,7 @@ class TurningSearch:
         return x, y, z
 
     def _find(self, hold: int, turns: int) -> list[Removed] | None:
-        """Removals of an order with at most `hold` held parts and `turns` turns; else None."""
+        """Find removals that form an order with so many held parts and turns; None if not found."""
         search, start = self.search, _Run(self._file_direction(), ((self.search.whole, 0),))
         order: list[Removed] = []
         dead: set[tuple[int, int, Direction]] = set()

@@ -230,7 +230,7 @@ class States:
 
     @property
     def no_goods(self) -> int:
-        """Number of stored motions; each proves that states in which it is possible fall."""
+        """Number of stored motions; each proves that every state that allows the motion falls."""
         return len(self._motions)
 
     def mask(self, patterns: str | Iterable[str]) -> Mask:
