@@ -131,7 +131,7 @@ def _solve_relaxation(
 
 
 def _relaxation_program(law: CoulombLaw, lines: Array, node: _Decisions) -> ConicProgram:
-    """Convex program of a node in motion x and forces f; `lines` is the matrix H of the law."""
+    """Convex program of a node, with unknown motion and forces; `lines` is the law's matrix."""
     count, total = len(law.load), len(law.load) + 3 * len(law.mu)
     slides, free = node.mode == Mode.SLIDING, ~law.tied
     sticks, is_open = (node.mode == Mode.STICKING) & free, node.mode == Mode.OPEN

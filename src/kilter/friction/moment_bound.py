@@ -51,7 +51,7 @@ class MomentStep:
 
 
 def squares_of(forms: MomentForms, squares: Squares) -> list[Index]:
-    """Indices of the linear forms in each product matrix that must be positive semidefinite."""
+    """For each matrix of products that must be positive semidefinite, its linear forms."""
     if squares == "cliques":
         return forms.cliques()
     forms_of_squares = [forms.pair_of(patch) for patch in range(len(forms.touching))]
@@ -157,7 +157,7 @@ def _largest_remainder(forms: MomentForms, rest: Array, rounding: Array, forces:
 
 
 def _force_shares(forms: MomentForms) -> Array:
-    """Coefficients by which normal forces bound each force component, shape (K + G T, K).
+    """For each force component, the weights of normal forces that bound it, (K + G T, K).
 
     |fn_k| <= fn_k and |ft_g| <= mu (sum of fn_k of the group).
     """

@@ -30,7 +30,7 @@ __all__ = ["MomentForms", "bodies_of", "moment_forms", "width_of"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MomentForms:
-    """Linear forms (speeds, forces ...) of the contact law over the coordinates z = (1, b, f, s).
+    """Linear forms (speeds, forces ...) of the contact law in the unknowns z = (1, b, f, s).
 
     Attributes
     ----------
@@ -74,16 +74,16 @@ class MomentForms:
 
     @property
     def width(self) -> int:
-        """Number of coordinates of z; the first forms are these coordinates."""
+        """Number of unknowns z; the first forms are these unknowns themselves."""
         return int(self.rows.shape[1])
 
     def forces_of(self, patch: int) -> Index:
-        """Indices of the coordinates of z that are forces of a patch."""
+        """Indices of the unknowns z that are forces of a patch."""
         groups = self.law.patch == patch
         return np.concatenate([self.fn[self.patch == patch], self.ft[groups].ravel()])
 
     def cliques(self) -> list[Index]:
-        """Groups (cliques) of coordinates of z; only products within a group are used."""
+        """Groups (cliques) of the unknowns z; products are formed only within a group."""
         cliques = []
         for body, freedoms in enumerate(self.bodies):
             forces = [self.forces_of(int(k)) for k in np.flatnonzero(self.touching[:, body])]
@@ -140,7 +140,7 @@ def moment_forms(law: ReducedLaw, scale: float) -> MomentForms:
 
 
 def width_of(law: ReducedLaw) -> int:
-    """Number of coordinates of z in the moment relaxation of a contact law."""
+    """Number of unknowns z of the moment relaxation of a contact law."""
     return 1 + len(law.load) + len(law.group) + (law.directions + 1) * len(law.mu)
 
 

@@ -174,7 +174,7 @@ def _nonnegative_rows(forms: MomentForms) -> _RowBuilder:
 
 
 def _cone_rows(forms: MomentForms) -> _RowBuilder:
-    """Friction and sliding cones of the contact law, multiplied by nonnegative forms."""
+    """Vectors that lie in friction and sliding cones, multiplied by nonnegative forms."""
     law, rows = forms.law, _RowBuilder(1 + forms.law.directions)
     force_cone = np.column_stack([forms.total, forms.ft])
     speed_cone = np.column_stack([forms.slip, forms.ut])

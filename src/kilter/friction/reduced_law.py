@@ -176,7 +176,7 @@ def _flat_patches(program: Program, rows: Index) -> Index:
 def _groups_in_space(
     program: Program, contact: Index, label: Index
 ) -> tuple[Index, Index, Index, Index]:
-    """In space: kept points, group of each (-1: frictionless), patch and first point of a group."""
+    """In space: contact points, group of each (-1: none), patch and first point of a group."""
     rough = np.flatnonzero(program.mu[contact] > 0)
     group = np.full(len(contact), -1)
     group[rough] = np.arange(len(rough))

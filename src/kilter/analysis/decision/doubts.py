@@ -55,7 +55,7 @@ class Doubts:
         return len(self.contacts.possible) > 0 or len(self.contacts.open_pairs) > 0
 
     def explain_motion(self, program: Program) -> str:
-        """Reason why a proved motion does not decide the verdict; empty if it decides.
+        """Reason why even a proved motion leaves the verdict undecided; empty if it decides.
 
         Parameters
         ----------

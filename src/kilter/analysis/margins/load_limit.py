@@ -260,7 +260,7 @@ class SharedCones:
 
     @cached_property
     def balance(self) -> ConeBalance:
-        """The conic program for the balance of the base load, without further wrenches."""
+        """The conic program for the balance of the parts under the base load alone."""
         none = np.zeros((len(self.program.names), 6))
         return balance_in_cones(self.program, self.program.load, none, MODEST)
 
@@ -310,7 +310,7 @@ def _in_cones(
     most: float,
     tolerance: float = CONIC,
 ) -> _Conic:
-    """Load bounds by a single conic program, with its friction vectors."""
+    """Bounds of a load limit by one conic program, with the friction of its solution."""
     from kilter.solvers.clarabel import solve_conic
 
     wide = opening.wide

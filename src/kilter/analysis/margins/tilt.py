@@ -114,7 +114,7 @@ class TiltMargin:
 
 
 def tilt_about(program: Program, axis: Array) -> tuple[float, Limit] | NoLimit:
-    """Largest held turn of gravity [rad] about an axis perpendicular to it, and the limit there.
+    """Largest turn of gravity [rad] about an axis at which the parts hold, and its limit.
 
     By the right-hand rule, from 0 to pi, infinite if a full turn is held. Not held as given:
     no limit. A conic program for each right angle.

@@ -29,7 +29,7 @@ smaller gap takes up to five times as long and proposes the same pairs.
 
 
 def joining_wrenches(program: Program, ends: Index, *, work: Work | None = None) -> Array | None:
-    """Norms of the least wrenches between pairs of parts that balance the assembly.
+    """Size of the smallest wrench that each pair must transmit so that all parts balance.
 
     None if the solver fails.
 

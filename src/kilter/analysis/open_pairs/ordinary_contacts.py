@@ -178,7 +178,7 @@ def _patch_columns(contacts: ContactSet, rows: Index) -> dict[str, Any]:
 
 
 def _degenerate_patches(contacts: ContactSet, edges: set[frozenset[int]]) -> dict[str, Any]:
-    """Columns of a single-point patch for each degenerate point between the pairs `edges`."""
+    """Columns of patches with a single point, one per degenerate point of the given pairs."""
     points = contacts.approximate
     parts = np.column_stack([points.part_a, points.part_b])
     rows = np.array([k for k, p in enumerate(parts.tolist()) if frozenset(p) in edges], np.int64)

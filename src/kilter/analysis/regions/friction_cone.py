@@ -288,7 +288,7 @@ class _Cutting:
         return angle, self._facet(direction, toward, limit.mechanism.motion, BEYOND_FAR)
 
     def _normal(self, motion: Array) -> Array:
-        """Outward unit normal of the facet that a motion gives: its mass-weighted sum; or zero."""
+        """Outward unit normal of the facet that a motion proves: its mass-weighted sum."""
         normal: Array = (self.program.mass * self.program.free) @ motion[:, :3]
         size = float(np.linalg.norm(normal))
         return normal / size if size > 0.0 else normal

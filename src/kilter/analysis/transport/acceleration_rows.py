@@ -38,7 +38,7 @@ class KnownAccelerations:
 
 
 def inner_rows(known: KnownAccelerations) -> tuple[Array, Array]:
-    """Constraints A a <= b that guarantee that no part moves at acceleration a; A, b [m/s^2]."""
+    """Constraints A a <= b on an acceleration a [m/s^2]; if a satisfies all, forces can hold."""
     from scipy.spatial import ConvexHull, QhullError
 
     points = [min(limit.value, MOST) * direction for direction, limit in known.limits]
@@ -59,7 +59,7 @@ def inner_rows(known: KnownAccelerations) -> tuple[Array, Array]:
 
 
 def outer_rows(known: KnownAccelerations) -> tuple[Array, Array]:
-    """Constraints A a <= b that each acceleration a obeys at which no part moves; A, b [m/s^2]."""
+    """Constraints A a <= b on an acceleration a [m/s^2]; if a violates one, no forces can hold."""
     program = known.program
     rows, bounds = [], []
     for _, limit in known.limits:

@@ -79,7 +79,7 @@ class SupportLine:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LeastAcceleration:
-    """The least horizontal acceleration of a carrier at which parts move.
+    """The least horizontal acceleration of a carrier that no contact forces can balance.
 
     Attributes
     ----------

@@ -138,14 +138,14 @@ class _PathSearch:
         return bound
 
     def solve(self, sample: int) -> Limit | NoLimit:
-        """Largest squared speed factor at a sample at which no part moves."""
+        """Largest squared speed factor at a sample at which contact forces can hold the parts."""
         limit = self._limit(sample, 1.0)
         if isinstance(limit, Limit):
             self.limits[sample] = (min(limit.value, FASTEST), limit)
         return limit
 
     def least(self, sample: int) -> float | NoLimit:
-        """Least squared speed factor at a sample at which no part moves; 0 if rest is safe."""
+        """Least squared speed factor at a sample at which contact forces can hold the parts."""
         limit = self._limit(sample, -1.0)
         if isinstance(limit, NoLimit):
             return limit

@@ -81,7 +81,7 @@ class StabilityMap:
         return result
 
     def partition_of(self, gravity: ArrayLike) -> Index:
-        """Index of the map vertex that gives z for each direction of gravity, shape (n,).
+        """Index of the vertex that determines z for each direction of gravity, shape (n,).
 
         The directions of a vertex are a partition of Figure 5 of the paper.
         """
@@ -89,7 +89,7 @@ class StabilityMap:
         return result
 
     def partition(self, vertex: int) -> Array:
-        """Rays of the cone of directions for which a vertex gives z, unit, shape (k, 3).
+        """Unit rays of the cone of gravity directions for which a vertex determines z, (k, 3).
 
         They are the unit normals of the facets at the vertex. The partition is their cone,
         plus the span of `equations`.

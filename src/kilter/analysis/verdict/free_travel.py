@@ -71,7 +71,7 @@ def free_travel(verdict: Verdict) -> Array:
 
 
 def _displace(assembly: Assembly, screws: Array, amount: float) -> Assembly:
-    """The assembly after each part moved along its screw, without joints, bonds and loads."""
+    """The assembly after a multiple of each part's motion, without joints, bonds and loads."""
     center, parts = assembly.geometry.center, []
     for k, part in enumerate(assembly.parts):
         pose = part.pose
@@ -92,7 +92,7 @@ def _depths(assembly: Assembly) -> dict[tuple[int, int], float]:
 
 
 def _free_amount(assembly: Assembly, screws: Array, most: float) -> float:
-    """Largest multiple, up to `most`, of all screws that causes no new penetration [-]."""
+    """Largest factor, up to `most`, of the parts' motions that causes no new penetration [-]."""
     rest = _depths(_displace(assembly, screws, 0.0))
 
     def is_free(amount: float) -> bool:

@@ -21,7 +21,7 @@ def remarks(assembly: Assembly, contacts: ContactSet) -> list[str]:
 
 
 def loose_parts(assembly: Assembly, contacts: ContactSet) -> list[str]:
-    """Warnings about parts and groups that touch no other part, with the nearest part of each."""
+    """Warnings about parts and groups that touch no other part, with their nearest parts."""
     if assembly.geometry.grounded.all():
         return []  # contacts between held parts are not detected, so nothing is known to be alone
     alone = lone_warnings(contacts.of(assembly).nearest(), assembly.units)

@@ -162,7 +162,7 @@ def ring(
 
 
 def _outer_angles(angle: Array, width: float) -> tuple[Array, float]:
-    """Angles midway between neighbouring points on a circle [rad], and the radius factor there.
+    """Angles midway between points on a circle [rad], and radius factor of the tangents' corners.
 
     Tangents at neighbouring points of the unit circle meet at this distance from its centre.
     """

@@ -99,7 +99,7 @@ def part_features(
 def _triangles_at(
     geometry: Geometry, part: Index, point: Array, reach: Array
 ) -> tuple[Index, Index]:
-    """Pairs (point, triangle) of a point and a triangle within `reach` of it, by point."""
+    """Pairs (point, triangle) in which the triangle is within `reach` of the point, by point."""
     corners = geometry.vertices[geometry.triangles]
     box = corners.min(axis=1), corners.max(axis=1)
     pairs = [(k, t) for _, k, t in joins(part, (point, point), geometry.triangle_part, box, reach)]
@@ -205,7 +205,7 @@ def _of_surfaces(
 
 
 def _at_ends(geometry: Geometry, surface: Index, x: Array, reach: Array) -> Mask:
-    """Mask of points at the flat end of a cylinder or cone with a full turn."""
+    """Mask of points on the flat end of a complete cylinder or cone."""
     s = geometry.surfaces
     at_end = np.zeros(len(surface), dtype=bool)
     k = np.flatnonzero(np.isin(s.kind[surface], (CYLINDER, CONE)))

@@ -87,7 +87,7 @@ class PartingPlanes:
         """Normals from which the search for a plane starts, shape (k, 3)."""
 
     def rows(self, places: Places, reach: Array, gap: float) -> tuple[Array, Array]:
-        """Linear conditions A x <= b on the steps of parts and planes that keep bodies apart.
+        """Linear conditions A x <= b on a step, under which separating planes keep bodies apart.
 
         Parameters
         ----------

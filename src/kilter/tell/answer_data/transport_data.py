@@ -31,7 +31,7 @@ class FirstMotionData(TypedDict):
 
 
 class DirectionLimitData(TypedDict):
-    """Largest acceleration of the carrier in a direction at which no part moves."""
+    """Largest acceleration of the carrier in a direction at which forces can hold the parts."""
 
     name: str
     direction: Vector
@@ -65,7 +65,7 @@ class CaseData(CarrierMotionData):
 
 
 class PolarData(TypedDict):
-    """Boundary of the horizontal accelerations at which no part moves."""
+    """Boundary of the horizontal accelerations at which contact forces can hold the parts."""
 
     axes: list[Vector]
     points: list[list[float]]
@@ -77,7 +77,7 @@ class PolarData(TypedDict):
 
 
 class PathData(TypedDict):
-    """Largest factor on the speed along a path of the carrier at which no part moves."""
+    """Largest factor on the speed along a path at which contact forces can hold the parts."""
 
     samples: int
     duration: Annotated[float, Field(description="[s]")]

@@ -213,7 +213,7 @@ def _neighbours_of_parts(assembly: Assembly, contacts: ContactSet) -> dict[str, 
 
 
 def _is_blocked(assembly: Assembly, sweeps: Sweeps, part: int, present: int, legs: Any) -> bool:
-    """Whether a present part blocks the path of a part, or the path does not end far away."""
+    """Whether a present part blocks the path, or the path ends before the part is out."""
     start = np.zeros(3)
     others = [k for k in range(len(assembly)) if present >> k & 1 and k != part]
     for vector, length in legs:

@@ -259,7 +259,7 @@ class States:
 
     @on_one_thread
     def _decide_state(self, present: Mask, free: Mask, key: tuple[int, int]) -> State:
-        """Decide a state by the methods of the module docstring, in their order, without lookup."""
+        """Decide a state by the methods of the module docstring in turn, if it is not stored."""
         held = present & ~free
         program = self._programs.of(present, held)
         outer = self._programs.outer_of(present, held) if self._programs.open else program
