@@ -54,7 +54,7 @@ def first_bounds(law: ReducedLaw, relaxation: Relaxation, opening: Array | None)
 
 
 def largest_forces(law: ReducedLaw, opening: Array | None) -> float:
-    """Upper bound of the sum of normal forces, from a motion that opens all; or infinity."""
+    """Upper bound of the sum of normal forces, from a motion that opens every contact."""
     return np.inf if opening is None else force_bound(law, opening)
 
 

@@ -23,7 +23,7 @@ ROUNDING = 1e-12
 
 
 def force_bound(law: ReducedLaw, motion: Array) -> float:
-    """Upper bound of the sum of normal forces [-], from a motion that opens all; or infinity."""
+    """Upper bound of the sum of normal forces [-], from a motion that opens every contact."""
     if not len(law.group):
         return 0.0
     if motion.shape != law.load.shape or not np.isfinite(motion).all():

@@ -68,7 +68,7 @@ def constraints(joint: Joint, *, planar: bool = False) -> tuple[Array, Array]:
 
 
 def _transverse(axis: Array, planar: bool) -> Array:
-    """Two unit vectors perpendicular to an axis, shape (2, 3); planar: along y and across y."""
+    """Two unit vectors perpendicular to an axis, shape (2, 3)."""
     if planar:
         axis_along_y = abs(axis[1]) > 0.5
         return (

@@ -130,7 +130,7 @@ def opening_program(
     *,
     load: Array | None = None,
 ) -> ConicProgram:
-    """Conic program for a motion m that opens every contact by 1: shortest, or with a load term.
+    """Conic program for the best motion m that opens every contact by at least 1.
 
         min 1/2 |m|^2,  or  min (|m| - load.m) / 2:
         J m = 0 at joints,   u_n >= 1 at smooth contacts,   u_n - mu |u_t| >= 1 at rough ones

@@ -68,7 +68,7 @@ class FollowingForces:
         self.moment = center * mass[1]
 
     def _sides(self, direction: Array) -> Array:
-        """Change of the scaled load per uncertain quantity, for gravity along `direction`.
+        """Change of the scaled load with each uncertain quantity, for gravity along `direction`.
 
         Shape (K, rows).
         """

@@ -111,7 +111,7 @@ class _Level:
     aside: Array
 
     def needed(self, mu: float, along: Array, aside: Array) -> float:
-        """Least multiple of these forces that, added to others, keeps friction limits [-]."""
+        """Least multiple of these forces that, added to others, obeys the friction limits [-]."""
         rubs = np.linalg.norm(aside[self.rows], axis=1)
         missing = (rubs / mu - along[self.rows]) / self.along[self.rows]
         return float(missing.max(initial=0.0))

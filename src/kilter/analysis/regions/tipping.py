@@ -101,7 +101,7 @@ def _corners(geometry: Geometry, part: int) -> Array:
 
 
 def _of_polyhedron(corners: Array, down: Array, size: float) -> Tipping | None:
-    """Tipping of a polyhedron over the edges of its hull; None if not in an energy minimum."""
+    """Tipping of a polyhedron over the edges of its hull; None if it is at no energy minimum."""
     from scipy.spatial import ConvexHull, QhullError  # slow to import
 
     try:

@@ -184,7 +184,7 @@ class CarriedSet:
         return self._farthest(motion)
 
     def least(self) -> LeastAcceleration | NoLimit:
-        """The least horizontal acceleration at which parts move, over all horizontal directions."""
+        """The least horizontal acceleration, in any direction, that contact forces cannot hold."""
         basis = across_gravity(self.program)
         limits: list[Limit | NoLimit] = []
 

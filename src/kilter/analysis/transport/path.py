@@ -160,7 +160,7 @@ class _PathSearch:
         return np.array([self._combines(load) for load in target])
 
     def _limit(self, sample: int, sign: float) -> Limit | NoLimit:
-        """Largest squared speed factor at a sample, times `sign`; the search keeps its proofs."""
+        """Largest squared speed factor at a sample (least if `sign` is -1); proofs are stored."""
         program = self.program.with_rows(gravity=self.still[sample, :3])
         wrench = np.einsum("pij,j->pi", self.matrix, sign * self.move[sample])
         self.programs += 1

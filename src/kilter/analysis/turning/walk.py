@@ -319,7 +319,7 @@ class Optimality:
 
 
 def is_best(unit: UnitProgram, signs: Array, gravity: Array, z: float) -> Optimality:
-    """Test whether a direction is the most stable of its facet; `z` is its value over the mass."""
+    """Test whether a direction is the most stable of its facet; `z`: its optimum over the mass."""
     lp, axes = unit.lp, unit.axes
     count, rows = len(lp.cost), lp.matrix.shape[0]
     corners = signs[axes, None] * unit.pull[axes]

@@ -232,7 +232,7 @@ def _in_plane_rays(rays: Array, side: Array) -> Array | None:
 
 
 def _spanned_arc(directions: Array) -> tuple[float, float] | None:
-    """Begin and width of the planar cone that directions span [rad]; None without directions."""
+    """Smallest arc (begin, width) of angles that contains given plane directions [rad]; or None."""
     size = np.linalg.norm(directions, axis=1)
     directions = directions[size > CUT_COSINE]
     if not len(directions):

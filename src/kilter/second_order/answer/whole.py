@@ -218,7 +218,7 @@ class _ClusterSearch:
         return answer
 
     def by_forces(self, program: Program, forces: Array | None) -> SecondOrder | None:
-        """Answer from contact forces alone: parts rest on level faces, or are held; else None."""
+        """Answer from contact forces alone, if parts rest on horizontal faces or are held."""
         count = int(program.free.sum())
         if count <= MOST_LEVEL and not self.slanted[program.free].any():
             level, sharp = level_rows(program, self.contacts), sharp_points(program, self.contacts)

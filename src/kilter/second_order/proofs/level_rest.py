@@ -76,17 +76,17 @@ class LevelRest:
         read_only(self)
 
     def to_data(self, program: Program, problem: Stationary | None) -> dict[str, Any]:
-        """JSON data of this proof of level rest, for a proof file."""
+        """JSON data of this proof of rest on horizontal faces, for a proof file."""
         return {"level": self.forces.tolist(), "motion": named_motion(program, self.motion)}
 
     @classmethod
     def from_data(cls, facts: ClusterFacts, data: dict[str, Any]) -> LevelRest:
-        """Read a proof of level rest from JSON data."""
+        """Read a proof of rest on horizontal faces from JSON data."""
         motion = read_motion(facts.program, data["motion"])
         return cls(np.array(data["level"], dtype=float), motion)
 
     def judge(self, facts: ClusterFacts) -> Judged:
-        """Verify the proof of level rest: why it fails, or the state and counts it proves."""
+        """Verify the proof of rest on horizontal faces: why it fails, or the state and counts."""
         program, contacts = facts.program, facts.contacts
         level, sharp = level_rows(program, contacts), sharp_points(program, contacts)
         free = int(program.free.sum()) * (1 if program.planar else 3)
@@ -106,7 +106,7 @@ def level_rows(program: Program, contacts: ContactSet) -> Mask:
 def judge_level_rest(
     program: Program, level: Mask, proof: LevelRest, sharp: SharpPoints | None = None
 ) -> str:
-    """Reason why a proof of rest on level faces fails; empty if it is valid.
+    """Reason why a proof of rest on horizontal faces fails; empty if it is valid.
 
     Parameters
     ----------

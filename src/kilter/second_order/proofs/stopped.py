@@ -182,7 +182,7 @@ def level_motions(program: Program) -> Array:
 
 
 def stop_question(facts: ClusterFacts) -> tuple[Stationary, Mask, Array, Array]:
-    """Data of a proof by stops: gaps to second order, level contacts, motions, symmetries."""
+    """Data of a proof by stops: gaps, horizontal contacts, horizontal motions, symmetries."""
     program, problem = facts.program, facts.problem
     level = level_contacts(program, facts.features, facts.touched)
     span = free_span(program, problem, facts.free_motions.symmetries)

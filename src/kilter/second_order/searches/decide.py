@@ -248,7 +248,7 @@ class _Question:
         return [basis @ vectors[:, k] for k in range(min(2, vectors.shape[1]))]
 
     def _from_multiplier(self, basis: Array, motions: Array) -> list[Array]:
-        """Motions along the main axes of a multiplier matrix, and their sums with both signs."""
+        """Candidate motions: the main axes of a multiplier matrix, and sums of them."""
         values, vectors = np.linalg.eigh(motions)
         axes = (vectors * np.sqrt(np.maximum(values, 0.0)))[:, ::-1]
         single = [basis @ axes[:, k] for k in range(min(6, axes.shape[1]))]

@@ -53,7 +53,7 @@ def find_level_rest(
     *,
     work: Work | None = None,
 ) -> LevelRest | None:
-    """Search for a proof that parts rest on level faces; None if none was found.
+    """Search for a proof that parts rest on horizontal faces; None if none was found.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def _candidate_forces(
 
 
 def _from_program(program: Program, level: Mask, work: Work | None) -> Array | None:
-    """Forces [N] on every level row that can carry, by a linear program; None if it fails."""
+    """Forces [N] on horizontal rows that can carry, by a linear program; None if it fails."""
     units = np.where(np.arange(6) < 3, 1.0, 1 / program.radius[program.free, None])
     units = units[:, program.freedoms].reshape(-1)
     weight = float(program.weight[program.free].max())

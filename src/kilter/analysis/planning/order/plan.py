@@ -271,7 +271,7 @@ def _has_several(parts: int) -> bool:
 
 
 def _least(searched: Searched, falling: int) -> str | None:
-    """Scope of the proof that the order has the fewest held parts or steps; None if unproved."""
+    """Whether fewer held parts or steps are excluded for all paths, or for the tried ones only."""
     if searched.order is None:
         return None
     if searched.least == 0 or (searched.least == 1 and falling > 1):

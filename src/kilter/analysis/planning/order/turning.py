@@ -161,7 +161,7 @@ class TurningSearch:
     def _removals(
         self, present: int, run: _Run, turns: int, hold: int
     ) -> Iterator[tuple[Removed, _Run, int]]:
-        """Yield the possible removals from a set of parts, with run and number of turns left."""
+        """Yield the possible removals from a set of parts, each with its run and turns left."""
         search = self.search
         search.visited += 1
         free = list(search.ways(present))
