@@ -158,6 +158,18 @@ def test_standard_input_is_read(
     assert (code, answer["verdict"]) == (0, "stable")
 
 
+def test_saved_choices_on_standard_input_are_refused_in_one_sentence(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = json.dumps({"kilter": 1, "file": "tower.step", "held": ["base"]}).encode()
+    monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(text)))
+    assert main(["check", "-"]) == 2
+    error = capsys.readouterr().err
+    assert "saved choices" in error
+    assert "give the path" in error
+    assert "unknown key" not in error
+
+
 @pytest.mark.slow
 def test_floor_ground_without_and_down_change_what_is_judged(
     capsys: pytest.CaptureFixture[str],

@@ -25,6 +25,8 @@ from kilter.files.xml_scenes import XML, load_xml
 __all__ = ["ENDINGS", "FileContent", "read_json", "read_path"]
 
 STANDARD_INPUT = "-"
+STANDARD_INPUT_NAME = "standard input"
+"""Name of standard input in messages."""
 ENDINGS = (".json", *FORMATS, *XML, *LDRAW_FILES, *BRICK_TEXT)
 """Endings of the files that can be read (lower case)."""
 
@@ -50,9 +52,8 @@ def read_path(
 ) -> FileContent:
     """Read a file, a folder or standard input with the reader for its format."""
     if os.fspath(source) == STANDARD_INPUT:
-        return _from_json(
-            read_bounded(sys.stdin.buffer, "standard input"), Path(), "standard input", options
-        )
+        data = read_bounded(sys.stdin.buffer, STANDARD_INPUT_NAME)
+        return _from_json(data, Path(), STANDARD_INPUT_NAME, options)
     path, units = Path(source), options.units
     suffix = path.suffix.lower()
     if _is_folder(path):
@@ -106,6 +107,12 @@ def _from_json(data: bytes, folder: Path, source: str, options: FormatOptions) -
         content = parse_json(data)
     except InputError as error:
         raise error.located(file=source) from None
+    if source == STANDARD_INPUT_NAME and isinstance(content, dict) and "file" in content:
+        raise InputError(
+            "these are saved choices, which are read only from a file",
+            file=source,
+            hint="give the path of the file of choices: the file that they name is beside it",
+        )
     if is_compas(content):
         units, contacts = options.units, options.contacts
         return FileContent(from_compas(content, units=units, source=source, contacts=contacts))
