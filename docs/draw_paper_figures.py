@@ -169,7 +169,7 @@ def figure_6() -> tuple[Figure, str]:
     axes.text(*q[best] - 0.16, "optimal vertex", ha="right", fontsize=9, color=INK)
     axes.text(*middle, "displacements\nthat the contacts allow", ha="center", va="center",
               fontsize=9, color=INK)  # fmt: skip
-    axes.set(aspect="equal", xlim=(-1.2, 2.3), ylim=(-2.2, 2.2))
+    axes.set(aspect="equal", xlim=(-1.5, 2.3), ylim=(-2.2, 2.2))
     axes.tick_params(colors=INK, labelsize=8)
     axes.set_xlabel("sum of mass x displacement along x [kg m]", fontsize=9, color=INK)
     axes.set_ylabel("sum of mass x displacement along z [kg m]", fontsize=9, color=INK)
