@@ -5,6 +5,7 @@ assemblies of others, and are skipped without them.
 """
 
 import json
+from collections.abc import Sequence
 from dataclasses import replace
 from html import unescape
 from pathlib import Path
@@ -17,11 +18,14 @@ from kilter import Assembly, Bond, Box, Part, Pose, Sphere
 from kilter.analysis.decision.decision import Decision
 from kilter.analysis.open_pairs import remedies
 from kilter.cli import main
-from kilter.scenes import arches, friction, scene, stacks
+from kilter.scenes import SCENES, arches, friction, scene, stacks
 from kilter.tell.text import text_of
 from kilter.work import Work
 
 SHARED = Path(__file__).parents[3] / "shared" / "data"
+FIGURES = "paper-figure-1", "paper-figure-11", "paper-figure-12"
+TWINS = [f"{name}-{twin}" for name in FIGURES for twin in ("turned", "in-space")]
+"""Figures of the paper in the plane, which are stable, and in space, which are balanced."""
 needs_shared = pytest.mark.skipif(
     not SHARED.exists(), reason="the assemblies of others are not here"
 )
@@ -112,6 +116,40 @@ def test_the_word_outside_a_limit_is_the_verdict_of_check_there(name: str) -> No
     assert margin.outside == kilter.check(assembly.with_down(down)).first_order
 
 
+def test_a_limit_beyond_which_an_open_pair_decides_has_the_verdict_of_check_outside() -> None:
+    """A cube that a held pin enters: what happens beyond the friction angle depends on the pin."""
+    table = Part("table", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
+    pin = Part("pin", Box([0.2, 0.2, 0.4]), Pose([0.5, 0.5, 0.2]), grounded=True)
+    pinned = Assembly([table, pin, Part("cube", Box([1, 1, 1]), Pose([0, 0, 0.5]))], friction=0.84)
+    margin = kilter.margin(pinned)
+    assert margin.tilt is not None
+    assert margin.tilt.angle == pytest.approx(np.arctan(0.84))
+    angle = margin.tilt.angle + 1e-4
+    down = np.cos(angle) * pinned.down + np.sin(angle) * margin.tilt.toward
+    assert margin.outside == "undecided" == kilter.check(pinned.with_down(down)).verdict
+    assert "direction of gravity at which open pairs decide" in text_of(margin.to_dict())
+
+
+def listed_words(capsys: pytest.CaptureFixture[str]) -> dict[str, str]:
+    """The verdict word of each example in the list that `kilter example` prints."""
+    capsys.readouterr()
+    assert main(["example"]) == 0
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()]
+    return {row[0]: row[1] for row in rows if row and row[0] in SCENES}
+
+
+@pytest.mark.quick("twins")
+@pytest.mark.parametrize("names", [TWINS, sorted(SCENES)], ids=["twins", "all"])
+def test_the_list_of_examples_has_the_words_of_check(
+    names: Sequence[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = listed_words(capsys)
+    assert {name: words[name] for name in names} == {
+        name: kilter.check(scene(name)).verdict for name in names
+    }
+    assert [words[name] for name in TWINS] == ["stable", "balanced"] * (len(TWINS) // 2)
+
+
 def test_a_ball_on_a_ball_is_balanced_in_every_command(run) -> None:
     balls = Assembly(
         [
@@ -175,6 +213,24 @@ def test_bonds_report_the_share_that_is_needed_not_that_of_one_equilibrium() -> 
     assert answer["bonds_needed"]["share"] == pytest.approx(0.25, abs=1e-6)
     assert kilter.margin(hung).bond.value == pytest.approx(0.25, abs=1e-6)
     assert "0.25 times their strength is needed" in text_of(answer)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["mortared-corbel", "eccentric-pier", "pier-in-wind"])
+def test_the_bonds_of_a_scene_need_the_share_of_their_margin(name: str) -> None:
+    share = kilter.check(scene(name)).to_dict()["bonds_needed"]["share"]
+    assert 0 < share < 1
+    assert share == pytest.approx(kilter.margin(scene(name)).bond.value, rel=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("count", [100, 300])
+def test_every_loose_try_of_an_arch_is_finished_or_reported_as_not_run(count: int) -> None:
+    answer = kilter.check(arches.arch(count)).to_dict()
+    text = text_of(answer)
+    assert "0 of 8" not in text
+    finished = answer["verdict"] in ("settles", "stable")
+    assert finished or "not tried for lack of effort: --effort" in text
 
 
 @pytest.mark.slow
@@ -366,6 +422,14 @@ def test_the_bonds_of_external_weight_good() -> None:
     share = kilter.check(model).to_dict()["bonds_needed"]["share"]
     assert share == pytest.approx(kilter.margin(model).bond.value, rel=1e-6)
     assert share == pytest.approx(0.6413, abs=1e-4)
+
+
+@needs_shared
+@pytest.mark.slow
+def test_the_bricks_of_others_need_the_share_of_their_margin() -> None:
+    model = kilter.load(SHARED / "brickgpt" / "chair.txt")
+    share = kilter.check(model).to_dict()["bonds_needed"]["share"]
+    assert share == pytest.approx(kilter.margin(model).bond.value, rel=1e-6)
 
 
 @needs_shared

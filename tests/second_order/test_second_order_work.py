@@ -60,12 +60,22 @@ def test_many_clusters_share_the_work_and_level_strict_does_more() -> None:
     states = [cluster.state for cluster in usual.second_order.clusters]
     decided = states.index("open")
     assert states == ["minimum"] * decided + ["open"] * (60 - decided)
-    assert 20 < decided < 60
+    assert 5 < decided < 30
     assert usual.second_order.why == SPENT
     left = usual.second_order.left_open(usual.program.names)
     first = " or ".join([f"{decided}, {decided + 1}, {decided + 2}", f"{57 - decided} more"])
     assert left == f"whether a small push makes {first} fall: {SPENT}"
     assert strict.second_order.state == "minimum"
+
+
+def test_parts_with_fewer_contact_rows_than_freedoms_cost_no_search_for_forces(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    balls = bowls(3)
+    monkeypatch.setattr("kilter.second_order.searches.held_search.judge_held", None)
+    second = kilter.check(balls).second_order
+    assert second is not None
+    assert [cluster.state for cluster in second.clusters] == ["minimum"] * 3
 
 
 @pytest.mark.slow

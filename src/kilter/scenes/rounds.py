@@ -15,7 +15,7 @@ from kilter.shape.primitives import Cylinder, Shape, Sphere
 __all__ = ["four_spheres", "three_cylinders"]
 
 
-@listed("three-cylinders", "a cylinder on two cylinders", source="R1", answer="stable")
+@listed("three-cylinders", "a cylinder on two cylinders", source="R1", answer="settles")
 def three_cylinders(*, friction_between: float = 0.3, friction_ground: float = 0.1) -> Assembly:
     """Case R1: two cylinders along y and a third on them; all touch each other.
 

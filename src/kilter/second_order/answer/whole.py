@@ -62,8 +62,8 @@ The most is for up to `FEW_ROWS` contact rows and `FEW_PARTS` free parts; with m
 inverse proportion to their number. So second order takes less than a fifth of each check of over a
 second.
 """
-FEW_ROWS, FEW_PARTS = 100, 40
-CLUSTER_WORK = 15_000
+FEW_ROWS, FEW_PARTS = 100, 20
+CLUSTER_WORK = 30_000
 """Units of work for a cluster before its first program: features, surfaces and free motions."""
 STRICT_WORK = 10.0
 """Factor of the work if the check requires level strict [-]."""

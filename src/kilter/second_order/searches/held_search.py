@@ -20,6 +20,8 @@ SHARE = 0.02
 
 def find_held(program: Program, forces: Array) -> Held | None:
     """Make a proof of held parts from equilibrium forces, (K,) [N]; None if it would fail."""
+    if len(forces) < int(program.free.sum()) * len(program.freedoms):
+        return None  # fewer rows than freedoms: a motion opens no contact, whatever the forces
     if not judge_held(program, Held(forces)):
         return Held(forces)
     if not forces.any():
