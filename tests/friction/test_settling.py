@@ -89,15 +89,15 @@ def test_long_arches_settle(count, planar):
 @pytest.mark.slow
 def test_tries_that_were_not_made_are_told_with_the_effort_that_makes_them():
     told = check(friction.trough(30, tilt=35.0, friction=0.84), effort=0).to_dict()
-    assert dict(facts(told))["settles"] == "8 of 8 loose tries came to rest"
+    assert dict(facts(told))["settles"] == "8 of 8 tries came to rest"
     told |= {"verdict": "potentially-stable", "level": "equilibrium", "why": "not-found"}
     told |= {"tries": {"passed": 3, "of": 4}, "holds": False}
     told["friction"]["settling"] = {"ends": ["balance"] * 3 + ["not-found"], "of": 8}
     words = dict(facts(told))
     assert words["settles"] == (
-        "3 of 3 loose tries came to rest; 5 more were not finished for lack of effort: --effort 2"
+        "3 of 3 tries came to rest; 5 more were not finished for lack of effort: --effort 2"
     )
-    assert words["level"].startswith("equilibrium: not every loose try was finished")
+    assert words["level"].startswith("equilibrium: not every try was finished")
 
 
 @pytest.mark.slow

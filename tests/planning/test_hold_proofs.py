@@ -96,11 +96,11 @@ def test_it_holds_once() -> None:
 def test_what_is_said_is_what_is_proved() -> None:
     supports = "{}: its supports differ from the candidates that it names"
     falls = said("prop", words=["unstable", "unstable"])
-    assert falls[0] == "it states 'held', but the verdict of its state is unstable"
+    assert falls[0] == "it states 'held', but its proof gives the verdict unstable"
     held = said("prop", words=["stable", "stable"])
-    assert held[0] == "it states 'not fewer', but the verdict of its state is stable"
+    assert held[0] == "it states 'not fewer', but its proof gives the verdict stable"
     other = said("prop", lambda p: p["proofs"][1].update(about="more"))
-    assert other[0] == "it states 'more', but the verdict of its state is unstable"
+    assert other[0] == "it states 'more', but its proof gives the verdict unstable"
     none = said("prop", lambda p: p["proofs"][0].update(supports=[]))
     assert none[0] == supports.format("held")
     # an entry that is refused does not end the rest

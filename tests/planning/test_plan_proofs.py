@@ -179,7 +179,7 @@ CHANGES: list[tuple[str, str, Change]] = [
     ),
     ("arch", "the finished assembly has no proof", lambda p: p["proofs"].pop(0)),
     ("arch", "no step inserts", lambda p: p["proofs"].remove(entries(p, "step")[-1])),
-    ("arch", "the verdict of its state is unstable", falls_in_a_step),
+    ("arch", "its proof gives the verdict unstable", falls_in_a_step),
     (
         "row",
         "'b1' does not move with its group",

@@ -42,7 +42,7 @@ class Chords:
     normal: Array
 
     def rising(self, side: int, points: Array, s: Surfaces) -> tuple[Array, Array]:
-        """Signed distance of points from the faces on a side of the edges, and its gradient.
+        """Signed distance of points from one of the two faces at each edge, and its gradient.
 
         Parameters
         ----------

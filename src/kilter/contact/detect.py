@@ -128,7 +128,7 @@ def _contact_set(
     tolerance: Tolerance,
     report_stage: Callable[[str], None],
 ) -> ContactSet:
-    """Run all stages of a contact search but the search for the nearest neighbours."""
+    """Find the contacts of a search in all its stages; the caller adds the nearest neighbours."""
     gap = search.limits.gap
     report_stage("faces")
     curved = find_curved(search)

@@ -193,7 +193,7 @@ def _match_brackets(order: Index, turn: Index) -> tuple[Index, Index, Index]:
 
 
 def _joined_at_corners(faces: Index, label: Index, chosen: Mask) -> Index:
-    """Labels in which pieces of the chosen faces have the same label if they share a corner."""
+    """Labels of the faces, made equal where pieces of the chosen faces share a corner."""
     count = int(label.max()) + 1
     corners = faces[chosen].reshape(-1)
     piece = np.repeat(label[chosen], 3)

@@ -51,7 +51,7 @@ class Evidence:
     seated : ForceProof or None
         Forces by which its own weight seats the assembly.
     tries : tuple of ForceProof
-        Forces of each loose try that came to rest.
+        Forces of each try that came to rest.
     of : int
         Number of tries that were requested.
     exclusion : dict or None

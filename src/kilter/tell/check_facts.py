@@ -41,7 +41,7 @@ WHY = {
     "not-asked": "settling and other motions were not examined",
     "not-found": "whether its own weight can hold it was not determined",
 }
-UNDONE = "not every loose try was finished for lack of {}"
+UNDONE = "not every try was finished for lack of {}"
 """Reason of the level if a seat was found but the tries were not finished, for lack of effort or
 time."""
 
@@ -103,7 +103,7 @@ def _settles(answer: Answer) -> str:
         lack, remedy = "time", "a longer --time-limit"
     if not finished:
         return f"not tried for lack of {lack}: {remedy}"
-    words = f"{tries['passed']} of {finished} loose tries came to rest"
+    words = f"{tries['passed']} of {finished} tries came to rest"
     left = f"{undone} more {'was' if undone == 1 else 'were'} not finished for lack of {lack}"
     return f"{words}; {left}: {remedy}" if undone else words
 

@@ -68,7 +68,7 @@ def second_order_words(answer: Mapping[str, Any]) -> str:
     'neutral: b can move freely without any change of energy'
     >>> second_order_words({"state": "balanced", "rate": 0.5, "motion": {"b": [], "c": []}})
     'balanced: the slightest push makes b and c fall, unless friction holds them; a deviation \
-grows e-fold in 2 s'
+grows by a factor of 2.7 in 2 s'
     """
     state = answer["state"]
     if state == "minimum":
@@ -85,7 +85,7 @@ grows e-fold in 2 s'
         return f"neutral: {names} can move freely without any change of energy"
     if state == "balanced":
         rate = answer["rate"]
-        grows = f"; a deviation grows e-fold in {number(1 / rate, 3)} s" if rate else ""
+        grows = f"; a deviation grows by a factor of 2.7 in {number(1 / rate, 3)} s" if rate else ""
         names = _names(list(answer["motion"]))
         them = "it" if len(answer["motion"]) == 1 else "them"
         friction = FRICTION[answer.get("rolling")].format(them=them)

@@ -77,5 +77,5 @@ def hand_phrase(hand: Answer) -> str:
         move = count(len(falls), "part")
         phrases.append(f"without it {move} would move: {some_names(falls, LISTED)}")
     elif not phrases:
-        phrases.append("the standing parts may hold without it")
+        phrases.append("the standing parts may not need it")
     return "; ".join(phrases)

@@ -153,7 +153,7 @@ def verdict_sentence(
     squeeze : bool
         Whether the parts move away from every starting state of the search for a seat.
     tries : tuple of int
-        Number of loose tries that came to rest, that were made, and that were planned.
+        Number of tries that came to rest, that were made, and that were planned.
     first_order : bool
         Whether second order leaves a neutral motion free or open.
     frictionless : bool

@@ -303,7 +303,7 @@ def _by_load_factor(problem: ScaledProblem, **options: Unpack[_Options]) -> Iter
 def _by_least_imbalance(
     problem: ScaledProblem, **options: Unpack[_Options]
 ) -> Iterator[_Candidate]:
-    """Yield candidate forces of the least largest imbalance, and a motion from the multipliers."""
+    """Yield the forces of the smallest maximum imbalance, and a motion from the multipliers."""
     answer, word = _solve_with_word(least_imbalance(problem), "least imbalance", **options)
     if not answer.found:
         yield _Candidate(word)

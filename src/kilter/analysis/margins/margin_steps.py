@@ -125,7 +125,7 @@ class MarginSteps:
 
     @property
     def _large(self) -> bool:
-        """Whether programs are so large that limits of the drawing are searched with less work."""
+        """Whether the program has so many rows that limits are searched with less work."""
         return len(self.program.part_a) > LARGE
 
     @property

@@ -209,7 +209,9 @@ class ForcesData(TypedDict):
 class CheckToleranceData(ToleranceData):
     """Tolerances of contact detection and of the verdict."""
 
-    verdict: Annotated[float, Field(description="of the residual and the power of a proof [-]")]
+    verdict: Annotated[
+        float, Field(description="limit of the residual and of the power of a proof [-]")
+    ]
     moves: Annotated[float, Field(description="relative size of a motion that counts [-]")]
 
 

@@ -54,7 +54,7 @@ def wrong_hold(
             yield f"{entry['about']}: its supports differ from the candidates that it names"
             continue
         if entry["about"] not in FALLS or (verdict == "unstable") != FALLS[entry["about"]]:
-            yield f"it states {entry['about']!r:.40}, but the verdict of its state is {verdict}"
+            yield f"it states {entry['about']!r:.40}, but its proof gives the verdict {verdict}"
             continue
         (falling if FALLS[entry["about"]] else held).append((present, entry))
     shares = [_shares(assembly, contacts, candidates, *item) for item in falling]

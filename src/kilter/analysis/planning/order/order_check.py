@@ -70,7 +70,7 @@ def wrong_order(
             continue
         entries[kind].append(entry)
         if (verdict == "unstable") != FALLS[kind]:
-            yield f"{kind} {_subject_names(entry)}: the verdict of its state is {verdict}"
+            yield f"{kind} {_subject_names(entry)}: its proof gives the verdict {verdict}"
         if set(change) - CHANGES - MORE.get(kind, set()):
             subject = _subject_names(entry)
             more = "it changes more than which parts are present and which are held"

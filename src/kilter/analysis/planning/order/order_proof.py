@@ -105,7 +105,7 @@ def order_proof(
 
 
 def _of_steps(states: States, whole: State, steps: Sequence[Step]) -> list[Stated]:
-    """Statements of a proof file for the steps of a plan: descriptions, states and their owners."""
+    """List, for each proof of a plan, its description, its state and the `States` it belongs to."""
     names = states.assembly.names
     stated: list[Stated] = [({"about": "whole"}, whole, states)]
     for number, step in enumerate(steps, 1):
