@@ -26,7 +26,7 @@ from time import perf_counter
 
 from kilter.errors import TimeLimitReached
 
-__all__ = ["EFFORT", "PER_EFFORT", "Work", "seconds_left", "stop_after", "units_of"]
+__all__ = ["EFFORT", "PER_EFFORT", "Work", "facts_of", "seconds_left", "stop_after", "units_of"]
 
 EFFORT = 1.0
 """Default effort of every search."""
@@ -103,6 +103,8 @@ class Work:
         Function that is called with each progress message.
     time_limit : float, optional
         Time from now after which the budget is over, whatever is left [s].
+    facts : callable, optional
+        Function that is called with the subject of each known fact, and the fact.
 
     Examples
     --------
@@ -115,7 +117,7 @@ class Work:
     200.0
     """
 
-    __slots__ = ("_clock", "_count", "_from", "_progress", "allowed")
+    __slots__ = ("_clock", "_count", "_facts", "_from", "_progress", "allowed")
 
     def __init__(
         self,
@@ -123,9 +125,10 @@ class Work:
         progress: Callable[[str], None] | None = None,
         *,
         time_limit: float | None = None,
+        facts: Callable[[str, str], None] | None = None,
     ) -> None:
         self.allowed = allowed
-        self._progress = progress
+        self._progress, self._facts = progress, facts
         self._count = [0.0]  # a list, so that shares count into the same number
         self._from = 0.0
         now = perf_counter()
@@ -241,7 +244,7 @@ class Work:
 
     def beside(self, allowed: float = inf) -> Work:
         """New budget with the same time limit; its charges do not count in this budget."""
-        part = Work(allowed, self._progress)
+        part = Work(allowed, self._progress, facts=self._facts)
         part._clock = self._clock
         return part
 
@@ -269,12 +272,31 @@ class Work:
         if self._progress is not None:
             self._progress(word)
 
+    def fact(self, subject: str, words: str) -> None:
+        """Send a fact about the question of the user that is known before the answer is complete.
+
+        Parameters
+        ----------
+        subject : str
+            Subject of the fact. Of several facts with the same subject, the first counts.
+        words : str
+            A clause, for instance "forces that hold it exist".
+        """
+        if self._facts is not None:
+            self._facts(subject, words)
+
     def tell(self, word: str) -> None:
         """Send a progress message, unless the last is more recent than `BETWEEN_WORDS`."""
         now = perf_counter()
         if self._progress is not None and now - self._clock.said >= BETWEEN_WORDS:
             self._clock.said = now
             self._progress(word)
+
+
+def facts_of(progress: object) -> Callable[[str, str], None] | None:
+    """The method `fact` of a progress function, which receives facts; None if it has none."""
+    facts: Callable[[str, str], None] | None = getattr(progress, "fact", None)
+    return facts
 
 
 _DEADLINE: ContextVar[float] = ContextVar("deadline", default=inf)

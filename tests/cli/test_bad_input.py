@@ -236,7 +236,10 @@ def test_an_interrupt_exits_130(
 
     monkeypatch.setattr("kilter.analysis.decision.cascade.judge", interrupted)
     assert main(["check", "a.json"]) == 130
-    assert capsys.readouterr().err.strip().endswith("kilter: interrupted")
+    assert capsys.readouterr().err == (
+        'kilter: interrupted in the step "verdict"; known so far: it has 2 parts, 1 of them held, '
+        "1 pair of parts touches\n"
+    )
 
 
 def test_a_name_cannot_disturb_the_terminal(capsys: pytest.CaptureFixture[str]) -> None:

@@ -8,12 +8,16 @@ import re
 import subprocess
 import sys
 import time
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
-from kilter.cli import output
+import kilter
+from kilter.cli import main, output
 from kilter.cli.output import Progress
+from kilter.scenes import scene
+from kilter.work import Work
 
 
 class Terminal(io.StringIO):
@@ -90,3 +94,31 @@ def test_a_reader_that_has_seen_enough_ends_it_well(words: list[str]) -> None:
     )
     os.close(telling)
     assert (done.returncode, done.stderr) == (0, b"")
+
+
+def test_an_interrupted_search_tells_the_step_and_the_facts_known_so_far(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.chdir(tmp_path)
+    kilter.dump(scene("arch"), tmp_path / "arch.kilter.json")
+    monkeypatch.setattr("kilter.friction.answer.find_settling", interrupted)
+    assert main(["check", "arch.kilter.json", "--friction", "0.8"]) == 130
+    assembly = kilter.load(tmp_path / "arch.kilter.json")
+    held = sum(part.grounded for part in assembly.parts)
+    assert capsys.readouterr().err == (
+        'kilter: interrupted in the step "putting it down loosely"; known so far: it has '
+        f"{len(assembly)} parts, {held} of them held, {kilter.contacts(assembly).pairs} pairs of "
+        "parts touch, forces that hold it exist\n"
+    )
+
+
+def test_a_later_fact_about_a_joined_assembly_does_not_replace_the_first() -> None:
+    """The search for deciding pairs judges assemblies with joined parts."""
+    kept: dict[str, str] = {}
+    work = Work(facts=kept.setdefault)
+    work.fact("equilibrium", "no forces of the certain contacts hold it")
+    work.beside(1.0).fact("equilibrium", "forces that hold it exist")
+    assert kept == {"equilibrium": "no forces of the certain contacts hold it"}

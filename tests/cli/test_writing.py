@@ -175,7 +175,7 @@ def test_a_command_that_is_asked_to_end_leaves_nothing_beside(
         assert "Traceback" not in said
         assert {path.name for path in folder.iterdir()} == {FILE, SLIDES, BRICKS, SAID, name}
         if code == 130:
-            assert said.endswith("kilter: interrupted\n")  # a plan says what it knew so far
+            assert "kilter: interrupted" in said.splitlines()[-1]  # a plan says what it knew so far
             assert target.read_bytes() == old or whole(target)
         elif code == -number:
             assert not ignored  # before it listened: the system ends it

@@ -39,7 +39,7 @@ from kilter.tell.second_order_words import balanced_sentence
 from kilter.tell.words import verdict_sentence
 from kilter.threads import on_one_thread
 from kilter.validate import number
-from kilter.work import EFFORT, Work, units_of
+from kilter.work import EFFORT, Work, facts_of, units_of
 
 __all__ = ["check"]
 
@@ -175,7 +175,7 @@ def _work(effort: float, time_limit: float | None, progress: Callable[[str], Non
     effort = number(effort, "effort", lowest=0)
     if time_limit is not None:
         time_limit = number(time_limit, "time_limit", lowest=0)
-    return Work(units_of(effort), progress, time_limit=time_limit)
+    return Work(units_of(effort), progress, time_limit=time_limit, facts=facts_of(progress))
 
 
 def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> str:

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from kilter.cli.exit_codes import FAULT, INTERRUPTED, USAGE, WRITTEN
 from kilter.cli.interruption import end_interrupted, interruptible
+from kilter.cli.known_facts import begin_facts, interruption_words
 from kilter.cli.mistakes import NO_MEMORY, fault_words, usage_words
 from kilter.cli.streams import is_full, open_closed_streams
 from kilter.threads import make_no_threads
@@ -36,6 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     words = list(sys.argv[1:] if arguments is None else arguments)
     alone = arguments is None
+    begin_facts()
     try:
         if alone:
             # the command owns this process, so it may change threads and streams
@@ -58,7 +60,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         if alone:
             end_interrupted()
-        _print_error("interrupted")
+        _print_error(interruption_words())
         return INTERRUPTED
     except BrokenPipeError:
         # the reader closed the pipe, for instance `head`: the rest of the answer is not needed

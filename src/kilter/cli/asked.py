@@ -15,6 +15,7 @@ from kilter.cli.exit_codes import VERDICT
 from kilter.cli.output import as_json, emit, keep_apart, tell_warnings, tell_written, write_whole
 from kilter.cli.quick_scipy import import_scipy_quickly
 from kilter.errors import InputError, TimeLimitReached, shell_words
+from kilter.work import facts_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -210,6 +211,10 @@ class Asked:
             import kilter.analysis.check
             import kilter.solvers.highs  # noqa: F401
         assembly = self.reading.read(source, progress=progress)
+        report_fact = facts_of(progress)
+        if report_fact is not None:
+            held = sum(part.grounded for part in assembly.parts)
+            report_fact("parts", f"it has {len(assembly)} parts, {held} of them held")
         if self.source is not None:
             notes = [*assembly.notes, *self.notes]
             assembly = replace(assembly, notes=notes, tolerance=self.tolerance)

@@ -24,6 +24,7 @@ from types import FrameType
 from typing import NoReturn
 
 from kilter.cli.exit_codes import INTERRUPTED
+from kilter.cli.known_facts import interruption_words
 
 __all__ = ["end_interrupted", "interruptible"]
 
@@ -126,7 +127,7 @@ def _watch(heard: list[float]) -> int:
 
 
 def end_interrupted() -> NoReturn:
-    """Print a message, remove unfinished files, and end the process at once."""
+    """Print the facts known so far, remove unfinished files, and end the process at once."""
     for number in SIGNALS:
         with suppress(ValueError):  # only the main thread may set handlers
             signal.signal(number, signal.SIG_IGN)
@@ -136,5 +137,5 @@ def end_interrupted() -> NoReturn:
             os.unlink(unfinished)
     with suppress(OSError, ValueError):
         clear = "\r\x1b[K" if sys.stderr.isatty() else ""
-        print(f"{clear}kilter: interrupted", file=sys.stderr, flush=True)
+        print(f"{clear}kilter: {interruption_words()}", file=sys.stderr, flush=True)
     os._exit(INTERRUPTED)

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from kilter.cli.known_facts import begin_facts, remember_fact, remember_step
 from kilter.errors import InputError, visible
 
 __all__ = [
@@ -104,6 +105,7 @@ class Progress:
     """
 
     def __init__(self, quiet: bool) -> None:
+        begin_facts()
         self._on = not quiet and sys.stderr.isatty()
         self._started = time.perf_counter()
         self._step = ""
@@ -113,9 +115,14 @@ class Progress:
     def __call__(self, stage: str) -> None:
         """Begin a step, whose name the progress line shows from now on."""
         self._step = stage
+        remember_step(stage)
         if self._on and self._clock is None:
             self._clock = threading.Thread(target=self._tell, daemon=True)
             self._clock.start()
+
+    def fact(self, subject: str, words: str) -> None:
+        """Keep a fact that is known before the answer is complete, in case of an interruption."""
+        remember_fact(subject, words)
 
     def _tell(self) -> None:
         shown = False

@@ -33,6 +33,7 @@ from kilter.contact.sharp.sharp_contacts import near_contacts
 from kilter.contact.smooth.smooth_joints import find_smooth
 from kilter.contact.unknown import unknown_contacts
 from kilter.errors import InputError
+from kilter.work import facts_of
 
 __all__ = [
     "contacts",
@@ -97,6 +98,11 @@ def contacts(
     contact_set = _contact_set(
         assembly, begin_search(assembly, tolerance, report_stage), tolerance, report_stage
     )
+    report_fact = facts_of(progress)
+    if report_fact is not None:
+        pairs = contact_set.pairs
+        touch = "1 pair of parts touches" if pairs == 1 else f"{pairs} pairs of parts touch"
+        report_fact("contacts", touch)
     report_stage("nearest parts")
     return dataclasses.replace(
         contact_set, neighbours=nearest_parts(assembly.geometry, contact_set.alone)

@@ -99,6 +99,7 @@ def decide(
         if reason:
             decision = dataclasses.replace(decision, verdict="undecided", reasons=(reason,))
     elif second_order and decision.verdict == "stable" and decision.friction is None:
+        work.fact("equilibrium", "it is stable to first order")
         decision = _with_second_order(decision, assembly, contacts, require, work)
     return dataclasses.replace(decision, units=work.total - before)
 
@@ -128,9 +129,11 @@ def _first_order(
         reason = "the time limit was reached" if work.cut else _best_figures(judgement)
         return Decision("undecided", program, judgement, reasons=(reason,))
     if judgement.stable:
+        work.fact("equilibrium", "forces that hold it exist")
         return _with_friction(
             assembly, contacts, program, judgement, require, work, proof_first=proof_first
         )
+    work.fact("equilibrium", "no forces of the certain contacts hold it")
     outer = build_program(assembly, contacts, possible=True)
     # no open contacts: the motion is already proved against every contact
     if len(outer.part_a) == len(program.part_a):
