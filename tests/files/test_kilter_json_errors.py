@@ -148,7 +148,7 @@ FEATURE = [
     ([{**FACE, "along": [1, 0, 0], "curvature": [0, 1, 2]}, FACE], "curvature is a list; give a n"),
     ([{"kind": "vertex", "curvature": 1}, FACE], "a vertex cannot have a curvature or a direction"),
     ([{**FACE, "axis": [0, 0, 1]}, FACE], "has only one of point and axis"),
-    ([{**FACE, "along": [0, 0, 1]}, FACE], "is not across its normal"),
+    ([{**FACE, "along": [0, 0, 1]}, FACE], "is not perpendicular to the normal"),
 ]
 
 

@@ -162,7 +162,7 @@ class GivenContact(Value):
         for feature, outward in zip(given, (self.normal, -self.normal), strict=True):
             if feature.along is not None and abs(float(feature.along @ self.normal)) > ACROSS:
                 raise InputError(
-                    f"a feature of the {label} is not across its normal",
+                    f"the direction of a feature of the {label} is not perpendicular to the normal",
                     hint="give it a direction in the tangent plane",
                 )
             if feature.axis is not None and feature.off_axis(self.points, outward) > ACROSS:

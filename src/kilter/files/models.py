@@ -82,7 +82,9 @@ class SurfaceEntry(Entry):
         0.0, description="radius of a cylinder or sphere, or of the centre line of a torus"
     )
     tube: NotNegative = Field(0.0, description="radius of the tube of a torus")
-    half_angle: NotNegative = Field(0.0, description="angle of a cone from its axis [rad]")
+    half_angle: NotNegative = Field(
+        0.0, description="angle between the axis and the side of a cone [rad]"
+    )
     hollow: Flag = Field(
         False, description="true: the material is outside of the surface, as around a hole"
     )

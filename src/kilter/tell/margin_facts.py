@@ -12,7 +12,7 @@ __all__ = ["level_words", "margin_facts", "part_level_words"]
 
 LEVEL_WORDS = {
     "settles": ("it settles", "it does not settle"),
-    "proved": ("no motion can start", "it is not proved that no motion can start"),
+    "proved": ("no motion can start", "no proof that excludes every motion was found"),
 }
 """Words of a level that is reached, and of a level that is not."""
 UNKNOWN = {

@@ -25,7 +25,9 @@ MARGIN = NextStep(
     "finds how far it may tilt, how little friction it needs and how much load it withstands",
 )
 VIEW = NextStep(("view",), "shows its motion and its contact forces in 3D in the browser")
-CONTACTS = NextStep(("contacts",), "lists contacts and near pairs, and why these are rejected")
+CONTACTS = NextStep(
+    ("contacts",), "lists contacts and near pairs, and why the near pairs do not touch"
+)
 AFTER_CHECK = {
     "stable": MARGIN,
     "settles": MARGIN,

@@ -31,7 +31,7 @@ TILT = "tilted"
 """Word in the reason of a pair whose faces are not parallel; no gap tolerance closes it."""
 REMEDY_RESULTS = {
     "potentially-stable": "forces that hold it exist",
-    None: "forces that hold it exist; more was not decided, for lack of work",
+    None: "forces that hold it exist; the work limit was reached before more was decided",
 }
 """Result of a remedy in words, if it is not the verdict word itself."""
 ABOVE = 1.01

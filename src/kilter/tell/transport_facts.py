@@ -145,7 +145,10 @@ def _path(path: Answer) -> list[Fact]:
         facts.append(("first", f"{some([plain(name) for name in path['moves']])} moves"))
     if path["factor_least"] > 0:
         facts.append(
-            ("least", f"{number(path['factor_least'])} times as fast: slower, a part slides down")
+            (
+                "least",
+                f"{number(path['factor_least'])} times as fast; if slower, a part slides down",
+            )
         )
     return facts
 

@@ -122,7 +122,8 @@ NONE = {
     "exact": "no direction of gravity is stable",
     "friction": "no direction of gravity is held by the modelled contacts, not even with friction",
     "inner": (
-        "no direction of gravity is held by the frictionless contacts alone; further forces might"
+        "no direction of gravity is held by the frictionless contacts alone; further forces might "
+        "hold it"
     ),
 }
 

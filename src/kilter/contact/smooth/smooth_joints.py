@@ -161,8 +161,8 @@ class SmoothJoints:
         worst = float(np.degrees(max(joint.tilt for joint in self.joints)))
         many = "1 pair" if pairs == 1 else f"{pairs} pairs"
         return (
-            f"curved faces without a formula, {many}: they touch with the normals of surfaces "
-            f"fitted to their corners, known to {worst:.1g} degrees",
+            f"curved faces without a formula, {many}: their normals are those of surfaces "
+            f"fitted to their corners, accurate to {worst:.1g} degrees",
         )
 
     @property

@@ -86,7 +86,7 @@ class PartData(TypedDict):
     acceleration: Annotated[Twist | None, Field(description="[m/s^2, rad/s^2]")]
     relative: Annotated[
         Annotated[list[float], Field(min_length=2, max_length=2)] | None,
-        Field(description="acceleration along and of rotation, relative to gravity [-]"),
+        Field(description="acceleration of translation and of rotation, relative to gravity [-]"),
     ]
     moves: bool
     moved_by_proof: bool
@@ -120,7 +120,7 @@ class BondData(TypedDict):
     kind: NotRequired[Literal["glue", "mortar", "magnet", "suction", "press-fit"]]
     shear: Annotated[
         float | Annotated[str, Field(json_schema_extra={"enum": ["mu"]})] | None,
-        Field(description='[N] at each point; "mu": by friction'),
+        Field(description='largest sideways force at each point [N]; "mu": by friction'),
     ]
 
 
@@ -212,7 +212,7 @@ class CheckToleranceData(ToleranceData):
     verdict: Annotated[
         float, Field(description="limit of the residual and of the power of a proof [-]")
     ]
-    moves: Annotated[float, Field(description="relative size of a motion that counts [-]")]
+    moves: Annotated[float, Field(description="smallest relative size of a motion that counts [-]")]
 
 
 class SuggestionData(TypedDict):
@@ -223,7 +223,8 @@ class SuggestionData(TypedDict):
     why: str
     option: str
     joint: Annotated[
-        dict[str, object] | None, Field(description="entry for the joints of an assembly file")
+        dict[str, object] | None,
+        Field(description="entry to add to the joints of an assembly file"),
     ]
 
 

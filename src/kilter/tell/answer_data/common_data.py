@@ -112,8 +112,12 @@ class LoneData(NeighbourData):
 class LimitData(TypedDict):
     """Certificates on both sides of a limit."""
 
-    residual: Annotated[float, Field(description="largest imbalance of a part over its weight [-]")]
-    gap: Annotated[float | None, Field(description="distance of the proved bounds, relative [-]")]
+    residual: Annotated[
+        float, Field(description="largest imbalance of a part, divided by its weight [-]")
+    ]
+    gap: Annotated[
+        float | None, Field(description="relative distance between the proved bounds [-]")
+    ]
     moves: Annotated[list[str], Field(description="parts that move beyond the limit")]
     mechanism: MechanismData | None
 

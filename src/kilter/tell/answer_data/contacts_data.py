@@ -88,7 +88,11 @@ class ContactsData(TypedDict):
     joints: list[JointData]
     sizes: Annotated[
         list[float],
-        Field(min_length=2, max_length=2, description="least and largest part [length unit]"),
+        Field(
+            min_length=2,
+            max_length=2,
+            description="sizes of the smallest and the largest part [length unit]",
+        ),
     ]
     histogram: HistogramData
     tolerance: ToleranceData

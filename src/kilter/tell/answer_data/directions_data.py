@@ -68,7 +68,7 @@ class OrientData(TypedDict):
     tilt_margin_deg: Annotated[float | None, Field(description="[deg]")]
     friction: bool
     residual: float | None
-    z: Annotated[float | None, Field(description="[kg x length unit], gravity of length 1")]
+    z: Annotated[float | None, Field(description="z for gravity of length 1 [kg x length unit]")]
     instability: Annotated[float | None, Field(description="kappa [-]")]
     units: Units
     joints: list[JointData]

@@ -112,7 +112,7 @@ class WorstData(TypedDict):
     """Mass factor and shift of the centre of mass of a part in the worst case."""
 
     mass_factor: float
-    shift: Annotated[Vector, Field(description="of the centre of mass [length unit]")]
+    shift: Annotated[Vector, Field(description="shift of the centre of mass [length unit]")]
 
 
 class UncertaintyData(TypedDict):
@@ -164,7 +164,9 @@ class MarginData(TypedDict):
     about: AboutData | None
     friction: Annotated[float | None, Field(description="least coefficient [-]")]
     friction_limit: FrictionLimitData | None
-    bond: Annotated[float | None, Field(description="least share of the bond strength [-]")]
+    bond: Annotated[
+        float | None, Field(description="least share of the bond strength that holds it [-]")
+    ]
     bond_limit: BondLimitData | None
     load_factor: Interval | None
     load_factor_bracket: BracketData | None

@@ -22,7 +22,9 @@ class BrickChangeData(TypedDict):
     ]
     layer: float
     cells: Annotated[list[int], Field(min_length=2, max_length=2)]
-    share: Annotated[float | None, Field(description="least share of the strength of studs [-]")]
+    share: Annotated[
+        float | None, Field(description="least share of the strength of studs that holds it [-]")
+    ]
 
 
 class ImproveData(TypedDict):

@@ -32,7 +32,10 @@ class StepData(TypedDict):
 
     parts: list[str]
     direction: Annotated[Vector | None, Field(description="motion of the insertion, unit")]
-    path: Annotated[Lines, Field(description="positions relative to the seat [length unit]")]
+    path: Annotated[
+        Lines,
+        Field(description="positions of the part, relative to its final position [length unit]"),
+    ]
     over: str | None
     touches: list[str]
     rubs: list[str]
