@@ -3,11 +3,15 @@
     python benchmarks/region_census.py arch 300 -o census.jsonl     seeds 0 to 299
     python benchmarks/region_census.py pile 500 -o census.jsonl     continues a file
     python benchmarks/region_census.py --table census.jsonl
+    python benchmarks/region_census.py --voronoi 30 -o cells.jsonl  8 to 25 cells, mu .5 to 1
 
 Families: arch, pile, wedge, round (`tests/scenes/random_turned.py`). Region, orientation and
 margin of each assembly are computed in a separate process; more than a minute for any of them is
 a fault. Then `judge` tests random directions, and both sides of the boundary, of the tilt margin
 and of the least friction. The three margins are compared with each other.
+
+With `--voronoi`, region and orientation of convex cells in a box (`random_voronoi.py`) are timed,
+and `check` decides directions on both sides of the region.
 """
 
 from __future__ import annotations
@@ -38,6 +42,9 @@ NEAR = 1e-6
 """Distance of tests from a boundary of directions [rad], and from a least friction [relative]."""
 BALANCED = 1e-12
 """Largest residual of the forces at the least friction [-]."""
+
+CELLS, ROUGH = (8, 25), (0.5, 0.7, 0.84, 1.0)
+"""Numbers of cells of a Voronoi assembly, and its coefficients of friction [-]."""
 
 Answered = Callable[[str, int, int], Any]
 """Function that yields the parts of a row: of a family, a seed and a number of directions."""
@@ -102,6 +109,63 @@ def turned(family: str, seed: int, directions: int) -> Any:
     wall = time.perf_counter()
     yield rechecked(program, region, margin, oriented, directions)
     yield {"recheck_s": round(time.perf_counter() - wall, 1)}
+
+
+def cells(family: str, seed: int, directions: int) -> Any:
+    """Yield the parts of the row of a Voronoi assembly: times, gap, and sides by `check`."""
+    from random_voronoi import random_voronoi
+
+    import kilter
+
+    assembly = random_voronoi(seed, CELLS, ROUGH)
+    contacts = kilter.contacts(assembly)
+    yield {
+        "parts": len(assembly),
+        "points": len(contacts.points),
+        "mu": float(contacts.patch_mu.max(initial=0.0)),
+    }
+    used = time.process_time()
+    region = kilter.region(assembly, contacts=contacts)
+    yield {
+        "region_cpu": round(time.process_time() - used, 3),
+        "kind": region.kind,
+        "gap": region.gap_deg,
+        "proved": region.proved,
+        "programs": region.programs,
+        "words": [w for w in region.warnings if "boundary" in w or "proofs" in w],
+    }
+    used = time.process_time()
+    oriented = kilter.orient(assembly, contacts=contacts)
+    yield {"orient_cpu": round(time.process_time() - used, 3), "orient": oriented.verdict}
+    yield sides_checked(assembly, contacts, region, seed, directions)
+
+
+def sides_checked(
+    assembly: Any, contacts: Any, region: Any, seed: int, count: int
+) -> dict[str, Any]:
+    """Decide directions by `check`: counts of sides, and all contradictions with the region."""
+    import numpy as np
+
+    import kilter
+    from kilter.mechanics.program import build_program
+
+    program = build_program(assembly, contacts)
+    slack = max(found.slack for found in region.found)
+    tally: collections.Counter[str] = collections.Counter()
+    wrong = []
+    for down in directions_of(program, region, np.random.default_rng(seed), count):
+        inside, outside = side_of(region, down, slack)
+        side = "inside" if inside else "outside" if outside else "between"
+        tally[side] += 1
+        turned = assembly.with_down(down)
+        verdict = kilter.check(
+            turned, contacts=contacts.of(turned), require="equilibrium", effort=0
+        )
+        if verdict.verdict == "undecided":
+            tally["open"] += 1
+        elif side != "between" and (verdict.verdict != "unstable") is not inside:
+            wrong.append(f"{side} {down.tolist()}: {verdict.verdict}")
+    return {"tally": dict(tally), "wrong": wrong}
 
 
 def rechecked(program: Any, region: Any, margin: Any, turned: Any, count: int) -> dict[str, Any]:
@@ -344,6 +408,14 @@ def table(rows: list[dict[str, Any]]) -> None:
             f" contradictions, {wide} that report a wide gap or a missing proof;"
             f" kinds {dict(kinds)}; tests {dict(tally)}; longest CPU seconds {worst}"
         )
+        for name in ("region", "orient"):
+            times = sorted(row[f"{name}_cpu"] for row in own if f"{name}_cpu" in row)
+            if times:
+                print(
+                    f"  {name}: median {times[len(times) // 2]:.2f} CPU s, longest {times[-1]:.2f}"
+                )
+        gaps = [row["gap"] or 0.0 for row in own if "gap" in row]
+        print(f"  largest gap {max(gaps, default=0.0):.4f} deg")
         for row in faults:
             print(f"  seed {row['seed']}: {row['fault']}")
         for row in wrong:
@@ -360,7 +432,10 @@ def main(answered: Answered = turned, told: Callable[[list[dict[str, Any]]], Non
     parser.add_argument("--directions", type=int, default=RANDOM)
     parser.add_argument("-o", default=None)
     parser.add_argument("--table", default=None)
+    parser.add_argument("--voronoi", type=int, default=None, metavar="COUNT")
     given = parser.parse_args()
+    if given.voronoi is not None:
+        given.family, given.count, answered = "voronoi", given.voronoi, cells
     if given.table:
         with open(given.table) as lines:
             told([json.loads(line) for line in lines])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.spatial import ConvexHull, Voronoi
 
@@ -10,12 +12,27 @@ from kilter.arrays import Array
 
 __all__ = ["random_voronoi"]
 
+FRICTION = (0.0, 0.2, 0.5, 0.84, 1.0)
+"""Coefficients of friction of masonry, and none [-]."""
 
-def random_voronoi(seed: int) -> Assembly:
-    """Between 4 and 9 cells of a box [m]; those at its bottom are held, others may be left out."""
+
+def random_voronoi(
+    seed: int, counts: tuple[int, int] = (4, 9), friction: Sequence[float] = FRICTION
+) -> Assembly:
+    """Cells of a box [m]; those at its bottom are held, a free cell may be left out.
+
+    Parameters
+    ----------
+    seed : int
+    counts : tuple of int
+        Least and largest number of cells.
+    friction : sequence of float
+        Coefficients of friction, from which a random one applies to all contacts [-].
+    """
     random = np.random.default_rng(seed)
     size = random.uniform(0.5, 2.0, 3)
-    points = random.uniform(0.05, 0.95, (int(random.integers(4, 10)), 3)) * size
+    count = int(random.integers(counts[0], counts[1] + 1))
+    points = random.uniform(0.05, 0.95, (count, 3)) * size
     cells = _cells(points, size)
     bottom = [float(vertices[:, 2].min()) < 1e-9 for vertices, _ in cells]
     parts = [
@@ -25,7 +42,7 @@ def random_voronoi(seed: int) -> Assembly:
     free = [k for k, part in enumerate(parts) if not part.grounded]
     if len(free) > 3 and random.random() < 0.5:  # a gap, over which its neighbours lean
         del parts[int(random.choice(free))]
-    mu = float(random.choice([0.0, 0.2, 0.5, 0.84, 1.0]))
+    mu = float(random.choice(friction))
     tilt = np.radians(random.uniform(0, 12))
     turn = random.uniform(0, 2 * np.pi)
     down = np.array([np.sin(tilt) * np.cos(turn), np.sin(tilt) * np.sin(turn), -np.cos(tilt)])

@@ -37,6 +37,7 @@ __all__ = [
     "MU_CLOSE",
     "MU_NOTHING",
     "MU_SQUEEZED",
+    "NARROW",
     "NEARLY",
     "NOT_HELD",
     "NO_DIRECTION",
@@ -51,6 +52,7 @@ __all__ = [
     "OPTIMAL_FACE",
     "OUTSIDE_HULL",
     "PARALLEL_PLANES",
+    "POINTED",
     "PROVED_APART",
     "PULLED_IN",
     "PUSH_AGREES",
@@ -58,12 +60,14 @@ __all__ = [
     "SAME_ON_DIAMOND",
     "SAME_POINT",
     "SAME_RAY",
+    "SHARE_AGREES",
     "SIDES_APART",
     "SIDES_NEAR",
     "STEEPEST",
     "TILT_AGREES",
     "UNLIMITED",
     "WALK_STEP",
+    "WIDEST_ARC",
 ]
 
 # --- what rounding leaves -------------------------------------------------------------------
@@ -101,6 +105,12 @@ SAME_RAY = 1e-7
 """Extreme rays closer than this merge; a direction closer to the cone is inside [rad]."""
 NO_PROJECTION = 1e-6
 """A projection by a conic program that is shorter than this counts as zero; unit vectors [-]."""
+NARROW = 1e-3
+"""Least distance of a direction from the boundary of the known cone, to search from it [rad]."""
+POINTED = 0.02
+"""Least cosine of all rays of a pointed cone to an axis; with a smaller one it may hold a line."""
+WIDEST_ARC = 2.0
+"""Longest arc on which a boundary of directions is searched [rad]."""
 RAY_BLUR = 1e-5
 """Distance at which rays with friction merge, and at which a ray lies on a facet [rad].
 
@@ -132,6 +142,8 @@ STEEPEST = 1e6
 
 CONIC_SHARP = 1e-12
 """Tolerance of the conic solver if its motion must prove a boundary at close distance [-]."""
+SHARE_AGREES = 1e-5
+"""Largest difference of the bounds of a boundary direction along an arc, over max(share, 1) [-]."""
 LIMIT_AGREES = 2e-7
 """Largest gap between the proved bounds of a share of a load, over max(share, 1) [-]."""
 PROVED_APART = 1e-5
@@ -172,7 +184,7 @@ WALK_STEP = 1e-5
 """Step length epsilon of the published walk on the diamond |g|_1 = 1 [-]."""
 PULLED_IN = (0.0, 1e-8, 1e-7, 1e-6, RAY_BLUR)
 """Angles by which a ray with friction moves inwards until forces prove it, in this order [rad]."""
-BEYOND_FACET = (1e-9, 1e-8, 1e-7, 1e-6)
+BEYOND_FACET = (1e-8, 1e-7, 1e-6)
 """Distances beyond a facet with friction at which its motion is tested as a proof [rad].
 
 If no test passes, the facet is computed again as a limit from inside."""

@@ -69,6 +69,14 @@ class ConeBalance:
         full[:, 3:] /= program.radius[:, None]
         return full
 
+    def multipliers(self, motion: Array) -> Array:
+        """Multipliers y, shape (N', n), whose motion is the given one, shape (N, 6)."""
+        program = self.program
+        scaled = motion * program.weight[:, None]
+        scaled[:, 3:] *= program.radius[:, None]
+        result: Array = scaled[np.ix_(program.free, program.freedoms)]
+        return result
+
 
 def load_share(program: Program) -> ConeBalance:
     """Problem for the largest fraction (0 to 1) of the load that contact forces balance."""

@@ -24,6 +24,7 @@ __all__ = [
     "COARSE_POWER",
     "CONE_ROUNDING",
     "FOLLOWS",
+    "LOCKED",
     "MIRROR",
     "MIRROR_CELL",
     "MIRROR_ROWS",
@@ -32,6 +33,7 @@ __all__ = [
     "OPENS_FAR",
     "OPENS_MORE",
     "POWER_ROUNDING",
+    "RIGID",
     "ROUNDED_ENTRY",
     "RULED_OUT",
     "SAME_AREA",
@@ -69,6 +71,14 @@ NO_EXCUSE = 0.01
 """Imbalance over the weight of a part at which forces are no balance, however large they are."""
 STILL = 1e-6
 """A part or point slower than this fraction of the fastest counts as not moving or not sliding."""
+LOCKED = 0.9
+"""Depth of a squeeze in a cone above which the contact is locked; depths are 0 or 1, and their
+rounding errors lie between. A larger value locks fewer parts.
+"""
+RIGID = 1e-6
+"""Least singular value, over the largest, of rows that stop all motions between two parts. A larger
+value merges fewer parts.
+"""
 POWER_ROUNDING = 1e-14
 """Rounding error of a power, over the sum of the absolute values of its terms [-]."""
 FOLLOWS = 1e-8

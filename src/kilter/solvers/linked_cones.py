@@ -112,37 +112,51 @@ class LinkedCones:
         result: Array = squares
         return result
 
+    def _at_blocks(self, first: Array, second: Array) -> Array:
+        """Sums at each block, shape (..., N, m), of link values at first and second blocks."""
+
+        def gathered(gather: csr_array, values: Array) -> Array:
+            ahead = np.moveaxis(values, -2, 0)
+            summed = gather @ ahead.reshape(len(ahead), -1)
+            return np.moveaxis(summed.reshape(-1, *ahead.shape[1:]), 0, -2)
+
+        at_first, at_second = self._gather
+        return gathered(at_first, first) + gathered(at_second, second)
+
     def balance(self, x: Array) -> Array:
-        """Force and torque on each block, A x, shape (N, n), from cone forces x, shape (d, K)."""
-        pushed = np.einsum("idk,dk->ik", self.columns, x)
-        links = np.add.reduceat(pushed, self.start, axis=1).T
-        first, second = self._gather
-        result: Array = first @ links + second @ np.einsum("lij,lj->li", self.carried, links)
-        return result
+        """Forces on the blocks, A x, shape (..., N, n), from cone forces x, shape (d, ..., K)."""
+        pushed = np.einsum("idk,d...k->i...k", self.columns, x)
+        links = np.moveaxis(np.add.reduceat(pushed, self.start, axis=-1), 0, -1)
+        return self._at_blocks(links, (self.carried @ links[..., None])[..., 0])
 
     def openings(self, y: Array) -> Array:
-        """Relative motion A^T y of the two blocks at each cone, (d, K), from block motions y."""
-        links = y[self.first]
+        """Relative motions A^T y of blocks at the cones, (d, ..., K), for y, shape (..., N, n)."""
+        links = y[..., self.first, :]
         both = self._shared_links
-        links[both] += np.einsum("lji,lj->li", self.carried[both], y[self.second[both]])
-        result: Array = np.einsum("idk,ik->dk", self.columns, links.T[:, self._link])
+        back = self.carried[both].transpose(0, 2, 1)
+        links[..., both, :] += (back @ y[..., self.second[both], :, None])[..., 0]
+        at_cones = np.moveaxis(links[..., self._link, :], -1, 0)
+        result: Array = np.einsum("idk,i...k->d...k", self.columns, at_cones)
         return result
 
     def normal_matrix(self, scaling: Scaling) -> tuple[Array, Array]:
-        """Diagonal and off-diagonal blocks of the normal matrix A W^2 A^T.
+        """Diagonal, (..., N, n, n), and off-diagonal blocks of the normal matrix A W^2 A^T.
 
-        W^2 = eta^2 (2 w w^T - J), and C J C^T is precomputed.
+        W^2 = eta^2 (2 w w^T - J), and C J C^T is precomputed. The scaling has arrays of shapes
+        (d, ..., K) and (..., K).
         """
         size = len(self.columns)
-        along = np.einsum("idk,dk->ik", self.columns, scaling.w)
+        along = np.einsum("idk,d...k->i...k", self.columns, scaling.w)
         square = scaling.eta**2
-        links = np.empty((len(self.start), size, size))
+        links = np.empty((*square.shape[:-1], len(self.start), size, size))
         for k, (i, j) in enumerate(zip(*np.triu_indices(size), strict=True)):
             values = (2 * along[i] * along[j] - self._squares[k]) * square
-            links[:, i, j] = links[:, j, i] = np.add.reduceat(values, self.start)
+            sums = np.add.reduceat(values, self.start, axis=-1)
+            links[..., i, j] = links[..., j, i] = sums
         across = links @ self.carried.transpose(0, 2, 1)
         far = self.carried @ across
-        first, second = self._gather
-        flat = (-1, size * size)
-        diagonal = first @ links.reshape(flat) + second @ far.reshape(flat)
-        return diagonal.reshape(-1, size, size), across[self._shared_links]
+        flat = (*links.shape[:-2], size * size)
+        diagonal = self._at_blocks(links.reshape(flat), far.reshape(flat))
+        return diagonal.reshape(*diagonal.shape[:-1], size, size), across[
+            ..., self._shared_links, :, :
+        ]

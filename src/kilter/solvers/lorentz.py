@@ -19,7 +19,7 @@ import numpy as np
 
 from kilter.arrays import TINY, Array
 
-__all__ = ["Scaling", "depth", "divided", "product", "reach"]
+__all__ = ["Scaling", "depth", "divided", "product", "reach", "reaches"]
 
 
 def depth(x: Array) -> Array:
@@ -68,6 +68,19 @@ def reach(x: Array, step: Array) -> float:
     >>> reach(np.array([[2.0], [0.0]]), np.array([[0.0], [1.0]]))
     2.0
     """
+    return float(reaches(x, step).min(initial=np.inf))
+
+
+def reaches(x: Array, step: Array) -> Array:
+    """Largest t of each group of cones, as `reach`: the last axis holds the cones of a group.
+
+    Points and steps have the shape (d, ..., K), and the result (...).
+
+    Examples
+    --------
+    >>> reaches(np.ones((1, 2, 1)), np.array([[[-1.0], [-2.0]]]))
+    array([1. , 0.5])
+    """
     a = step[0] ** 2 - (step[1:] ** 2).sum(axis=0)
     b = x[0] * step[0] - (x[1:] * step[1:]).sum(axis=0)
     c = _determinant(x)
@@ -78,7 +91,10 @@ def reach(x: Array, step: Array) -> float:
         leaves = (discriminant >= 0) & ((b < 0) | (a < 0)) & (root > 0)
         # beyond the apex the quadratic is positive again: x_0 must also stay positive
         axis_limit = np.where(step[0] < 0, -x[0] / step[0], np.inf)
-    return float(min(root[leaves].min(initial=np.inf), axis_limit.min(initial=np.inf)))
+    limit: Array = np.minimum(np.where(leaves, root, np.inf), axis_limit).min(
+        axis=-1, initial=np.inf
+    )
+    return limit
 
 
 @dataclass(frozen=True, slots=True, eq=False)

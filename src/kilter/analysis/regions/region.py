@@ -48,6 +48,7 @@ from kilter.tell.html import html_of
 from kilter.tell.json_answer import Answer
 from kilter.tell.region_facts import region_phrase
 from kilter.threads import on_one_thread
+from kilter.work import stop_after
 
 if TYPE_CHECKING:
     from kilter.tell.answer_data.directions_data import RegionData
@@ -353,7 +354,8 @@ def region(
     Raises
     ------
     TimeLimitReached
-        At the time limit, with the verdict of the given direction.
+        At the time limit, with the verdict of the given direction, if nothing else is known. With
+        friction the region that is known by then is returned, with its `gap_deg`.
     InputError
         If nothing is held, loads are given, the geometry is not usable, or `rests` are requested
         of parts that rub.
@@ -384,9 +386,11 @@ def region(
             "places of rest can be computed only without friction", hint="leave friction out"
         )
     limit = None if time_limit is None else time_limit - (time.perf_counter() - started)
+    pairs = still_open(contacts.open_pairs, assembly)
     with given_direction_known(assembly, contacts, limit):
-        stable = _region(assembly, contacts, rubs, gap_deg, started, progress)
-        if still_open(contacts.open_pairs, assembly):
+        with stop_after(limit if limit is None or not pairs else limit / 2):
+            stable = _region(assembly, contacts, rubs, gap_deg, started, progress)
+        if pairs:
             joined = _all_joined(assembly, contacts)
             if _joined_holds(stable, joined):
                 stable = replace(stable, joined_holds=True)

@@ -58,9 +58,10 @@ def warnings_of(
             f"{np.degrees(stable.cone.blur):.2g} deg of the boundary count as on the boundary"
         )
     if np.degrees(stable.gap) > gap_deg:
+        why = ": the time limit ended the search" if stable.is_cut else ""
         warnings.append(
             f"the boundary of the region is known only to {np.degrees(stable.gap):.2g} deg instead"
-            f" of the required {gap_deg:g} deg"
+            f" of the required {gap_deg:g} deg{why}"
         )
     missing = sum(not proof.certificate.holds for proof in stable.proofs)
     if missing:

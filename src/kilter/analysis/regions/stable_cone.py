@@ -85,6 +85,8 @@ class StableCone:
         No direction within the facets is farther from the cone [rad]; 0 if exact.
     slack : float
         How far beyond its facet, at most, the direction of a motion lies [rad]; part of `gap`.
+    is_cut : bool
+        Whether a time limit ended the search, so that the gap may be larger than required.
     """
 
     cone: Cone
@@ -94,6 +96,7 @@ class StableCone:
     exact: bool = True
     gap: float = 0.0
     slack: float = 0.0
+    is_cut: bool = False
 
     @property
     def proved(self) -> bool:

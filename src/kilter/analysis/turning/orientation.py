@@ -63,6 +63,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Orientation", "orient"]
 
+OF_REGION = 0.7
+"""Fraction of a time limit for the region; the rest is for the verdict of its direction."""
+
 Word = Literal["found", "none", "undecided"]
 
 
@@ -232,20 +235,23 @@ def orient(
         contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
     limit = None if time_limit is None else time_limit - (time.perf_counter() - started)
     with given_direction_known(assembly, contacts, limit):
-        return _orient(assembly, contacts, method, progress)
+        return _orient(assembly, contacts, method, limit, progress)
 
 
 def _orient(
     assembly: Assembly,
     contacts: ContactSet,
     method: Method,
+    time_limit: float | None,
     progress: Callable[[str], None] | None,
 ) -> Orientation:
     """Find the orientation of an assembly with given contacts, as `orient`."""
     tell = progress or (lambda stage: None)
     program = build_program(assembly, contacts)
     tell("stable region")
-    every = region(assembly, contacts=contacts, progress=progress if program.mu.any() else None)
+    limit = None if time_limit is None else OF_REGION * time_limit
+    words = progress if program.mu.any() else None
+    every = region(assembly, contacts=contacts, time_limit=limit, progress=words)
     if every.kind == "none" and every.joined_holds:
         return _open_pairs_decide(program, every, method)
     tell("orientation")

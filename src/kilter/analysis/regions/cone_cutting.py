@@ -1,0 +1,352 @@
+"""Search for the enclosure of a round cone of held directions by proved rays and facets.
+
+Each extreme ray of the outer cone is the target of an arc from inside
+(`kilter.analysis.regions.boundary_rays`), or, until the inner cone has width and the outer cone a
+tip, of a projection. Both bring a ray and a facet. `kilter.analysis.regions.friction_cone` has the
+formulas.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from kilter.analysis.decision.judge import judge
+from kilter.analysis.margins.load_limit import NoLimit, find_limit, gravity_wrench
+from kilter.analysis.regions.boundary_rays import BoundaryRay, BoundaryRays
+from kilter.analysis.regions.cone_hull import cone_around, edges_of, extreme_rays
+from kilter.analysis.regions.inner_hull import InnerHull, inner_hull
+from kilter.analysis.regions.polyhedral_cone import widest_axis
+from kilter.analysis.regions.stable_cone import DirectionProof, StableCone
+from kilter.analysis.turning_tolerances import (
+    BEYOND_FACET,
+    BEYOND_FAR,
+    CONIC_SHARP,
+    NO_DIRECTION,
+    NO_PROJECTION,
+    ON_PLANE,
+    POINTED,
+    PULLED_IN,
+    RAY_BLUR,
+    SAME_RAY,
+)
+from kilter.arrays import Array, unit_rows
+from kilter.mechanics.certificate import ForceProof, check_forces, check_motion
+from kilter.mechanics.coulomb_cones import (
+    ConeProblem,
+    cone_problem,
+    nearest_load,
+)
+from kilter.mechanics.locked_parts import find_locked_parts
+from kilter.mechanics.mechanics_tolerances import RULED_OUT
+from kilter.mechanics.opening import Opening
+from kilter.mechanics.program import Program
+from kilter.validate import frozen
+
+__all__ = ["ConeCutting"]
+
+NEARER = 0.5
+"""Fraction of the allowed angle within which a boundary ray is at the extreme ray: no facet is
+added."""
+PIECE = 0.05
+"""Half of the angle of the pieces of an edge between whose ends distances are computed [rad]."""
+PROGRAMS = 600
+"""Conic programs after which the search ends with the gap that is left."""
+
+
+class ConeCutting:
+    """Refinement of the enclosure: rays proved inside the stable cone, and facets outside it."""
+
+    def __init__(self, program: Program, progress: Callable[[str], None] | None) -> None:
+        self.program, self.progress = program, progress
+        self.locked = find_locked_parts(program)
+        self.small = self.locked.program
+        self.wide: ConeProblem = cone_problem(self.small)
+        self.opening = Opening(self.wide)
+        axes = np.array([gravity_wrench(self.small, axis) for axis in np.eye(3)])
+        # only the cost depends on the direction, so the matrices are built once
+        self.nearest = nearest_load(self.wide, axes, np.zeros(3))
+        self.arcs = BoundaryRays(self.locked, self.opening) if self.small.free.any() else None
+        self.rays: list[DirectionProof] = []
+        self.facets: list[DirectionProof] = []
+        self.slack = 0.0
+        self.seen = np.empty((0, 3))
+        self.angle = np.empty(0)
+        self.between: list[DirectionProof | None] = []
+        self.programs = 0
+
+    @property
+    def normals(self) -> Array:
+        """Outward unit normals of the facets around the stable cone, shape (f, 3)."""
+        return -np.array([facet.vector for facet in self.facets]).reshape(-1, 3)
+
+    def hull(self) -> InnerHull | None:
+        """The inner cone, if it has width and the outer cone is pointed; else None."""
+        normals = self.normals
+        if len(normals) < 3 or len(self.rays) < 3:
+            return None
+        axis = -normals.sum(axis=0)
+        length = float(np.linalg.norm(axis))
+        outer = extreme_rays(normals)
+        if length < POINTED or not len(outer) or float((outer @ axis).min()) < POINTED * length:
+            return None
+        return inner_hull(np.array([ray.vector for ray in self.rays]), axis / length)
+
+    def cut(self, most: float) -> bool:
+        """Cut extreme rays farther than `most` from the inner cone off the outer cone.
+
+        `most` is the largest allowed angle [rad]. Return whether the search goes on.
+        """
+        outer = extreme_rays(self.normals)
+        hull = self.hull()
+        if hull is None or self.arcs is None:
+            return self._cut_by_projection(outer, most)
+        if self.programs >= PROGRAMS:
+            return False
+        distance = self._distances(outer, hull)
+        far = np.flatnonzero(distance > most)
+        # the farthest first, so that an early end leaves the least gap
+        far = far[np.argsort(-distance[far], kind="stable")][: self.arcs.together]
+        failed = [k for k in far if not self._known_failure(outer[k])]
+        if not failed:
+            return False
+        targets = outer[failed]
+        self._tell(len(targets))
+        start = widest_axis(hull.normals)
+        missed = [
+            target
+            for target, ray in zip(targets, self.arcs.towards(start, targets), strict=True)
+            if ray is None or not self._add(ray, target, most)
+        ]
+        if missed:
+            self._cut_by_projection(np.array(missed), most)
+        return True
+
+    def _known_failure(self, direction: Array) -> bool:
+        """Whether the arc to a direction brought nothing, and its projection is known."""
+        return self._known_ray(direction) is not None
+
+    def _tell(self, count: int) -> None:
+        """Count programs and report the progress."""
+        self.programs += count
+        if self.progress is not None:
+            self.progress(f"directions that are held: conic program {self.programs}")
+
+    def _add(self, ray: BoundaryRay, target: Array, most: float) -> bool:
+        """Add a boundary direction on the arc to a target and its facet; whether both are proved.
+
+        The facet is left out if the direction is so near to the target that nothing is cut off.
+        """
+        proof = check_forces(self.program.turned(ray.down), *ray.forces)
+        if not proof.holds:
+            return False
+        self.rays.append(DirectionProof("ray", ray.down, ray.down, proof))
+        if _angle_between(target, ray.down) <= NEARER * most:
+            return True
+        facet = self._facet(target, ray.down, ray.motion)
+        if facet is not None:
+            self.facets.append(facet)
+        return facet is not None
+
+    def _cut_by_projection(self, directions: Array, most: float) -> bool:
+        """Project directions onto the stable cone, and cut off those that are farther than `most`.
+
+        Return whether a direction was cut off.
+        """
+        is_cut = False
+        for direction in directions:
+            k = self._known_ray(direction)
+            if k is None:
+                if self.programs >= PROGRAMS:
+                    return False
+                angle, facet = self._project(direction)
+                k = len(self.angle)
+                self.seen = np.vstack([self.seen, direction])
+                self.angle = np.append(self.angle, angle)
+                self.between.append(facet)
+            facet = self.between[k]
+            if facet is not None and self.angle[k] > most:
+                self.facets.append(facet)
+                self.between[k] = None
+                is_cut = True
+        return is_cut
+
+    def _known_ray(self, direction: Array) -> int | None:
+        """Index of the known extreme ray that equals a direction; None if it is new."""
+        near = np.linalg.norm(self.seen - direction, axis=1)
+        return int(near.argmin()) if len(near) and near.min() < SAME_RAY else None
+
+    def _project(self, direction: Array) -> tuple[float, DirectionProof | None]:
+        """Angle from a direction to the stable cone [rad], and a proved facet between them, if any.
+
+        None for the facet if it has no proof.
+        """
+        from kilter.solvers.clarabel import solve_conic
+
+        if self.arcs is None:  # a squeeze holds every part, whatever the direction
+            none = np.zeros((len(self.small.part_a), 3))
+            self._ray(direction, self.locked.forces(direction, none[:, 0], none))
+            return 0.0, None
+        self._tell(1)
+        cost = np.concatenate([self.nearest.cost[:-3], -direction])
+        answer = solve_conic(replace(self.nearest, cost=cost), tolerance=CONIC_SHARP)
+        if not answer.found:
+            return self._from_within(direction, np.pi)
+        nearest = answer.x[-3:]
+        size = float(np.linalg.norm(nearest))
+        angle = np.pi / 2
+        if size > NO_PROJECTION:
+            down = nearest / size
+            forces = self.locked.forces(down, *self.wide.decoded(answer.x[:-3] / size))
+            ray = self._ray(down, forces)
+            angle = np.pi if ray is None else _angle_between(direction, ray)
+        if angle < SAME_RAY:
+            return angle, None
+        rows = len(self.wide.problem.right)
+        motion = self.wide.problem.motion(self.wide.problem.over_weight(answer.multipliers[:rows]))
+        motion = self.locked.motion(self.opening.mended(motion))
+        facet = self._facet(direction, nearest, motion)
+        return self._from_within(direction, angle) if facet is None else (angle, facet)
+
+    def _ray(self, down: Array, forces: tuple[Array, Array]) -> Array | None:
+        """Add a ray to the inner cone, moved inwards until forces prove it; None if none do."""
+        proof = check_forces(self.program.turned(down), *forces)
+        if proof.holds:
+            self.rays.append(DirectionProof("ray", down, down, proof))
+            return down
+        middle: Array = np.sum([ray.vector for ray in self.rays] or [down], axis=0)
+        for pull in PULLED_IN[1 if self.rays else 0 :]:
+            moved: Array = down + pull * middle
+            moved = moved / float(np.linalg.norm(moved))
+            judged = judge(self.program.turned(moved))
+            if judged.stable and judged.forces is not None:
+                self.rays.append(DirectionProof("ray", moved, moved, judged.forces))
+                return moved
+        return None
+
+    def _facet(
+        self, direction: Array, base: Array, motion: Array, steps: Sequence[float] = BEYOND_FACET
+    ) -> DirectionProof | None:
+        """Facet, from a motion, that excludes a direction, with its proof; None without a proof."""
+        normal = self._normal(motion)
+        if normal @ direction <= ON_PLANE:
+            return None
+        length = float(np.linalg.norm(base))
+        on = base / length if length > NO_PROJECTION else np.zeros(3)
+        on = on - (on @ normal) * normal
+
+        def judged(angle: float) -> DirectionProof:
+            down = np.cos(angle) * on + np.sin(angle) * normal if on.any() else normal
+            proof = check_motion(self.program.turned(down), motion)
+            return DirectionProof("facet", -normal + 0.0, down, proof)
+
+        # along the normal the power is greatest: a nearer angle proves nothing
+        steepest = check_motion(self.program.turned(normal), motion)
+        if not steepest.holds:
+            return None
+        for angle in steps:
+            if angle * steepest.ratio < RULED_OUT or not judged(angle).certificate.holds:
+                continue
+            # twice as far as where it just holds: a reader's rounding is another
+            facet = judged(2 * angle)
+            if facet.certificate.holds:
+                self.slack = max(self.slack, 2 * angle if on.any() else 0.0)
+                return facet
+        return None
+
+    def _from_within(self, direction: Array, angle: float) -> tuple[float, DirectionProof | None]:
+        """Angle to the stable cone and separating facet, by a search that starts at the known rays.
+
+        In place of `_project`, if the conic program fails.
+        """
+        middle: Array = np.sum([ray.vector for ray in self.rays], axis=0)
+        length = float(np.linalg.norm(middle)) if self.rays else 0.0
+        if length < NO_DIRECTION:
+            judged = judge(self.program.turned(direction))
+            if judged.stable and judged.forces is not None:
+                self.rays.append(DirectionProof("ray", direction, direction, judged.forces))
+                return 0.0, None
+            if judged.motion is None:
+                return angle, None
+            return angle, self._facet(direction, np.zeros(3), judged.motion.motion)
+        start = middle / length
+        opening, way = self.opening.turned(start), gravity_wrench(self.small, direction - start)
+        limit = find_limit(opening.program, way, opening=opening, most=1.0)
+        if isinstance(limit, NoLimit):
+            return angle, None
+        share = min(limit.value, 1.0)
+        toward = start + share * (direction - start)
+        down = toward / float(np.linalg.norm(toward))
+        ray = self._ray(down, self.locked.forces(down, *_scale_forces(limit.forces, toward)))
+        angle = angle if ray is None else min(angle, _angle_between(direction, ray))
+        if limit.mechanism is None:
+            return angle, None
+        motion = self.locked.motion(limit.mechanism.motion)
+        return angle, self._facet(direction, toward, motion, BEYOND_FAR)
+
+    def _normal(self, motion: Array) -> Array:
+        """Outward unit normal of the facet that a motion proves: its mass-weighted sum."""
+        normal: Array = (self.program.mass * self.program.free) @ motion[:, :3]
+        size = float(np.linalg.norm(normal))
+        return normal / size if size > 0.0 else normal
+
+    def _distances(self, directions: Array, hull: InnerHull | None) -> Array:
+        """Upper bounds of the angles between directions and the inner cone [rad], shape (D,)."""
+        rays = np.array([ray.vector for ray in self.rays]).reshape(-1, 3)
+        chords = np.linalg.norm(directions[:, None] - rays, axis=2).min(axis=1, initial=2.0)
+        angle = 2 * np.arcsin(np.minimum(chords / 2, 1.0))
+        for j, direction in enumerate(directions):
+            k = self._known_ray(direction)
+            if k is not None and self.angle[k] <= np.pi / 2:
+                angle[j] = min(angle[j], self.angle[k] + SAME_RAY)
+        nearest: Array = angle if hull is None else np.minimum(angle, hull.distances(directions))
+        return nearest
+
+    def answer(self) -> StableCone:
+        """The enclosure by the rays and facets that were found."""
+        hull = self.hull()
+        kept = self.rays if hull is None else [self.rays[k] for k in hull.number]
+        inner = cone_around(np.array([ray.vector for ray in kept]).reshape(-1, 3), RAY_BLUR)
+        normals = self.normals
+        outer = extreme_rays(normals)
+        distance = self._distances(outer, hull)
+        widest = float(distance.max(initial=0.0))
+        for first, second, half in edges_of(normals, outer):
+            widest = max(widest, self._along(outer[[first, second]], half, hull))
+        gap = 0.0 if not len(outer) else min(widest + self.slack + inner.blur, np.pi)
+        return StableCone(
+            cone=inner,
+            facets=frozen(-normals + 0.0),
+            proofs=(*kept, *self.facets),
+            programs=self.programs,
+            exact=False,
+            gap=gap,
+            slack=self.slack,
+        )
+
+    def _along(self, ends: Array, half: float, hull: InnerHull | None) -> float:
+        """Upper bound of the distance from an edge to the inner cone [rad]; `half` of its angle.
+
+        Without a hull, only the distances of the two ends are known.
+        """
+        pieces = 1 if hull is None else int(np.ceil(half / PIECE))
+        share = np.linspace(0.0, 1.0, pieces + 1)[:, None]
+        points = unit_rows((1 - share) * ends[0] + share * ends[1])
+        sines = np.sin(np.minimum(self._distances(points, hull), np.pi / 2))
+        turns = np.einsum("ij,ij->i", points[1:], points[:-1])
+        cosines = np.sqrt((1 + np.minimum(turns, 1.0)) / 2)
+        worst = np.maximum(sines[1:], sines[:-1]) / np.maximum(cosines, np.cos(half))
+        return float(np.arcsin(np.minimum(worst.max(initial=0.0), 1.0)))
+
+
+def _scale_forces(proof: ForceProof, down: Array) -> tuple[Array, Array]:
+    """Forces and friction for a unit direction, from a proof for a direction of any length."""
+    length = float(np.linalg.norm(down))
+    return proof.forces / length, proof.friction / length
+
+
+def _angle_between(first: Array, other: Array) -> float:
+    """Angle between two unit vectors [rad]."""
+    return float(2 * np.arcsin(min(float(np.linalg.norm(first - other)) / 2, 1.0)))
