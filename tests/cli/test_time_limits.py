@@ -5,13 +5,17 @@ import os
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import fastjsonschema
 import pytest
 
 import kilter
 from kilter import Assembly, Box, Part, Pose
+from kilter.analysis.decision import cascade
+from kilter.analysis.decision.judge import Judgement, judge
 from kilter.analysis.margins import margin_steps
 from kilter.analysis.margins.load_limit import NoLimit
 from kilter.cli import main
@@ -86,9 +90,40 @@ def test_a_solver_that_the_limit_cut_short_is_not_reported_as_failed(
     assert kilter.margin(slope, pushed=[], time_limit=100.0).missing["friction"] == "time"
 
 
-def test_tries_that_the_time_limit_prevented_do_not_lack_effort() -> None:
+def test_a_verdict_that_the_limit_ended_reports_the_known_facts(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def cut_short(program: Program, **options: Any) -> Judgement:
+        judged = judge(program, **options)
+        return judged if program.frictionless is program else replace(judged, stable=None)
+
+    monkeypatch.setattr(cascade, "judge", cut_short)
+    monkeypatch.setattr(Work, "cut", property(lambda work: True))
     slope = stacks.block_on_slope(10.0, friction=0.5)
-    text = text_of(kilter.check(slope, time_limit=0.0).to_dict())
+    assert kilter.check(slope, time_limit=100.0).sentence == (
+        "Undecided: the time limit was reached; known so far: 1 pair of parts touches, "
+        "without friction the certain contacts do not hold it."
+    )
+
+
+def test_tries_that_the_time_limit_prevented_do_not_lack_effort(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    late = {"now": False}
+
+    def judged(program: Program, **options: Any) -> Judgement:
+        judgement = judge(program, **options)
+        late["now"] = program.frictionless is not program
+        return judgement
+
+    def is_late(work: Work) -> bool:
+        work._clock.cut = work._clock.cut or late["now"]
+        return late["now"]
+
+    monkeypatch.setattr(cascade, "judge", judged)
+    monkeypatch.setattr(Work, "late", property(is_late))
+    slope = stacks.block_on_slope(10.0, friction=0.5)
+    text = text_of(kilter.check(slope, time_limit=100.0).to_dict())
     assert "not tried for lack of time: a longer --time-limit" in text
     assert "effort: --effort" not in text
 

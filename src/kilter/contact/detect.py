@@ -40,6 +40,7 @@ __all__ = [
     "contacts_side_by_side",
     "detected_with_friction",
     "friction_needs_detection",
+    "touching_words",
 ]
 
 
@@ -100,13 +101,17 @@ def contacts(
     )
     report_fact = facts_of(progress)
     if report_fact is not None:
-        pairs = contact_set.pairs
-        touch = "1 pair of parts touches" if pairs == 1 else f"{pairs} pairs of parts touch"
-        report_fact("contacts", touch)
+        report_fact("contacts", touching_words(contact_set))
     report_stage("nearest parts")
     return dataclasses.replace(
         contact_set, neighbours=nearest_parts(assembly.geometry, contact_set.alone)
     )
+
+
+def touching_words(contact_set: ContactSet) -> str:
+    """Number of touching pairs of parts as a clause, for instance "3 pairs of parts touch"."""
+    pairs = contact_set.pairs
+    return "1 pair of parts touches" if pairs == 1 else f"{pairs} pairs of parts touch"
 
 
 def contacts_side_by_side(apart: SideBySide, tolerance: Tolerance) -> ContactSet:

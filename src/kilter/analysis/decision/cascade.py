@@ -37,6 +37,7 @@ from kilter.analysis.open_pairs.ordinary_contacts import (
 )
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
+from kilter.contact.detect import touching_words
 from kilter.contact.open_pairs import still_open
 from kilter.mechanics.program import Program, build_program
 from kilter.tell.levels import REQUIRE
@@ -46,6 +47,9 @@ if TYPE_CHECKING:
     from kilter.friction.answer import FrictionAnswer
 
 __all__ = ["decide"]
+
+WEAK = "no forces of the certain contacts hold it"
+NEEDS_FRICTION = "without friction the certain contacts do not hold it"
 
 
 def decide(
@@ -120,20 +124,22 @@ def _first_order(
     # equilibrium without friction proves stability with friction and with the open pairs, too
     if judgement.stable:
         return Decision("stable", smooth, judgement)
+    smooth_verdict = judgement.stable
     if program is not smooth:
         if known is None:
             work.stage("equilibrium with friction")
             known = judge(program, work=work)
         judgement = known
     if judgement.stable is None:
-        reason = "the time limit was reached" if work.cut else _best_figures(judgement)
+        slides = (NEEDS_FRICTION,) if smooth_verdict is False else ()
+        reason = _late_reason(contacts, *slides) if work.cut else _best_figures(judgement)
         return Decision("undecided", program, judgement, reasons=(reason,))
     if judgement.stable:
         work.fact("equilibrium", "forces that hold it exist")
         return _with_friction(
             assembly, contacts, program, judgement, require, work, proof_first=proof_first
         )
-    work.fact("equilibrium", "no forces of the certain contacts hold it")
+    work.fact("equilibrium", WEAK)
     outer = build_program(assembly, contacts, possible=True)
     # no open contacts: the motion is already proved against every contact
     if len(outer.part_a) == len(program.part_a):
@@ -261,13 +267,29 @@ def _best_figures(judgement: Judgement) -> str:
     )
 
 
+def _late_reason(contacts: ContactSet, *known: str) -> str:
+    """Reason of an answer that the time limit ended, with the facts that are known already.
+
+    Parameters
+    ----------
+    contacts : ContactSet
+        The contacts: their counts are known.
+    *known : str
+        Further facts, each a clause.
+    """
+    left = len(contacts.open_pairs)
+    opened = ("1 pair is open" if left == 1 else f"{left} pairs are open",) if left else ()
+    facts = ", ".join((touching_words(contacts), *opened, *known))
+    return f"the time limit was reached; known so far: {facts}"
+
+
 def _unclear_reason(contacts: ContactSet, bound: Judgement, work: Work) -> str:
     """Reason why an assembly is undecided although no open pair decides its verdict.
 
     `bound` is the judgement with all possible contacts.
     """
     if work.cut:
-        return "the time limit was reached"
+        return _late_reason(contacts, WEAK)
     if bound.stable is None:
         return f"with every possible contact, {_best_figures(bound)}"
     if contacts.open_pairs:
