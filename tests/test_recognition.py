@@ -11,6 +11,7 @@ import trimesh
 
 from kilter.shape.primitives import Box, Cylinder, Sphere, surface
 from kilter.shape.recognition import recognise
+from kilter.shape.round_region import FacetMesh
 from kilter.shape.solid import Surface, height, outward
 from round_meshes import Mesh, bar, circle, moved, revolved, rounded_bar
 
@@ -240,3 +241,37 @@ def test_a_hundred_thousand_triangles_take_about_a_second() -> None:
         surfaces = recognise(vertices, ball.faces)[0]
         assert time.process_time() - start < 6.0  # 0.4 s and 1.4 s on a free core
         assert len(surfaces) == most
+
+
+def capsule(rings: int, sides: int) -> Mesh:
+    """A capsule whose cap and wall meet without an edge, each with `rings` rings of facets."""
+    turn = np.linspace(0, np.pi / 2, rings + 1)[1:-1]
+    wall = np.linspace(0, 5, rings + 1)
+    lower = [(3 * np.cos(t), -3 * np.sin(t)) for t in turn[::-1]]
+    upper = [(3 * np.cos(t), 5 + 3 * np.sin(t)) for t in turn]
+    return revolved([(0, -3), *lower, *((3, z) for z in wall), *upper, (0, 8)], sides)
+
+
+@pytest.mark.quick(1)
+@pytest.mark.parametrize("rings", [12, 24])
+def test_the_growth_of_a_surface_reads_each_corner_a_few_times(
+    rings: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Twice as many rings of twice as many facets: the work grows fourfold, not eightfold."""
+    counted = []
+    points = FacetMesh.points
+
+    def counting(mesh: FacetMesh, facets: np.ndarray) -> np.ndarray:
+        counted[-1] += len(facets)
+        return points(mesh, facets)
+
+    monkeypatch.setattr(FacetMesh, "points", counting)
+    shares = []
+    for size in (rings, 2 * rings):
+        vertices, triangles = capsule(size, 4 * size)
+        counted.append(0)
+        surfaces, _, _ = recognise(vertices, triangles)
+        assert [s.kind for s in surfaces].count("sphere") == 2
+        assert [s.kind for s in surfaces].count("cylinder") == 1
+        shares.append(counted[-1] / len(triangles))
+    assert shares[1] < 1.5 * shares[0]

@@ -225,24 +225,33 @@ def _grow(mesh: FacetMesh, start: Index, kind: str, free: Mask) -> tuple[Surface
     seen = np.zeros(len(free), dtype=bool)
     seen[start] = True
     front, last_fit = start, len(start)
+    # the box of the corners grows with the front, so that a step reads only the corners of its front
+    box = _box(mesh.points(start))
     while len(front):
         near = np.unique(gather_rows(front, graph.first, graph.neighbours))
         near = near[free[near] & ~seen[near]]
         if not len(near) or not len(chosen):
             break
-        within = tolerance_of(mesh, mesh.points(chosen))
+        within = tolerance_of(mesh, box)
         front = near[deviation(mesh, near, surface) <= GROWING * within]
         seen[front] = True
         chosen = np.concatenate([chosen, front])
+        box = _box(np.concatenate([box, mesh.points(front)]))
         if len(chosen) > 1.3 * last_fit:
             # facets that a fit drops stay marked as seen, else the loop may not end
             surface, chosen, front = _refit(mesh, chosen, front, kind, surface)
             last_fit = max(len(chosen), 1)
+            box = _box(mesh.points(chosen)) if len(chosen) else box
     surface, chosen, _ = _refit(mesh, chosen, front, kind, surface)
     if len(chosen) < FEWEST_FACETS:
         return None, no_facets
     sagitta = facet_sagitta(mesh, chosen, surface)
     return surface, chosen[sagitta <= sagitta_limit(sagitta) + mesh.graph.tolerance]
+
+
+def _box(points: Array) -> Array:
+    """Lower and upper corner of the bounding box of points, shape (2, 3)."""
+    return np.array([points.min(axis=0), points.max(axis=0)])
 
 
 def _refit(
