@@ -244,7 +244,7 @@ def joins(
     box_b: tuple[Array, Array],
     margin: Array,
 ) -> Iterator[tuple[Index, Index, Index]]:
-    """Pairs of a row of a and a row of b, of the same owner, whose boxes are within a margin.
+    """Pairs (row of a, row of b) with the same owner, whose boxes are at most a margin apart.
 
     Parameters
     ----------
@@ -283,7 +283,7 @@ def joins(
 
 
 def _bundles(many: Mask, count: Index) -> Iterator[Mask]:
-    """Split the owners with many combinations into groups, each about as large as a tree."""
+    """Group the owners with many rows so that a group has about `TREE` rows; yield masks."""
     rows = np.flatnonzero(many)
     for bundle_number in np.unique(bundle := np.cumsum(count[rows]) // TREE):
         owners = np.zeros(len(many), dtype=bool)

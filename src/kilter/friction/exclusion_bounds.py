@@ -149,7 +149,7 @@ def shrunk_by(
 
 
 def with_one(relaxation: Relaxation, bounds: Enclosure) -> LinearProgram:
-    """The relaxation with its homogenising column fixed to 1, so that forces cannot vanish."""
+    """The linear program of a relaxation, with the column named "one" fixed to 1."""
     program = relaxation.program(bounds)
     program.lower[relaxation.columns["one"]] = 1.0
     return program

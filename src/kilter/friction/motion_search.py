@@ -141,7 +141,7 @@ class _MotionSearch:
         return TrialMotion(answer.x, self.family.forces(answer.multipliers, lubricated))
 
     def shift(self, x: Array) -> Array:
-        """Shift mu |u_t| of each row's opening speed in De Saxce's method, shape (K,)."""
+        """Speed mu |u_t| that De Saxce's method adds to each row's opening speed, shape (K,)."""
         u = (self.law.matrix @ x).reshape(-1, 3)
         shift: Array = self.law.mu * np.linalg.norm(u[:, 1:], axis=1)
         return shift

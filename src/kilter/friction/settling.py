@@ -152,7 +152,7 @@ def find_settling(
 
 
 def _unbalanced_end(end: End) -> End:
-    """Reason why a settling try counts as failed."""
+    """The result of a settling try that did not end in balance: "runs-away" or "not-found"."""
     return "runs-away" if end == "runs-away" else "not-found"
 
 

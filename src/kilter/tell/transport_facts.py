@@ -99,7 +99,7 @@ def _case(case: Answer) -> str:
 
 
 def _case_sentence(answer: Answer) -> str:
-    """Return whether the assembly stands the given motions of its carrier, or which not."""
+    """Return whether the parts stay in place under the given accelerations, in a sentence."""
     about = "the accelerations of " + answer["code"] if answer["code"] else "this acceleration"
     rigid = "In rigid statics under" if answer["code"] else "Under"
     if answer["carried"]:

@@ -182,7 +182,7 @@ def _with_friction(
     *,
     proof_first: bool,
 ) -> Decision:
-    """Decide whether motions are excluded by proof, if friction allows an equilibrium."""
+    """Decide how surely friction holds an assembly for which balancing forces exist."""
     # imported late, since the import of scipy.optimize is slow
     from kilter.friction.answer import ask_friction, not_asked
 

@@ -116,7 +116,7 @@ def find_bond_factor(program: Program, contacts: ContactSet) -> BondFactor | NoL
 
 
 def _by_weight(program: Program) -> Limit | NoLimit:
-    """Compute minus the bond factor, as the limit of a load: the pulls over the total weight."""
+    """The load limit whose value is minus the bond factor, accurate for strong bonds, too."""
     unit = float(program.weight[program.free].sum() / program.pull.sum())
     loose = program.with_rows(clamp=np.zeros_like(program.clamp))
     scaled = find_limit(loose, -unit * program.clamp, most=1.0)

@@ -283,7 +283,7 @@ def _additions(model: BrickModel, cell: float, motion: Array, near: list[int]) -
 
 
 def _tearing(speeds: list[float]) -> float:
-    """How strongly a motion tears studs apart: spread of their vertical velocities times n."""
+    """Measure how strongly a motion tears n studs apart: n times the spread of their speeds."""
     return float(np.std(speeds)) * len(speeds)
 
 

@@ -118,7 +118,7 @@ class _Level:
 
 
 def _with_sticking_rows(smooth: Program, rows: Mask) -> tuple[ConeProblem, Program]:
-    """Copy of a program in which the contacts `rows` can exert forces of any size and direction."""
+    """Problem and program in which the contacts `rows` exert forces in any direction."""
     wide = cone_problem(smooth.with_rows(mu=np.where(rows, 1.0, 0.0)))
     spread_rows = wide.problem.program
     count = len(smooth.part_a)

@@ -19,7 +19,7 @@ __all__ = ["irreducible_subset"]
 def irreducible_subset(
     candidates: list[int], suffices: Callable[[list[int]], bool], ended: Callable[[], bool]
 ) -> list[int]:
-    """A subset of a set that suffices; it suffices, too, and no member can be left out.
+    """Reduce a sufficient set to a sufficient subset of which no member can be left out.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def irreducible_subset(
     """
 
     def reduced(base: list[int], members: list[int], base_changed: bool) -> list[int]:
-        """Members that are needed beside `base`; an unchanged base is known not to suffice."""
+        """Members needed beside `base`; an unchanged `base` was found insufficient before."""
         if ended():
             return members
         if base_changed and suffices(base):

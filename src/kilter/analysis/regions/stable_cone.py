@@ -243,7 +243,7 @@ def _forces(
 
 
 def _unstable(problem: ScaledProblem, cone: Cone, grown: Grown) -> list[DirectionProof]:
-    """Proofs by motions just outside each facet, and on both sides of each equation."""
+    """Prove that directions just outside each facet, and beside each equation, are unstable."""
     _, axes = _loads(problem)
     proofs = []
     for normal, reach in grown.facets:

@@ -295,7 +295,7 @@ def _on_facet(point: Array, signs: Array) -> Array:
 
 
 def _ascent(work: VirtualWork, trail: _Trail, test: Optimality) -> Array | None:
-    """A direction better than the best so far, toward a failed test's result; else None."""
+    """Direction with greater z than the best so far, on the way to `test.toward`; else None."""
     at = trail.best
     for k in range(40):
         point = trail.path[at] + (test.toward - trail.path[at]) * 0.5**k

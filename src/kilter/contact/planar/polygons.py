@@ -245,7 +245,7 @@ def overlay(
 
 
 def _region(corners: Array, convex: bool) -> shapely.Geometry:
-    """The shapely polygon inside a boundary loop (`convex`), or covered by triangles."""
+    """The shapely region of a convex polygon, or of the union of triangles (not `convex`)."""
     import shapely
 
     if convex:

@@ -110,7 +110,7 @@ class LoneData(NeighbourData):
 
 
 class LimitData(TypedDict):
-    """Certificates on both sides of a limit."""
+    """Errors of the proofs on both sides of a limit, and the parts that move beyond it."""
 
     residual: Annotated[
         float, Field(description="largest imbalance of a part, divided by its weight [-]")

@@ -147,7 +147,7 @@ def find_least_supports(
 
 
 def _stops_witness(given: Supported, state: SupportedState) -> Shares:
-    """Absent supports that may raise the verdict level, each with weight 1.
+    """Absent supports that may stop a motion that friction does not exclude, with weight 1.
 
     They are on parts that the motion moves that friction does not exclude.
     """
