@@ -176,7 +176,11 @@ def _flat_patches(program: Program, rows: Index) -> Index:
 def _groups_in_space(
     program: Program, contact: Index, label: Index
 ) -> tuple[Index, Index, Index, Index]:
-    """In space: contact points, group of each (-1: none), patch and first point of a group."""
+    """For an assembly in space: its contact points, the group of each, and data of the groups.
+
+    A group is a point with friction; -1 stands for a point without. The last two results are the
+    patch and the point of each group.
+    """
     rough = np.flatnonzero(program.mu[contact] > 0)
     group = np.full(len(contact), -1)
     group[rough] = np.arange(len(rough))

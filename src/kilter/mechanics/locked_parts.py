@@ -188,7 +188,7 @@ def find_locked_parts(program: Program) -> LockedParts:
 
 
 def _firmest_squeeze(wide: ConeProblem) -> ConicProgram:
-    """Program for the squeeze that is inside most cones. x = (forces, depths t)."""
+    """Conic program for a squeeze inside as many cones as possible; x = (forces, depths t)."""
     matrix = wide.problem.matrix
     cone_matrix, positive, sizes = wide.cone_rows()
     total, count = matrix.shape[1], positive + len(sizes)

@@ -72,7 +72,7 @@ def reach(x: Array, step: Array) -> float:
 
 
 def reaches(x: Array, step: Array) -> Array:
-    """Largest t of each group of cones, as `reach`: the last axis holds the cones of a group.
+    """Largest t of each group of cones, as `reach`; the last axis lists the cones of a group.
 
     Points and steps have the shape (d, ..., K), and the result (...).
 

@@ -11,7 +11,7 @@ __all__ = ["orient_facts", "region_facts", "region_phrase", "region_words", "res
 ROWS = 20
 """Largest number of vectors of each kind that are listed."""
 DIRECTIONS = {
-    "lines": "both senses belong to the region",
+    "lines": "each direction and its opposite belong to the region",
     "rays": "extreme directions of the region",
     "equations": "normals q: every direction g of the region has q.g = 0",
     "facets": "inward normals q: every direction g of the region has q.g >= 0",
@@ -51,7 +51,8 @@ def _nearest(near: Answer | None, units: str) -> list[Fact]:
     least = "least kappa: not known, no solver finished it"
     if "kappa" in known:
         bound = number(near["kappa"]["bound"])
-        least = f"{at['kappa']} has the least kappa, {value['kappa']} (proved: at least {bound})"
+        found = f"{at['kappa']} has the least kappa found: {value['kappa']}"
+        least = f"{found} (proved lower bound: {bound})"
     greatest = f"has the greatest z, {{}} kg {units}, of all"
     diamond, sphere = (greatest.format(value[key]) for key in ("diamond", "sphere"))
     return [

@@ -112,7 +112,7 @@ class BoundaryRays:
         return found
 
     def _start(self, target: Array) -> SharePoint:
-        """Point from which the search towards a target begins: that of the nearest known ray."""
+        """First point of the search towards a target, from the nearest known boundary direction."""
         if self._middles:
             return max(self._middles, key=lambda known: float(known[0] @ target))[1]
         m0 = self._opening.m0
@@ -121,7 +121,7 @@ class BoundaryRays:
 
 
 def _ways(start: Array, targets: Array) -> Array:
-    """Straight ways from a start towards targets, which end on arcs of at most `WIDEST_ARC`."""
+    """Vectors from a start towards targets, shortened to arcs of at most `WIDEST_ARC`."""
     aside = unit_rows(targets - np.outer(targets @ start, start))
     wide = np.cos(WIDEST_ARC) * start + np.sin(WIDEST_ARC) * aside
     far = targets @ start < np.cos(WIDEST_ARC)

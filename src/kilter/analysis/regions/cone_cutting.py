@@ -95,7 +95,7 @@ class ConeCutting:
         return inner_hull(np.array([ray.vector for ray in self.rays]), axis / length)
 
     def cut(self, most: float) -> bool:
-        """Cut extreme rays farther than `most` from the inner cone off the outer cone.
+        """Cut off extreme rays of the outer cone that are farther than `most` from the inner cone.
 
         `most` is the largest allowed angle [rad]. Return whether the search goes on.
         """
@@ -125,7 +125,7 @@ class ConeCutting:
         return True
 
     def _known_failure(self, direction: Array) -> bool:
-        """Whether the arc to a direction brought nothing, and its projection is known."""
+        """Whether the arc to this direction was already tried without success."""
         return self._known_ray(direction) is not None
 
     def _tell(self, count: int) -> None:
@@ -327,7 +327,7 @@ class ConeCutting:
         )
 
     def _along(self, ends: Array, half: float, hull: InnerHull | None) -> float:
-        """Upper bound of the distance from an edge to the inner cone [rad]; `half` of its angle.
+        """Upper bound of the angles between an edge, of angle 2 `half`, and the inner cone [rad].
 
         Without a hull, only the distances of the two ends are known.
         """

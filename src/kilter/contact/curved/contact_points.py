@@ -315,7 +315,7 @@ def _anticlockwise(triangles: Array) -> Array:
 
 
 def _spanning_directions(corners: Array, mean: Array, blur: float) -> tuple[Array, Array]:
-    """Unit directions whose cone lies inside the cone of `corners`, and directions that enclose it.
+    """Unit directions that span a cone inside that of `corners`, and others that enclose it.
 
     The second array is empty if the first is exact. `blur` is the largest error of the rim [rad].
     """
