@@ -225,7 +225,7 @@ def _grow(mesh: FacetMesh, start: Index, kind: str, free: Mask) -> tuple[Surface
     seen = np.zeros(len(free), dtype=bool)
     seen[start] = True
     front, last_fit = start, len(start)
-    # the box of the corners grows with the front, so that a step reads only the corners of its front
+    # the box of the corners grows with the front, so a step reads only the corners of its front
     box = _box(mesh.points(start))
     while len(front):
         near = np.unique(gather_rows(front, graph.first, graph.neighbours))
