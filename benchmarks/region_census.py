@@ -136,7 +136,10 @@ def cells(family: str, seed: int, directions: int) -> Any:
     }
     used = time.process_time()
     oriented = kilter.orient(assembly, contacts=contacts)
-    yield {"orient_cpu": round(time.process_time() - used, 3), "orient": oriented.verdict}
+    used = time.process_time() - used
+    yield {"orient_cpu": round(used, 3), "orient": oriented.verdict}
+    if used > LIMIT:
+        raise TimeoutError(f"orient took {used:g} s of the processor")
     yield sides_checked(assembly, contacts, region, seed, directions)
 
 
