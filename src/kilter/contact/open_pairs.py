@@ -145,7 +145,7 @@ def _from_unsupported(contact: UnsupportedContact) -> OpenPair:
 
 
 def rigid_groups(assembly: Assembly) -> Index:
-    """Group number of each part, shape (N,): held parts, or parts connected by fixed joints.
+    """Group of each part, shape (N,); held parts, and parts joined by fixed joints, share a group.
 
     All parts of a group move as a single body.
     """

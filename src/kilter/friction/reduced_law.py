@@ -191,10 +191,11 @@ def _groups_in_space(
 def _groups_in_the_plane(
     program: Program, contact: Index, label: Index
 ) -> tuple[Index, Index, Index, Index]:
-    """Kept points, groups, patches and first points in the plane: a straight patch is a group.
+    """For an assembly in the plane: kept points, their groups, and patch and first point of each.
 
-    Only its two ends are kept: forces at points between them are sums of forces at the ends, and if
-    such a point touches under force, the whole patch touches.
+    A group is a straight patch with friction; -1 stands for one without. Only the two ends of a
+    patch are kept: forces at points between them are sums of forces at the ends, and if such a
+    point touches under force, the whole patch touches.
     """
     normal, point = program.normal[contact], program.point[contact]
     along = normal[:, 2] * point[:, 0] - normal[:, 0] * point[:, 2]

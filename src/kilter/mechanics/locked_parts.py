@@ -218,7 +218,7 @@ def _firmest_squeeze(wide: ConeProblem) -> ConicProgram:
 
 
 def _welds(wide: ConeProblem, squeeze: Array, half_lines: Index, welded: Mask) -> Welds:
-    """The welded contacts, with a squeeze of only their forces that balances exactly."""
+    """The welded contacts, and the squeeze corrected to balance by forces at these and joints."""
     count, rough = len(wide.program.part_a), len(wide.rough)
     straight = half_lines[welded[: len(half_lines)]]
     heads = np.flatnonzero(welded[len(half_lines) :])

@@ -201,7 +201,7 @@ class _Sides:
         return self.upper - self.lower <= self._tolerated_gap(agree)
 
     def _tolerated_gap(self, agree: float) -> float:
-        """Distance of the friction bounds [-] at which the search may end.
+        """Largest gap of the bounds [-] with which the search for the least friction may end.
 
         So close to the limit, a motion gains less power than its certificate requires.
         """

@@ -147,7 +147,7 @@ def _crossing_normals(
 def _snap_normals(
     facets: Facets, edges: Edges, meetings: Meetings, rows: Index, normals: Array
 ) -> tuple[Array, Mask]:
-    """Replace each normal by that of an adjacent facet if they nearly agree; mask of replaced ones.
+    """Replace normals by those of adjacent facets that nearly agree; also mask where these exist.
 
     Also returns whether a facet of part a, and of part b, has the normal, shape (n, 2).
     """

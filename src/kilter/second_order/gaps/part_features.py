@@ -99,7 +99,7 @@ def part_features(
 def _triangles_at(
     geometry: Geometry, part: Index, point: Array, reach: Array
 ) -> tuple[Index, Index]:
-    """Pairs (point, triangle) in which the triangle is within `reach` of the point, by point."""
+    """Pairs of a point and a triangle within `reach` of it, as indices sorted by point."""
     corners = geometry.vertices[geometry.triangles]
     box = corners.min(axis=1), corners.max(axis=1)
     pairs = [(k, t) for _, k, t in joins(part, (point, point), geometry.triangle_part, box, reach)]

@@ -103,7 +103,7 @@ class Supported:
         return [name for name in self.assembly.names if name in gripped], others
 
     def decide(self, state: SupportedState, *, require: str, work: Work) -> SupportedState:
-        """Extend an equilibrium with chosen supports by its decision, up to the required level."""
+        """Decide the verdict of a state that is in equilibrium, up to the level `require`."""
         gripped, others = self.given(state.chosen)
         # without other supports the assembly has no part for the outside, as in a check
         supports = [support.to_dict() for support in others] or None
