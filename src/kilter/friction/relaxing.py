@@ -30,11 +30,13 @@ from kilter.work import Work
 
 __all__ = ["Rest", "relaxed"]
 
-FIRST = 1.0
-"""First step h."""
-INNER, IDLE = 80, 25
-"""Maximum number of Newton steps within a step h, and number of them without a reduction of the
-error after which Newton's method has failed.
+FIRST = 1e3
+"""First step h. The tries of 256 random assemblies end alike for first steps from 1 to 1e3, and a
+leaning wall of 300 bricks takes two fifths fewer Newton steps.
+"""
+INNER, LAST, IDLE = 80, 4, 25
+"""Maximum number of Newton steps within a step h; the same if the path has nearly arrived; and
+number of them without a reduction of the error after which Newton's method has failed.
 """
 ROUGH = 20
 """Number of Newton steps within a step h that use symmetric matrices of large systems."""
@@ -107,9 +109,10 @@ def relaxed(
     state, step, steps = springs.at(x), first, 0
     far = FAR * max(size, 1.0)
     while step > SHORTEST and not work.over:
-        new, count = _advance(springs, state, step, work)
+        near = springs.imbalance(state) <= NEARLY * BALANCED
+        new, count = _advance(springs, state, step, work, LAST if near else INNER)
         steps += count
-        if new is None and springs.imbalance(state) <= NEARLY * BALANCED:
+        if new is None and near:
             break  # rounding prevents the path from reaching the goal
         if new is None:
             step *= CUT
@@ -129,15 +132,18 @@ def relaxed(
 
 
 def _advance(
-    springs: Springs, state: SpringState, step: float, work: Work
+    springs: Springs, state: SpringState, step: float, work: Work, most: int
 ) -> tuple[SpringState | None, int]:
-    """Take a pseudo-time `step`: return the new state (None on failure) and the Newton steps."""
+    """Take a pseudo-time `step` by at most `most` Newton steps.
+
+    Return the new state (None on failure) and the number of Newton steps.
+    """
     new, error_vector = state, state.rest
     least_error = float(np.linalg.norm(error_vector))
     accepted = (STEP_ERROR if least_error > SMALL else STEP_ERROR_SMALL) * least_error
     stalled = 0
     rough = springs.system.matrix.symmetric_pays
-    for count in range(1, INNER + 1):
+    for count in range(1, most + 1):
         exact = not rough or count > ROUGH
         try:
             move = springs.newton(new, error_vector, 1.0 / step, work, exact=exact)
@@ -151,7 +157,7 @@ def _advance(
         if stalled == IDLE or not error < np.inf:
             return None, count
         least_error = min(least_error, error)
-    return None, INNER
+    return None, most
 
 
 def _line_search(
