@@ -31,7 +31,7 @@ LARGE, MANY = 500, 12
 """Number of rows of a program above which grips that hold are found from least wrenches, and number
 of candidates above which they are if open pairs leave the assembly undecided.
 """
-SMALLER = 1 / 16
+SMALLER = 1 / 40
 """Fraction of the work for sets that are smaller than known grips which hold [-]."""
 RAISING = 1 / 80
 """Share of the remaining work that the search for a set of a higher level may take [-]."""
