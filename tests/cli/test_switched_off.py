@@ -167,7 +167,7 @@ WRONG = {
     "held": ("--ground a --release a", "ground and release are both given"),
     "held off": ("--no-ground --release a", "release and no-ground are both given"),
     "not held": ("--release b", "the choices do not hold 'b'; they hold 'a', 'c*'"),
-    "pattern": ("--release c", "the choices hold 'c*', of which 'c' cannot be released alone"),
+    "pattern": ("--release c", "the choices hold all parts 'c*', so 'c' cannot be released alone"),
     "no name": ("--release", "requires an argument"),
 }
 

@@ -87,7 +87,7 @@ def region(
         typer.Option(
             "--rests",
             help="Also list the directions at which the energy has a strict minimum, with the "
-            "largest tilt and the swing of each. Without friction only.",
+            "largest tilt and the period of the slowest swing of each. Without friction only.",
         ),
     ] = False,
 ) -> int:

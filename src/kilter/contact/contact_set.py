@@ -375,9 +375,9 @@ class ContactSet(Answer):
 
     @property
     def counted_gap(self) -> float | None:
-        """Widest gap of a contact that only a widened tolerance accepts [length unit].
+        """Widest gap among contacts that the default tolerance would reject [length unit].
 
-        None if every patch also counts by the default tolerance.
+        None if the default tolerance accepts every patch.
         """
         given, usual = self.tolerance, Tolerance()
         if given == usual or not len(self):

@@ -118,7 +118,7 @@ def _remaining(held: Sequence[str], release: Sequence[str]) -> list[str]:
         if pattern not in held and not fnmatch.filter(held, pattern):
             wider = [name for name in held if fnmatch.fnmatch(pattern, name)]
             raise InputError(
-                f"the choices hold {wider[0]!r}, of which {pattern!r} cannot be released alone"
+                f"the choices hold all parts {wider[0]!r}, so {pattern!r} cannot be released alone"
                 if wider
                 else f"the choices do not hold {pattern!r:.60}",
                 hint="name the held parts with ground"

@@ -58,7 +58,7 @@ def _relative(path: Path, folder: Path) -> str:
         return inside.relative_to(base).as_posix()
     except ValueError:
         raise InputError(
-            f"the choices in {str(folder)!r} cannot name {str(path)!r}, which lies elsewhere",
+            f"the file {str(path)!r} is outside {str(folder)!r}, the folder of the choices",
             hint=f"write them to the folder {str(path.parent)!r} or to a folder above it",
         ) from None
 

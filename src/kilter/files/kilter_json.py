@@ -39,7 +39,7 @@ SCHEMA = ".schema.json"
 
 
 def schema(name: str = "assembly") -> dict[str, Any]:
-    """The JSON schema of kilter's assembly file.
+    """The JSON schema of a kilter file or answer, by its name: "assembly", "check" and so on.
 
     Examples
     --------

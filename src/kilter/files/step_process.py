@@ -52,7 +52,7 @@ class _Process:
         self.ahead: Request | None = None
 
     def ask_ahead(self, request: Request) -> None:
-        """Send the request that is likely to come next, before it is made."""
+        """Send in advance the request that is likely to come next."""
         assert self.process.stdin is not None
         with contextlib.suppress(OSError):  # a crash is detected by the next `ask`
             send(self.process.stdin, request)
@@ -95,7 +95,7 @@ def begin_early(ahead: Path | None = None) -> None:
 
 
 def _request(path: Path, without: tuple[str, ...], broken: set[int]) -> Request:
-    """Build the request to read a STEP file."""
+    """Request to the child process: read a STEP file, except the solids `without` and `broken`."""
     state = path.stat()
     most = STALLS + STALLS_PER_MEGABYTE * state.st_size / 2**20
     return str(path.absolute()), (state.st_mtime_ns, state.st_size), without, broken, most

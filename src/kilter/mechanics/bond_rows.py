@@ -52,7 +52,7 @@ class BondedPoints:
 
 
 def bonded_points(contacts: ContactSet) -> BondedPoints:
-    """Strength of the bond at each contact point of a contact set; 0 without a bond.
+    """Tension and shear strength of the bond at each contact point; no tension without a bond.
 
     Raises
     ------

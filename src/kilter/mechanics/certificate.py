@@ -120,7 +120,7 @@ def check_forces(program: Program, forces: Array, friction: Array | None = None)
 
 
 def _clip_to_cones(program: Program, forces: Array, friction: Array | None) -> tuple[Array, Array]:
-    """Move forces into their cones: one-sided rows push, friction is at most mu times normal.
+    """Move forces into their cones: one-sided rows push, friction is at most mu f_n + cohesion.
 
     Returns both, shapes (K,) and (K, 3); values that are not finite become 0.
     """

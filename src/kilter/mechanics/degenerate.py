@@ -40,7 +40,10 @@ def with_pushes(program: Program, pushes: PossibleContacts) -> Program:
 
 
 def without_degenerate(assembly: Assembly, contacts: ContactSet) -> Program:
-    """Program of all possible contact forces except those at points without a unique normal."""
+    """Program of all possible contact forces, but no pushes at points without a unique normal.
+
+    Points that are degenerate only within the tolerance keep their forces.
+    """
     outer = bounding_program(assembly, contacts)
     exact = np.append(contacts.degenerate.exact, False)[contacts.possible.degenerate]
     pushes = np.flatnonzero((outer.kind == POSSIBLE) & ~outer.two_sided)

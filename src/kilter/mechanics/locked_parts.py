@@ -1,6 +1,6 @@
 """Parts that a squeeze locks together: a smaller program with the same held loads.
 
-A squeeze is a set of contact forces without a load, A x = 0. The squeeze that is inside most cones,
+A squeeze is a self-stress: contact forces without a load, A x = 0. The squeeze inside most cones,
 
     max sum t_k:  A x = 0,  x - t_k e_k in the cones,  0 <= t_k <= 1      e_k: axis of cone k
 
@@ -97,7 +97,7 @@ class LockedParts:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Welds:
-    """Contacts that a squeeze loads inside their cones, and the squeeze.
+    """Contacts that a self-stress (squeeze) loads inside their cones, and this self-stress.
 
     Attributes
     ----------
@@ -148,7 +148,7 @@ def _depths(wide: ConeProblem, x: Array, half_lines: Index, heads: Index) -> Arr
 
 
 def find_locked_parts(program: Program) -> LockedParts:
-    """Merge the parts of a program that a squeeze locks together.
+    """Merge the parts of a program that a self-stress (squeeze) can lock together.
 
     Parameters
     ----------
@@ -188,7 +188,7 @@ def find_locked_parts(program: Program) -> LockedParts:
 
 
 def _firmest_squeeze(wide: ConeProblem) -> ConicProgram:
-    """Conic program for a squeeze inside as many cones as possible; x = (forces, depths t)."""
+    """Conic program for the self-stress inside the most cones; x = (forces, depths t)."""
     matrix = wide.problem.matrix
     cone_matrix, positive, sizes = wide.cone_rows()
     total, count = matrix.shape[1], positive + len(sizes)
@@ -218,7 +218,7 @@ def _firmest_squeeze(wide: ConeProblem) -> ConicProgram:
 
 
 def _welds(wide: ConeProblem, squeeze: Array, half_lines: Index, welded: Mask) -> Welds:
-    """The welded contacts, and the squeeze corrected to balance by forces at these and joints."""
+    """The welded contacts, and the self-stress corrected by forces there and at joints."""
     count, rough = len(wide.program.part_a), len(wide.rough)
     straight = half_lines[welded[: len(half_lines)]]
     heads = np.flatnonzero(welded[len(half_lines) :])

@@ -191,7 +191,7 @@ def squeezed_row(
 
 
 def _guides(start: float, stop: float, depth: float, height: float) -> list[Part]:
-    """Held blocks on all sides of a bar along x, of the given depth (y) and height (z)."""
+    """Held blocks on the four long sides of a bar along x, of given depth (y) and height (z)."""
     d, h = depth, height
     corners = {
         "below": ([start, -d, -0.1], [stop, d, 0]),

@@ -278,9 +278,9 @@ def figure_10(orientation: str = "a", *, planar: bool = False) -> Assembly:
     planar=True,
 )
 def figure_11(orientation: str = "a", *, planar: bool = False) -> Assembly:
-    """Figure 11 of the paper: two identical blocks with chamfers of 45 degrees in an L.
+    """Figure 11 of the paper: the blocks of Figure 1, whose only stable orientation is (b).
 
-    (a) is unstable. (b) is the only stable orientation, with the L at 45 degrees.
+    (a) is unstable. In (b) the L is at 45 degrees.
     """
     return two_blocks_in_an_l(45.0, stable=_is_b(orientation), planar=planar)
 

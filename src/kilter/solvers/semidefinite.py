@@ -50,7 +50,7 @@ class SemidefiniteProgram:
 
     @property
     def entries(self) -> int:
-        """Number of nonzero entries of all rows."""
+        """Number of nonzero entries in all matrices of the program."""
         rows = (self.equal, self.positive, self.cones, *self.squares)
         return sum(int(matrix.nnz) for matrix in rows)
 

@@ -76,7 +76,7 @@ def kind_of(answer: Answer) -> str:
     for key, kind in KIND_OF_KEY.items():
         if key in answer:
             return kind
-    raise ValueError(f"no answer of kilter has only the keys {', '.join(answer)}")
+    raise ValueError(f"this is no answer of kilter: its only keys are {', '.join(answer)}")
 
 
 def facts(answer: Answer, *, brief: bool = False) -> list[Fact]:

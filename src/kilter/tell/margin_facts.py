@@ -207,8 +207,8 @@ def _least_friction(answer: Answer) -> str:
     words = f"mu >= {number(least)}, the same at every contact"
     if least - lower > WIDE * least:
         words = (
-            f"the least mu is between {number(lower)}, proved not to be enough, and "
-            f"{number(least)}, the same at every contact"
+            f"mu = {number(least)} at every contact is enough, mu = {number(lower)} is proved not "
+            "to be; the least mu is between them"
         )
     elif least - lower > 1e-6 * least:
         words += f" ({number(lower)} is proved not to be enough)"

@@ -47,13 +47,11 @@ ROLES = {
     ),
     "ink": Role("#1b2530", "#e8edf2", "sign", "text, gravity, loads"),
     "undecided": Role("#5b6673", "#8d99ad", "word", "undecided, unknown"),
-    "grip": Role("#0066b4", "#4fa8f0", "word", "held by a hand, in stripes"),
+    "grip": Role("#0066b4", "#4fa8f0", "word", "part held by a hand, drawn in stripes"),
     "link": Role("#005a8d", "#7cc8f7", "word", "link"),
     "soft": Role("#5b6673", "#a3afbb", "word", "text of less weight"),
     "focus": Role("#0066b4", "#7cc8f7", "fill", "element with the keyboard focus"),
-    "picked": Role(
-        "#ffdb00", "#ffdb00", "fill", "the part that was picked, in stripes; the brick to add"
-    ),
+    "picked": Role("#ffdb00", "#ffdb00", "fill", "picked part, drawn in stripes; brick to add"),
     "stable-fill": Role("#4aa3dc", "#3b9bd8", "fill", "stable directions of the ball"),
     "stable-edge": Role("#ffffff", "#0b1620", "fill", "rim of the boundary of the region"),
     "unstable-fill": Role(

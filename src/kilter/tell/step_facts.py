@@ -56,7 +56,7 @@ def step_facts(step: Answer, hands: Sequence[Answer]) -> list[tuple[str, str]]:
 
 
 def hand_phrase(hand: Answer) -> str:
-    """Return the force that a hand must exert on a part, and how the part moves without it.
+    """Return the force that a hand may carry, and the parts that would move without the hand.
 
     Examples
     --------

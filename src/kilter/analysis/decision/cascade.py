@@ -293,5 +293,5 @@ def _unclear_reason(contacts: ContactSet, bound: Judgement, work: Work) -> str:
     if bound.stable is None:
         return f"with every possible contact, {_best_figures(bound)}"
     if contacts.open_pairs:
-        return "open pairs and round rims, taken together, could hold it"
+        return "the open pairs, together with possible contacts at round rims, could hold it"
     return "a polygon replaces a round face: the polygon could hold it, but the circle might not"

@@ -25,7 +25,7 @@ __all__ = ["Cohesion", "find_cohesion"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cohesion:
-    """The least cohesion of the contacts, with the forces and the motion that may prove it.
+    """The least cohesion with which contact forces balance, with these forces and a dual motion.
 
     Attributes
     ----------
@@ -51,9 +51,9 @@ class Cohesion:
 
     @property
     def rise(self) -> float:
-        """Increase of every friction coefficient [-] that would reduce the least cohesion to 0.
+        """Increase of every friction coefficient [-] after which forces balance without cohesion.
 
-        The value is of first order.
+        The value is of first order; infinite if friction does not reduce the least cohesion.
         """
         return self.value / self.slope if self.slope > 0.0 else np.inf
 

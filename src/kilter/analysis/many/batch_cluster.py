@@ -41,12 +41,12 @@ class ClusterWorkers:
 
     @property
     def free(self) -> int:
-        """Number of tasks that the cluster can start now."""
+        """Number of further tasks that may be submitted to the Dask workers now."""
         threads: int = sum(self._client.nthreads().values())
         return max(AHEAD * threads, 1) - len(self._tasks)
 
     def take(self, task: Task) -> None:
-        """Start a task on the cluster."""
+        """Submit a task to the Dask scheduler."""
         future = self._client.submit(judged_rows, task.files, self._question, pure=False)
         self._tasks[future] = task
         future.add_done_callback(self._done.put)
@@ -64,7 +64,7 @@ class ClusterWorkers:
             return [(task, None)]
 
     def end(self) -> None:
-        """Cancel all tasks, and leave the cluster."""
+        """Cancel all tasks, and close the connection to the Dask scheduler."""
         for future in self._tasks:
             future.cancel()
         self._client.close()

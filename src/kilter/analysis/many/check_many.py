@@ -116,7 +116,7 @@ def check_many(
         last = min(first + AT_ONCE, len(given))
         for which, decided in _together(given, first, last, tolerance):
             rows |= {
-                k: Row.of(decided, n) for n, k in enumerate(which.tolist()) if decided.settles(n)
+                k: Row.of(decided, n) for n, k in enumerate(which.tolist()) if decided.decides(n)
             }
         for k in range(first, last):
             if k not in rows:

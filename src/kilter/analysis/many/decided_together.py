@@ -32,7 +32,7 @@ __all__ = ["Together", "decide_together"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Together:
-    """Proofs for M assemblies that were decided in a joint computation.
+    """Proofs for M assemblies that were decided in a single computation.
 
     Attributes
     ----------
@@ -52,8 +52,8 @@ class Together:
     outer: tuple[ProgramBlocks, BlockProofs] | None
     in_outer: Mask
 
-    def settles(self, k: int) -> bool:
-        """Whether the joint computation proves that assembly k is stable or unstable."""
+    def decides(self, k: int) -> bool:
+        """Whether the batch computation proves assembly k stable or unstable."""
         return bool(self.stable[k] or self.unstable[k])
 
     def _block_of(self, k: int) -> tuple[ProgramBlocks, BlockProofs]:
@@ -77,7 +77,7 @@ class Together:
 
 
 def decide_together(apart: SideBySide, rough: Mask, tolerance: Tolerance) -> Together:
-    """Decide as many assemblies as possible in a joint computation without friction.
+    """Decide as many assemblies as possible in a single computation without friction.
 
     Parameters
     ----------

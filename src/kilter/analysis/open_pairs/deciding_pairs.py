@@ -198,7 +198,7 @@ class _PairSearch:
         return larger
 
     def _pairs_in_motion(self, chosen: frozenset[int]) -> frozenset[int]:
-        """Pairs whose parts move relative to each other, if only the chosen pairs are joined."""
+        """Pairs that move apart if only the chosen pairs are joined; all pairs without a proof."""
         bodies = self.bodies(chosen)
         proof = self.judgement_of(bodies).motion
         if proof is None:

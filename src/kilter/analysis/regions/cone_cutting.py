@@ -132,7 +132,7 @@ class ConeCutting:
         """Count programs and report the progress."""
         self.programs += count
         if self.progress is not None:
-            self.progress(f"directions that are held: conic program {self.programs}")
+            self.progress(f"directions of gravity that can be held: conic program {self.programs}")
 
     def _add(self, ray: BoundaryRay, target: Array, most: float) -> bool:
         """Add a boundary direction on the arc to a target and its facet; whether both are proved.

@@ -127,7 +127,7 @@ def _of_polyhedron(corners: Array, down: Array, size: float) -> Tipping | None:
 
 
 def _passes(hull: ConvexHull, corners: Array) -> tuple[Array, Array, tuple[Index, Index], Array]:
-    """Faces of a hull (unit normals, heights of the centre of mass), and its edges as passes.
+    """Faces of a hull (normals, heights of the centre of mass), and edges over which it tips.
 
     Returns
     -------
@@ -159,7 +159,11 @@ def _passes(hull: ConvexHull, corners: Array) -> tuple[Array, Array, tuple[Index
 
 
 def _lowest_pass(base: int, rests: Mask, links: tuple[Index, Index], levels: Array) -> float | None:
-    """Least rise of the centre of mass on the way to rest on another face; None without a way."""
+    """Height of the centre of mass at the lowest pass to rest on another face; None without a way.
+
+    `links` are the two faces of each pass, `levels` the heights there [length unit]; `rests` marks
+    the faces on which the part can rest. The way begins at the face `base`.
+    """
     ways: list[list[tuple[float, int]]] = [[] for _ in rests]
     for f, g, level in zip(*(side.tolist() for side in links), levels.tolist(), strict=True):
         ways[f].append((level, g))

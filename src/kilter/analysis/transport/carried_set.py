@@ -73,7 +73,7 @@ class SupportLine:
 
     @property
     def angle(self) -> float:
-        """Angle of the direction of the boundary point in the plane [rad]."""
+        """Polar angle of the boundary point in the section plane, from its first axis [rad]."""
         return float(np.arctan2(self.direction[1], self.direction[0]))
 
 

@@ -277,7 +277,8 @@ class Transport(Answer):
         """
         if not self.limits:
             raise InputError(
-                "this answer has no limits along the axes", hint="ask kilter.transport(assembly)"
+                "this answer has no largest accelerations along the axes",
+                hint="call kilter.transport(assembly)",
             )
         limits = [*self.limits, *([] if self.least is None else [self.least])]
         known = KnownAccelerations(

@@ -105,10 +105,10 @@ def _slipping_program(wide: ConeProblem) -> ConicProgram:
 
 
 def _shear_residual(program: Program, motion: Array, friction: Array) -> float:
-    """Largest residual of the shear law at the bonds, over the weight of the lighter part [-].
+    """Largest error of the shear forces at bonds, over the weight of the lighter part [-].
 
-    The residual is the excess of a shear force over its limit S, or the power that is missing
-    because the force does not oppose the slip with S.
+    The error is the excess of a shear force over its limit S, or the power that is missing because
+    the force does not oppose the slip with S.
     """
     rows = program.gripping
     if not len(rows):

@@ -143,9 +143,10 @@ def _lies_on_patch(
 def _true_middle(
     geometry: Geometry, facets: Facets, edges: Edges, line: Index, p: Array, q: Array
 ) -> tuple[Mask, Array]:
-    """Mask of edges that are curved in the exact geometry, and the true middle of each.
+    """Mask of edges without an inexact face, and the middle of each edge on its curved face.
 
-    The middle of the chord is moved onto the surface by three Newton steps in the plane of the rim.
+    A straight edge counts as exact and keeps its middle. The middle of any other chord is moved
+    onto the surface by three Newton steps in the plane of the rim.
     """
     s = geometry.surfaces
     middle, exact = (p + q) / 2, np.ones(len(line), dtype=bool)

@@ -126,14 +126,22 @@ def _distinct_candidates(candidates: Array, valid: Mask, weight: Array) -> tuple
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PointConstraints:
-    """Normals at a contact point, shape (k, 3), and sets of alternative normals, (m, 3) each."""
+    """Certain normals of a contact point, and sets of normals of which at least one applies.
+
+    Attributes
+    ----------
+    accepted : ndarray, shape (k, 3)
+        Unit normals along which every motion must open or keep the gap.
+    clauses : list of ndarray, shape (m, 3) each
+        A motion may close some normals of a set, but not all of them.
+    """
 
     accepted: Array
     clauses: list[Array]
 
 
 def resolve(pairs: list[tuple[Array, Array, Array]]) -> PointConstraints:
-    """Certain normals of a contact point, and sets of alternative normals that they leave open.
+    """Find the certain normals of a contact point, and sets of which at least one normal applies.
 
     Parameters
     ----------

@@ -293,7 +293,10 @@ def _common_area(
 
 
 def _free_sliding_directions(points: Matches, faces: Iterable[SmoothFace], tilt: float) -> Matches:
-    """Make normals perpendicular to straight edges of a face, so that it can slide along them."""
+    """Make nearly perpendicular normals exactly perpendicular to straight edges of the faces.
+
+    A face can then slide along its straight edges.
+    """
     normal = points.normal
     for direction in _straight_directions(faces):
         along = normal @ direction

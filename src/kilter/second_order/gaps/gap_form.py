@@ -82,7 +82,7 @@ def formed(program: Program, features: Features) -> Mask:
 
 
 def _forms(program: Program, features: Features, rows: Index) -> Array:
-    """Second derivatives as of `gap_forms`, for rows that have them, shape (k, 12, 12)."""
+    """Second derivatives as in `gap_forms`, for rows that have them, shape (k, 12, 12)."""
     normal, frame = program.normal[rows], _frame(program.normal[rows])
     arm_a, arm_b = _arms(program, rows)
     slip, turn = _relative(arm_a, arm_b)
@@ -98,7 +98,7 @@ def _forms(program: Program, features: Features, rows: Index) -> Array:
 
 
 def corner_slips(program: Program, features: Features) -> Array:
-    """Matrices from part motions to turn and slip at corners where two faces end, (K, 4, 12).
+    """Matrices from part motions to turn and slip at corners on edges of both parts, (K, 4, 12).
 
     If two faces end together, the corner of b touches the face of a as long as it stays on it: the
     form of the row is that of this gap. If it has slipped off, the corner of a touches the face of
@@ -106,8 +106,9 @@ def corner_slips(program: Program, features: Features) -> Array:
 
         -2 sigma . v_t
 
-    with sigma (rows 0 and 1) and v_t (rows 2 and 3) in a frame across the normal. If lines of
-    contact end together, both are taken along the line only. Both are 0 for all other rows.
+    with the turn sigma (rows 0 and 1) and the slip v_t (rows 2 and 3) in a frame across the normal.
+    If lines of contact end together, both are taken along the line only. Both are 0 for all other
+    rows.
     """
     result = np.zeros((len(features), 4, 12))
     rows = np.flatnonzero(features.flush)
@@ -152,7 +153,10 @@ def _swing(normal: Array, arm: Array) -> Array:
 
 
 def _spans(features: Features, frame: Array) -> tuple[Array, Array]:
-    """Projections of the tangent plane on the directions of both features, (K, 2, 2) each."""
+    """Projectors on the tangent directions in which each feature extends, (K, 2, 2) each.
+
+    A face extends in both directions, an edge along itself, and a vertex in none.
+    """
     spans = []
     for kind, edge in ((features.kind_a, features.edge_a), (features.kind_b, features.edge_b)):
         along = np.einsum("kij,kj->ki", frame, edge)

@@ -50,7 +50,10 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Leaf:
-    """Proof for a cone of motions: contact forces, (K,), and weights of its sides, (m, m)."""
+    """Proof for a cone {R y >= 0} of motions: contact forces f, (K,), and N >= 0, (m, m).
+
+    They prove that the energy rises along every motion of the cone (see the module docstring).
+    """
 
     forces: Array
     weights: Array

@@ -96,7 +96,7 @@ def judge_path(problem: Stationary, first: Array, second: Array) -> Path:
 
 
 def _kept(problem: Stationary, first: Array, second: Array) -> Mask:
-    """Mask of rows at a plane along which both parts only shift, without turns, shape (K,)."""
+    """Mask of rows at planes whose gap the path keeps, because no part turns, shape (K,)."""
     path = np.column_stack([first, second])
     moved = np.abs(problem.rows @ path).max(axis=1, initial=0.0)
     turned = np.append(np.abs(path).max(axis=1), 0.0)[problem.columns[:, [3, 4, 5, 9, 10, 11]]]

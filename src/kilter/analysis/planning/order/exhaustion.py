@@ -55,7 +55,7 @@ def leads_nowhere(whole: int, base: int, goes_on: Callable[[int, int], bool]) ->
 
 def find_refused(search: OrderSearch, hold: int) -> list[Holds[State]]:
     """Sets of parts that need more than `hold` held parts; empty unless they exclude all orders."""
-    search.work.stage("whether an order exists for any paths")
+    search.work.stage("a proof that no order exists, whatever the paths")
     refused: dict[int, Holds[State]] = {}
     holdable = bits_of(search.holdable)
 

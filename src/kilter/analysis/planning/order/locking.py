@@ -138,7 +138,7 @@ def opening(program: Program, part: int, rows: Mask) -> Array:
 
 
 def shuts(rows: Array, multipliers: Array) -> bool:
-    """Whether multipliers prove that no motion y != 0 keeps all gaps J y >= 0.
+    """Whether multipliers prove that every motion y != 0 closes a gap: J y < 0 in some row.
 
     J has shape (K, 6).
     """
@@ -152,7 +152,7 @@ def shuts(rows: Array, multipliers: Array) -> bool:
 
 
 def multipliers_of(rows: Array) -> Array | None:
-    """Multipliers that prove that no motion keeps all gaps from closing; None without a proof."""
+    """Positive multipliers that prove that every motion closes a gap; None without a proof."""
     from kilter.solvers.highs import solve_linear
 
     count = len(rows)

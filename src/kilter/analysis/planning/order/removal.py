@@ -158,7 +158,7 @@ class Removal:
     def touching(
         self, moved: int, present: Mask, direction: Direction
     ) -> tuple[list[int], list[int]]:
-        """Present parts that touch moved parts, and those along which they slide, by index."""
+        """Indices of the parts that touch moved parts, and of the parts along which these slide."""
         other, normals = self._contacts_of_moved(moved)
         here = present[other]
         slides = here & (np.abs(normals @ np.array(direction)) <= self._angle)

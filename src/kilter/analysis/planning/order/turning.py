@@ -195,7 +195,7 @@ class TurningSearch:
     def _other(
         self, moved: int, legs: tuple[Leg, ...], present: int, run: _Run, turns: int
     ) -> Iterator[tuple[Removed, _Run, int]]:
-        """Yield a removal in the same run, if a new gravity direction suits all its states.
+        """Yield a removal in the same run, if another gravity suits all states of the run.
 
         The states of the run and the new state must hold under the same direction.
         """
@@ -208,7 +208,7 @@ class TurningSearch:
     def _removal_with_turn(
         self, moved: int, legs: tuple[Leg, ...], present: int, run: _Run, turns: int
     ) -> Iterator[tuple[Removed, _Run, int]]:
-        """Yield a removal that begins a new run, because the parts are turned before it."""
+        """Yield a removal after a turn of the parts, which begins a run with new gravity."""
         key = next(entry for entry in reversed(run.states) if entry[0] == present)
         rest = present & ~moved
         down = self._down((key, (rest, 0)))

@@ -54,7 +54,7 @@ class KnownForces:
     needed: int
 
     def fits(self, present: int, free: int) -> bool:
-        """Whether these forces may balance a state with these bit sets of parts."""
+        """Whether these forces may balance a state, given its present and free parts (bit sets)."""
         return not free & ~self.balanced and not self.needed & ~present
 
     def covers(self, other: KnownForces) -> bool:
