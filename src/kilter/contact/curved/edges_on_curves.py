@@ -154,7 +154,7 @@ def _true_middle(
         surface = facets.surface[facet]
         curved = np.flatnonzero((surface >= 0) & (facet >= 0))
         rows = curved[s.kind[surface[curved]] != FREE]
-        exact[curved] = (s.kind[surface[curved]] != FREE) & (s.doubt[surface[curved]] == 0)
+        exact[curved] &= (s.kind[surface[curved]] != FREE) & (s.doubt[surface[curved]] == 0)
         row = surface[rows]
         # the flat neighbour and the chord both lie in the plane of the rim
         out = _across_axis(s, row, middle[rows])
