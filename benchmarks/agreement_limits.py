@@ -44,11 +44,17 @@ def beside_limits(
                 loaded = replace(assembly, gravity=gravity)
                 yield f"load factor {factor:.6f}", loaded, "equilibrium", expected
     for weakest in margin.pushes:
-        force = float(weakest.force)
-        for size, expected in ((weakest.lower * (1 - NEAR), True), (force * (1 + NEAR), False)):
+        # a limit of zero is left by a share of the weight
+        outside = float(weakest.force) * (1 + NEAR) + NEAR * _weight(assembly, weakest.part)
+        for size, expected in ((weakest.lower * (1 - NEAR), True), (outside, False)):
             if np.isfinite(size) and (expected or weakest.limit.mechanism is not None):
                 loaded = _pushed(assembly, weakest, size)
                 yield f"push {weakest.part} {size:.6g} N", loaded, "equilibrium", expected
+
+
+def _weight(assembly: Assembly, name: str) -> float:
+    """Weight of a part [N]."""
+    return float(assembly[name].mass * np.linalg.norm(assembly.gravity))
 
 
 def _pushed(assembly: Assembly, weakest: Any, size: float) -> Assembly:
