@@ -60,7 +60,7 @@ SAME_REGION = 1e-6
 """Angle up to which two regions are the same [rad]; a larger one hides pairs that decide."""
 LARGE = 1000
 """Number of contact points above which the region with joined open pairs is not computed if a
-single direction proves that these pairs decide. Such a region takes a minute."""
+single direction proves that these pairs decide."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
