@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import json
 import re
-import shlex
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from tower_with_gap import tower
 
 import kilter
 from kilter import Assembly, Box, Choices, InputError, Part, Pose
-from kilter.cli import main
 from kilter.files.reading import Reading
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -24,31 +23,10 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-@pytest.fixture
-def say(capsys: pytest.CaptureFixture[str]) -> Any:
-    """Runs a command; returns its exit code, output and messages."""
-
-    def run(line: str) -> tuple[int, str, str]:
-        capsys.readouterr()
-        code = main(shlex.split(line))
-        printed = capsys.readouterr()
-        return code, printed.out, printed.err
-
-    return run
-
-
 def timeless(answer: Any) -> Any:
     if isinstance(answer, dict):
         return {key: timeless(value) for key, value in answer.items() if key != "seconds"}
     return [timeless(value) for value in answer] if isinstance(answer, list) else answer
-
-
-def tower() -> Assembly:
-    """Blocks a, b and c above each other; c leans out by half its width and a gap of 0.01."""
-    a = Part("a", Box([2, 2, 1]), Pose([0, 0, 0.5]))
-    b = Part("b", Box([1, 1, 1]), Pose([0, 0, 1.5]))
-    c = Part("c", Box([1, 1, 1]), Pose([0.2, 0, 2.51]))
-    return Assembly([a, b, c])
 
 
 def write_choices(**keys: Any) -> None:

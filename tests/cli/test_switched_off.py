@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import json
-import shlex
 from pathlib import Path
 from typing import Any
 
 import pytest
+from tower_with_gap import tower
 
 import kilter
-from kilter import Assembly, Box, Choices, InputError, Part, Pose
-from kilter.cli import main
+from kilter import Choices, InputError
 from kilter.cli.options import READING
 from kilter.files.choices_off import OFF, switched_off
 
@@ -48,25 +47,9 @@ ACTING = [name for name in SAVED if name not in ("ground", "keyframe", "base")]
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Blocks a, b and c above each other, with a gap of 0.01 below c, in a file."""
+    """The folder of a test, with the tower in a file."""
     monkeypatch.chdir(tmp_path)
-    a = Part("a", Box([2, 2, 1]), Pose([0, 0, 0.5]))
-    b = Part("b", Box([1, 1, 1]), Pose([0, 0, 1.5]))
-    c = Part("c", Box([1, 1, 1]), Pose([0.2, 0, 2.51]))
-    kilter.dump(Assembly([a, b, c]), "t.kilter.json")
-
-
-@pytest.fixture
-def say(capsys: pytest.CaptureFixture[str]) -> Any:
-    """Runs a command; returns its exit code, output and messages."""
-
-    def run(line: str) -> tuple[int, str, str]:
-        capsys.readouterr()
-        code = main(shlex.split(line))
-        printed = capsys.readouterr()
-        return code, printed.out, printed.err
-
-    return run
+    kilter.dump(tower(), "t.kilter.json")
 
 
 def write(**keys: Any) -> None:
