@@ -96,8 +96,8 @@ def bowls(count: int, last: float) -> Assembly:
     [(15, -1 / 1.3, "minimum"), (15, 0.0, "free"), (100, 1 / 1.3, "balanced")],
 )
 def test_balls_are_decided_one_by_one(count: int, curvature: float, state: str) -> None:
-    # a hundred clusters exceed the share of second order at effort 1
-    second = answer(bowls(count, curvature), effort=2.0)
+    # a hundred clusters exceed the share of second order at effort 2
+    second = answer(bowls(count, curvature), effort=3.0)
     assert second.state == state
     assert len(second.clusters) == count
     assert (second.neutral, second.undecided) == (5 * count, 0)

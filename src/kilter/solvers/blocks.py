@@ -1,10 +1,10 @@
-"""Many small independent equilibria, each with its load factor.
+"""Many small independent equilibria, each with its load factor, solved one after the other.
 
     max lambda:  A f - lambda b = 0,  0 <= lambda <= 1,  f >= 0 except for two-sided columns
 
-for the blocks of a block-diagonal A. A single HiGHS object takes them in groups, each group as one
-program: for a few dozen rows, passing and starting a program costs more than solving it. The
-caller verifies forces and motions.
+for the blocks of a block-diagonal A. A single HiGHS object takes them in turn, which for a few
+dozen rows costs a third of creating an object for each. A block is solved alone, since its forces
+must not depend on the other blocks. The caller verifies forces and motions.
 """
 
 from __future__ import annotations
@@ -16,14 +16,11 @@ import highspy
 import numpy as np
 from scipy.sparse import csc_array
 
-from kilter.arrays import Array, Index, Mask, ragged, starts
+from kilter.arrays import Array, Index, Mask
 from kilter.solvers.highs import FEW, MANY, new_highs
 from kilter.solvers.solver_tolerances import FEASIBLE
 
 __all__ = ["BlockAnswers", "Blocks", "solve_blocks"]
-
-ROWS_AT_ONCE = 600
-"""Number of rows of the blocks that are solved as one program; longer programs gain nothing."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,7 +75,7 @@ def solve_blocks(blocks: Blocks, which: Index) -> BlockAnswers:
     ----------
     blocks : Blocks
     which : ndarray of int
-        Indices of the blocks to solve, ascending.
+        Indices of the blocks to solve.
 
     Examples
     --------
@@ -96,64 +93,44 @@ def solve_blocks(blocks: Blocks, which: Index) -> BlockAnswers:
     highs = new_highs(FEASIBLE)
     highs.setOptionValue("solver", "simplex")
     highs.setOptionValue("presolve", "off")
-    rows = np.diff(blocks.row_start)
-    answers.factor[which[rows[which] == 0]] = 1.0  # a block without free parts balances trivially
-    which = which[rows[which] > 0]
-    group = np.cumsum(rows[which]) // ROWS_AT_ONCE
-    for together in np.split(which, np.flatnonzero(np.diff(group)) + 1):
-        if len(together) and not _solve(highs, blocks, together, answers):
-            for k in together[:, None] if len(together) > 1 else ():
-                _solve(highs, blocks, k, answers)
+    for k in which.tolist():
+        rows = slice(*blocks.row_start[k : k + 2].tolist())
+        columns = slice(*blocks.column_start[k : k + 2].tolist())
+        if rows.start == rows.stop:  # a block without free parts balances trivially
+            answers.factor[k] = 1.0
+            continue
+        _pass_block(highs, blocks, rows, columns)
+        highs.run()
+        if highs.getModelStatus() != highspy.HighsModelStatus.kOptimal:
+            continue
+        solution = highs.getSolution()
+        x = np.array(solution.col_value)
+        answers.factor[k] = x[-1]
+        # the optimum is 0 or 1: forces for any lambda > 0 can be scaled up to lambda = 1
+        if x[-1] > 0.5:
+            answers.forces[columns] = x[:-1] / x[-1]
+        else:
+            answers.multipliers[rows] = solution.row_dual
     return answers
 
 
-def _solve(highs: Any, blocks: Blocks, which: Index, answers: BlockAnswers) -> bool:
-    """Solve some blocks side by side in one program; return whether the solver succeeded.
-
-    The sum of their load factors is greatest if each factor is greatest, since no row and no
-    column is shared.
-    """
-    (row_owner, rows), (_, columns) = (
-        ragged(blocks.row_start, which),
-        ragged(blocks.column_start, which),
-    )
-    _pass_blocks(highs, blocks, rows, columns, row_owner)
-    highs.run()
-    if highs.getModelStatus() != highspy.HighsModelStatus.kOptimal:
-        return False
-    solution = highs.getSolution()
-    x, dual = np.array(solution.col_value), np.array(solution.row_dual)
-    forces, factor = x[: len(columns)], x[len(columns) :]
-    answers.factor[which] = factor
-    # the optimum is 0 or 1: forces for any lambda > 0 can be scaled up to lambda = 1
-    holds = factor > 0.5
-    scale = np.where(holds, 1.0 / np.where(holds, factor, 1.0), 0.0)
-    answers.forces[columns] = forces * np.repeat(scale, np.diff(blocks.column_start)[which])
-    answers.multipliers[rows] = np.where(holds[row_owner], 0.0, dual)
-    return True
-
-
-def _pass_blocks(highs: Any, blocks: Blocks, rows: Index, columns: Index, row_owner: Index) -> None:
-    """Pass the load-factor programs of some blocks to the solver HiGHS as one program.
-
-    `row_owner` is the number of the block of each row, from 0.
-    """
+def _pass_block(highs: Any, blocks: Blocks, rows: slice, columns: slice) -> None:
+    """Pass the load-factor program of a block to the solver HiGHS."""
     matrix, right = blocks.matrix, blocks.right[rows]
-    m, n, count = len(rows), len(columns), int(row_owner[-1]) + 1
-    entries = ragged(matrix.indptr, columns)[1]
-    loaded = np.flatnonzero(right)
-    index = np.concatenate([np.searchsorted(rows, matrix.indices[entries]), loaded])
-    value = np.concatenate([matrix.data[entries], -right[loaded]])
-    sizes = np.append(
-        np.diff(matrix.indptr)[columns], np.bincount(row_owner[loaded], minlength=count)
-    )
-    cost, lower, upper = np.zeros((3, n + count))
-    cost[n:], upper[:n], upper[n:] = -1.0, np.inf, 1.0
-    lower[:n][blocks.two_sided[columns]] = -np.inf
-    zero, continuous = np.zeros(m), np.zeros(n + count, dtype=np.int32)
+    m, n = rows.stop - rows.start, columns.stop - columns.start
+    start = matrix.indptr[columns.start : columns.stop + 1]
+    entries = slice(int(start[0]), int(start[-1]))
+    loaded_rows = np.flatnonzero(right)
+    index = np.concatenate([matrix.indices[entries] - rows.start, loaded_rows])
+    value = np.concatenate([matrix.data[entries], -right[loaded_rows]])
+    cost, lower, upper = np.zeros(n + 1), np.zeros(n + 1), np.full(n + 1, np.inf)
+    cost[-1], upper[-1] = -1.0, 1.0
+    lower[:-1][blocks.two_sided[columns]] = -np.inf
+    zero, continuous = np.zeros(m), np.zeros(n + 1, dtype=np.int32)
     colwise, minimise = int(highspy.MatrixFormat.kColwise), int(highspy.ObjSense.kMinimize)
-    highs.setOptionValue("simplex_iteration_limit", FEW + MANY * (m + n + count))
+    highs.setOptionValue("simplex_iteration_limit", FEW + MANY * (m + n + 1))
     highs.passModel(
-        n + count, m, len(value), colwise, minimise, 0.0, cost, lower, upper, zero, zero,
-        starts(sizes).astype(np.int32), index.astype(np.int32), value, continuous,
+        n + 1, m, len(value), colwise, minimise, 0.0, cost, lower, upper, zero, zero,
+        (start - start[0]).astype(np.int32, copy=False), index.astype(np.int32, copy=False),
+        value, continuous,
     )  # fmt: skip
