@@ -23,7 +23,6 @@ SLOW_EXAMPLES = frozenset(
         "kilter.analysis.planning.hold.hold.hold",
         "kilter.analysis.regions.friction_cone.friction_cone",
         "kilter.analysis.regions.region.region",
-        "kilter.analysis.transport.transport.Transport.rows",
         "kilter.analysis.transport.transport.transport",
         "kilter.analysis.turning.orientation.orient",
         "kilter.friction.exclusion.prove_no_motion",

@@ -73,6 +73,6 @@ def example(
     >>> example("wall", size=(8, 5))
     <Assembly: 43 parts, 1 held, in m>
     >>> len(example()), example()[0]
-    (57, <Example: paper-figure-1, unstable: a sinking block pushes another block out of an L>)
+    (59, <Example: paper-figure-1, unstable: a sinking block pushes another block out of an L>)
     """
     return list(SCENES.values()) if name is None else scene(name, size=size)
