@@ -153,7 +153,7 @@ def test_contacts_of_other_lists_are_open() -> None:
         (lambda: Feature("face", axis=UP), 'give both "point" and "axis"'),
         (lambda: Feature("vertex", point=UP, axis=UP), "remove it"),
         (lambda: Feature("face", point=UP, axis=[0, 0, 0]), "axis of a face"),
-        (lambda: assembly((Feature("face"), Feature("edge", UP))), "not perpendicular to the normal"),
+        (lambda: assembly((Feature("face"), Feature("edge", UP))), "not perpendicular to"),
         (lambda: assembly((Feature("face"),)), "pair of kilter.Feature"),  # type: ignore[arg-type]
         (lambda: assembly(("face", "face")), "pair of kilter.Feature"),  # type: ignore[arg-type]
     ],
