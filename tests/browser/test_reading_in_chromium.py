@@ -11,7 +11,7 @@ import pytest
 
 import kilter
 from kilter import Assembly, Box, Part, Pose
-from kilter.analysis.regions import friction_cone
+from kilter.analysis.regions import cone_cutting
 from kilter.scenes import scene, stacks
 
 pytestmark = pytest.mark.browser
@@ -71,7 +71,7 @@ def test_with_friction_the_ball_agrees_with_python_on_both_sides_of_both_cones(
     opened: Callable,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(friction_cone, "PROGRAMS", programs)
+    monkeypatch.setattr(cone_cutting, "PROGRAMS", programs)
     assembly = make()
     region = kilter.region(assembly)
     downs = around(region, 200)
@@ -99,7 +99,7 @@ def test_in_a_plane_with_friction_the_ball_agrees_with_python(opened: Callable) 
 
 
 def test_the_gap_is_drawn_as_open_and_said(opened: Callable, monkeypatch: Any) -> None:
-    monkeypatch.setattr(friction_cone, "PROGRAMS", 12)
+    monkeypatch.setattr(cone_cutting, "PROGRAMS", 12)
     assembly = stacks.block_on_slope(0.0, friction=0.5)
     region = kilter.region(assembly)
     downs = around(region, 400)
