@@ -1,4 +1,4 @@
-"""What tests of the command line share: a command that is run in the same process."""
+"""Fixture of the command line tests: it runs a command within the process of the test."""
 
 from __future__ import annotations
 

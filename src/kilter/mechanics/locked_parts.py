@@ -293,7 +293,7 @@ def _rigid_groups(program: Program, welded: Index) -> Index:
     label = np.where(held[:-1], label[-1], label[:-1])
     if held[:-1].any():
         return np.unique(label, return_inverse=True)[1].reshape(-1)
-    # without a held part, what is locked to the ground stays apart
+    # without a held part no body is the ground: parts that are locked to it are not merged
     alone = label == label[-1]
     label = np.where(alone, count + 1 + np.arange(count), label)
     return np.unique(label, return_inverse=True)[1].reshape(-1)
