@@ -41,6 +41,8 @@ FLAT = 0.9
 """If all normals at a corner have a larger cosine with their mean, a direction inwards is added
 [-]."""
 
+BATCH = 1_000_000
+"""Ways of directions across facets that are followed at once; a larger value needs more memory."""
 ASKEW = 0.381966
 """Fraction of the way between two directions [-]; avoids the planes of symmetry of most parts."""
 
@@ -319,35 +321,45 @@ def inside(sectors: Sectors, directions: Array) -> Mask:
     ambiguous.
     """
     targets = unit_rows(unit_rows(sectors.first + ASKEW * sectors.middle) + ASKEW * sectors.middle)
-    votes = [_inside_by_way(sectors, directions, target) for target in targets]
-    result: Mask = np.mean(votes, axis=0) > 0.5
+    count = len(sectors.normal)
+    batches = -(-len(targets) * count * len(directions) // BATCH)
+    votes = [
+        _inside_by_ways(sectors, directions, some)
+        for some in np.array_split(targets, min(batches, len(targets)))
+    ]
+    result: Mask = np.concatenate(votes).mean(axis=0) > 0.5
     return result
 
 
-def _inside_by_way(sectors: Sectors, directions: Array, target: Array) -> Mask:
-    """Mask of directions in the material, found from the first facet on the way to `target`."""
-    is_inside = np.zeros(len(directions), dtype=bool)
-    first_share = np.full(len(directions), np.inf)
-    for normal, first, last, middle in zip(
-        sectors.normal, sectors.first, sectors.last, sectors.middle, strict=True
-    ):
-        height, target_height = directions @ normal, float(target @ normal)
-        if np.abs(target_height) < EXACT_ANGLE:
-            target_height = 0.0  # the target's own facet, or a facet in its plane
-        # a way that runs along the plane, or ends before it, does not meet the facet
-        fall = height - target_height
-        reached = (np.abs(fall) >= np.abs(height)) & (fall != 0)
-        share = np.divide(height, fall, out=np.full(len(height), -1.0), where=reached)
-        x = directions + share[:, None] * (target - directions)
-        meets = np.zeros(len(directions), dtype=bool)
-        for begin, end in ((first, middle), (middle, last)):
-            meets |= (np.cross(begin, x) @ normal >= -EXACT_ANGLE) & (
-                np.cross(x, end) @ normal >= -EXACT_ANGLE
-            )
-        meets &= (share >= 0) & (share <= 1) & (share < first_share)
-        first_share = np.where(meets, share, first_share)
-        is_inside = np.where(meets, height < 0, is_inside)
-    return is_inside
+def _inside_by_ways(sectors: Sectors, directions: Array, targets: Array) -> Mask:
+    """Mask of directions in the material, found from the first facet on the way to each target.
+
+    Shape (t, n) for t targets and n directions.
+    """
+    normal, middle = sectors.normal, sectors.middle
+    height, target_height = directions @ normal.T, targets @ normal.T
+    # the target's own facet, or a facet in its plane
+    target_height[np.abs(target_height) < EXACT_ANGLE] = 0.0
+    # a way that runs along the plane, or ends before it, does not meet the facet
+    fall = height - target_height[:, None]
+    reached = (np.abs(fall) >= np.abs(height)) & (fall != 0)
+    share = np.full(fall.shape, -1.0)
+    np.divide(np.broadcast_to(height, fall.shape), fall, out=share, where=reached)
+    meets = np.zeros(fall.shape, dtype=bool)
+    # both halves of a sector turn by less than a half turn: inside is left of one side of the
+    # half and right of the other
+    for begin, end in ((sectors.first, middle), (middle, sectors.last)):
+        within = np.ones(fall.shape, dtype=bool)
+        for inwards in (cross(normal, begin), cross(end, normal)):
+            from_side, to_side = directions @ inwards.T, targets @ inwards.T
+            at_plane = from_side + share * (to_side[:, None] - from_side)
+            within &= at_plane >= -EXACT_ANGLE
+        meets |= within
+    meets &= (share >= 0) & (share <= 1)
+    share = np.where(meets, share, np.inf)
+    first = share.argmin(axis=2)
+    crossed = height[np.arange(len(directions)), first]
+    return np.take_along_axis(meets, first[..., None], axis=2)[..., 0] & (crossed < 0)
 
 
 def spanned(outward: Array) -> Array:
