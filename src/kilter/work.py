@@ -26,7 +26,18 @@ from time import perf_counter
 
 from kilter.errors import TimeLimitReached
 
-__all__ = ["EFFORT", "PER_EFFORT", "Work", "facts_of", "seconds_left", "stop_after", "units_of"]
+__all__ = [
+    "EFFORT",
+    "PER_EFFORT",
+    "Work",
+    "facts_of",
+    "is_late",
+    "seconds_left",
+    "stop_after",
+    "stop_if_late",
+    "take_at_least",
+    "units_of",
+]
 
 EFFORT = 1.0
 """Default effort of every search."""
@@ -330,6 +341,34 @@ def stop_after(time_limit: float | None) -> Iterator[None]:
         _DEADLINE.reset(token)
 
 
+@contextmanager
+def take_at_least(seconds: float) -> Iterator[None]:
+    """Context manager: a computation inside may take this time, whatever `stop_after` left [s]."""
+    token = _DEADLINE.set(max(perf_counter() + seconds, _DEADLINE.get()))
+    try:
+        yield
+    finally:
+        _DEADLINE.reset(token)
+
+
+def is_late() -> bool:
+    """True if the limit of `stop_after` is reached."""
+    deadline = _DEADLINE.get()
+    return isfinite(deadline) and perf_counter() >= deadline
+
+
+def stop_if_late() -> None:
+    """End a computation that has no `Work`, if the limit of `stop_after` is reached.
+
+    Raises
+    ------
+    TimeLimitReached
+        If the limit is reached.
+    """
+    if is_late():
+        raise TimeLimitReached
+
+
 def seconds_left(work: Work | None) -> float | None:
     """Time that a solver call may take [s]; None without a limit.
 
@@ -343,7 +382,5 @@ def seconds_left(work: Work | None) -> float | None:
     deadline = _DEADLINE.get()
     if not isfinite(deadline):
         return None
-    left = deadline - perf_counter()
-    if left <= 0:
-        raise TimeLimitReached
-    return max(left, LEAST)
+    stop_if_late()
+    return max(deadline - perf_counter(), LEAST)

@@ -29,6 +29,8 @@ from published import validator
 SHARED = Path(__file__).parents[3] / "shared" / "data"
 VAULT = SHARED / "compas_assembly" / "crossvault.json"
 ROBOT = SHARED / "cax-if" / "as1-oc-214.stp"
+IRIS = SHARED / "cad" / "iris_box.step"
+CHAIR = SHARED / "brickgpt" / "chair.txt"
 LIMIT = 2.0
 LATEST = 3.5
 """Largest time of a whole command with a limit of 2 s [s], on a machine that is not busy."""
@@ -42,6 +44,7 @@ COMMANDS = [
     ["report", "-o", "answer.html"],
     ["draw", "-o", "answer.svg"],
     ["draw", "--what", "region", "-o", "answer.svg"],
+    ["improve"],
 ]
 
 
@@ -174,18 +177,24 @@ def test_a_command_at_its_limit_answers_undecided(
         [str(VAULT), "--friction", "0.84", "--contacts", "file"],
         [str(ROBOT), "--ground", "plate", "--friction", "0.3"],
         [str(ROBOT), "--ground", "plate", "--fasten", "*bolt*", "*nut*"],
+        [str(IRIS), "--floor", "--friction", "0.3"],
+        [str(CHAIR)],
     ],
-    ids=["vault", "vault-with-given-contacts", "solids", "fastened-solids"],
+    ids=["vault", "vault-with-given-contacts", "solids", "fastened-solids", "iris-box", "chair"],
 )
 @pytest.mark.parametrize("words", COMMANDS, ids=[" ".join(words[:3]) for words in COMMANDS])
 def test_every_command_ends_in_time_with_an_answer(
     words: list[str], file: list[str], tmp_path: Path
 ) -> None:
+    if words[0] == "improve" and file[0] != str(CHAIR):
+        pytest.skip("not a model of bricks")
     name, *rest = words
     command = [sys.executable, "-m", "kilter", name, *file, *rest, "--time-limit", str(LIMIT)]
     began = time.perf_counter()
     ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     seconds = time.perf_counter() - began
+    if "does not support bonds" in ended.stderr:
+        pytest.skip("the command has no answer for bonds")
     assert ended.returncode in (0, 1, 3, 4), ended.stderr
     assert ended.stdout or "answer." in ended.stderr
     if os.getloadavg()[0] < 1.5:  # another program on the machine takes time from this one

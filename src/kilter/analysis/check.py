@@ -138,7 +138,9 @@ def check(
     started = time.perf_counter()
     _ = assembly.geometry
     if contacts is None:
-        contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
+        contacts = detect.contacts(
+            assembly, tolerance=tolerance, time_limit=time_limit, progress=progress
+        )
     require_apart(assembly, contacts)
     seconds["contacts"] = time.perf_counter() - started
     tell("verdict")

@@ -224,7 +224,9 @@ def everything(
     require_assembly(assembly, "report")
     assembly.require_grounded()
     if contacts is None:
-        contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
+        contacts = detect.contacts(
+            assembly, tolerance=tolerance, time_limit=time_limit, progress=progress
+        )
     left = None if time_limit is None else max(started + time_limit - time.perf_counter(), 0.0)
     verdict = check(assembly, contacts=contacts, effort=effort, time_limit=left, progress=progress)
     tell("motion")

@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, Any
 from kilter.cli.arguments import ToleranceOptions, reading_of
 from kilter.cli.colour import in_colour
 from kilter.cli.exit_codes import VERDICT
+from kilter.cli.known_facts import known_words
 from kilter.cli.output import as_json, emit, keep_apart, tell_warnings, tell_written, write_whole
 from kilter.cli.quick_scipy import import_scipy_quickly
 from kilter.errors import InputError, TimeLimitReached, shell_words
-from kilter.work import facts_of
+from kilter.work import facts_of, stop_after
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -151,7 +152,9 @@ class Asked:
         """
         limit = "the time limit" if self.limit is None else f"the time limit of {self.limit:g} s"
         sentence = f"Undecided: {limit} was reached before the answer was complete."
-        sentence = f"{sentence} {reached.known}".rstrip()
+        known = known_words()
+        facts = f"{known[:1].upper()}{known[1:]}." if known else ""
+        sentence = " ".join(words for words in (sentence, reached.known, facts) if words)
         answer: IncompleteData = {
             "verdict": "undecided",
             "sentence": sentence,
@@ -218,7 +221,11 @@ class Asked:
         if self.source is not None:
             notes = [*assembly.notes, *self.notes]
             assembly = replace(assembly, notes=notes, tolerance=self.tolerance)
-        return fasten_as_read(assembly, self.reading, tolerance=self.tolerance, progress=progress)
+        # joints from incomplete contacts would be wrong, so the limit ends the command here
+        with stop_after(self.time_limit):
+            return fasten_as_read(
+                assembly, self.reading, tolerance=self.tolerance, progress=progress
+            )
 
     def keep_proof(self, make: Callable[..., dict[str, Any]] | None, answer: WarnedData) -> str:
         """Write the proof file that `--proof` names; return the line for the user about it.

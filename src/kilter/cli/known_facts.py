@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from kilter.errors import visible
 
-__all__ = ["begin_facts", "interruption_words", "remember_fact", "remember_step"]
+__all__ = ["begin_facts", "interruption_words", "known_words", "remember_fact", "remember_step"]
 
 _FACTS: dict[str, str] = {}
 _STEPS: list[str] = []
@@ -45,5 +45,10 @@ def interruption_words() -> str:
     >>> begin_facts()
     """
     step = "".join(f' in the step "{words}"' for words in _STEPS)
-    known = f"; known so far: {', '.join(_FACTS.values())}" if _FACTS else ""
-    return visible(f"interrupted{step}{known}")
+    known = known_words()
+    return visible(f"interrupted{step}{'; ' if known else ''}{known}")
+
+
+def known_words() -> str:
+    """Clause about the known facts; empty without facts."""
+    return f"known so far: {', '.join(_FACTS.values())}" if _FACTS else ""

@@ -19,6 +19,7 @@ from kilter.contact.contact_tolerances import BOX_ROUNDING
 from kilter.contact.planar.facets import Facets
 from kilter.errors import InputError
 from kilter.rigid import common_frame, common_frames
+from kilter.work import stop_if_late
 
 __all__ = ["Boxes", "facet_pairs", "facets_in", "joins", "make_boxes", "pairs_apart", "part_pairs"]
 
@@ -267,6 +268,7 @@ def joins(
     grow = margin[owner_a]
     sides = [tuple(np.ascontiguousarray(side[:, k]) for side in (*box_a, *box_b)) for k in range(3)]
     for owner, x, y in _products(owner_a[few_a], owner_b[few_b], len(margin)):
+        stop_if_late()
         a, b = few_a[x], few_b[y]
         for low_a, high_a, low_b, high_b in sides:
             meets = (low_a - grow)[a] <= high_b[b]
@@ -274,6 +276,7 @@ def joins(
             a, b, owner = a[meets], b[meets], owner[meets]
         yield owner, a, b
     for owners in _bundles(many, counts[0] + counts[1]):
+        stop_if_late()
         a, b = np.flatnonzero(owners[owner_a]), np.flatnonzero(owners[owner_b])
         wide = grow[a, None]
         grown = box_a[0][a] - wide, box_a[1][a] + wide, owner_a[a]

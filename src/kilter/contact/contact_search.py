@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from kilter.arrays import Array, Index, Mask
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.broad import Boxes, make_boxes, pairs_apart, part_pairs
+from kilter.contact.fits.shared_body import PartSolids
 from kilter.contact.gaps import GapLimits, Tolerance, gap_limits, reach_of
 from kilter.contact.planar.facets import Facets, find_facets
 from kilter.contact.unknown import unknown_pairs
@@ -38,6 +40,10 @@ class ContactSearch:
         Pairs that may touch at a place at which the surface of a part is unknown.
     meshes : ndarray of bool, shape (N,)
         True for parts that are triangle meshes.
+    solids : PartSolids
+        Solids of the parts, which are created on first use.
+    smooth_faces : dict
+        Smooth faces of parts (`kilter.contact.smooth`), which are found on first use.
     """
 
     geometry: Geometry
@@ -48,6 +54,13 @@ class ContactSearch:
     angle: float
     unknown: Index
     meshes: Mask
+    solids: PartSolids
+    smooth_faces: dict[int, list[Any]] = field(default_factory=dict)
+
+    def of_rows(self, begin: int, end: int) -> ContactSearch:
+        """The same search for only the pairs ``begin`` to ``end``."""
+        rows = slice(begin, end)
+        return replace(self, pairs=self.pairs[rows], limits=self.limits.take(rows))
 
     def face(self, row: int) -> Array:
         """Triangles of the curved surface with index `row`, shape (m, 3, 3)."""
@@ -86,7 +99,17 @@ def begin_search(
     pairs, unknown = unknown_pairs(geometry, near, reach_of(geometry, tolerance))
     limits = gap_limits(geometry, facets, pairs, tolerance)
     meshes = np.array([isinstance(part.shape, Mesh) for part in assembly.parts])
-    return ContactSearch(geometry, facets, boxes, pairs, limits, tolerance.angle, unknown, meshes)
+    return ContactSearch(
+        geometry,
+        facets,
+        boxes,
+        pairs,
+        limits,
+        tolerance.angle,
+        unknown,
+        meshes,
+        PartSolids(geometry),
+    )
 
 
 def _pairs_to_detect(

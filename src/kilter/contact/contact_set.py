@@ -8,7 +8,7 @@ section 2.1 and Figure 3), so nothing is lost for the equilibrium of rigid parts
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -23,6 +23,7 @@ from kilter.arrays import (
     across,
     angle_between,
     read_only,
+    starts,
     unit_rows,
 )
 from kilter.assembly import Assembly
@@ -110,6 +111,20 @@ class DegeneratePoints:
         empty, index = np.empty((0, 3)), np.empty(0, dtype=np.int64)
         no, pairs = np.empty(0, dtype=bool), np.empty((0, 2), dtype=np.int64)
         return cls(index, index, empty, np.zeros(1, np.int64), empty, no, pairs, empty, empty)
+
+    @classmethod
+    def join(cls, blocks: Sequence[DegeneratePoints]) -> DegeneratePoints:
+        """Concatenate sets of degenerate points, in order."""
+        if len(blocks) == 1:
+            return blocks[0]
+        names = [name for name in cls.__slots__ if name != "start"]
+        counts = [np.diff(block.start) for block in (cls.none(), *blocks)]
+        return cls(
+            **{name: np.concatenate([getattr(cls.none(), name),
+                                     *(getattr(block, name) for block in blocks)])
+               for name in names},
+            start=starts(np.concatenate(counts)),
+        )  # fmt: skip
 
     @property
     def owner(self) -> Index:
@@ -394,6 +409,11 @@ class ContactSet(Answer):
         return float(np.abs(self.patch_gap[wide]).max()) if wide.any() else None
 
     @property
+    def unexamined(self) -> int:
+        """Number of open pairs whose contacts were not examined, because of a time limit."""
+        return sum(pair.kind == "unexamined" for pair in self.open_pairs)
+
+    @property
     def pairs(self) -> int:
         """Number of pairs of parts that touch."""
         if not len(self):
@@ -426,12 +446,16 @@ class ContactSet(Answer):
 
     @property
     def alone(self) -> Index:
-        """Indices of the parts that touch no part, overlap no part and have no joint."""
+        """Indices of the parts that touch no part, overlap no part and have no joint.
+
+        Parts in a pair that was not examined are left out.
+        """
         index = self.assembly.index
         touched = np.zeros(len(self.assembly.parts), dtype=bool)
         touched[self.patch_parts.ravel()] = True
         pairs = [pair.parts for pair in self.unsupported]
         pairs += [pair.parts for pair in self.overlaps]
+        pairs += [pair.parts for pair in self.open_pairs if pair.kind == "unexamined"]
         touched[np.array(pairs, dtype=np.int64).ravel()] = True
         joined = [name for joint in self.assembly.joints for name in joint.parts]
         touched[[index[name] for name in joined if name in index]] = True

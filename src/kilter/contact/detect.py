@@ -8,32 +8,24 @@ from collections.abc import Callable, Iterable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kilter.arrays import Mask, starts
+from kilter.arrays import starts
 from kilter.assembly import Assembly, Bond, GivenContact
 from kilter.assembly.side_by_side import SideBySide
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact.contact_search import ContactSearch, begin_search
 from kilter.contact.contact_set import ContactSet, PossibleContacts
 from kilter.contact.contact_tolerances import FIT_PLAY, THREAD
-from kilter.contact.curved.curved_contacts import find_curved
-from kilter.contact.curved.curved_patches import without_repeats
 from kilter.contact.curved.rims import rim_contacts
-from kilter.contact.face_patches import FacePatches
 from kilter.contact.fits.coaxial import Fit, coaxial_fits
-from kilter.contact.fits.overlap import find_overlaps
 from kilter.contact.friction_coefficients import certain_friction, friction_coefficients
 from kilter.contact.gaps import RejectedPair, Tolerance, closed_by_clearance, gap_warnings
-from kilter.contact.left_out import Overlap, UnsupportedContact
 from kilter.contact.neighbours import nearest_parts
 from kilter.contact.open_pairs import find_open_pairs, open_forces
+from kilter.contact.pair_findings import PairFindings, examine, examine_in_time
 from kilter.contact.patches import Patches
-from kilter.contact.planar.flat_contacts import GAP_EDGES, find_flat
-from kilter.contact.sharp.near_edges import near_edges
-from kilter.contact.sharp.sharp_contacts import near_contacts
-from kilter.contact.smooth.smooth_joints import find_smooth
-from kilter.contact.unknown import unknown_contacts
+from kilter.contact.planar.flat_contacts import GAP_EDGES
 from kilter.errors import InputError
-from kilter.work import facts_of
+from kilter.work import facts_of, stop_after, take_at_least
 
 __all__ = [
     "contacts",
@@ -41,7 +33,12 @@ __all__ = [
     "detected_with_friction",
     "friction_needs_detection",
     "touching_words",
+    "unexamined_words",
 ]
+
+
+LEAST_TIME = 0.2
+"""Time in which contacts are searched for whatever the time limit [s]."""
 
 
 def contacts(
@@ -52,6 +49,7 @@ def contacts(
     ground: str | Iterable[str] = (),
     floor: bool | float | None = None,
     tolerance: Tolerance | None = None,
+    time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> ContactSet:
     """Find the contacts of an assembly.
@@ -63,6 +61,9 @@ def contacts(
         Changes of the assembly before the question, as in `kilter.check`.
     tolerance, progress : optional
         As in `kilter.check`.
+    time_limit : float, optional
+        Time limit [s]. Near pairs that are not examined until then are open pairs of the kind
+        "unexamined". The search takes at least 0.2 s, which suffice for small assemblies.
 
     Returns
     -------
@@ -96,22 +97,37 @@ def contacts(
         )
     tolerance.require_sound()
     report_stage = progress or (lambda stage: None)
-    contact_set = _contact_set(
-        assembly, begin_search(assembly, tolerance, report_stage), tolerance, report_stage
-    )
-    report_fact = facts_of(progress)
-    if report_fact is not None:
-        report_fact("contacts", touching_words(contact_set))
-    report_stage("nearest parts")
-    return dataclasses.replace(
-        contact_set, neighbours=nearest_parts(assembly.geometry, contact_set.alone)
-    )
+    with stop_after(time_limit):
+        search = begin_search(assembly, tolerance, report_stage)
+        report_stage("contacts of near pairs")
+        if time_limit is None:
+            findings = examine(assembly, search, tolerance)
+        else:
+            with take_at_least(LEAST_TIME):
+                findings = examine_in_time(assembly, search, tolerance)
+        contact_set = _contact_set(assembly, search, findings, tolerance)
+        report_fact = facts_of(progress)
+        if report_fact is not None:
+            report_fact("contacts", touching_words(contact_set))
+        report_stage("nearest parts")
+        alone = contact_set.alone
+        return dataclasses.replace(contact_set, neighbours=nearest_parts(assembly.geometry, alone))
 
 
 def touching_words(contact_set: ContactSet) -> str:
-    """Number of touching pairs of parts as a clause, for instance "3 pairs of parts touch"."""
-    pairs = contact_set.pairs
-    return "1 pair of parts touches" if pairs == 1 else f"{pairs} pairs of parts touch"
+    """Number of touching pairs of parts as a clause, for instance "3 pairs of parts touch".
+
+    It also states the number of pairs that were not examined.
+    """
+    pairs, unexamined = contact_set.pairs, contact_set.unexamined
+    touching = "1 pair of parts touches" if pairs == 1 else f"{pairs} pairs of parts touch"
+    return f"{touching}, {unexamined_words(unexamined)}" if unexamined else touching
+
+
+def unexamined_words(count: int) -> str:
+    """Clause about the number of pairs of parts whose contacts a time limit left unexamined."""
+    pairs = "1 pair of parts was" if count == 1 else f"{count} pairs of parts were"
+    return f"the contacts of {pairs} not examined"
 
 
 def contacts_side_by_side(apart: SideBySide, tolerance: Tolerance) -> ContactSet:
@@ -130,39 +146,31 @@ def contacts_side_by_side(apart: SideBySide, tolerance: Tolerance) -> ContactSet
         return None
 
     search = begin_search(apart.whole, tolerance, silent, start=apart.start)
-    return _contact_set(apart.whole, search, tolerance, silent)
+    findings = examine(apart.whole, search, tolerance)
+    return _contact_set(apart.whole, search, findings, tolerance)
 
 
 def _contact_set(
-    assembly: Assembly,
-    search: ContactSearch,
-    tolerance: Tolerance,
-    report_stage: Callable[[str], None],
+    assembly: Assembly, search: ContactSearch, findings: PairFindings, tolerance: Tolerance
 ) -> ContactSet:
-    """Find the contacts of a search in all its stages; the caller adds the nearest neighbours."""
+    """Convert findings to a contact set; the caller adds the nearest neighbours.
+
+    Pairs of the search without findings become open pairs.
+    """
     gap = search.limits.gap
-    report_stage("faces")
-    curved = find_curved(search)
-    smooth = find_smooth(search)
-    flat = find_flat(search, smooth)
-    face_patches = FacePatches(
-        search, flat.patches, without_repeats(curved, flat.patches, gap), smooth
-    )
-    report_stage("edges and corners")
-    near = near_contacts(face_patches, [*flat.rejected, *curved.rejected])
-    overlaps = find_overlaps(assembly, face_patches, tolerance)
-    refused = [*flat.rejected, *curved.rejected, *unknown_contacts(search.unknown)]
-    faces = Patches.join([flat.patches, face_patches.curved.patches, smooth.patches])
+    examined = findings.search
+    flat, near, smooth = findings.flat, findings.near, findings.smooth
+    faces = findings.faces
     patches = Patches.join([faces, near.patches, _listed_patches(assembly)])
-    unsupported = (*near.unsupported, *smooth.unsure)
-    records: list[RejectedPair | Overlap | UnsupportedContact] = [*refused, *overlaps, *unsupported]
-    recorded = [record.parts for record in records]
-    refused += near_edges(search, _unrecorded_pairs(search, patches, recorded))
-    rejected = sorted(refused, key=lambda r: (abs(r.gap), r.angle))
+    unsupported = findings.unsupported
+    overlaps = tuple(sorted(findings.overlaps, key=lambda overlap: overlap.parts))
+    rejected = sorted([*findings.refused, *findings.near_edges], key=_rank)
     rims = rim_contacts(search.geometry, flat.patches)
-    possible = PossibleContacts.join([near.possible, rims, face_patches.curved.possible])
-    tilted = smooth.possible(friction_coefficients(assembly, search.pairs))
-    left_open = find_open_pairs(assembly, overlaps, rejected, unsupported)
+    possible = PossibleContacts.join([near.possible, rims, findings.curved.possible])
+    tilted = smooth.possible(friction_coefficients(assembly, examined.pairs))
+    unexamined = search.pairs[len(examined.pairs) :]
+    left_open = find_open_pairs(assembly, overlaps, rejected, unsupported, unexamined)
+    cut = sum(pair.kind == "unexamined" for pair in left_open)
     return ContactSet(
         assembly=assembly,
         patch_parts=patches.parts,
@@ -189,14 +197,15 @@ def _contact_set(
         tolerance=tolerance,
         gap=float(gap.max(initial=0.0)),
         warnings=(
-            *gap_warnings(flat.patches, rejected, search.limits),
-            *curved.warnings,
+            *((f"the time limit was reached: {unexamined_words(cut)}",) if cut else ()),
+            *gap_warnings(flat.patches, rejected, examined.limits),
+            *findings.curved.warnings,
             *smooth.warnings,
-            *closed_by_clearance(assembly, faces, search.limits),
+            *closed_by_clearance(assembly, faces, examined.limits),
         ),
         degenerate=near.degenerate,
         open_pairs=left_open,
-        fits=_fits(assembly, search, tolerance, {frozenset(pair.parts) for pair in overlaps}),
+        fits=_fits(assembly, examined, tolerance, {frozenset(pair.parts) for pair in overlaps}),
     )
 
 
@@ -214,18 +223,9 @@ def _fits(
     return tuple(fit for fit in candidates if not fit.tight or frozenset(fit.parts) in overlapping)
 
 
-def _unrecorded_pairs(
-    search: ContactSearch, patches: Patches, other_pairs: list[tuple[int, int]]
-) -> Mask:
-    """Mask of near pairs that have no patch and are not in `other_pairs`."""
-    silent = np.ones(len(search.pairs), dtype=bool)
-    silent[patches.pair[patches.pair >= 0]] = False
-    recorded = {frozenset(pair) for pair in other_pairs}
-    if recorded:
-        rows = np.flatnonzero(silent)
-        is_recorded = [frozenset(pair) in recorded for pair in search.pairs[rows].tolist()]
-        silent[rows[is_recorded]] = False
-    return silent
+def _rank(rejected: RejectedPair) -> tuple[float, float]:
+    """Key by which rejected pairs are sorted: the nearest first."""
+    return abs(rejected.gap), rejected.angle
 
 
 def _listed_patches(assembly: Assembly) -> Patches:

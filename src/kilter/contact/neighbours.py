@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,6 +23,7 @@ from kilter.arrays import Array, Index, nearest
 from kilter.assembly.geometry import Geometry
 from kilter.contact.fits.shared_body import PartSolids
 from kilter.contact.triangle_distance import surface_distance
+from kilter.work import is_late
 
 if TYPE_CHECKING:
     from kilter.tell.answer_data.common_data import NeighbourData
@@ -64,6 +66,8 @@ class Neighbour:
 def nearest_parts(geometry: Geometry, parts: Iterable[int]) -> tuple[Neighbour, ...]:
     """For each of the first `MOST_PARTS` given parts, the nearest other part and the gap.
 
+    A time limit ends the search; the later parts are then left out.
+
     Parameters
     ----------
     geometry : Geometry
@@ -75,7 +79,9 @@ def nearest_parts(geometry: Geometry, parts: Iterable[int]) -> tuple[Neighbour, 
         return ()
     solids = PartSolids(geometry)
     boxes = geometry.part_boxes
-    return tuple(_nearest(solids, part, boxes) for part in searched)
+    return tuple(
+        _nearest(solids, part, boxes) for part in takewhile(lambda _: not is_late(), searched)
+    )
 
 
 def _nearest(solids: PartSolids, part: int, boxes: tuple[Array, Array]) -> Neighbour:

@@ -9,12 +9,13 @@ at least one of them is free, no fixed joints connect them, and the pair has one
                  of the smaller part and within `LOOSE_ANGLE`, as `Tolerance.loose` accepts
     free-form    touches at a curved face in a way without a formula
     degenerate   touches at edges or corners that have no unique normal
+    unexamined   comes near, but a time limit ended the search before its contacts were examined
 
 A pair with several kinds has the first of them. At the least, only the certain contacts act between
-the two parts. At the most, a pair of the last two kinds exerts the forces that
-`kilter.contact.sharp` and `kilter.contact.curved.unmodelled` bound. A pair of the first three kinds
-holds its parts to each other by any force and torque. Reason: a near face may touch anywhere on its
-area, its normal is off by up to gap over width, and its edges and corners may catch. Together these
+the two parts. At the most, a free-form or degenerate pair exerts the forces that
+`kilter.contact.sharp` and `kilter.contact.curved.unmodelled` bound. A pair of another kind holds
+its parts to each other by any force and torque. Reason: a near face may touch anywhere on its area,
+its normal is off by up to gap over width, and its edges and corners may catch. Together these
 allow every wrench.
 """
 
@@ -46,11 +47,13 @@ __all__ = [
     "still_open",
 ]
 
-OpenKind = Literal["overlap", "clearance", "near", "free-form", "degenerate"]
+OpenKind = Literal["overlap", "clearance", "near", "free-form", "degenerate", "unexamined"]
 KINDS: tuple[OpenKind, ...] = get_args(OpenKind)
 """Kinds of open pairs, in order of precedence."""
-ANY_WRENCH = ("overlap", "clearance", "near")
+ANY_WRENCH = ("overlap", "clearance", "near", "unexamined")
 """Kinds of open pairs whose contact may transmit any force and torque."""
+UNEXAMINED = "the time limit was reached before its contacts were examined"
+"""Reason of an open pair that the contact search did not examine."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +63,7 @@ class OpenPair:
     Attributes
     ----------
     parts : pair of int
-    kind : {"overlap", "clearance", "near", "free-form", "degenerate"}
+    kind : {"overlap", "clearance", "near", "free-form", "degenerate", "unexamined"}
     gap : float or None
         Gap of the nearest faces [length unit]; negative if they penetrate.
     depth, volume : float or None
@@ -93,6 +96,7 @@ def find_open_pairs(
     overlaps: Iterable[Overlap],
     rejected: Iterable[RejectedPair],
     unsupported: Iterable[UnsupportedContact],
+    unexamined: Index,
 ) -> tuple[OpenPair, ...]:
     """Pairs of parts whose contact the geometry leaves open; a single entry for each pair.
 
@@ -101,11 +105,14 @@ def find_open_pairs(
     assembly : Assembly
     overlaps, rejected, unsupported
         Records of the contact search.
+    unexamined : ndarray of int, shape (n, 2)
+        Pairs that the search did not examine, because a time limit ended it.
     """
     size = assembly.geometry.size
     entries = [_from_overlap(overlap) for overlap in overlaps]
     entries += [pair for r in rejected if (pair := _from_rejected(r, size)) is not None]
     entries += [_from_unsupported(contact) for contact in unsupported]
+    entries += [OpenPair((a, b), "unexamined", why=UNEXAMINED) for a, b in unexamined.tolist()]
     entries.sort(
         key=lambda pair: (*sorted(pair.parts), KINDS.index(pair.kind), abs(pair.gap or 0.0))
     )

@@ -8,7 +8,7 @@ that of the patch.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -94,6 +94,10 @@ class Patches:
             **{name: np.concatenate([getattr(b, name) for b in blocks]) for name in names},
             start=starts(np.concatenate([np.diff(b.start) for b in blocks])),
         )
+
+    def after(self, rows: int) -> Patches:
+        """These patches, with pairs that lie that many rows further in their search."""
+        return replace(self, pair=self.pair + rows) if rows else self
 
     @staticmethod
     def none() -> Patches:

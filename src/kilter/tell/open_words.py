@@ -63,6 +63,8 @@ def _state(pair: Pair, units: str) -> str:
             return str(pair["why"])
         word = "apart" if gap > 0 else "deep in each other"
         return f"{number(abs(gap), 3)} {units} {word}"
+    if kind == "unexamined":
+        return "their contacts were not examined: the time limit was reached"
     if kind == "free-form":
         return "a curved contact of a kind that is not modelled yet"
     return "only edges or corners touch"
@@ -142,7 +144,7 @@ def open_options(open_pairs: Sequence[Pair]) -> list[OpenOption]:
                 options.append(OpenOption(f"--gap {above}", gap=float(above)))
         elif kind == "overlap" and len(alike) > FEW:
             options.append(OpenOption("--fasten-overlaps", overlaps=True))
-        else:
+        elif kind != "unexamined":  # no option of the assembly decides what a longer search finds
             options += [
                 OpenOption(f"--fasten {shell_words(pair['parts'])}", fasten=(tuple(pair["parts"]),))
                 for pair in alike

@@ -373,7 +373,8 @@ def open_table(answer: Answer) -> Table:
             size = f"{number(pair['depth'], 3)} {unit} deep"
         elif pair["gap"]:
             size = f"gap {number(pair['gap'], 3)} {unit}"
-        [option] = settling_options([{**pair, "decides": True}])
+        # a pair that was not examined has no option of its own
+        option = "".join(settling_options([{**pair, "decides": True}])) or "a longer --time-limit"
         return *_names(pair), pair["kind"], size, pair["why"], option
 
     head = ("part a", "part b", "kind", "distance", "why", "counts as holding with")

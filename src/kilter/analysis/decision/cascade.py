@@ -151,8 +151,12 @@ def _first_order(
     if sharp.program is not None and sharp.judgement is not None:
         return Decision("unstable", sharp.program, sharp.judgement)
     fits = why_fits_leave_it_open(assembly, contacts, program, work)
-    pairs = _deciding_pairs(assembly, contacts, program, require, work) if question else None
-    unclear = () if pairs is not None or fits else (_unclear_reason(contacts, bound, work),)
+    pairs = None
+    # pairs that were not examined may touch after all, so joining them is no useful question
+    if question and not contacts.unexamined:
+        pairs = _deciding_pairs(assembly, contacts, program, require, work)
+    explained = pairs is not None or (fits and not contacts.unexamined)
+    unclear = () if explained else (_unclear_reason(contacts, bound, work),)
     reasons = (*unclear, *fits, *sharp.words)
     return Decision("undecided", program, judgement, reasons=reasons, question=pairs)
 
@@ -288,7 +292,7 @@ def _unclear_reason(contacts: ContactSet, bound: Judgement, work: Work) -> str:
 
     `bound` is the judgement with all possible contacts.
     """
-    if work.cut:
+    if work.cut or contacts.unexamined:
         return _late_reason(contacts, WEAK)
     if bound.stable is None:
         return f"with every possible contact, {_best_figures(bound)}"

@@ -34,6 +34,7 @@ from kilter.mechanics.program import Program, build_program
 from kilter.tell.improve_words import improve_sentence
 from kilter.tell.json_answer import Answer
 from kilter.threads import on_one_thread
+from kilter.work import facts_of
 
 if TYPE_CHECKING:
     from kilter.tell.answer_data.other_data import BrickChangeData, ImproveData
@@ -192,7 +193,10 @@ def improve(
     )
     model, rules, cell = bricks_of(assembly)
     report("weakest studs")
-    verdict = check(assembly)
+    verdict = check(assembly, progress=progress)
+    report_fact = facts_of(progress)
+    if report_fact is not None:
+        report_fact("verdict", f"the given model is {verdict.verdict.replace('-', ' ')}")
     program = build_program(assembly, verdict.contacts)
     factor = find_bond_factor(program, verdict.contacts)
     share, weakest, motion, near = np.inf, None, None, list[int]()

@@ -74,7 +74,9 @@ def can_be_tried(pairs: Sequence[OpenPair]) -> bool:
 
     If not, forces of equilibrium are the highest level that friction can reach.
     """
-    return len(pairs) <= MOST_TRIED and all(pair.kind != "free-form" for pair in pairs)
+    return len(pairs) <= MOST_TRIED and all(
+        pair.kind not in ("free-form", "unexamined") for pair in pairs
+    )
 
 
 def try_ordinary(

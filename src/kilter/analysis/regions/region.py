@@ -379,7 +379,9 @@ def region(
     assembly.require_grounded()
     started = time.perf_counter()
     if contacts is None:
-        contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
+        contacts = detect.contacts(
+            assembly, tolerance=tolerance, time_limit=time_limit, progress=progress
+        )
     rubs = bool((contacts.patch_mu > 0).any())
     if rests and rubs:
         raise InputError(

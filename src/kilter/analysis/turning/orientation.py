@@ -232,7 +232,9 @@ def orient(
     )
     _require_turnable(assembly, method)
     if contacts is None:
-        contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
+        contacts = detect.contacts(
+            assembly, tolerance=tolerance, time_limit=time_limit, progress=progress
+        )
     limit = None if time_limit is None else time_limit - (time.perf_counter() - started)
     with given_direction_known(assembly, contacts, limit):
         return _orient(assembly, contacts, method, limit, progress)

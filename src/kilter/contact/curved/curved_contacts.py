@@ -40,6 +40,7 @@ from kilter.contact.curved.rim_points import rims_on_planes
 from kilter.contact.curved.shells import gaps_between, touching_shells
 from kilter.contact.curved.tangency import find_candidates
 from kilter.shape.covering import covered
+from kilter.work import stop_if_late
 
 __all__ = ["find_curved"]
 
@@ -230,6 +231,7 @@ def _add_each(
     The candidates are points, lines, circles and spheres in sockets.
     """
     for k in range(len(candidates.row)):
+        stop_if_late()
         row = int(candidates.row[k])
         candidate = candidates.take(np.array([k]))
         _add_candidate(search, builder, pairs, row, candidate, limits.of(row), plane)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 
 import numpy as np
 
@@ -40,8 +42,10 @@ class CurvedContacts:
         Row of the pair, and curved surfaces of a and b (-1: flat faces) without a formula.
     possible : PossibleContacts
         Outer rows of the patches whose points lie inside the true cone of forces.
-    rejected, overlaps, warnings
+    rejected, overlaps
         As in `ContactSet`.
+    raised : int
+        Number of pairs whose gap tolerance was raised for surfaces recognised in meshes.
     """
 
     patches: Patches
@@ -51,7 +55,36 @@ class CurvedContacts:
     possible: PossibleContacts
     rejected: tuple[RejectedPair, ...]
     overlaps: tuple[Overlap, ...]
-    warnings: tuple[str, ...]
+    raised: int
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Warnings about the pairs of parts whose gap tolerance was raised; empty without them."""
+        if not self.raised:
+            return ()
+        pairs = "1 pair" if self.raised == 1 else f"{self.raised} pairs"
+        return (
+            f"curved faces recognised in meshes: the gap tolerance of {pairs} was raised to the "
+            "height of the arcs over their triangles; a smaller clearance or interference is not "
+            "detected",
+        )
+
+    @staticmethod
+    def join(blocks: Sequence[tuple[int, CurvedContacts]]) -> CurvedContacts:
+        """Contacts of successive pairs; a block gives its first pair, and its contacts."""
+        found = [block for _, block in blocks]
+        return CurvedContacts(
+            patches=Patches.join(block.patches.after(begin) for begin, block in blocks),
+            surface=np.concatenate([block.surface for block in found]),
+            zone=np.concatenate([block.zone for block in found]),
+            unknown=np.concatenate(
+                [np.add(block.unknown, (begin, 0, 0)) for begin, block in blocks]
+            ),
+            possible=PossibleContacts.join(block.possible for block in found),
+            rejected=tuple(chain.from_iterable(block.rejected for block in found)),
+            overlaps=tuple(chain.from_iterable(block.overlaps for block in found)),
+            raised=sum(block.raised for block in found),
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -317,7 +350,7 @@ def pack(
         possible=possible,
         rejected=tuple(rejected),
         overlaps=tuple(overlaps),
-        warnings=_warnings(raised),
+        raised=raised,
     )
 
 
@@ -348,14 +381,3 @@ def _kind(search: ContactSearch, surface: list[int]) -> str:
     """Name of the kind of contact between two surfaces, such as "cylinder"; -1: a flat face."""
     kinds = {KINDS[search.geometry.surfaces.kind[k]] for k in surface if k >= 0}
     return next(name for name in NAMED if name in kinds)
-
-
-def _warnings(raised: int) -> tuple[str, ...]:
-    """Warnings about the pairs of parts whose gap tolerance was raised; empty if `raised` is 0."""
-    if not raised:
-        return ()
-    pairs = "1 pair" if raised == 1 else f"{raised} pairs"
-    return (
-        f"curved faces recognised in meshes: the gap tolerance of {pairs} was raised to the height "
-        "of the arcs over their triangles; a smaller clearance or interference is not detected",
-    )

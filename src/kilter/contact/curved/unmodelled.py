@@ -10,6 +10,7 @@ polygons; the circumscribed polygons bound the answer from the other side
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,6 +35,14 @@ class RoundContacts:
 
     unsupported: tuple[UnsupportedContact, ...]
     possible: PossibleContacts
+
+    @staticmethod
+    def join(blocks: Sequence[RoundContacts]) -> RoundContacts:
+        """Concatenate contacts, in order."""
+        return RoundContacts(
+            tuple(contact for block in blocks for contact in block.unsupported),
+            PossibleContacts.join(block.possible for block in blocks),
+        )
 
 
 def no_round_contacts() -> RoundContacts:

@@ -28,16 +28,20 @@ from kilter.contact.fits.winding_depth import depth_by_winding
 from kilter.contact.gaps import Tolerance
 from kilter.contact.planar.facets import Facets
 from kilter.solvers.problem import LinearProgram
+from kilter.work import stop_if_late
 
 __all__ = ["find_overlaps"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _OverlapSearch:
-    """Data of the overlap search: the assembly, its contact patches, and its parts as solids."""
+    """Data of the overlap search: the assembly, its contact patches and its parts as solids."""
 
     face_patches: FacePatches
-    solids: PartSolids
+
+    @property
+    def solids(self) -> PartSolids:
+        return self.face_patches.search.solids
 
     @property
     def geometry(self) -> Geometry:
@@ -66,11 +70,12 @@ def find_overlaps(
     rows = np.flatnonzero(deep & ~(both_convex & face_patches.has_patch))
     overlaps = list({overlap.parts: overlap for overlap in face_patches.curved.overlaps}.values())
     recorded = {overlap.parts for overlap in overlaps}
-    overlap_search = _OverlapSearch(face_patches, PartSolids(geometry))
+    overlap_search = _OverlapSearch(face_patches)
     for row in rows.tolist():
         parts = (int(a[row]), int(b[row]))
         if parts in recorded:
             continue
+        stop_if_late()
         if both_convex[row]:
             overlap = _convex_overlap(overlap_search, parts, float(tolerance[row]))
         else:

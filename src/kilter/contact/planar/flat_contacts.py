@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,6 +40,15 @@ class FlatContacts:
     patches: Patches
     rejected: list[RejectedPair]
     counts: Index
+
+    @staticmethod
+    def join(blocks: Sequence[tuple[int, FlatContacts]]) -> FlatContacts:
+        """Contacts of successive pairs; a block gives its first pair, and its contacts."""
+        return FlatContacts(
+            Patches.join(block.patches.after(begin) for begin, block in blocks),
+            [pair for _, block in blocks for pair in block.rejected],
+            np.sum([block.counts for _, block in blocks], axis=0),
+        )
 
 
 def find_flat(search: ContactSearch, smooth: SmoothJoints) -> FlatContacts:

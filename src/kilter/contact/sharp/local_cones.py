@@ -30,6 +30,7 @@ from kilter.contact.contact_tolerances import CONE_ANGLE, EXACT_ANGLE
 from kilter.contact.planar.facets import Facets
 from kilter.contact.sharp.edges import Edges, Rays
 from kilter.contact.sharp.feature_pairs import CORNER, EDGE, FACE
+from kilter.work import stop_if_late
 
 __all__ = ["Cones", "Sectors", "convex_pieces", "find_cones", "inside", "spanned"]
 
@@ -188,6 +189,7 @@ def _corner_cones(
     blocks = [_convex_corner_cones(facets, rays, which, convex)]
     start = np.searchsorted(rays.owner, np.arange(len(which) + 1))
     for k in np.flatnonzero(~convex).tolist():
+        stop_if_late()
         corner_rays = np.arange(start[k], start[k + 1])
         sectors = _sectors_around(facets, rays, corner_rays)
         if len(sectors.normal) < len(corner_rays):  # open corner: a facet is missing
@@ -359,7 +361,9 @@ def _inside_by_ways(sectors: Sectors, directions: Array, targets: Array) -> Mask
     share = np.where(meets, share, np.inf)
     first = share.argmin(axis=2)
     crossed = height[np.arange(len(directions)), first]
-    return np.take_along_axis(meets, first[..., None], axis=2)[..., 0] & (crossed < 0)
+    meets_any = np.take_along_axis(meets, first[..., None], axis=2)[..., 0]
+    result: Mask = meets_any & (crossed < 0)
+    return result
 
 
 def spanned(outward: Array) -> Array:

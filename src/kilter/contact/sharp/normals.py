@@ -19,6 +19,7 @@ from kilter.contact.sharp.edges import Edges
 from kilter.contact.sharp.feature_pairs import CORNER, EDGE, FACE, Meetings
 from kilter.contact.sharp.local_cones import Cones, find_cones
 from kilter.contact.sharp.spanning import resolve, separating
+from kilter.work import stop_if_late
 
 __all__ = ["Clauses", "Pushes", "normals_of"]
 
@@ -206,6 +207,7 @@ def _cone_normals(
     ]
     first = np.searchsorted(owner, np.arange(len(rows) + 1))
     for k in np.flatnonzero(pieces > 1).tolist():
+        stop_if_late()
         pairs_of_pieces = [j for j in range(int(first[k]), int(first[k + 1])) if count[j]]
         result = resolve(
             [

@@ -18,7 +18,7 @@ For two convex parts a patch of planar contact is complete: no other contact is 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,15 +52,32 @@ PAIRS = 20_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NearContacts:
-    """Contacts at edges and corners, unmodelled contacts, and the forces these may exert.
-
-    The first rows of `possible` are the normals of `degenerate`, in order.
-    """
+    """Contacts at edges and corners, and contacts at round faces that are not modelled."""
 
     patches: Patches
     degenerate: DegeneratePoints
-    unsupported: tuple[UnsupportedContact, ...]
-    possible: PossibleContacts
+    rounds: RoundContacts
+
+    def unsupported(self, geometry: Geometry) -> tuple[UnsupportedContact, ...]:
+        """Records of the contacts that are not modelled."""
+        return (*_unsupported_of(self.degenerate, geometry), *self.rounds.unsupported)
+
+    @property
+    def possible(self) -> PossibleContacts:
+        """Forces that contacts may exert that are not modelled.
+
+        The first rows are the normals of `degenerate`, in order.
+        """
+        return PossibleContacts.join([self.degenerate.pushes(), self.rounds.possible])
+
+    @staticmethod
+    def join(blocks: Sequence[tuple[int, NearContacts]]) -> NearContacts:
+        """Contacts of successive pairs; a block gives its first pair, and its contacts."""
+        return NearContacts(
+            Patches.join(block.patches.after(begin) for begin, block in blocks),
+            DegeneratePoints.join([block.degenerate for _, block in blocks]),
+            RoundContacts.join([block.rounds for _, block in blocks]),
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,12 +130,7 @@ def near_contacts(face_patches: FacePatches, rejected: Iterable[RejectedPair]) -
         patches = edge_contacts(search, edges, candidates, pushes)
         degenerate = _degenerate_points(sharp_search, candidates, clauses, all_pushes)
         rounds = _round_contacts(sharp_search, round_rows, reach)
-    return NearContacts(
-        patches=patches,
-        degenerate=degenerate,
-        unsupported=(*_unsupported_of(degenerate, search.geometry), *rounds.unsupported),
-        possible=PossibleContacts.join([degenerate.pushes(), rounds.possible]),
-    )
+    return NearContacts(patches, degenerate, rounds)
 
 
 def _meetings(near: _SharpSearch, rows: Index, tolerance: Array) -> Meetings:

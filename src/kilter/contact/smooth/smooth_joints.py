@@ -17,8 +17,8 @@ difference are possible. Points at which the sides differ by more than `SMOOTH_U
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -40,6 +40,7 @@ from kilter.contact.planar.facet_overlays import facet_frames, overlaps_of
 from kilter.contact.smooth.matching import Matches, matches
 from kilter.contact.smooth.smooth_faces import SmoothFace, smooth_faces
 from kilter.contact.triangle_distance import surface_distance
+from kilter.work import stop_if_late
 
 __all__ = ["SmoothJoint", "SmoothJoints", "find_smooth"]
 
@@ -93,6 +94,18 @@ class SmoothJoints:
 
     search: ContactSearch
     joints: tuple[SmoothJoint, ...] = ()
+
+    @staticmethod
+    def join(search: ContactSearch, blocks: Sequence[tuple[int, SmoothJoints]]) -> SmoothJoints:
+        """Joints of successive pairs; a block gives its first pair, and its joints."""
+        return SmoothJoints(
+            search,
+            tuple(
+                replace(joint, pair=joint.pair + begin)
+                for begin, block in blocks
+                for joint in block.joints
+            ),
+        )
 
     @property
     def patches(self) -> Patches:
@@ -201,7 +214,7 @@ def find_smooth(search: ContactSearch) -> SmoothJoints:
     convex, (a, b) = search.facets.convex_part, search.pairs.T
     mesh, closes = search.meshes, search.limits.closed > search.limits.gap
     rows = np.flatnonzero((mesh[a] & mesh[b] | closes) & ~(convex[a] & convex[b]))
-    faces: dict[int, list[SmoothFace]] = {}
+    faces: dict[int, list[SmoothFace]] = search.smooth_faces
     joints: list[SmoothJoint] = []
     for row in rows.tolist():
         parts = (int(a[row]), int(b[row]))
@@ -210,6 +223,7 @@ def find_smooth(search: ContactSearch) -> SmoothJoints:
                 faces[part] = smooth_faces(search.geometry, part, mesh=bool(mesh[part]))
         for face_a in faces[parts[0]]:
             for face_b in faces[parts[1]]:
+                stop_if_late()
                 joints += _joint(search, row, (face_a, face_b))
     return SmoothJoints(search, tuple(joints))
 

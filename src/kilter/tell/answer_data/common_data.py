@@ -65,7 +65,7 @@ class PlainOpenPairData(TypedDict):
     """A pair of parts whose contact the geometry does not determine."""
 
     parts: PairNames
-    kind: Literal["overlap", "clearance", "near", "free-form", "degenerate"]
+    kind: Literal["overlap", "clearance", "near", "free-form", "degenerate", "unexamined"]
     gap: Annotated[float | None, Field(description="[length unit]; negative if they penetrate")]
     depth: Annotated[float | None, Field(description="[length unit]")]
     volume: Annotated[float | None, Field(description="[length unit^3]")]

@@ -97,7 +97,9 @@ def hold(
     allowed = SEARCH * units_of(number(effort, "effort", lowest=0))
     work, started = Work(allowed, progress, time_limit=time_limit), time.perf_counter()
     if contacts is None:
-        contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
+        contacts = detect.contacts(
+            assembly, tolerance=tolerance, time_limit=time_limit, progress=progress
+        )
     require_apart(assembly, contacts)
     seconds = {"contacts": time.perf_counter() - started}
     between = time.perf_counter()

@@ -117,7 +117,13 @@ def plan(
     after, units = later_parts(assembly, rules.before), units_of_groups(assembly, rules.groups)
     if rules.sequence is not None:
         units = sets_of_order(assembly, rules.sequence)
-    part_states = states(assembly, contacts=contacts, tolerance=tolerance, progress=progress)
+    part_states = states(
+        assembly,
+        contacts=contacts,
+        tolerance=tolerance,
+        time_limit=work.seconds,
+        progress=progress,
+    )
     searching = time.perf_counter()
     whole, finished = part_states.finished(require=level, effort=effort, work=work)
     screws = tuple(find_screws(part_states.contacts, rules.screws))

@@ -509,6 +509,7 @@ def states(
     floor: bool | float | None = None,
     contacts: ContactSet | None = None,
     tolerance: Tolerance | None = None,
+    time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> States:
     """Prepare verdicts on all states of an assembly that is being built.
@@ -521,6 +522,8 @@ def states(
         Changes of the assembly before the question, as in `kilter.check`.
     contacts, tolerance, progress : optional
         As in `kilter.check`.
+    time_limit : float, optional
+        Time limit [s]. It ends the contact search, as in `kilter.contacts`.
 
     Raises
     ------
@@ -544,6 +547,8 @@ def states(
     )
     require_no_bonds(assembly, "states", NOT_SET)
     if contacts is None:
-        contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
+        contacts = detect.contacts(
+            assembly, tolerance=tolerance, time_limit=time_limit, progress=progress
+        )
     require_apart(assembly, contacts)
     return States(assembly, contacts)
