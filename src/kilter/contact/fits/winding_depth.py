@@ -52,9 +52,7 @@ def _depth_inside(
     )
     low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
     probes = probes[((probes > low + tolerance) & (probes < high - tolerance)).all(axis=1)]
-    probes = probes[~without(probes)]
-    if len(probes) > PROBES:
-        probes = probes[:: len(probes) // PROBES + 1]
+    probes = _some_without(probes, without)
     if not len(probes):
         return 0.0
     inside = np.concatenate(
@@ -64,6 +62,18 @@ def _depth_inside(
         ]
     )
     return float(surface_distance(probes[inside], triangles).max(initial=0.0))
+
+
+def _some_without(probes: Array, without: Callable[[Array], Mask]) -> Array:
+    """About `PROBES` points, evenly spread over the given ones, for which `without` is False."""
+    step = len(probes) // PROBES + 1
+    chosen = probes[:0]
+    for k in range(step):  # one round is enough unless `without` removes many points
+        batch = probes[k::step]
+        chosen = np.concatenate([chosen, batch[~without(batch)]])
+        if len(chosen) >= PROBES // 2:
+            break
+    return chosen
 
 
 def _winding_number(points: Array, triangles: Array) -> Array:

@@ -68,7 +68,9 @@ def _project_corners(
     corner_owner, triangle_owner = (
         np.zeros(len(rows), dtype=np.int64) for rows in (first.points, corners)
     )
-    reach_boxes = first.points - reach, first.points + reach
+    # a match lies within `lateral` of the piece of the line that is at most `reach` long
+    half = np.abs(first.normals) * reach + lateral
+    reach_boxes = first.points - half, first.points + half
     boxes = corners.min(axis=1), corners.max(axis=1)
     blocks: list[tuple[Array, Index, Index, Array]] = []
     for _, k, m in joins(corner_owner, reach_boxes, triangle_owner, boxes, np.zeros(1)):

@@ -39,7 +39,7 @@ from kilter.contact.patches import Patches
 from kilter.contact.planar.facet_overlays import facet_frames, overlaps_of
 from kilter.contact.smooth.matching import Matches, matches
 from kilter.contact.smooth.smooth_faces import SmoothFace, smooth_faces
-from kilter.contact.triangle_distance import surface_distance
+from kilter.contact.triangle_distance import within_distance
 from kilter.work import stop_if_late
 
 __all__ = ["SmoothJoint", "SmoothJoints", "find_smooth"]
@@ -203,8 +203,7 @@ class SmoothJoints:
         for joint in self.joints:
             rows = np.flatnonzero((pair == joint.pair) & ~is_explained)
             for corners in joint.corners:
-                upper_bound = np.full(len(rows), 2 * joint.reach)
-                rows = rows[surface_distance(points[rows], corners, upper_bound) <= joint.reach]
+                rows = rows[within_distance(points[rows], corners, joint.reach)]
             is_explained[rows] = True
         return is_explained
 
