@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["transport"]
 
-QUESTION = "Question: an acceleration, a turn, a rule or a path"
+QUESTION = "Question: an acceleration, a turn, a rule of load securing or a path"
 
 
 @asks(searches=True, proves=True)

@@ -295,7 +295,7 @@ def _bundles(many: Mask, count: Index) -> Iterator[Mask]:
 
 
 def _products(owner_a: Index, owner_b: Index, count: int) -> Iterator[tuple[Index, Index, Index]]:
-    """Yield all pairs of a row of a and a row of b with the same owner, in batches."""
+    """Yield (owner, index in a, index in b) for all pairs with equal owner, in batches."""
     first_b = np.searchsorted(owner_b, np.arange(count + 1))
     width_of_row = np.diff(first_b)[owner_a]  # number of rows of b with the owner of each row of a
     combinations_up_to = np.cumsum(width_of_row)

@@ -84,7 +84,7 @@ OUTLINE_GRID = 1e-11
 CONE_ANGLE = 1e-3
 """Largest angle at which a direction lies in a plane, or an edge counts as flat [rad]."""
 RAY_ANGLE = 1e-3
-"""Edges between the same two facets that leave a corner within this angle merge [rad]."""
+"""Edges between the same two facets at a corner merge if their angle is below this [rad]."""
 EDGE_NEARLY_PARALLEL = 1e-3
 """Edges within this angle of parallel may be parallel in exact geometry [rad]."""
 EDGE_PARALLEL = 1e-9

@@ -191,7 +191,7 @@ def near_triangles(first: Array, second: Array, reach: float) -> Array:
 
 
 def _beyond_plane(first: Array, second: Array, reach: float) -> Mask:
-    """Mask of rows whose first triangle is farther than `reach` beyond the second one's plane."""
+    """Mask of rows whose first triangle is beyond `reach` of the second triangle's plane."""
     normal = unit_rows(cross(second[:, 1] - second[:, 0], second[:, 2] - second[:, 0]))
     height = np.einsum("nki,ni->nk", first - second[:, :1], normal)
     aside: Mask = (height.min(axis=1) > reach) | (height.max(axis=1) < -reach)

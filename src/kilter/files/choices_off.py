@@ -70,7 +70,7 @@ def require_saved(release: Sequence[str]) -> None:
 def switched_off(
     choices: Choices, off: Iterable[str], release: Sequence[str] = ()
 ) -> tuple[Choices, list[str]]:
-    """Choices without some keys and held parts, and a sentence for each removed value.
+    """Copy of saved choices without some keys and held parts, and a sentence for each removal.
 
     Parameters
     ----------

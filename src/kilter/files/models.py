@@ -91,7 +91,7 @@ class SurfaceEntry(Entry):
 
 
 class SolidEntry(Entry):
-    """A solid with exact faces, as read from a STEP file."""
+    """Entry of the kilter file for a STEP solid: its exact surfaces and its triangles."""
 
     vertices: list[Vector]
     triangles: list[Annotated[list[Whole], Field(min_length=3, max_length=3)]]

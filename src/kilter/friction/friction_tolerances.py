@@ -100,7 +100,7 @@ SHARP = 1e-11
 accurate to its root.
 """
 NODE_GAP = 1e-8
-"""Requested gap of the conic programs of contact modes, whose x is a first guess."""
+"""Tolerance of the conic programs of contact modes, whose solutions are only first guesses."""
 CLOSE = 0.01
 """Residual of the nearest motion, over |a|^2 / |w|^2, above which it is not reported."""
 GONE = 1e-5

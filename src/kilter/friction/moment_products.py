@@ -202,7 +202,7 @@ def _cone_rows(forms: MomentForms) -> _RowBuilder:
 
 
 def _single_points(forms: MomentForms) -> Index:
-    """Indices of the contact points that are alone in their group."""
+    """Indices of the points with friction whose sliding velocity no other point shares."""
     group = forms.law.group
     members = np.append(np.bincount(group[group >= 0], minlength=len(forms.law.mu)), 0)
     single: Index = np.flatnonzero(members[group] == 1)

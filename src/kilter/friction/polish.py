@@ -153,7 +153,7 @@ def _solve_mode(law: CoulombLaw, mode: Index, start: TrialMotion, work: Work) ->
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _ModeEquations:
-    """Equations of a contact mode: closed contacts stay closed, friction opposes the sliding."""
+    """Equations for given modes of all points: closed points stay closed, friction opposes slip."""
 
     load: Array
     mu: Array

@@ -105,7 +105,7 @@ class ScaledProblem:
         return _over_weight(self.program, self.frame, wrench)
 
     def over_weight(self, columns: Array) -> Array:
-        """Scaled motion from the multipliers of balance rows: divided by the parts' weights."""
+        """Scaled motion of the free parts: multipliers of equilibrium over the parts' weights."""
         program = self.program
         return columns / np.repeat(program.weight[program.free], len(program.freedoms))
 

@@ -351,5 +351,5 @@ def _cut(widths: Sequence[float], left: float, right: float) -> list[float]:
 
 
 def _with_brick(widths: Sequence[float], left: float, right: float) -> list[float]:
-    """Brick widths of a course after a single brick has filled it from `left` to `right`."""
+    """Brick widths of a course in which a single brick replaces all from `left` to `right`."""
     return [abs(width) if width < 0 else width for width in _cut(widths, left, right)]

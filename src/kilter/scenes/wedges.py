@@ -1,4 +1,4 @@
-"""Wedges: a keystone, and cubes cut by planes in a corner of three held walls.
+"""Wedges: a keystone, and cubes in a corner of three held walls, whole or cut by planes.
 
 A convex solid is a list of its faces, polygons of shape (n, 3), counterclockwise seen from
 outside. A cut keeps the half behind a plane and closes it with a new face.

@@ -1,4 +1,4 @@
-"""Find the facets and regions of a mesh, and test whether facets are a piece of a round surface.
+"""Group triangles of a mesh into facets and regions; test whether facets form a round surface.
 
 Connected triangles in a plane form a facet. Facets that meet along shallow edges form a region. A
 region or a part of it is round if the rules of `kilter.shape.recognition` hold; `is_round` tests

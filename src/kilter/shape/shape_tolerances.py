@@ -22,7 +22,7 @@ WELD = 1e-7
 """Vertices closer than this are merged if edges are open otherwise [sizes of the mesh]. A larger
 value closes larger gaps."""
 NO_AREA = 1e-14
-"""Twice the area up to which a face counts as flat [squares of its longest edge]."""
+"""Twice the area up to which a triangle counts as degenerate [squares of its longest edge]."""
 EDGE_END = 1e-9
 """Distance from the end of an edge within which a vertex does not split the edge [edge lengths]."""
 POLYGON_AREA = 1e-12

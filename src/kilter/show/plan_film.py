@@ -79,7 +79,7 @@ def _sampled_path(path: Array, reach: float) -> Array:
 
 
 def _nut_rotations(along: Array, rest: Array) -> Array:
-    """Quaternions x, y, z, w, (k, 4), of a nut that moves along a right-handed thread.
+    """Quaternions x, y, z, w, (k, 4), of a nut that turns on a right-handed thread to its seat.
 
     `along`, shape (3,), is the direction of insertion; `rest` is the quaternion in the seat.
     """

@@ -90,7 +90,7 @@ def _graph(answer: Mapping[str, Any], explained: Explained) -> str:
     reason = (
         "because of an option or because the second would block the path of the first"
         if explained.swept
-        else "because of an option (paths are not compared for this many parts)"
+        else "because of `--before` or `--screws` (paths are not compared for this many parts)"
     )
     note = (
         f"Nodes are steps. A dark arrow: the first step must come before the second, {reason}. "

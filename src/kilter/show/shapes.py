@@ -1,4 +1,4 @@
-"""Shapes to draw, each stored once about its middle, with its feature edges.
+"""Shapes to draw, each stored once about the centre of its box, with the edges to draw.
 
 Positions are float32 relative to the middle of the bounding box, rounded to `GRID` of the size.
 Copies of a shape that differ by rounding therefore become equal.

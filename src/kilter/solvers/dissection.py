@@ -102,7 +102,7 @@ def _dissect(place: Array, graph: csr_array, leaf: int) -> list[tuple[Index, tup
     right_side = np.zeros(len(place), dtype=bool)
 
     def divide(which: Index) -> int:
-        """Divide a set of blocks at its middle; returns the number of the set."""
+        """Halve a set of blocks recursively; return the index of its separator or leaf."""
         if len(which) <= leaf:
             sets.append((_sorted_along(place, which), ()))
             return len(sets) - 1

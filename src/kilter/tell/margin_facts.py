@@ -200,7 +200,7 @@ def _least_friction(answer: Answer) -> str:
         return (
             "no friction is needed"
             if attained
-            else "any mu above 0 is enough, because parts are clamped between others"
+            else "any mu above 0 is enough: parts clamped between others can press with any force"
             + _at_level(answer, "friction", number, bound="at mu =")
         )
     lower = answer["friction_limit"]["lower"]

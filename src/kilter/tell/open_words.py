@@ -194,6 +194,6 @@ def open_facts(answer: Mapping[str, Any]) -> list[tuple[str, str]]:
         if joined["smallest"]:
             least = "no smaller set of open pairs is enough"
         elif joined["irreducible"]:
-            least = "each of these pairs is needed"
+            least = "none of the pairs that decide can be left out; another set may also be enough"
         facts.append(("if joined", f"{VERDICTS[joined['verdict']].lower()}; {least}"))
     return facts

@@ -242,7 +242,7 @@ within the fan, not out of it."
         words = f"it may tilt by {tilt}"
     elif within is not None and half_angle_deg is not None:
         half = number(half_angle_deg, 4)
-        words = f"it may tilt by {half} degrees within the {within}, not out of it"
+        words = f"gravity may turn by {half} degrees inside the {within}, not out of it"
     else:
         words = "it may not tilt at all"
     return f"Stable with gravity along {at}: {'' if exact else 'even without friction '}{words}."

@@ -240,7 +240,7 @@ def _weakest_bricks(assembly: Assembly, factor: BondFactor) -> list[int]:
 
 
 def _fastest_bricks(motion: Array) -> list[int]:
-    """Indices of the bricks with the highest speed in a motion."""
+    """Indices of the `2 * WEAKEST` fastest bricks in a motion, without bricks at rest."""
     speed = np.linalg.norm(motion[:, :3], axis=1)
     order = np.argsort(-speed, kind="stable")[: 2 * WEAKEST]
     return sorted(k for k in order.tolist() if speed[k] > 0)

@@ -29,7 +29,7 @@ sector of another verdict."""
 NEAR = 1e-4
 """Distance below a limit at which its level is decided first, as a share of the limit [-]."""
 BELOW = (0.5, 0.9, 0.99, 0.999)
-"""Shares of a limit at which its level is decided again; more shares find more gaps [-]."""
+"""Shares of a limit at which its level is decided again; more shares find more failures [-]."""
 ROUNDS = 3
 """Largest number of bisections, each below the value at which the level was missed."""
 STEPS = 12

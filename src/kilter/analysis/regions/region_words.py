@@ -24,7 +24,7 @@ __all__ = ["further_forces", "warnings_of"]
 LIMIT = 100
 """Largest number of free parts for which all parts that start to move are named."""
 TILT = 0.01
-"""Angle of a direction out of the span at which the moving parts are computed [rad]."""
+"""Tilt of gravity out of a flat region, at which the moving parts are computed [rad]."""
 NAMED = 0.01
 """A part that moves less than this fraction of the largest motion is not named."""
 
@@ -78,7 +78,7 @@ def further_forces(contacts: ContactSet, rubs: bool) -> bool:
 
 
 def _inner(assembly: Assembly, contacts: ContactSet, rubs: bool) -> list[str]:
-    """Sentences about forces that the region leaves out, and that could make it larger."""
+    """Sentences about friction and open pairs that the region leaves out; both may enlarge it."""
     why = []
     if not rubs and (contacts.patch_mu > 0).any():
         why.append("friction")

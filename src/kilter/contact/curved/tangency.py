@@ -511,7 +511,7 @@ def _generator(s: Surfaces, i: Index, m: Array) -> tuple[Array, Array]:
 
 
 def _torus_on_axis(inner: bool) -> Kernel:
-    """The contact function for pairs of a torus and a cylinder with the same axis.
+    """Create the contact function of a torus about a coaxial shaft (`inner`), or in a coaxial bore.
 
     `inner`: the torus surrounds a shaft and touches it with its inner side; else it lies in a bore.
     """

@@ -161,7 +161,7 @@ def _probes(corners: Array) -> Array:
 
 
 def _farthest(points: Array, patch: Array, surface: Array, least: float) -> float:
-    """Largest distance of points from a surface, but at least `least` [length unit].
+    """Largest distance of points from a surface; `least` if all points are nearer than that.
 
     `patch` is a part of the surface, which bounds the distances from above.
     """

@@ -23,7 +23,7 @@ __all__ = ["depth_by_winding"]
 PROBES = 300
 """Largest number of points of a part that are tested."""
 BATCH = 4_000_000
-"""Products of points and triangles computed at once; a larger value needs more memory."""
+"""Largest number of pairs (point, triangle) computed at once; a larger value needs more memory."""
 
 
 def depth_by_winding(

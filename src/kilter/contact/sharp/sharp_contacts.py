@@ -264,7 +264,7 @@ def _without_explained(
 def _degenerate_points(
     near: _SharpSearch, met: Meetings, clauses: Clauses, pushes: Pushes
 ) -> DegeneratePoints:
-    """Convert `Clauses` to `DegeneratePoints`, with the unique normals of the same pairs."""
+    """Points without a unique normal, and the points of the same pairs that have one."""
     has_clause = np.zeros(len(near.pairs), dtype=bool)
     has_clause[met.pair[clauses.meeting]] = True
     held = pushes.take(np.flatnonzero(has_clause[met.pair[pushes.meeting]]))

@@ -45,7 +45,7 @@ class Matches(Rows):
 
 
 def matches(first: SmoothFace, second: SmoothFace, reach: float, slack: float) -> Matches:
-    """Contact points of two smooth faces, at most `reach` apart along their normals.
+    """Contact points of two smooth faces, at most `reach` apart along the normals at the corners.
 
     `slack` is the distance that is allowed across the normals.
     """

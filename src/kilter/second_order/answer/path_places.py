@@ -294,7 +294,7 @@ class _Descent:
     def _steepest_step(
         self, place: Places, basis: Array, h: float, gap: float, holds: float = 0.0
     ) -> Array | None:
-        """Displacement in the basis, (n,), that loses most energy in a step of length h; or None.
+        """Steepest descent in the basis, (n,), in units of h; None if no solver finished.
 
         `holds` is a stiffness: this times half the squared length is added to the cost. None if the
         program was not solved.

@@ -1,4 +1,4 @@
-"""Contact gaps and load near a configuration, to second order, in scaled unknowns.
+"""Contact gaps to second order and the constant load near a configuration, in scaled unknowns.
 
 Part i moves by x -> c + r + exp(theta)(x - c). The energy is linear in these coordinates, and the
 gap of contact k is

@@ -96,7 +96,7 @@ def faces_of(program: Program, contacts: ContactSet, problem: Stationary) -> Fac
 
 
 def shifts(problem: Stationary) -> tuple[Array, Array]:
-    """Orthonormal bases of the neutral motions without turns, (n, f), and of all others."""
+    """Orthonormal bases of the neutral motions: without turns, (n, f), and orthogonal to these."""
     neutral = null_space(problem.rows, problem.blur)
     turns = np.arange(neutral.shape[0]) % 6 >= 3
     free = neutral @ null_space(neutral[turns], ACROSS)

@@ -50,7 +50,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Leaf:
-    """Proof for a cone {R y >= 0} of motions: contact forces f, (K,), and N >= 0, (m, m).
+    """Proof for a cone {R y >= 0} of motions: forces f, (K,), and N with entries >= 0, (m, m).
 
     They prove that the energy rises along every motion of the cone (see the module docstring).
     """

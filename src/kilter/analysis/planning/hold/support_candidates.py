@@ -24,7 +24,7 @@ __all__ = ["WORDS", "candidates_of"]
 ROOM = 0.1
 """Room that a finger needs before a face, over the size of its part."""
 LEAST_FACE = 0.05
-"""Faces smaller than this get no finger, over the surface of their part."""
+"""Smallest face that gets a finger, as a fraction of the surface area of its part [-]."""
 SAME_FACE = 6
 """Decimal digits to which triangles of the same face share normal and height."""
 

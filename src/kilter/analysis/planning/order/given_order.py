@@ -20,7 +20,7 @@ __all__ = ["judge_order", "sets_of_order"]
 
 
 def sets_of_order(assembly: Assembly, order: Iterable[str | Iterable[str]]) -> list[int]:
-    """For each step of a given order, the inserted parts as a bit set.
+    """For each step of a given order, a bit set of the parts that this step inserts.
 
     Parameters
     ----------

@@ -35,7 +35,7 @@ SLACKS = 4.0
 DEPTHS = 2.0
 """Overlap on a path that counts as no collision [overlap of the pair in the file]."""
 WELD = 1e-3
-"""Distance at which pieces of a region are joined, relative to the tolerance [-]."""
+"""Distance by which polygons of an overlap are widened to join their neighbours [tolerances]."""
 
 Direction = tuple[float, float, float]
 

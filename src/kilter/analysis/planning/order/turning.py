@@ -208,7 +208,7 @@ class TurningSearch:
     def _removal_with_turn(
         self, moved: int, legs: tuple[Leg, ...], present: int, run: _Run, turns: int
     ) -> Iterator[tuple[Removed, _Run, int]]:
-        """Yield a removal after a turn of the parts, which begins a run with new gravity."""
+        """Yield at most one removal, after a turn of the standing parts that begins a run."""
         key = next(entry for entry in reversed(run.states) if entry[0] == present)
         rest = present & ~moved
         down = self._down((key, (rest, 0)))
