@@ -155,7 +155,7 @@ def ask_friction(
     program: Program,
     *,
     work: Work | float = EFFORT,
-    proof_first: bool = False,
+    enough: str | None = None,
 ) -> FrictionAnswer:
     """Decide whether an assembly in equilibrium with friction stays, and try to prove it.
 
@@ -165,19 +165,20 @@ def ask_friction(
         With friction; not stable without it.
     work : Work or float
         Work limit of the search and the proof together, or an effort.
-    proof_first : bool
-        Try the proof that no motion exists before the other questions, and leave these out if it
-        succeeds. The guarantee is the same. This is faster if a proof is likely.
+    enough : {"settles", "proved"}, optional
+        Verdict level of a caller who needs only the answer whether it is reached. Questions that
+        cannot change this answer are left out: for "proved" the seat, the tries and the contact
+        modes; for "settles" most of the proof that no motion exists, if all tries came to rest.
     """
     whole = Work.of(work)
     if _out_of_reach(program, whole):
         return not_asked(program)
-    early = _exclude(program, whole) if proof_first else None
-    if early is not None and early.proved:
-        return dataclasses.replace(
-            not_asked(program), guarantee="proved", exclusion=early, examined=True
-        )
-    seating, settling = _seat_and_settle(program, whole)
+    before = whole.total
+    if enough == "proved":
+        unknown = not_asked(program)
+        seating, settling = unknown.seating, unknown.settling
+    else:
+        seating, settling = _seat_and_settle(program, whole)
     seats = _verify_forces(program, [seating.forces] if seating.seated == "yes" else [])
     tries = _verify_forces(program, settling.forces)
 
@@ -194,17 +195,22 @@ def ask_friction(
     witness = find_coulomb_motion(program, work=whole, runaway=runaway, only="starts")
     if witness is not None:
         return answer("refuted", witness)
-    exclusion = _exclude(program, whole) if early is None else early
+    settles = bool(tries) and len(tries) == settling.of
+    # beside a level that is reached already, a proof only saves the search of contact modes
+    most = whole.total - before if enough == "settles" and settles else EXCLUDING * whole.allowed
+    exclusion = _exclude(program, whole.beside(min(most, EXCLUDING * whole.allowed)))
     if exclusion.proved:
         return answer("proved", exclusion=exclusion)
+    if enough == "proved" or (enough == "settles" and not settles):
+        return answer("open", exclusion=exclusion)
     witness = find_coulomb_motion(program, work=whole.until(MODES), only="modes")
     return answer("open" if witness is None else "refuted", witness, exclusion)
 
 
-def _exclude(program: Program, whole: Work) -> Exclusion:
+def _exclude(program: Program, work: Work) -> Exclusion:
     """Try to prove that no motion exists, with a work limit of its own."""
-    whole.stage("excluding every motion")
-    return prove_no_motion(program, work=whole.beside(EXCLUDING * whole.allowed))
+    work.stage("excluding every motion")
+    return prove_no_motion(program, work=work)
 
 
 def _out_of_reach(program: Program, whole: Work) -> bool:

@@ -61,7 +61,7 @@ def decide(
     known: Judgement | None = None,
     second_order: bool = True,
     question: bool = True,
-    proof_first: bool = False,
+    level_only: bool = False,
 ) -> Decision:
     """Decide which verdict level an assembly with these contacts reaches, up to a required level.
 
@@ -83,9 +83,10 @@ def decide(
         Whether second order separates balanced from stable.
     question : bool
         Whether the deciding open pairs of an undecided assembly are searched for.
-    proof_first : bool
-        Whether the proof that no motion exists is tried before settling, which is left out if the
-        proof succeeds. The level is the same.
+    level_only : bool
+        Whether the caller needs only the answer whether the level `require` is reached: questions
+        of friction that cannot change it are left out, and the decision may have a lower level
+        than a complete decision above or below `require`.
 
     Examples
     --------
@@ -97,7 +98,7 @@ def decide(
     """
     work = Work() if work is None else work
     before = work.total
-    decision = _first_order(assembly, contacts, require, work, known, question, proof_first)
+    decision = _first_order(assembly, contacts, require, work, known, question, level_only)
     if decision.verdict == "unstable":
         reason = doubts_of(assembly, contacts).explain_motion(decision.program)
         if reason:
@@ -115,7 +116,7 @@ def _first_order(
     work: Work,
     known: Judgement | None,
     question: bool,
-    proof_first: bool = False,
+    level_only: bool = False,
 ) -> Decision:
     """Decide an assembly by first-order motions, as if its coordinates were exact."""
     program = build_program(assembly, contacts)
@@ -137,7 +138,7 @@ def _first_order(
     if judgement.stable:
         work.fact("equilibrium", "forces that hold it exist")
         return _with_friction(
-            assembly, contacts, program, judgement, require, work, proof_first=proof_first
+            assembly, contacts, program, judgement, require, work, level_only=level_only
         )
     work.fact("equilibrium", WEAK)
     outer = build_program(assembly, contacts, possible=True)
@@ -184,7 +185,7 @@ def _with_friction(
     require: str,
     work: Work,
     *,
-    proof_first: bool,
+    level_only: bool,
 ) -> Decision:
     """Decide how surely friction holds an assembly for which balancing forces exist."""
     # imported late, since the import of scipy.optimize is slow
@@ -203,14 +204,14 @@ def _with_friction(
         limited = OpenTrial(EQUILIBRIUM, 0)
         answer = not_asked(program)
         return Decision("potentially-stable", program, judgement, answer, trial=limited)
-    # with open pairs a proof alone is not enough: the answer may fall back to settling
-    proof_first = proof_first and not left_open
-    answer, trial = ask_friction(program, work=work, proof_first=proof_first), None
+    enough = require if level_only else None
+    answer, trial = ask_friction(program, work=work, enough=enough), None
 
     def level(other: Program) -> int:
         if judge(other.frictionless, work=work).stable:
             return PROVED
-        return _friction_level(ask_friction(other, work=work.beside(work.allowed)))
+        beside = work.beside(work.allowed)
+        return _friction_level(ask_friction(other, work=beside, enough=enough))
 
     # the guarantee must also hold if the open pairs touch, because they may do so
     if _friction_level(answer) > EQUILIBRIUM:

@@ -9,7 +9,7 @@ decided. The total work of the decisions is bounded.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -38,8 +38,8 @@ GROWTH = (1.0, 10.0, 100.0)
 """Values that are decided without a limit of equilibrium, as shares of a given size [-]."""
 JUDGED_STEPS = 30
 """Iterations that are charged for the equilibrium of a decision."""
-DECISION = 200_000.0
-"""Units that each decision is charged in addition: programs, contacts and tries of few parts."""
+DECISION = 50_000.0
+"""Units that each decision is charged in addition: the programs and contacts of few parts."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,38 +78,33 @@ class LevelDecisions:
         Work of each decision, as in a check.
     work : Work
         Work of all decisions together, and the time limit.
-    proved : list of bool
-        Whether each decision until now had a proof that no motion exists. A proof is likely beside
-        a proof, and then it is tried first.
     """
 
     level: str
     units: float
     work: Work
-    proved: list[bool] = field(default_factory=list)
 
     def reach(self, assembly: Assembly, contacts: ContactSet) -> bool:
         """Whether an assembly with these contacts reaches the verdict level."""
-        part = self.work.beside(self.units)
+        before = self.work.total
         decision = decide(
             assembly,
             contacts.of(assembly),
             require=self.level,
-            work=part,
+            work=self.work.beside(self.units),
             second_order=False,
             question=False,
-            proof_first=any(self.proved[-1:]),
+            level_only=True,
         )
-        self.proved.append(decision.friction is not None and decision.level == "proved")
+        # the seat, the tries and the proof have budgets of their own: charge their work here
+        self.work.charge(DECISION + self.work.total - before)
         # equilibrium is not charged by the decision itself
         self.work.conic(JUDGED_STEPS, 12 * len(decision.program.part_a))
-        self.work.charge(DECISION + part.spent)
         return holds(decision.level, self.level)
 
     def share(self, fraction: float) -> LevelDecisions:
         """Copy of these decisions with a fraction of the remaining work."""
-        work = self.work.fraction_left(fraction)
-        return LevelDecisions(self.level, self.units, work, self.proved)
+        return LevelDecisions(self.level, self.units, self.work.fraction_left(fraction))
 
     def no_limit(self) -> NoLimit:
         """The reason why a level was not decided: the time limit, or no work left."""
