@@ -25,7 +25,6 @@ rigid body contact problems with Coulomb friction, 2000.
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
