@@ -9,8 +9,9 @@ import pytest
 
 import kilter
 from kilter.cli import main
-from kilter.cli.app import COMMANDS, command
+from kilter.cli.app import command
 from kilter.cli.arguments import with_several_names
+from kilter.cli.commands import COMMANDS
 from kilter.cli.overview import GROUPS, overview
 from kilter.cli.synonyms import GUESSES, MEANT, meant_option
 

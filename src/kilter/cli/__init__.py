@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import sys
 from collections.abc import Sequence
@@ -23,6 +24,10 @@ __all__ = ["main"]
 
 HELP: tuple[list[str], ...] = ([], ["--help"], ["-h"])
 """Command lines that print the overview of the commands."""
+NEW_OBJECTS = 50_000
+"""New objects after which garbage is collected; more need more memory, fewer delay the imports."""
+COMPLETION = "_KILTER_COMPLETE"
+"""Variable of the environment by which a shell asks for the completion of a command line."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -40,8 +45,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     begin_facts()
     try:
         if alone:
-            # the command owns this process, so it may change threads and streams
+            # the command owns this process, so it may change threads, collections and streams
             make_no_threads()
+            gc.set_threshold(NEW_OBJECTS)
             # plug-ins of pydantic are searched for in the metadata of every installed package
             os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
             open_closed_streams()
@@ -87,9 +93,6 @@ def _run(words: list[str]) -> int:
         return WRITTEN
     with suppress(OSError):
         _read_ahead(words)
-    import typer
-
-    from kilter.cli.app import command
     from kilter.cli.arguments import (
         with_floor_value,
         with_off_names,
@@ -100,8 +103,7 @@ def _run(words: list[str]) -> int:
 
     try:
         given = with_two_names(with_several_names(with_off_names(with_floor_value(words))))
-        program = command(given[0] if given else None)
-        result = program(given, prog_name="kilter", standalone_mode=False)
+        result = _result(given)
         sys.stdout.flush()
         if result == INTERRUPTED:
             # the option parser converts an interruption into its exit code
@@ -112,9 +114,7 @@ def _run(words: list[str]) -> int:
         if isinstance(end.__context__, BrokenPipeError):
             raise BrokenPipeError from None
         raise
-    except typer.Exit as end:
-        return int(end.exit_code)
-    except (typer.Abort, EOFError):
+    except EOFError:
         raise KeyboardInterrupt from None
     except InputError as error:
         _print_error(error.for_command)
@@ -133,6 +133,31 @@ def _run(words: list[str]) -> int:
             _print_error(usage_words(error))
             return USAGE
         raise
+
+
+def _result(given: list[str]) -> int | None:
+    """Call the command that the words name; return its exit code, or None after a help text."""
+    from kilter.cli.commands import COMMANDS, functions_of
+    from kilter.cli.declarations import usual_values
+
+    # a shell that completes a command line gives it in the environment, not in these words
+    if given and given[0] in COMMANDS and COMPLETION not in os.environ:
+        [function] = functions_of(given[0])
+        values = usual_values(function, given[1:])
+        if values is not None:
+            return function(**values)
+    import typer
+
+    from kilter.cli.app import command
+
+    program = command(given[0] if given else None)
+    try:
+        result: int | None = program(given, prog_name="kilter", standalone_mode=False)
+    except typer.Exit as end:
+        return int(end.exit_code)
+    except typer.Abort:
+        raise KeyboardInterrupt from None
+    return result
 
 
 def _print_error(message: str) -> None:

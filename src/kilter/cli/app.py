@@ -1,21 +1,18 @@
-"""The program `kilter` and its commands."""
+"""The program `kilter` with its commands, built with the library of options."""
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
-from typing import Annotated, Any
+from functools import wraps
+from typing import Annotated, Any, get_args
 
 import typer
 
-from kilter.cli.overview import GROUPS, PURPOSE, overview
+from kilter.cli.commands import COMMANDS, Command, functions_of
+from kilter.cli.declarations import Declaration
+from kilter.cli.overview import PURPOSE, overview
 
-__all__ = ["COMMANDS", "command"]
-
-Command = Callable[..., int]
-"""Function of a command: the values of its options become an exit code."""
-COMMANDS = tuple(name for group in GROUPS.values() for name in group)
-"""Names of all commands, in the order of the help text."""
+__all__ = ["command"]
 
 
 def _untyped(params: list[Any]) -> list[Any]:
@@ -58,8 +55,8 @@ def command(name: str | None = None) -> Any:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback()(kilter_options)
-    for function in _functions(name if name in COMMANDS else None):
-        app.command(cls=_Command)(function)
+    for function in functions_of(name if name in COMMANDS else None):
+        app.command(cls=_Command)(_with_typer_options(function))
     program = typer.main.get_command(app)
     for described in (program, *getattr(program, "commands", {}).values()):
         described.help = _help_text(described.help)
@@ -68,59 +65,27 @@ def command(name: str | None = None) -> Any:
     return program
 
 
-def _functions(name: str | None) -> list[Command]:
-    """The function of a command, or the functions of all commands in the order of the help text.
+def _with_typer_options(function: Command) -> Command:
+    """The function of a command with a signature of typer's options in place of declarations."""
+    signature = inspect.signature(function, eval_str=True)
+    parameters = [_with_typer_option(parameter) for parameter in signature.parameters.values()]
 
-    Only the modules that contain them are imported.
-    """
-    loaders = LOADERS if name is None else [load for load in LOADERS if name in LOADERS[load]]
-    functions = {each.__name__: each for load in loaders for each in load()}
-    return [functions[each] for each in (COMMANDS if name is None else (name,))]
+    @wraps(function)
+    def same(**values: Any) -> int:
+        return function(**values)
 
-
-def _judging() -> tuple[Command, ...]:
-    from kilter.cli.judging import check, contacts, example, verify
-
-    return check, contacts, example, verify
-
-
-def _directions() -> tuple[Command, ...]:
-    from kilter.cli.directions import margin, orient, region
-
-    return margin, orient, region
+    # typer reads the signature and the annotations
+    same.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+    same.__annotations__ = {entry.name: entry.annotation for entry in parameters}
+    return same
 
 
-def _pages() -> tuple[Command, ...]:
-    from kilter.cli.pages import draw, report, view
-
-    return draw, report, view
-
-
-def _plans() -> tuple[Command, ...]:
-    from kilter.cli.holding import hold
-    from kilter.cli.improving import improve
-    from kilter.cli.planning import plan
-
-    return hold, improve, plan
-
-
-def _others() -> tuple[Command, ...]:
-    from kilter.cli.batches import batch
-    from kilter.cli.doctoring import doctor
-    from kilter.cli.saving import save
-    from kilter.cli.transporting import transport
-
-    return batch, doctor, save, transport
-
-
-LOADERS: dict[Callable[[], tuple[Command, ...]], tuple[str, ...]] = {
-    _judging: ("check", "contacts", "example", "verify"),
-    _directions: ("margin", "orient", "region"),
-    _pages: ("draw", "report", "view"),
-    _plans: ("hold", "improve", "plan"),
-    _others: ("batch", "doctor", "save", "transport"),
-}
-"""Functions that import the commands of these names."""
+def _with_typer_option(parameter: inspect.Parameter) -> inspect.Parameter:
+    """The parameter with the option or argument of typer that its declaration describes."""
+    kind, declared = get_args(parameter.annotation)
+    assert isinstance(declared, Declaration)
+    option = getattr(typer, declared.kind)(*declared.names, **declared.settings)
+    return parameter.replace(annotation=Annotated[kind, option])
 
 
 def _help_text(text: str | None) -> str | None:

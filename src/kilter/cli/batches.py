@@ -9,9 +9,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from kilter.cli.asked import Asked
+from kilter.cli.declarations import Option
 from kilter.cli.exit_codes import SOME_ERRORS, WRITTEN
 from kilter.cli.options import FORM, Json, Require, asks
 from kilter.cli.output import as_json, emit
@@ -29,7 +28,7 @@ def batch(
     asked: Asked,
     output: Annotated[
         Path,
-        typer.Option(
+        Option(
             "-o",
             "--output",
             metavar="DIR",
@@ -40,7 +39,7 @@ def batch(
     ],
     processes: Annotated[
         int | None,
-        typer.Option(
+        Option(
             "--processes",
             metavar="N",
             help="Number of processes on this machine; the number of cores by default.",
@@ -48,11 +47,11 @@ def batch(
         ),
     ] = None,
     chunk: Annotated[
-        int, typer.Option("--chunk", metavar="N", help="Number of rows in each table file.")
+        int, Option("--chunk", metavar="N", help="Number of rows in each table file.")
     ] = 1000,
     cluster: Annotated[
         str | None,
-        typer.Option(
+        Option(
             "--cluster",
             metavar="ADDRESS",
             help="Dask scheduler whose workers compute the verdicts, instead of processes on this "

@@ -5,9 +5,8 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from kilter.cli.asked import Asked
+from kilter.cli.declarations import Argument, Option
 from kilter.cli.exit_codes import ORIENT, VERDICT, WRITTEN
 from kilter.cli.options import FORM, asks
 from kilter.cli.output import Progress
@@ -35,7 +34,7 @@ def orient(
     asked: Asked,
     method: Annotated[
         Method,
-        typer.Option(
+        Option(
             "--method",
             help="Algorithm if no direction is stable: 'joint' solves a program for each facet of "
             "the directions, 'walk' is the published search.",
@@ -72,11 +71,11 @@ def region(
     asked: Asked,
     files: Annotated[
         list[str],
-        typer.Argument(metavar="FILE...", help="An assembly; several with --common."),
+        Argument(metavar="FILE...", help="An assembly; several with --common."),
     ],
     common: Annotated[
         bool,
-        typer.Option(
+        Option(
             "--common",
             help="The directions that are stable for all files, so that no reorientation is "
             "needed between them.",
@@ -84,7 +83,7 @@ def region(
     ] = False,
     rests: Annotated[
         bool,
-        typer.Option(
+        Option(
             "--rests",
             help="Also list the directions at which the energy has a strict minimum, with the "
             "largest tilt and the period of the slowest swing of each. Without friction only.",
@@ -138,7 +137,7 @@ def margin(
     asked: Asked,
     push: Annotated[
         tuple[float, float, float] | None,
-        typer.Option(
+        Option(
             "--push",
             metavar="X Y Z",
             help="Load factor of a body force in this direction, in units of the weight of each "
@@ -149,7 +148,7 @@ def margin(
     ] = None,
     about: Annotated[
         tuple[float, float, float] | None,
-        typer.Option(
+        Option(
             "--about",
             metavar="X Y Z",
             help="Also compute how far gravity may turn about this horizontal axis. Only without "
@@ -160,7 +159,7 @@ def margin(
     ] = None,
     part: Annotated[
         list[str] | None,
-        typer.Option(
+        Option(
             "--part",
             metavar="NAME",
             help="Compute the greatest push that this part resists, and the gain in tilt or load "
@@ -171,7 +170,7 @@ def margin(
     ] = None,
     loads: Annotated[
         bool,
-        typer.Option(
+        Option(
             "--loads",
             help="Also compute the greatest additional load straight down that each part can "
             "carry; with --part only for those parts.",
@@ -180,7 +179,7 @@ def margin(
     ] = False,
     bracket: Annotated[
         bool,
-        typer.Option(
+        Option(
             "--bracket",
             help="Also compute bounds of the largest load factor if slipping contacts do not "
             "dilate. The load factor itself is the associative limit, which assumes dilation.",
@@ -189,7 +188,7 @@ def margin(
     ] = False,
     require: Annotated[
         str,
-        typer.Option(
+        Option(
             "--require",
             metavar="LEVEL",
             help="Level of the limits: equilibrium, settles, proved or strict. Other commands "
@@ -200,7 +199,7 @@ def margin(
     ] = "equilibrium",
     mass_range: Annotated[
         tuple[float, float] | None,
-        typer.Option(
+        Option(
             "--mass-range",
             metavar="LOW HIGH",
             help="Factors between which the mass of every free part varies independently, as "
@@ -211,7 +210,7 @@ def margin(
     ] = None,
     com_range: Annotated[
         float | None,
-        typer.Option(
+        Option(
             "--com-range",
             metavar="LENGTH",
             help="Largest error of every coordinate of every centre of mass (file units).",
@@ -221,7 +220,7 @@ def margin(
     ] = None,
     mu_range: Annotated[
         tuple[float, float] | None,
-        typer.Option(
+        Option(
             "--mu-range",
             metavar="LOW HIGH",
             help="Factors between which every friction coefficient varies.",
@@ -231,7 +230,7 @@ def margin(
     ] = None,
     normal_tilt: Annotated[
         float | None,
-        typer.Option(
+        Option(
             "--normal-tilt",
             metavar="DEG",
             help="Largest tilt of every contact normal, in any direction [deg].",

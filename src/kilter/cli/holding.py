@@ -5,9 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from kilter.cli.asked import Asked
+from kilter.cli.declarations import Option
 from kilter.cli.exit_codes import HOLD, HOLDS, INTERRUPTED, LOWER
 from kilter.cli.options import Require, asks
 from kilter.cli.output import Progress
@@ -27,7 +26,7 @@ def hold(
     asked: Asked,
     candidates: Annotated[
         list[str] | None,
-        typer.Option(
+        Option(
             "--candidates",
             metavar="grips|props|fingers|FILE.json",
             help="Possible supports. grips: every part gripped. props: a prop under every part. "
@@ -39,7 +38,7 @@ def hold(
     ] = None,
     most: Annotated[
         int | None,
-        typer.Option(
+        Option(
             "--most",
             metavar="K",
             help="Largest number of supports in the answer; no limit by default.",

@@ -5,9 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from kilter.cli.asked import Asked
+from kilter.cli.declarations import Option
 from kilter.cli.exit_codes import IMPROVE
 from kilter.cli.options import FORM, asks
 from kilter.cli.output import Progress
@@ -21,7 +20,7 @@ def improve(
     asked: Asked,
     write: Annotated[
         Path | None,
-        typer.Option(
+        Option(
             "--write",
             metavar="CHANGED.json",
             help="Also write the model with the best change, as a kilter file.",

@@ -8,9 +8,8 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from kilter.cli.asked import Asked
+from kilter.cli.declarations import Argument, Option
 from kilter.cli.each import check_each, code_of
 from kilter.cli.exit_codes import VERIFY, WRITTEN
 from kilter.cli.options import FORM, File, Files, Json, Output, Quiet, Require, asks
@@ -35,7 +34,7 @@ def check(
     require: Require = REQUIRE,
     measures: Annotated[
         bool,
-        typer.Option(
+        Option(
             "--measures",
             help="With friction: also compute z, kappa and the displacements of the displacement "
             "program, which ignore friction.",
@@ -44,7 +43,7 @@ def check(
     ] = False,
     forces: Annotated[
         bool,
-        typer.Option(
+        Option(
             "--forces",
             help="List the contact forces of an equilibrium, the greatest first.",
             rich_help_panel=FORM,
@@ -52,7 +51,7 @@ def check(
     ] = False,
     suggest: Annotated[
         bool,
-        typer.Option(
+        Option(
             "--suggest-joints",
             help="List the pairs that look fastened, each with the joint to add.",
             rich_help_panel=FORM,
@@ -158,7 +157,7 @@ def contacts(asked: Asked) -> int:
 def verify(
     file: File,
     proof: Annotated[
-        str, typer.Argument(metavar="P.json", help="A proof written by the option --proof.")
+        str, Argument(metavar="P.json", help="A proof written by the option --proof.")
     ],
     json: Json = False,
     output: Output = None,
@@ -184,13 +183,13 @@ def verify(
 def example(
     name: Annotated[
         str | None,
-        typer.Argument(
+        Argument(
             metavar="[NAME]", help="Example to write. Without a name all examples are listed."
         ),
     ] = None,
     size: Annotated[
         str | None,
-        typer.Option(
+        Option(
             "--size",
             metavar="BRICKSxCOURSES",
             help="Walls only: number of bricks in a course, and of courses, as 40x25.",
@@ -199,7 +198,7 @@ def example(
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option(
+        Option(
             "-o",
             "--output",
             metavar="FILE",
@@ -208,7 +207,7 @@ def example(
             show_default=False,
         ),
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    force: Annotated[bool, Option("--force", help="Replace an existing file.")] = False,
     json: Json = False,
 ) -> int:
     """List the built-in examples, or write one as an assembly file.

@@ -12,9 +12,8 @@ from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Annotated, Any, get_type_hints
 
-import typer
-
 from kilter.cli.asked import Asked
+from kilter.cli.declarations import Argument, Option
 from kilter.errors import TimeLimitReached
 from kilter.work import EFFORT
 
@@ -33,7 +32,7 @@ HELP_OF_FILE = (
 )
 File = Annotated[
     str,
-    typer.Argument(
+    Argument(
         metavar="FILE",
         help=HELP_OF_FILE,
         show_default=False,
@@ -41,11 +40,11 @@ File = Annotated[
 ]
 Files = Annotated[
     list[str],
-    typer.Argument(metavar="FILE...", help=HELP_OF_FILE, show_default=False),
+    Argument(metavar="FILE...", help=HELP_OF_FILE, show_default=False),
 ]
 Ground = Annotated[
     list[str] | None,
-    typer.Option(
+    Option(
         "--ground",
         metavar="NAME...",
         help="Hold these parts, so that they cannot move. Repeatable; * and ? are wildcards.",
@@ -55,7 +54,7 @@ Ground = Annotated[
 ]
 Floor = Annotated[
     str | None,
-    typer.Option(
+    Option(
         "--floor",
         metavar="[HEIGHT]",
         help="Add a held table under the lowest point, or at this height (file units, measured "
@@ -66,7 +65,7 @@ Floor = Annotated[
 ]
 Without = Annotated[
     list[str] | None,
-    typer.Option(
+    Option(
         "--without",
         metavar="NAME...",
         help="Leave these parts out, for a half-built assembly. Repeatable; * and ? are wildcards.",
@@ -76,7 +75,7 @@ Without = Annotated[
 ]
 Down = Annotated[
     tuple[float, float, float] | None,
-    typer.Option(
+    Option(
         "--down",
         metavar="X Y Z",
         help="Direction of gravity. Its size in the file is kept.",
@@ -86,7 +85,7 @@ Down = Annotated[
 ]
 Up = Annotated[
     str | None,
-    typer.Option(
+    Option(
         "--up",
         metavar="x|y|z|-x|-y|-z",
         help="The axis of the file that points up; z by default.",
@@ -96,7 +95,7 @@ Up = Annotated[
 ]
 Contacts = Annotated[
     str | None,
-    typer.Option(
+    Option(
         "--contacts",
         metavar="file|geometry",
         help="file: use only the contacts in the file (interfaces of COMPAS). geometry: detect all "
@@ -107,7 +106,7 @@ Contacts = Annotated[
 ]
 Keyframe = Annotated[
     str | None,
-    typer.Option(
+    Option(
         "--keyframe",
         metavar="NAME",
         help="MJCF only: use the pose of this keyframe; the first keyframe by default.",
@@ -117,7 +116,7 @@ Keyframe = Annotated[
 ]
 Base = Annotated[
     str | None,
-    typer.Option(
+    Option(
         "--base",
         metavar="fixed|floating",
         help="URDF only: whether the root link is held; fixed by default.",
@@ -127,7 +126,7 @@ Base = Annotated[
 ]
 StudPull = Annotated[
     float | None,
-    typer.Option(
+    Option(
         "--stud-pull",
         metavar="N",
         help="Bricks only: pull that each of the three or four points of a stud resists [N]; "
@@ -138,7 +137,7 @@ StudPull = Annotated[
 ]
 StudShear = Annotated[
     str | None,
-    typer.Option(
+    Option(
         "--stud-shear",
         metavar="unlimited|mu|N",
         help="Bricks only: sideways force that each point of a stud resists: any force, friction "
@@ -149,7 +148,7 @@ StudShear = Annotated[
 ]
 BrickSides = Annotated[
     str | None,
-    typer.Option(
+    Option(
         "--brick-sides",
         metavar="lower-edge|face|none",
         help="Bricks only: where neighbours in a layer can push each other; lower-edge by default.",
@@ -159,7 +158,7 @@ BrickSides = Annotated[
 ]
 Friction = Annotated[
     float | None,
-    typer.Option(
+    Option(
         "--friction",
         metavar="MU",
         help="Friction coefficient of the contacts without a coefficient in the file.",
@@ -169,7 +168,7 @@ Friction = Annotated[
 ]
 Units = Annotated[
     str | None,
-    typer.Option(
+    Option(
         "--units",
         metavar="m|cm|mm|in",
         help="Unit of length of a file that does not name its unit; m by default.",
@@ -179,7 +178,7 @@ Units = Annotated[
 ]
 Density = Annotated[
     float | None,
-    typer.Option(
+    Option(
         "--density",
         metavar="KG/M3",
         help="Density of the parts without a density in the file [kg/m^3]; 1000 by default.",
@@ -189,7 +188,7 @@ Density = Annotated[
 ]
 Gap = Annotated[
     float | None,
-    typer.Option(
+    Option(
         "--gap",
         metavar="LENGTH",
         help="Largest gap between touching faces (file units); 1e-5 of the size of the smaller "
@@ -200,7 +199,7 @@ Gap = Annotated[
 ]
 Angle = Annotated[
     float | None,
-    typer.Option(
+    Option(
         "--angle",
         metavar="DEG",
         help="Largest angle between touching faces [deg]; 0.057 deg (1e-3 rad) by default.",
@@ -210,7 +209,7 @@ Angle = Annotated[
 ]
 Loose = Annotated[
     bool,
-    typer.Option(
+    Option(
         "--loose",
         help="For scanned or rounded data: touching faces may have gaps up to 1e-3 of the size of "
         "the smaller part and angles up to 1.15 deg.",
@@ -219,7 +218,7 @@ Loose = Annotated[
 ]
 Effort = Annotated[
     float,
-    typer.Option(
+    Option(
         "--effort",
         metavar="N",
         help="With friction: limit of the work for finding a motion or proving that none exists. "
@@ -230,7 +229,7 @@ Effort = Annotated[
 ]
 TimeLimit = Annotated[
     float | None,
-    typer.Option(
+    Option(
         "--time-limit",
         metavar="SECONDS",
         help="Stop after this time and answer with the proofs found until then; no limit by "
@@ -241,7 +240,7 @@ TimeLimit = Annotated[
 ]
 Clearance = Annotated[
     float | None,
-    typer.Option(
+    Option(
         "--clearance",
         metavar="LENGTH",
         help="Designed clearance: faces up to this distance apart (file units) count as closed. "
@@ -252,7 +251,7 @@ Clearance = Annotated[
 ]
 Fasten = Annotated[
     list[str] | None,
-    typer.Option(
+    Option(
         "--fasten",
         metavar="NAME NAME",
         help="Join two parts rigidly. Repeatable. With * and ? every two matching parts that touch "
@@ -263,7 +262,7 @@ Fasten = Annotated[
 ]
 FastenSuggested = Annotated[
     bool,
-    typer.Option(
+    Option(
         "--fasten-suggested",
         help="Join all pairs that look fastened, and list them: screws in threads, press fits, "
         "inserts and other overlaps.",
@@ -272,7 +271,7 @@ FastenSuggested = Annotated[
 ]
 FastenOverlaps = Annotated[
     bool,
-    typer.Option(
+    Option(
         "--fasten-overlaps",
         help="Join all pairs of parts that overlap, and list them.",
         rich_help_panel=HELD,
@@ -280,7 +279,7 @@ FastenOverlaps = Annotated[
 ]
 Bonded = Annotated[
     list[str] | None,
-    typer.Option(
+    Option(
         "--bond",
         metavar="NAME NAME T",
         help="Bond two parts: each contact point between them also resists a pull up to T [N] and "
@@ -291,7 +290,7 @@ Bonded = Annotated[
 ]
 Off = Annotated[
     list[str] | None,
-    typer.Option(
+    Option(
         "--off",
         metavar="OPTION...",
         help="Ignore the saved values of these options: --off floor loose, or --no-floor "
@@ -302,7 +301,7 @@ Off = Annotated[
 ]
 Release = Annotated[
     list[str] | None,
-    typer.Option(
+    Option(
         "--release",
         metavar="NAME...",
         help="Do not hold these parts, which the saved choices hold. Repeatable; * and ? are "
@@ -313,7 +312,7 @@ Release = Annotated[
 ]
 Require = Annotated[
     str,
-    typer.Option(
+    Option(
         "--require",
         metavar="LEVEL",
         help="Level at which the assembly counts as holding: equilibrium, settles, proved or "
@@ -323,7 +322,7 @@ Require = Annotated[
 ]
 Proof = Annotated[
     Path | None,
-    typer.Option(
+    Option(
         "--proof",
         metavar="P.json",
         help="Write the proof to this file; 'kilter verify FILE P.json' recomputes it.",
@@ -331,10 +330,10 @@ Proof = Annotated[
         show_default=False,
     ),
 ]
-Json = Annotated[bool, typer.Option("--json", help="Print only JSON.", rich_help_panel=FORM)]
+Json = Annotated[bool, Option("--json", help="Print only JSON.", rich_help_panel=FORM)]
 Output = Annotated[
     Path | None,
-    typer.Option(
+    Option(
         "-o",
         "--output",
         metavar="FILE",
@@ -345,7 +344,7 @@ Output = Annotated[
 ]
 Verbose = Annotated[
     bool,
-    typer.Option(
+    Option(
         "-v",
         "--verbose",
         help="Also print the basis of the answer: masses, contacts, proof, guarantee of friction, "
@@ -355,7 +354,7 @@ Verbose = Annotated[
 ]
 Quiet = Annotated[
     bool,
-    typer.Option(
+    Option(
         "--quiet",
         help="Print no progress and no warnings on the error stream.",
         rich_help_panel=FORM,

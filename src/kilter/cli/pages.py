@@ -7,9 +7,8 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from kilter.cli.asked import Asked
+from kilter.cli.declarations import Option
 from kilter.cli.exit_codes import WRITTEN
 from kilter.cli.options import asks
 from kilter.cli.output import Progress, tell_warnings
@@ -30,13 +29,11 @@ def report(
     asked: Asked,
     output: Annotated[
         Path | None,
-        typer.Option(
-            "-o", "--output", metavar="OUT.html", help="Page to write.", show_default=False
-        ),
+        Option("-o", "--output", metavar="OUT.html", help="Page to write.", show_default=False),
     ] = None,
     margins: Annotated[
         bool,
-        typer.Option(
+        Option(
             "--margins",
             help="Compute margins for more than 20 free parts, too. This may take minutes.",
         ),
@@ -83,10 +80,10 @@ def view(
     asked: Asked,
     port: Annotated[
         int,
-        typer.Option("--port", metavar="N", help="Port on this machine; a free port by default."),
+        Option("--port", metavar="N", help="Port on this machine; a free port by default."),
     ] = 0,
     no_browser: Annotated[
-        bool, typer.Option("--no-browser", help="Serve the page, but open no browser.")
+        bool, Option("--no-browser", help="Serve the page, but open no browser.")
     ] = False,
 ) -> int:
     """Show the page of an assembly in the browser, and update it whenever the file changes.
@@ -134,7 +131,7 @@ def draw(
     asked: Asked,
     output: Annotated[
         Path | None,
-        typer.Option(
+        Option(
             "-o",
             "--output",
             metavar="OUT.svg|png|pdf|glb",
@@ -144,7 +141,7 @@ def draw(
     ] = None,
     what: Annotated[
         What,
-        typer.Option(
+        Option(
             "--what",
             help="assembly: the assembly with its motion or its forces. region: the stable region "
             "on the sphere of directions of gravity.",
@@ -152,7 +149,7 @@ def draw(
     ] = What.ASSEMBLY,
     view: Annotated[
         tuple[float, float] | None,
-        typer.Option(
+        Option(
             "--view",
             metavar="AZIMUTH ELEVATION",
             help="Direction to the eye: azimuth to the right of -y, and elevation above the ground "

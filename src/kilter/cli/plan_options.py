@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from kilter.cli.arguments import pair_of
+from kilter.cli.declarations import Option
 from kilter.cli.options import FORM
 from kilter.cli.order_files import as_typed
 from kilter.errors import InputError
@@ -27,7 +26,7 @@ class PlanOptions:
 
     hold: Annotated[
         int | None,
-        typer.Option(
+        Option(
             "--hold",
             metavar="K",
             help="Largest number of parts held at once, besides the moving part; by default the "
@@ -38,7 +37,7 @@ class PlanOptions:
     ] = None
     directions: Annotated[
         list[str] | None,
-        typer.Option(
+        Option(
             "--directions",
             metavar="axes|normals|X,Y,Z",
             help="Directions along which parts move, in the order of their trial. Repeatable; axes "
@@ -49,7 +48,7 @@ class PlanOptions:
     ] = None
     before: Annotated[
         list[str] | None,
-        typer.Option(
+        Option(
             "--before",
             metavar="A B",
             help="A is inserted before B. Repeatable; * and ? are wildcards.",
@@ -59,7 +58,7 @@ class PlanOptions:
     ] = None
     never_hold: Annotated[
         list[str] | None,
-        typer.Option(
+        Option(
             "--never-hold",
             metavar="NAME",
             help="This part must not be held. Repeatable; * and ? are wildcards.",
@@ -69,7 +68,7 @@ class PlanOptions:
     ] = None
     screws: Annotated[
         list[str] | None,
-        typer.Option(
+        Option(
             "--screws",
             metavar="BOLT NUT",
             help="A bolt stays while its nut is on, and the nut comes off along its axis. "
@@ -80,7 +79,7 @@ class PlanOptions:
     ] = None
     group: Annotated[
         list[str] | None,
-        typer.Option(
+        Option(
             "--group",
             metavar="PATTERN",
             help="The parts that match move as a single body. Repeatable; * and ? are wildcards.",
@@ -90,7 +89,7 @@ class PlanOptions:
     ] = None
     together: Annotated[
         bool,
-        typer.Option(
+        Option(
             "--together",
             help="Parts that block each other may move as a single body if none can leave alone.",
             rich_help_panel=ORDER,
@@ -98,7 +97,7 @@ class PlanOptions:
     ] = False
     fewest: Annotated[
         str,
-        typer.Option(
+        Option(
             "--fewest",
             metavar="WHAT",
             help="Quantity to minimise: holds (parts held at once), held-steps (steps with held "
@@ -108,7 +107,7 @@ class PlanOptions:
     ] = "holds"
     sequence: Annotated[
         Path | None,
-        typer.Option(
+        Option(
             "--sequence",
             metavar="FILE",
             help="Check this order without a search: a name in each line, .csv with a column "
@@ -119,7 +118,7 @@ class PlanOptions:
     ] = None
     press: Annotated[
         float,
-        typer.Option(
+        Option(
             "--press",
             metavar="N",
             help="Force that presses each part into its place along its path [N]; the standing "
@@ -129,7 +128,7 @@ class PlanOptions:
     ] = 0.0
     turn: Annotated[
         bool,
-        typer.Option(
+        Option(
             "--turn",
             help="The standing parts may be turned between two steps, with the base.",
             rich_help_panel=ORDER,
@@ -137,7 +136,7 @@ class PlanOptions:
     ] = False
     require: Annotated[
         str,
-        typer.Option(
+        Option(
             "--require",
             metavar="LEVEL",
             help="Level at which every step counts as holding: equilibrium, settles, proved or "

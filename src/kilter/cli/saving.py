@@ -7,10 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from kilter.cli.arguments import triple_of
 from kilter.cli.asked import Asked
+from kilter.cli.declarations import Option
 from kilter.cli.exit_codes import WRITTEN
 from kilter.cli.options import FORM, HELD, TOUCH, Json, asks
 from kilter.cli.output import Progress, as_json, emit, tell_warnings
@@ -27,7 +26,7 @@ def save(
     asked: Asked,
     output: Annotated[
         Path | None,
-        typer.Option(
+        Option(
             "-o",
             "--output",
             metavar="X.kilter.json",
@@ -38,7 +37,7 @@ def save(
     ] = None,
     material: Annotated[
         list[str] | None,
-        typer.Option(
+        Option(
             "--material",
             metavar="NAME=KG/M3",
             help='Density of a part, in place of density and mass of the file: --material "bolt*='
@@ -49,7 +48,7 @@ def save(
     ] = None,
     open_pairs: Annotated[
         list[str] | None,
-        typer.Option(
+        Option(
             "--open",
             metavar="NAME NAME joined|touching|apart",
             help="Decide how two parts touch whose contact the geometry leaves uncertain. "

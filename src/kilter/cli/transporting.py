@@ -7,9 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from kilter.cli.asked import Asked
+from kilter.cli.declarations import Option
 from kilter.cli.exit_codes import HOLDS, LOWER, VERDICT, WRITTEN
 from kilter.cli.options import FORM, Require, asks
 from kilter.cli.output import Progress
@@ -31,7 +30,7 @@ def transport(
     asked: Asked,
     accelerate: Annotated[
         tuple[str, str, str] | None,
-        typer.Option(
+        Option(
             "--accelerate",
             metavar="X Y Z",
             help="Does the assembly stay in place at this acceleration of the carrier? In m/s^2, "
@@ -42,7 +41,7 @@ def transport(
     ] = None,
     turn: Annotated[
         tuple[float, float, float] | None,
-        typer.Option(
+        Option(
             "--turn",
             metavar="X Y Z",
             help="Angular velocity of the carrier about --about [rad/s].",
@@ -52,7 +51,7 @@ def transport(
     ] = None,
     turn_faster: Annotated[
         tuple[float, float, float] | None,
-        typer.Option(
+        Option(
             "--turn-faster",
             metavar="X Y Z",
             help="Angular acceleration of the carrier about --about [rad/s^2].",
@@ -62,7 +61,7 @@ def transport(
     ] = None,
     about: Annotated[
         tuple[float, float, float],
-        typer.Option(
+        Option(
             "--about",
             metavar="X Y Z",
             help="Point to which --accelerate, --turn and --turn-faster refer (file units).",
@@ -71,7 +70,7 @@ def transport(
     ] = (0.0, 0.0, 0.0),
     code: Annotated[
         str | None,
-        typer.Option(
+        Option(
             "--code",
             metavar="NAME",
             help="Does the assembly stay in place at the accelerations of this rule of load "
@@ -83,7 +82,7 @@ def transport(
     ] = None,
     forward: Annotated[
         tuple[float, float, float],
-        typer.Option(
+        Option(
             "--forward",
             metavar="X Y Z",
             help="Direction of travel, for --code.",
@@ -92,7 +91,7 @@ def transport(
     ] = (1.0, 0.0, 0.0),
     path: Annotated[
         Path | None,
-        typer.Option(
+        Option(
             "--path",
             metavar="PATH.csv",
             help="How many times as fast may the carrier follow this path? Columns: time, x, y, z "
@@ -104,7 +103,7 @@ def transport(
     ] = None,
     figure: Annotated[
         Path | None,
-        typer.Option(
+        Option(
             "--figure",
             metavar="OUT.svg|png|pdf",
             help="Also write a figure of all horizontal accelerations. Needs kilter[figures].",

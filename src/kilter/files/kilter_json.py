@@ -21,6 +21,7 @@ from kilter.files.checked_solid import checked_solid
 from kilter.files.complaints import complaint
 from kilter.files.limits import Tally
 from kilter.files.named_files import NamedFiles
+from kilter.files.plain_entries import SHAPES, plain_entries
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Shape, Sphere
 from kilter.shape.solid import Solid, Surface
@@ -107,11 +108,7 @@ def from_dict(data: Any, *, folder: str | Path = ".", source: str = "") -> Assem
 
 
 def _validate(data: Any) -> AssemblyFile:
-    """Parse the JSON data of an assembly file into its pydantic model; raises `InputError`."""
-    from pydantic import ValidationError
-
-    from kilter.files.models import AssemblyFile
-
+    """Parse the JSON data of an assembly file into its entries; raises `InputError`."""
     example = f'begin with {{"kilter": {VERSION}, "units": "mm", "parts": [...]}}'
     if not isinstance(data, dict):
         raise InputError("the file is not a JSON object", hint=example)
@@ -125,6 +122,13 @@ def _validate(data: Any) -> AssemblyFile:
             f"the file version (key 'kilter') is {version!r:.40}",
             hint=f"this program reads version {VERSION}",
         )
+    entries: AssemblyFile | None = plain_entries(data)
+    if entries is not None:
+        return entries
+    from pydantic import ValidationError
+
+    from kilter.files.models import AssemblyFile
+
     try:
         return AssemblyFile.model_validate(data)
     except ValidationError as error:
@@ -159,10 +163,10 @@ def _brick(entry: BrickEntry) -> Brick:
 
 def _shape(entry: PartEntry, named: NamedFiles) -> Shape:
     """Build the shape of a part's entry; raises `InputError` unless it has exactly one shape."""
-    given = [key for key in entry.shapes() if getattr(entry, key) is not None]
+    given = [key for key in SHAPES if getattr(entry, key) is not None]
     if len(given) != 1:
         what = f"has {' and '.join(given)}" if given else "has no shape"
-        raise InputError(what, hint=f"give exactly one of {', '.join(entry.shapes())}")
+        raise InputError(what, hint=f"give exactly one of {', '.join(SHAPES)}")
     if (entry.depth is None) == (entry.polygon is not None):
         raise InputError(
             "polygon without depth" if entry.polygon else "depth without polygon",

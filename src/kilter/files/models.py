@@ -11,10 +11,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
 
-__all__ = ["AssemblyFile", "PartEntry", "build_schema"]
+from kilter.files.plain_entries import SHAPES
 
-SHAPES = ("mesh", "box", "cylinder", "sphere", "polygon", "step", "solid")
-"""Keys for the shape of a part; a part has exactly one of them."""
+__all__ = ["AssemblyFile", "PartEntry", "build_schema"]
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
@@ -190,11 +189,6 @@ class PartEntry(Entry):
     mass: Positive | None = Field(None, description="[kg]")
     center_of_mass: Vector | None = Field(None, description="in the part's own frame")
     brick: BrickEntry | None = None
-
-    @staticmethod
-    def shapes() -> tuple[str, ...]:
-        """The keys of the file that give a part its shape; a part has exactly one of them."""
-        return SHAPES
 
 
 class FrictionPairEntry(Entry):
