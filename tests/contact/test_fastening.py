@@ -15,7 +15,8 @@ from kilter.assembly import Assembly, Joint, Part
 from kilter.cli import main
 from kilter.contact import detect
 from kilter.contact.fits.coaxial import coaxial_fits
-from kilter.contact.fits.shared_body import PartSolids, shared_body
+from kilter.contact.fits.part_solids import PartSolids
+from kilter.contact.fits.shared_body import shared_body
 from kilter.contact.fits.suggestions import suggest_joints
 from kilter.files import dump, from_dict, to_dict
 from kilter.mechanics.proof import digest_of

@@ -27,7 +27,8 @@ from kilter.second_order.gaps.gap_form import formed, gap_forms
 from kilter.second_order.gaps.stationary import Stationary, stationary
 from kilter.second_order.proofs.paths import Path
 from kilter.second_order.searches.critical import find_critical
-from kilter.second_order.searches.decide import EnergyDecision, decide
+from kilter.second_order.searches.decide import decide
+from kilter.second_order.searches.energy_decision import EnergyDecision
 
 ENTERED = 1e-4
 """Largest loss of energy for a free state, over t^2; a hundredth of it is penetration [-]."""

@@ -20,7 +20,8 @@ from kilter.second_order.proofs.minimum_proof import (
     split,
 )
 from kilter.second_order.proofs.paths import Path, judge_path
-from kilter.second_order.searches.decide import EnergyDecision, decide
+from kilter.second_order.searches.decide import decide
+from kilter.second_order.searches.energy_decision import EnergyDecision
 
 UP = np.array([0.0, 0.0, 1.0])
 BEYOND = 1e-6

@@ -24,7 +24,6 @@ from kilter.assembly.bonds import Bond, require_apart
 from kilter.assembly.changed_copies import ChangedCopies
 from kilter.assembly.geometry import Geometry, build_geometry
 from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, Load
-from kilter.assembly.lowest import lowest_heights
 from kilter.assembly.part import GROUND, Part
 from kilter.errors import InputError, nearest_name, some_names
 from kilter.hooks import hook
@@ -305,6 +304,9 @@ class Assembly(ChangedCopies):
 
         World frame [length unit]. The box contains the exact curved surfaces.
         """
+        # imported late: few assemblies need these modules
+        from kilter.assembly.lowest import lowest_heights
+
         low = [lowest_heights(self.geometry, axis).min() for axis in np.eye(3)]
         high = [-lowest_heights(self.geometry, -axis).min() for axis in np.eye(3)]
         return frozen([low, high])
@@ -421,6 +423,9 @@ class Assembly(ChangedCopies):
         held = any(part.grounded for part in self.parts)
         if held or any(GROUND in joint.parts for joint in self.joints):
             return
+        # imported late: few assemblies need these modules
+        from kilter.assembly.lowest import lowest_heights
+
         geometry = self.geometry
         lowest = self.names[int(lowest_heights(geometry, -self.down).argmin())]
         raise InputError(

@@ -16,7 +16,6 @@ from numpy.typing import ArrayLike
 from kilter.arrays import Array
 from kilter.assembly.bonds import Bond
 from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, Load
-from kilter.assembly.lowest import lowest_heights
 from kilter.assembly.part import Part
 from kilter.errors import InputError
 from kilter.rigid import Pose, rotation_between, unit
@@ -239,6 +238,9 @@ class ChangedCopies(Value):
         height : float, optional
             Height of the table's top, measured from the origin against gravity [length unit].
         """
+        # imported late: few assemblies need these modules
+        from kilter.assembly.lowest import lowest_heights
+
         geometry = self.geometry
         up = -self.down
         lowest = number(height, "height of the floor") if height is not None else None

@@ -24,7 +24,6 @@ from kilter.arrays import Array, Index, Mask, cross, ratio, read_only, unit_rows
 from kilter.assembly.assembly_tolerances import COPLANAR, SAME_SURFACE, SMOOTH
 from kilter.shape.closed import shared_edges
 from kilter.shape.primitives import CYLINDER_SIDES, Cylinder, Mesh, Shape, Sphere
-from kilter.shape.recognition import recognise
 from kilter.shape.solid import Solid, Surface, same_surface
 
 __all__ = [
@@ -256,6 +255,9 @@ def _recognise_curved(vertices: Array, triangles: Index, accuracy: float) -> Par
         return _RECENT[key]
     except KeyError:
         pass
+    # imported late: only meshes need these modules
+    from kilter.shape.recognition import recognise
+
     surfaces, label, _ = recognise(vertices, triangles, accuracy=accuracy)
     result = _curved_only(surfaces, label, 0.0, exact=False)
     if len(_RECENT) >= RECENT_MESHES:

@@ -12,7 +12,7 @@ from kilter.arrays import Array, Index, Mask
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.broad import Boxes, make_boxes, pairs_apart, part_pairs
-from kilter.contact.fits.shared_body import PartSolids
+from kilter.contact.fits.part_solids import PartSolids
 from kilter.contact.gaps import GapLimits, Tolerance, gap_limits, reach_of
 from kilter.contact.planar.facets import Facets, find_facets
 from kilter.contact.unknown import unknown_pairs

@@ -21,8 +21,7 @@ import numpy as np
 
 from kilter.arrays import Array, Index, nearest
 from kilter.assembly.geometry import Geometry
-from kilter.contact.fits.shared_body import PartSolids
-from kilter.contact.triangle_distance import surface_distance
+from kilter.contact.fits.part_solids import PartSolids
 from kilter.work import is_late
 
 if TYPE_CHECKING:
@@ -112,6 +111,8 @@ def _order(apart: Array) -> Index:
 
 def _gap(solids: PartSolids, a: int, b: int, most: float) -> float:
     """Gap between parts a and b [length unit], or `most` if the gap is larger."""
+    from kilter.contact.triangle_distance import surface_distance
+
     geometry = solids.geometry
     corners = [_corners(geometry, part) for part in (a, b)]
     bound = min(most, float(nearest(corners[0], corners[1])[0].min()))

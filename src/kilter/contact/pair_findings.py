@@ -17,8 +17,7 @@ import numpy as np
 from kilter.arrays import Mask
 from kilter.assembly import Assembly
 from kilter.contact.contact_search import ContactSearch
-from kilter.contact.curved.curved_contacts import find_curved
-from kilter.contact.curved.curved_patches import CurvedContacts, without_repeats
+from kilter.contact.curved.curved_patches import CurvedContacts, no_curved, without_repeats
 from kilter.contact.face_patches import FacePatches
 from kilter.contact.fits.overlap import find_overlaps
 from kilter.contact.gaps import RejectedPair, Tolerance
@@ -104,6 +103,16 @@ class PairFindings:
         )
 
 
+def _find_curved(search: ContactSearch) -> CurvedContacts:
+    """Find the contacts of curved faces, if any part has such faces."""
+    if len(search.geometry.surfaces) == 0:
+        return no_curved(search)
+    # imported late: parts with flat faces do not need these modules
+    from kilter.contact.curved.curved_contacts import find_curved
+
+    return find_curved(search)
+
+
 def examine(assembly: Assembly, search: ContactSearch, tolerance: Tolerance) -> PairFindings:
     """Examine all pairs of a search together.
 
@@ -112,7 +121,7 @@ def examine(assembly: Assembly, search: ContactSearch, tolerance: Tolerance) -> 
     TimeLimitReached
         If the limit of `kilter.work.stop_after` is reached.
     """
-    curved = find_curved(search)
+    curved = _find_curved(search)
     smooth = find_smooth(search)
     flat = find_flat(search, smooth)
     faces = FacePatches(

@@ -20,10 +20,11 @@ from kilter.files.ldraw import LDRAW_FILES, load_ldraw
 from kilter.files.raw import read_bounded, read_bytes
 from kilter.files.stable_lego import from_stable_lego, is_stable_lego
 from kilter.files.strict_json import parse_json
-from kilter.files.xml_scenes import XML, load_xml
 
 __all__ = ["ENDINGS", "FileContent", "read_json", "read_path"]
 
+XML = (".xml", ".mjcf", ".urdf")
+"""Endings of MJCF and URDF files."""
 STANDARD_INPUT = "-"
 STANDARD_INPUT_NAME = "standard input"
 """Name of standard input in messages."""
@@ -62,6 +63,9 @@ def read_path(
         assembly, left_out = load_bodies(path, units=units, without=without, progress=progress)
         return FileContent(assembly, left_out=left_out)
     if suffix in XML:
+        # imported late: other files do not need these modules
+        from kilter.files.xml_scenes import load_xml
+
         return FileContent(*load_xml(path, options))
     if suffix in LDRAW_FILES:
         return FileContent(load_ldraw(path, rules=options.studs), states_gravity=True)

@@ -6,7 +6,10 @@ from dataclasses import dataclass
 
 from kilter.assembly.bricks import StudRules
 
-__all__ = ["FormatOptions"]
+__all__ = ["BASES", "FormatOptions"]
+
+BASES = ("fixed", "floating")
+"""Values of the option `base`."""
 
 
 @dataclass(frozen=True, slots=True)

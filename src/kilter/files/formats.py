@@ -22,7 +22,6 @@ from kilter.files.naming import fill_names
 from kilter.files.obj import read_obj
 from kilter.files.placed import FileBodies
 from kilter.files.raw import read_bytes
-from kilter.files.step import read_step
 from kilter.files.stl import read_stl
 from kilter.files.threemf import read_3mf
 from kilter.shape.primitives import Mesh
@@ -70,13 +69,25 @@ def _3mf(path: Path) -> FileBodies:
     return _bodies(objects, [], units)
 
 
+def _step(
+    path: Path,
+    without: Sequence[str] = (),
+    progress: Callable[[str], None] | None = None,
+) -> FileBodies:
+    """Read the solids of a STEP file, except for the parts that `without` names."""
+    # imported late: other files do not need these modules
+    from kilter.files.step import read_step
+
+    return read_step(path, without=without, progress=progress)
+
+
 FORMATS: dict[str, Callable[[Path], FileBodies]] = {
     ".obj": _obj,
     ".stl": _stl,
     ".3mf": _3mf,
     ".glb": _glb,
-    ".step": read_step,
-    ".stp": read_step,
+    ".step": _step,
+    ".stp": _step,
 }
 """Reader of each file ending (lower case)."""
 EXACT = (".step", ".stp")
@@ -108,10 +119,7 @@ def read_bodies(
     """
     try:
         suffix = path.suffix.lower()
-        if suffix in EXACT:
-            bodies = read_step(path, without=without, progress=progress)
-        else:
-            bodies = FORMATS[suffix](path)
+        bodies = _step(path, without, progress) if suffix in EXACT else FORMATS[suffix](path)
         if not bodies.left_out and not any(len(shape.triangles) for shape in bodies.shapes):
             raise InputError("no faces", hint="export solids, as triangles or polygons")
         return bodies

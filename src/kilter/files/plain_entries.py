@@ -68,10 +68,9 @@ class _Reader:
             return self._read_union(value, schema.get("anyOf") or schema["oneOf"])
         if kind == "number":
             return _number(value, schema)
-        if kind == "null":
-            wrong = value is not None
-        else:
-            wrong = type(value) is not TYPES[kind]
+        wrong = value is not None if kind == "null" else type(value) is not TYPES[kind]
+        if kind == "string" and not wrong:
+            wrong = any("\ud800" <= character <= "\udfff" for character in value)  # no UTF-8
         allowed = schema.get("enum", [schema.get("const", value)])
         if wrong or value not in allowed:
             raise _NotPlainError

@@ -20,9 +20,8 @@ from kilter.errors import InputError, some_names
 from kilter.files.choices import LOWEST, Choices, find_choices
 from kilter.files.choices_off import require_off, require_saved
 from kilter.files.file_content import FileContent, read_path
-from kilter.files.format_options import FormatOptions
+from kilter.files.format_options import BASES, FormatOptions
 from kilter.files.lying import UP, note_on_up
-from kilter.files.objects.known_objects import read_object
 from kilter.files.reading_steps import with_contacts_of, with_density
 from kilter.files.saved_entries import (
     entries_for,
@@ -34,7 +33,6 @@ from kilter.files.saved_entries import (
     with_bodies,
     with_interactions,
 )
-from kilter.files.urdf import BASES
 from kilter.hooks import hook
 from kilter.units import metres_per_unit
 from kilter.validate import finite, number
@@ -163,6 +161,9 @@ class Reading:
             metres_per_unit(self.units)
         require_saved(self.release)
         if not isinstance(source, str | os.PathLike):
+            # imported late: files do not need these modules
+            from kilter.files.objects.known_objects import read_object
+
             content = FileContent(*read_object(source, self.format_options))
         elif not os.fspath(source):
             raise InputError(f"a file's path is {source!r:.60}", hint="give a path, or '-'")

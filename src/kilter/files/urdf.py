@@ -28,10 +28,8 @@ from kilter.files.placed import join_meshes, transform_mesh
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere
 
-__all__ = ["BASES", "read_urdf"]
+__all__ = ["read_urdf"]
 
-BASES = ("fixed", "floating")
-"""Values of the option `base`."""
 MOVING = {"revolute": "revolute", "continuous": "revolute", "prismatic": "prismatic"}
 """Kind of `Joint` for each type of URDF joint that moves."""
 Element = ElementTree.Element

@@ -13,10 +13,7 @@ from kilter.files.objects.mujoco_objects import read_mjcf
 from kilter.files.raw import read_bytes
 from kilter.files.urdf import read_urdf
 
-__all__ = ["XML", "load_xml"]
-
-XML = (".xml", ".mjcf", ".urdf")
-"""Endings of MJCF and URDF files."""
+__all__ = ["load_xml"]
 
 
 def load_xml(path: Path, choices: FormatOptions) -> tuple[Assembly, bool]:

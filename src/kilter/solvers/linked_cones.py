@@ -10,6 +10,7 @@ link.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -117,8 +118,9 @@ class LinkedCones:
 
         def gathered(gather: csr_array, values: Array) -> Array:
             ahead = np.moveaxis(values, -2, 0)
-            summed = gather @ ahead.reshape(len(ahead), -1)
-            return np.moveaxis(summed.reshape(-1, *ahead.shape[1:]), 0, -2)
+            # the width is stated, since it cannot be inferred without links
+            summed = gather @ ahead.reshape(len(ahead), math.prod(ahead.shape[1:]))
+            return np.moveaxis(summed.reshape(gather.shape[0], *ahead.shape[1:]), 0, -2)
 
         at_first, at_second = self._gather
         return gathered(at_first, first) + gathered(at_second, second)

@@ -44,7 +44,6 @@ import numpy as np
 from kilter.analysis.decision.cohesion import find_cohesion
 from kilter.analysis.decision.strength import find_strength
 from kilter.arrays import Array
-from kilter.mechanics.balance_in_cones import load_share
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
 from kilter.mechanics.coulomb_cones import (
     ConeProblem,
@@ -66,7 +65,6 @@ from kilter.mechanics.least_forces import least_forces
 from kilter.mechanics.mechanics_tolerances import ROUNDED_ENTRY
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
-from kilter.solvers.cone_interior_point import iterates
 from kilter.solvers.problem import LinearProgram
 from kilter.work import Work
 
@@ -404,6 +402,10 @@ def _by_pyramid(
 
 def _by_own_cones(program: Program, work: Work) -> Iterator[_Candidate]:
     """Yield candidate proofs from the load factor in exact cones, by kilter's own solver."""
+    # imported late: only friction needs these modules
+    from kilter.mechanics.balance_in_cones import load_share
+    from kilter.solvers.cone_interior_point import iterates
+
     balance = load_share(program)
     word, steps = "load factor in cones: kilter, {} iterations, {}", 0
     for step in iterates(balance.cones):

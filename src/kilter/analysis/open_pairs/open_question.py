@@ -11,7 +11,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kilter.analysis.open_pairs.deciding_pairs import DecidingPairs, find_deciding
 from kilter.assembly import Assembly, Joint
 from kilter.contact import ContactSet
 from kilter.contact.open_pairs import OpenPair, rigid_groups, still_open
@@ -20,6 +19,7 @@ from kilter.mechanics.program import Program
 from kilter.work import Work
 
 if TYPE_CHECKING:
+    from kilter.analysis.open_pairs.deciding_pairs import DecidingPairs
     from kilter.tell.answer_data.check_data import JoinedData
     from kilter.tell.answer_data.common_data import OpenPairData
 
@@ -70,6 +70,9 @@ def ask_open(
         None if no set of joined open pairs gives forces of equilibrium, or if the empty set seems
         to suffice because the program is near its limit.
     """
+    # imported late: only open pairs need these modules
+    from kilter.analysis.open_pairs.deciding_pairs import find_deciding
+
     pairs = still_open(contacts.open_pairs, assembly)
     deciding = find_deciding(program, rigid_groups(assembly), pairs, work=work)
     if deciding is None or not deciding.pairs:

@@ -19,7 +19,6 @@ import numpy as np
 from kilter.analysis.analysis_tolerances import MOVES
 from kilter.analysis.decision.decision import Decision, Word
 from kilter.analysis.decision.judge import Judgement
-from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
 from kilter.analysis.open_pairs.open_question import OpenQuestion, open_pairs_answer
 from kilter.analysis.open_pairs.remedies import Remedy, find_remedies
 from kilter.analysis.verdict.answers import joints_answer, unsupported_answer
@@ -51,9 +50,7 @@ from kilter.contact import ContactSet
 from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
 from kilter.mechanics.mechanics_tolerances import STILL, TOLERANCE
 from kilter.mechanics.program import Program, build_program
-from kilter.mechanics.proof import digest_of, make_proof
 from kilter.mechanics.rows import POSSIBLE
-from kilter.second_order.answer.second_order_file import second_order_data
 from kilter.tell.cells import InCells
 from kilter.tell.html import html_of
 from kilter.tell.json_answer import Answer
@@ -427,6 +424,11 @@ class Verdict(InCells, Answer):
         options : dict, optional
             Options with which the assembly was read, so that `verify` reads it alike.
         """
+        from kilter.mechanics.proof import digest_of, make_proof
+
+        # imported late: only a written proof needs these modules
+        from kilter.second_order.answer.second_order_file import second_order_data
+
         proof = make_proof(
             self.assembly,
             self.contacts,
@@ -513,6 +515,9 @@ class Verdict(InCells, Answer):
         large = int(self.program.free.sum()) > BONDED_PARTS
         if not self.assembly.bonds or self.level is None or large:
             return None
+        # imported late: only bonds need these modules
+        from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
+
         factor = find_bond_factor(self.program, self.contacts)
         if not isinstance(factor, BondFactor):
             return None

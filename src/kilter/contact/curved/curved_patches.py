@@ -20,7 +20,7 @@ from kilter.contact.gaps import APART, PENETRATES, RejectedPair
 from kilter.contact.patches import Patches
 
 __all__ = ["CandidateLimits", "CurvedContacts", "CurvedPatch", "PatchBuilder", "SurfacePairs",
-           "classify", "on_flat", "pack", "without_repeats"]  # fmt: skip
+           "classify", "no_curved", "on_flat", "pack", "without_repeats"]  # fmt: skip
 
 
 NAMED = ("sphere", "torus", "cone", "cylinder")
@@ -294,6 +294,11 @@ def on_flat(points: Array, corners: Array, normal: Array, slack: float) -> Mask:
         side = -side  # the corners run clockwise
     inside: Mask = level & (side >= -slack).all(axis=1)
     return inside
+
+
+def no_curved(search: ContactSearch) -> CurvedContacts:
+    """The contacts of curved faces in a search without such faces: none."""
+    return pack(search, PatchBuilder(), np.empty((0, 3), dtype=np.int64), 0)
 
 
 def pack(

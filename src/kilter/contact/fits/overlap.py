@@ -23,7 +23,8 @@ from kilter.contact.contact_set import INTERFERE, SAME_BODY, Overlap
 from kilter.contact.contact_tolerances import SAME_PLACE
 from kilter.contact.face_patches import FacePatches, in_patch
 from kilter.contact.fits.coaxial import coaxial_fits
-from kilter.contact.fits.shared_body import PartSolids, SharedBody, depth_of, shared_body
+from kilter.contact.fits.part_solids import PartSolids
+from kilter.contact.fits.shared_body import SharedBody, depth_of, shared_body
 from kilter.contact.fits.winding_depth import depth_by_winding
 from kilter.contact.gaps import Tolerance
 from kilter.contact.planar.facets import Facets
@@ -70,6 +71,8 @@ def find_overlaps(
     rows = np.flatnonzero(deep & ~(both_convex & face_patches.has_patch))
     overlaps = list({overlap.parts: overlap for overlap in face_patches.curved.overlaps}.values())
     recorded = {overlap.parts for overlap in overlaps}
+    if not overlaps and not len(rows):
+        return ()
     overlap_search = _OverlapSearch(face_patches)
     for row in rows.tolist():
         parts = (int(a[row]), int(b[row]))

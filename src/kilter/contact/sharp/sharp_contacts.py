@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -38,10 +39,11 @@ from kilter.contact.curved.unmodelled import (
 from kilter.contact.face_patches import FacePatches, explained, on_patches
 from kilter.contact.gaps import RejectedPair
 from kilter.contact.patches import Patches
-from kilter.contact.sharp.edge_contacts import edge_contacts
 from kilter.contact.sharp.edges import Edges, find_edges
 from kilter.contact.sharp.feature_pairs import EDGE, FACE, Meetings, PairBlock, meetings
-from kilter.contact.sharp.normals import Clauses, Pushes, normals_of
+
+if TYPE_CHECKING:
+    from kilter.contact.sharp.normals import Clauses, Pushes
 
 __all__ = ["NearContacts", "near_contacts"]
 
@@ -117,6 +119,9 @@ def near_contacts(face_patches: FacePatches, rejected: Iterable[RejectedPair]) -
     patches, degenerate, rounds = Patches.none(), DegeneratePoints.none(), no_round_contacts()
     all_rows = np.union1d(sharp_rows, round_rows)
     if len(all_rows):
+        # imported late: only edges and corners that touch need these modules
+        from kilter.contact.sharp.edge_contacts import edge_contacts
+
         edges = find_edges(search.geometry, search.facets, np.unique(search.pairs[all_rows]))
         sharp_search = _SharpSearch(face_patches, edges)
         candidates = _meetings(sharp_search, sharp_rows, search.limits.gap)
@@ -148,6 +153,9 @@ def _meetings(near: _SharpSearch, rows: Index, tolerance: Array) -> Meetings:
 
 def _normals(near: _SharpSearch, met: Meetings) -> tuple[Pushes, Clauses]:
     """Normals at meeting points of corners and edges: unique, or several at degenerate points."""
+    # imported late: only edges and corners that touch need these modules
+    from kilter.contact.sharp.normals import normals_of
+
     geometry = near.geometry
     parts = near.pairs[met.pair]
     size, accuracy = geometry.size[parts].min(axis=1), geometry.accuracy[parts].sum(axis=1)

@@ -35,7 +35,8 @@ from kilter.second_order.proofs.minimum_proof import MinimumProof
 from kilter.second_order.proofs.paths import Path
 from kilter.second_order.proofs.stopped import stop_forms, stop_question
 from kilter.second_order.searches.critical import Critical, find_critical
-from kilter.second_order.searches.decide import EnergyDecision, decide
+from kilter.second_order.searches.decide import decide
+from kilter.second_order.searches.energy_decision import EnergyDecision
 from kilter.second_order.searches.every_surface import decided_for_all
 from kilter.second_order.searches.level_rest_search import find_parting
 from kilter.second_order.searches.locking_stress import find_locked

@@ -18,16 +18,14 @@ import numpy as np
 
 from kilter.arrays import Array, Index
 from kilter.mechanics.program import Program
-from kilter.second_order.answer.oscillation import least_frequency
-from kilter.second_order.gaps.stationary import Stationary
-from kilter.second_order.motions.rolling import Rolling
 from kilter.second_order.parts.clusters import State
-from kilter.second_order.proofs.fall_proof import Configuration, Fall
-from kilter.second_order.proofs.paths import Path
-from kilter.second_order.proofs.proof_kinds import SecondOrderProof
-from kilter.second_order.searches.decide import EnergyDecision
 
 if TYPE_CHECKING:
+    from kilter.second_order.gaps.stationary import Stationary
+    from kilter.second_order.motions.rolling import Rolling
+    from kilter.second_order.proofs.fall_proof import Configuration
+    from kilter.second_order.proofs.proof_kinds import SecondOrderProof
+    from kilter.second_order.searches.energy_decision import EnergyDecision
     from kilter.tell.answer_data.check_data import SecondOrderData
 
 __all__ = ["LATE", "SPENT", "SecondOrder", "answer_of", "open_answer"]
@@ -95,6 +93,10 @@ class SecondOrder:
     @property
     def proof(self) -> SecondOrderProof | None:
         """Proof of the answer for a single cluster; None for several clusters or an open answer."""
+        # imported late: other answers do not need these modules
+        from kilter.second_order.proofs.fall_proof import Fall
+        from kilter.second_order.proofs.paths import Path
+
         proof = None if self.decision is None else self.decision.proof
         if isinstance(proof, Path):
             return Fall(proof, None if self.configuration is None else self.configuration.motion)
@@ -170,6 +172,9 @@ def open_answer(why: str, program: Program) -> SecondOrder:
 
 def answer_of(program: Program, problem: Stationary, decision: EnergyDecision) -> SecondOrder:
     """Make the answer with the state and the motion counts of a decision."""
+    # imported late: answers without curved gaps do not need these modules
+    from kilter.second_order.answer.oscillation import least_frequency
+
     none = np.zeros(0, dtype=np.int64)
     return SecondOrder(
         decision.state,

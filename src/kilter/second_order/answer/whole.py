@@ -19,7 +19,6 @@ from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
-from kilter.second_order.answer.one_cluster import answer_alone
 from kilter.second_order.answer.second_order_answer import (
     LATE,
     SPENT,
@@ -42,7 +41,7 @@ from kilter.second_order.proofs.modelled import (
     why_unmodelled,
 )
 from kilter.second_order.searches.critical import find_critical
-from kilter.second_order.searches.decide import EnergyDecision
+from kilter.second_order.searches.energy_decision import EnergyDecision
 from kilter.second_order.searches.held_search import find_held
 from kilter.second_order.searches.level_rest_search import find_level_rest
 from kilter.work import PER_EFFORT, Work
@@ -245,6 +244,9 @@ class _ClusterSearch:
         if self.off[program.free].any():
             return open_answer(OFF_CENTRE, program)
         self.work.charge(CLUSTER_WORK)
+        # imported late: level faces and held parts do not need these modules
+        from kilter.second_order.answer.one_cluster import answer_alone
+
         return answer_alone(self.facts.of_cluster(cluster), critical=critical, work=self.work)
 
 

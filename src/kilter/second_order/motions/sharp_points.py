@@ -22,7 +22,6 @@ from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import POSSIBLE, ForceRows, pushing_rows
 from kilter.second_order.gaps.stationary import stationary
-from kilter.second_order.motions.free_span import scaled_columns
 from kilter.second_order.second_order_tolerances import DROPS
 
 __all__ = [
@@ -114,6 +113,9 @@ def opens_points(program: Program, contacts: ContactSet, motion: Array) -> bool:
 
     `program` has the rows of the sharp points.
     """
+    # imported late: only sharp points need these modules
+    from kilter.second_order.motions.free_span import scaled_columns
+
     problem = stationary(program, np.zeros((len(program.kind), 12, 12)))
     columns = scaled_columns(program, problem, motion[None])[:, 0]
     opens = problem.rows @ columns > DROPS * float(np.linalg.norm(columns))

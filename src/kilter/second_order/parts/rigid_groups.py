@@ -17,7 +17,6 @@ from kilter.contact.contact_set import ContactSet
 from kilter.contact.open_pairs import rigid_groups
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import JOINT
-from kilter.second_order.parts.separation import turn_of
 
 __all__ = ["RigidGroups"]
 
@@ -132,6 +131,9 @@ class RigidGroups:
 
     def placed(self, motion: Array) -> Array:
         """Displacements of all parts from the displacements of their rigid groups, (N, 6)."""
+        # imported late: only joined parts need these modules
+        from kilter.second_order.parts.separation import turn_of
+
         displacements = motion[self.first].copy()
         for k in np.flatnonzero(np.abs(self.arms).max(axis=1) > 0):
             displacements[k, :3] += (turn_of(displacements[k, 3:]) - np.eye(3)) @ self.arms[k]

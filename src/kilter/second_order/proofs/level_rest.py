@@ -42,7 +42,6 @@ from kilter.second_order.parts.bearing import (
 )
 from kilter.second_order.proofs.cluster_facts import ClusterFacts, Judged
 from kilter.second_order.proofs.held import unbalanced
-from kilter.second_order.proofs.proof_numbers import named_motion, read_motion
 from kilter.second_order.second_order_tolerances import (
     ACROSS,
     BALANCED,
@@ -77,11 +76,17 @@ class LevelRest:
 
     def to_data(self, program: Program, problem: Stationary | None) -> dict[str, Any]:
         """JSON data of this proof of rest on horizontal faces, for a proof file."""
+        # imported late: only a written proof needs these modules
+        from kilter.second_order.proofs.proof_numbers import named_motion
+
         return {"level": self.forces.tolist(), "motion": named_motion(program, self.motion)}
 
     @classmethod
     def from_data(cls, facts: ClusterFacts, data: dict[str, Any]) -> LevelRest:
         """Read a proof of rest on horizontal faces from JSON data."""
+        # imported late: only a written proof needs these modules
+        from kilter.second_order.proofs.proof_numbers import read_motion
+
         motion = read_motion(facts.program, data["motion"])
         return cls(np.array(data["level"], dtype=float), motion)
 

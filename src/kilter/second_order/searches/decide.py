@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -24,9 +23,6 @@ import numpy as np
 from kilter.arrays import TINY, Array
 from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.motions.null_space import null_space
-from kilter.second_order.proofs.held import Held
-from kilter.second_order.proofs.level_rest import LevelRest
-from kilter.second_order.proofs.locked import LockedTurns
 from kilter.second_order.proofs.minimum_proof import (
     Leaf,
     MinimumProof,
@@ -36,14 +32,14 @@ from kilter.second_order.proofs.minimum_proof import (
     split,
 )
 from kilter.second_order.proofs.paths import Path
-from kilter.second_order.proofs.stopped import Stopped
 from kilter.second_order.searches.critical import Critical, find_critical
 from kilter.second_order.searches.curved_energy import best_curvature, blocking_stress
+from kilter.second_order.searches.energy_decision import EnergyDecision
 from kilter.second_order.searches.path_search import find_path
 from kilter.second_order.second_order_tolerances import CURVED, FLAT, LEVEL, SPLITS
 from kilter.work import Work
 
-__all__ = ["EXACT_DIMENSION", "EnergyDecision", "decide"]
+__all__ = ["EXACT_DIMENSION", "decide"]
 
 EXACT_DIMENSION = 4
 """Largest dimension in which motions are split into cones."""
@@ -55,37 +51,6 @@ EXACT = 1e-12
 """Largest imbalance of forces, over the load, at which they exclude falling paths [-]."""
 ROUNDS = 4
 """Largest number of searches for self-stress."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class EnergyDecision:
-    """Decision about an equilibrium (minimum, balanced or open), with its proof.
-
-    Attributes
-    ----------
-    state : {"minimum", "balanced", "open"}
-        A minimum is a minimum across the free motions.
-    neutral, free, blocked, undecided : int
-        Dimension of the span of the critical motions, and of its parts: motions proved free,
-        motions that cost or gain energy, and motions for which neither is known.
-    proof : MinimumProof or Path or LevelRest or LockedTurns or Stopped or Held or None
-    why : str
-        Reason for an open decision.
-    others : tuple of Path
-        Further paths that lead down, less steeply.
-    opening : ndarray, shape (n,), optional
-        Free motion that opens the contacts that were left out, in scaled unknowns.
-    """
-
-    state: Literal["minimum", "balanced", "open"]
-    neutral: int
-    free: int
-    blocked: int
-    undecided: int
-    proof: MinimumProof | Path | LevelRest | LockedTurns | Stopped | Held | None = None
-    why: str = ""
-    others: tuple[Path, ...] = ()
-    opening: Array | None = None
 
 
 def decide(

@@ -10,7 +10,7 @@ from kilter.second_order.gaps.recognised import bounded
 from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.proofs.minimum_proof import MinimumProof, judge_minimum
 from kilter.second_order.proofs.paths import Path
-from kilter.second_order.searches.decide import EnergyDecision
+from kilter.second_order.searches.energy_decision import EnergyDecision
 from kilter.second_order.searches.path_search import find_path
 from kilter.work import Work
 

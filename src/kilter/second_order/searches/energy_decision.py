@@ -1,0 +1,48 @@
+"""Decision about the energy of an equilibrium, with its proof."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from kilter.arrays import Array
+    from kilter.second_order.proofs.held import Held
+    from kilter.second_order.proofs.level_rest import LevelRest
+    from kilter.second_order.proofs.locked import LockedTurns
+    from kilter.second_order.proofs.minimum_proof import MinimumProof
+    from kilter.second_order.proofs.paths import Path
+    from kilter.second_order.proofs.stopped import Stopped
+
+__all__ = ["EnergyDecision"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EnergyDecision:
+    """Decision about an equilibrium (minimum, balanced or open), with its proof.
+
+    Attributes
+    ----------
+    state : {"minimum", "balanced", "open"}
+        A minimum is a minimum across the free motions.
+    neutral, free, blocked, undecided : int
+        Dimension of the span of the critical motions, and of its parts: motions proved free,
+        motions that cost or gain energy, and motions for which neither is known.
+    proof : MinimumProof or Path or LevelRest or LockedTurns or Stopped or Held or None
+    why : str
+        Reason for an open decision.
+    others : tuple of Path
+        Further paths that lead down, less steeply.
+    opening : ndarray, shape (n,), optional
+        Free motion that opens the contacts that were left out, in scaled unknowns.
+    """
+
+    state: Literal["minimum", "balanced", "open"]
+    neutral: int
+    free: int
+    blocked: int
+    undecided: int
+    proof: MinimumProof | Path | LevelRest | LockedTurns | Stopped | Held | None = None
+    why: str = ""
+    others: tuple[Path, ...] = ()
+    opening: Array | None = None
