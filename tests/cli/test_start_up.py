@@ -86,7 +86,9 @@ UNUSUAL = (
 
 @pytest.mark.slow
 @pytest.mark.parametrize("line", LINES)
-def test_the_values_of_a_usual_line_are_those_of_the_library(line: str, monkeypatch) -> None:
+def test_the_values_of_a_usual_line_are_those_of_the_library(
+    line: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     name, *words = line.split()
     [function] = functions_of(name)
     given = usual_values(function, words)
