@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterable, Sequence
 from kilter.errors import InputError, nearest_name, some_names
 from kilter.files.choices import OPTIONS, STUDS, Choices
 
-__all__ = ["OFF", "require_off", "require_saved", "switched_off"]
+__all__ = ["OFF", "released_in_part", "require_off", "require_saved", "switched_off"]
 
 OFF: dict[str, tuple[str, str | None]] = {
     **{option: (key, None) for key, option in OPTIONS.items()},
@@ -25,6 +25,8 @@ OFF: dict[str, tuple[str, str | None]] = {
     "open": ("open_pairs", None),
 }
 """Key of choices, and its inner key if any, of each option that can be switched off."""
+WILD = "*?["
+"""Signs of a wildcard."""
 
 
 def require_off(off: Sequence[str], release: Sequence[str], given: Collection[str]) -> None:
@@ -78,7 +80,8 @@ def switched_off(
     off : iterable of str
         Options in `OFF` whose saved values are ignored.
     release : sequence of str
-        Saved names of held parts that are not held; ``*`` and ``?`` are wildcards.
+        Names of held parts that are not held; ``*`` and ``?`` are wildcards. A saved wildcard
+        remains if these names match only some of its parts: see `released_in_part`.
 
     Raises
     ------
@@ -104,6 +107,7 @@ def switched_off(
     if release:
         held = data.get("held", [])
         data["held"] = _remaining(held, release)
+        _require_held(held, release)
         new, old = (json.dumps(names, ensure_ascii=False) for names in (list(release), held))
         notes.append(f"the option release {new} replaces held {old} of the choices")
     if not notes:
@@ -114,15 +118,29 @@ def switched_off(
 def _remaining(held: Sequence[str], release: Sequence[str]) -> list[str]:
     """The saved names of held parts that no released name matches."""
     gone = {name for pattern in release for name in fnmatch.filter(held, pattern)} | set(release)
-    for pattern in release:
-        if pattern not in held and not fnmatch.filter(held, pattern):
-            wider = [name for name in held if fnmatch.fnmatch(pattern, name)]
-            raise InputError(
-                f"the choices hold all parts {wider[0]!r}, so {pattern!r} cannot be released alone"
-                if wider
-                else f"the choices do not hold {pattern!r:.60}",
-                hint="name the held parts with ground"
-                if wider or not held
-                else f"they hold {some_names(held)}",
-            )
     return [name for name in held if name not in gone]
+
+
+def released_in_part(held: Sequence[str], release: Sequence[str]) -> tuple[str, ...]:
+    """The released names that only some parts of a saved wildcard may match.
+
+    Only the names of all parts show which parts of the wildcard remain held.
+    """
+    left = _remaining(held, release)
+    return tuple(name for name in release if any(_may_overlap(name, saved) for saved in left))
+
+
+def _may_overlap(name: str, saved: str) -> bool:
+    """Whether a saved wildcard may match parts that a released name, or wildcard, matches."""
+    both_wild = all(any(sign in word for sign in WILD) for word in (name, saved))
+    return both_wild or fnmatch.fnmatchcase(name, saved)
+
+
+def _require_held(held: Sequence[str], release: Sequence[str]) -> None:
+    """Reject a released name that matches no saved name; raises `InputError`."""
+    for name in release:
+        if not fnmatch.filter(held, name) and not any(_may_overlap(name, saved) for saved in held):
+            raise InputError(
+                f"the choices do not hold {name!r:.60}",
+                hint=f"they hold {some_names(held)}" if held else "name the held parts with ground",
+            )

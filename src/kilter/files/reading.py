@@ -8,7 +8,7 @@ from __future__ import annotations
 import dataclasses
 import fnmatch
 import os
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -58,7 +58,8 @@ class Reading:
     `entries` are the keys of choices without an option, as JSON data (`kilter.files.choices`).
     `saved` names the options that come from choices: the parts that they name may be missing.
     `off` names the saved options that are ignored, and `release` saved held parts that are not
-    held (`kilter.files.choices_off`).
+    held (`kilter.files.choices_off`). After a merge with choices, `release` applies to the parts
+    that the saved wildcards of `ground` match.
 
     Raises
     ------
@@ -101,7 +102,8 @@ class Reading:
         if self.contacts is not None and self.contacts not in SOURCES:
             raise InputError(f"contacts are {self.contacts!r:.40}", hint=f"use {_OR.join(SOURCES)}")
         if self.off or self.release:
-            require_off(self.off, self.release, {**self.options(), **self.entries})
+            given = {**self.options(), **self.entries}.keys() - set(self.saved)
+            require_off(self.off, self.release, given)
 
     @property
     def fastens(self) -> bool:
@@ -159,7 +161,8 @@ class Reading:
         """Read an assembly with these options, except the options that join parts."""
         if self.units is not None:
             metres_per_unit(self.units)
-        require_saved(self.release)
+        if "ground" not in self.saved:
+            require_saved(self.release)
         if not isinstance(source, str | os.PathLike):
             # imported late: files do not need these modules
             from kilter.files.objects.known_objects import read_object
@@ -202,6 +205,33 @@ class Reading:
             )
             missing += [pattern for none in gone for pattern in none]
         return dataclasses.replace(self, **changes), sorted(set(missing))
+
+    def released(self, names: Sequence[str]) -> Reading:
+        """The reading with held parts by name, less those that `release` matches.
+
+        It is the reading itself if nothing is released.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Names of the parts, without a floor.
+
+        Raises
+        ------
+        InputError
+            If a released name matches no held part.
+        """
+        if not self.release:
+            return self
+        held = [name for name in names if any(known(each, (name,)) for each in self.ground)]
+        for pattern in self.release:
+            if not known(pattern, held):
+                raise InputError(
+                    f"{pattern!r:.60} names no held part, so it cannot be released",
+                    hint=f"the held parts are {some_names(held)}" if held else "no part is held",
+                )
+        kept = [name for name in held if not any(known(each, (name,)) for each in self.release)]
+        return dataclasses.replace(self, ground=tuple(kept), release=())
 
     def over(self, choices: Choices) -> tuple[Reading, list[str]]:
         """Merge saved choices with these options, which win; also a sentence per overridden key.
@@ -247,6 +277,7 @@ class Reading:
             assembly = assembly.with_down([-x for x in UP[self.up]])
         if self.down is not None:
             assembly = assembly.with_down(self.down)
+        here = here.released(assembly.names)
         if here.ground:
             assembly = assembly.with_grounded(here.ground)
         directed = self.up is not None or self.down is not None or "gravity" in self.entries

@@ -112,8 +112,10 @@ def save_reading(
     require_place(output)
     if not path.exists():
         raise InputError("no such file", file=str(path), hint="check the path")
-    choices = choices_about(path, output.parent, reading.options(), **keys)
     assembly = reading.read(path, progress=progress)
+    bodies = assembly.names if reading.floor is None else assembly.names[:-1]
+    reading = reading.released(bodies)
+    choices = choices_about(path, output.parent, reading.options(), **keys)
     tolerance: Tolerance = tolerance_of(choices)
     fasten_as_read(assembly, reading, tolerance=tolerance, progress=progress)
     if reading.down is not None:

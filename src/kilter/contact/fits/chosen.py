@@ -11,7 +11,7 @@ from kilter.contact.fits.fastening import fasten_as_read
 from kilter.contact.gaps import Tolerance
 from kilter.errors import InputError
 from kilter.files.choices import Choices, digest, find_choices
-from kilter.files.choices_off import switched_off
+from kilter.files.choices_off import released_in_part, switched_off
 from kilter.files.reading import Reading
 
 __all__ = ["Chosen", "chosen", "read_chosen", "tolerance_of"]
@@ -51,6 +51,7 @@ def chosen(choices: Choices, reading: Reading | None = None) -> Chosen:
     if find_choices(path) is not None:
         raise InputError(f"{choices.file} is a file of choices itself", hint="name its file")
     given = reading or Reading()
+    partly = released_in_part(choices.held, given.release)
     choices, notes = switched_off(choices, given.off, given.release)
     merged, replaced = replace(given, off=(), release=()).over(choices)
     notes += replaced
@@ -59,7 +60,7 @@ def chosen(choices: Choices, reading: Reading | None = None) -> Chosen:
         notes.append(
             f"{choices.file} has changed since the choices were saved; 'kilter save' renews them"
         )
-    merged = replace(merged, entries={**merged.entries, "sha256": present})
+    merged = replace(merged, entries={**merged.entries, "sha256": present}, release=partly)
     return Chosen(path, merged, choices, tuple(notes))
 
 
