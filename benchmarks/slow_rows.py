@@ -115,7 +115,34 @@ def _step_rows() -> Iterator[Row]:
     yield Row("as1-oc-214 fasten", as1, ("check", "--floor", "--fasten", "*bolt*", "*nut*"))
 
 
-ROWS: tuple[Callable[[], Iterator[Row]], ...] = (_open_rows, _friction_rows, _step_rows)
+ROBOTS = (
+    "pybullet_data/laikago/laikago.urdf",
+    "pybullet_data/franka_panda/panda.urdf",
+    "pybullet_data/kuka_iiwa/model.urdf",
+    "robosuite/models/assets/robots/ur5e/robot.xml",
+    "robosuite/models/assets/robots/panda/robot.xml",
+    "robosuite/models/assets/robots/iiwa/robot.xml",
+    "robosuite/models/assets/robots/kinova3/robot.xml",
+    "robosuite/models/assets/robots/tiago/robot.xml",
+    "gymnasium_robotics/envs/assets/hand/reach.xml",
+)
+"""Robot meshes of the packages pybullet, robosuite and gymnasium-robotics, below a search path."""
+
+
+def _robot_rows() -> Iterator[Row]:
+    """Robots of published packages: install one, or put its unpacked wheel on PYTHONPATH."""
+    for name in ROBOTS:
+        places = [Path(folder) / name for folder in sys.path]
+        file = next((place for place in places if place.exists()), places[0])
+        yield Row(f"robot {Path(name).parent.name}", file, ("check",))
+
+
+ROWS: tuple[Callable[[], Iterator[Row]], ...] = (
+    _open_rows,
+    _friction_rows,
+    _step_rows,
+    _robot_rows,
+)
 """Functions that yield rows."""
 
 

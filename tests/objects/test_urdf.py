@@ -129,7 +129,7 @@ def test_several_shapes_of_a_link_are_one_part(tmp_path: Path) -> None:
         ([""], "the robot has no links"),
         (['<link name="a"/>'], "no link has a shape; give its links <collision>"),
         ([link("a", '<cone radius="1"/>')], "part 'a': a shape has the type 'cone'; give a box"),
-        ([link("a", '<box size="1 1"/>')], "part 'a': size of a box is '1 1'; give 3 numbers"),
+        ([link("a", '<box size="1 1"/>')], "part 'a': size of <box> is '1 1'; give 3 numbers"),
         (
             [link("a", '<mesh filename="a.dae"/>')],
             r"part 'a': mesh files of type \.dae cannot be read; write",

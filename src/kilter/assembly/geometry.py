@@ -132,8 +132,7 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
     Raises
     ------
     InputError
-        If a mesh is flat, empty, self-intersecting or out of range, or open although the part
-        is free without mass and centre; the error names the part.
+        If a mesh is flat, empty, self-intersecting or out of range; the error names the part.
     """
     boxes = np.array([isinstance(part.shape, Box) for part in parts])
     warnings: list[str] = []

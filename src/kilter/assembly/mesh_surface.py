@@ -3,10 +3,12 @@
     closed                 accepted
     inconsistent winding   accepted, the faces are reoriented, with a warning
     open, part held        accepted with a warning: a held part needs surfaces, but no volume
-    open, part free        accepted with a warning if its holes are small, and mass and centre given
+    open, small holes      accepted with a warning; its volume is that of the closed mesh
+    open, large holes      accepted with a warning if mass and centre are given
+    otherwise              replaced by its convex hull, with a warning; its contacts are open
 
-Volume and moments of an open mesh are those of its closure: every connected group of open edges is
-joined to its mean point. The true shape of the missing faces is unknown.
+Volume and moments of a mesh with small holes are those of its closure: every connected group of
+open edges is joined to its mean point. The true shape of the missing faces is unknown.
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ from kilter.assembly.assembly_tolerances import SMALL_HOLES
 from kilter.assembly.part import Part
 from kilter.errors import InputError
 from kilter.shape.closed import is_evenly_paired, open_edges, orient_faces, weld
+from kilter.shape.convex_hull import hull_surface
 from kilter.shape.primitives import Mesh
 from kilter.shape.sound import weld_valid_meshes
 
@@ -41,6 +44,8 @@ class MeshSurface:
         Lower and upper corner of the bounding box of each hole.
     small : bool
         Whether the caps are small against the surface, so that the closed volume is plausible.
+    stand_in : bool
+        Whether the surface is the convex hull of the mesh, because its body is unknown.
     """
 
     vertices: Array
@@ -48,6 +53,7 @@ class MeshSurface:
     caps: Array
     holes: tuple[tuple[Array, Array], ...] = ()
     small: bool = True
+    stand_in: bool = False
 
 
 def mesh_surfaces(parts: Sequence[Part], warnings: list[str]) -> dict[int, MeshSurface]:
@@ -58,7 +64,7 @@ def mesh_surfaces(parts: Sequence[Part], warnings: list[str]) -> dict[int, MeshS
     Raises
     ------
     InputError
-        If a mesh has no faces, or is open and the part is free without mass and centre.
+        If a mesh has no faces, or bounds no body because its corners lie in a plane.
     """
     shapes = {k: part.shape for k, part in enumerate(parts) if isinstance(part.shape, Mesh)}
     distinct = {id(mesh): mesh for mesh in shapes.values() if len(mesh.triangles)}
@@ -81,7 +87,7 @@ def mesh_surface(part: Part, mesh: Mesh, warnings: list[str]) -> MeshSurface:
     Raises
     ------
     InputError
-        If the mesh has no faces, or is open and the part is free without mass and centre.
+        If the mesh has no faces, or bounds no body because its corners lie in a plane.
     """
     name = part.name
     if len(mesh.triangles) == 0 or len(mesh.vertices) == 0:
@@ -98,16 +104,46 @@ def mesh_surface(part: Part, mesh: Mesh, warnings: list[str]) -> MeshSurface:
             warnings.append(f"part {name!r}: {count} faces had the wrong winding and were reversed")
             triangles, edges = oriented, left
     if len(edges) and is_evenly_paired(triangles):
-        raise InputError(
-            f"some faces have the wrong winding: two faces run along {len(edges)} edges in the "
-            "same sense",
-            part=name,
-            hint="give all faces the same sense, seen from outside",
-        )
+        what = f"two faces run along {len(edges)} edges in the same sense"
+        return _hull_in_place(part, vertices, what, warnings)
     closure = close_holes(vertices, triangles, edges)
-    if len(edges):
-        warnings.append(_open_mesh_warning(part, closure, edges))
+    if not len(edges):
+        return closure
+    place = closure.vertices[edges[0, 0]]
+    what = f"the mesh is open: {len(edges)} edges have a face on a single side, the first at "
+    what += f"({place[0]:.6g}, {place[1]:.6g}, {place[2]:.6g})"
+    if part.grounded:
+        effect = "a held part needs no closed mesh"
+    elif part.given_mass is not None and part.center_of_mass is not None:
+        effect = "the given mass and centre of mass are used"
+    elif closure.small:
+        effect = "its small holes were closed to compute its mass"
+    else:
+        return _hull_in_place(part, vertices, what, warnings)
+    warnings.append(f"part {name!r}: {what}; {effect}")
     return closure
+
+
+def _hull_in_place(part: Part, vertices: Array, what: str, warnings: list[str]) -> MeshSurface:
+    """The convex hull of a mesh that bounds no known body, with a warning.
+
+    Raises
+    ------
+    InputError
+        If the corners of the mesh lie in a plane.
+    """
+    name = part.name
+    try:
+        surface = hull_surface(vertices)
+    except InputError:
+        raise InputError(
+            what, part=name, hint="close it in the program that made it, or leave the part out"
+        ) from None
+    warnings.append(
+        f"part {name!r}: {what}; mass and centre are those of its convex hull, and its contacts "
+        "are unknown: close it in the program that made it"
+    )
+    return MeshSurface(*surface, np.empty((0, 3, 3)), stand_in=True)
 
 
 def close_holes(vertices: Array, triangles: Index, edges: Index) -> MeshSurface:
@@ -141,20 +177,3 @@ def _area(corners: Array) -> float:
     """Total area of triangles, shape (m, 3, 3)."""
     p, q, r = corners.transpose(1, 0, 2)
     return float(np.linalg.norm(cross(q - p, r - p), axis=1).sum() / 2)
-
-
-def _open_mesh_warning(part: Part, closure: MeshSurface, edges: Index) -> str:
-    """The warning about holes in a mesh; raises `InputError` if the part must be closed."""
-    place = closure.vertices[edges[0, 0]]
-    what = f"the mesh is open: {len(edges)} edges have a face on a single side, the first at "
-    what += f"({place[0]:.6g}, {place[1]:.6g}, {place[2]:.6g})"
-    if part.grounded:
-        return f"part {part.name!r}: {what}; a held part needs no closed mesh"
-    if not closure.small:
-        hint = "close it in the program that made it"
-    elif part.given_mass is None or part.center_of_mass is None:
-        hint = "close it in the program that made it, hold the part, or give mass and "
-        hint += "center_of_mass"
-    else:
-        return f"part {part.name!r}: {what}; the given mass and centre of mass are used"
-    raise InputError(what, part=part.name, hint=hint)

@@ -68,7 +68,10 @@ def unknown_surfaces(
     places: list[tuple[int, Array, bool]] = []
     for k, part in enumerate(parts):
         shape = part.shape
-        if k in meshes:
+        if k in meshes and meshes[k].stand_in:
+            box = np.array([meshes[k].vertices.min(axis=0), meshes[k].vertices.max(axis=0)])
+            places.append((k, box, True))
+        elif k in meshes:
             places += [(k, np.array(box), False) for box in meshes[k].holes]
         elif isinstance(shape, Solid) and shape.stand_in:
             box = np.array([shape.vertices.min(axis=0), shape.vertices.max(axis=0)])

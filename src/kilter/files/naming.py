@@ -6,11 +6,15 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 
+from kilter.assembly.part import GROUND
+
 __all__ = ["distinct", "fill_names", "natural_key", "tails"]
 
 
 def distinct(names: Sequence[str]) -> list[str]:
     """Make names distinct by appending a number to every repeated name.
+
+    The name "ground" is reserved, so it always gets a number.
 
     Examples
     --------
@@ -18,9 +22,11 @@ def distinct(names: Sequence[str]) -> list[str]:
     ['bolt', 'nut', 'bolt_2', 'bolt_3']
     >>> distinct(["bolt", "bolt", "bolt_2"])  # a number that is in use is skipped
     ['bolt', 'bolt_3', 'bolt_2']
+    >>> distinct(["ground", "bolt"])
+    ['ground_2', 'bolt']
     """
     taken = set(names)
-    count: Counter[str] = Counter()
+    count = Counter([GROUND])
     result = []
     for name in names:
         count[name] += 1

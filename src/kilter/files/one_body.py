@@ -7,12 +7,14 @@ they may overlap or be separate.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from kilter.arrays import Array, Index
 from kilter.errors import InputError
 from kilter.rigid import Pose, matrix_to_quaternion
+from kilter.shape.convex_hull import hull_surface
 from kilter.shape.primitives import Mesh, Shape, surface
 
 __all__ = ["compose", "one_body"]
@@ -30,13 +32,21 @@ def compose(outer: Pose, inner: Pose) -> Pose:
     return Pose(outer.apply([inner.position])[0], matrix_to_quaternion(turn))
 
 
-def one_body(shapes: Sequence[tuple[Shape, Pose]]) -> tuple[Shape, Pose]:
+def one_body(
+    shapes: Sequence[tuple[Shape, Pose]], name: str, notes: list[str]
+) -> tuple[Shape, Pose]:
     """Unite shapes to the single shape of a part, and return its pose.
 
     Parameters
     ----------
     shapes : sequence of (Shape, Pose)
         Shapes, and their poses in the frame of the body.
+    name : str
+        Name of the part.
+    notes : list of str
+        A note is appended for each mesh among several shapes that is not closed: its convex hull
+        replaces it, which is also the shape that MuJoCo and Bullet use for contacts. A flat mesh
+        is left out.
 
     Returns
     -------
@@ -47,20 +57,36 @@ def one_body(shapes: Sequence[tuple[Shape, Pose]]) -> tuple[Shape, Pose]:
     Raises
     ------
     InputError
-        If there are several shapes and a mesh is not closed.
+        If there are several shapes and each is a flat mesh.
     """
     if len(shapes) == 1:
         return shapes[0]
     import manifold3d
 
-    solids = [_manifold(*surface(shape), pose) for shape, pose in shapes]
+    solids = []
+    for shape, pose in shapes:
+        vertices, triangles = surface(shape)
+        solid = _manifold(vertices, triangles, pose)
+        effect = "its convex hull is used"
+        if solid is None:
+            try:
+                solid = _manifold(*hull_surface(vertices), pose)
+            except InputError:
+                effect = "it is flat, so it is left out"
+            notes.append(
+                f"part {name!r}: a mesh among its {len(shapes)} shapes is not closed; {effect}"
+            )
+        if solid is not None:
+            solids.append(solid)
+    if not solids:
+        raise InputError("all of its meshes are flat", hint="give closed solids")
     mesh = manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add).to_mesh64()
     vertices = np.asarray(mesh.vert_properties)[:, :3]
     return Mesh(vertices, np.asarray(mesh.tri_verts).astype(np.int64)), Pose()
 
 
-def _manifold(vertices: Array, triangles: Index, pose: Pose) -> object:
-    """Convert a mesh in a pose to a solid of the library manifold3d."""
+def _manifold(vertices: Array, triangles: Index, pose: Pose) -> Any:
+    """Convert a mesh in a pose to a solid of the library manifold3d; None if it is not closed."""
     import manifold3d
 
     mesh = manifold3d.Mesh64(
@@ -69,9 +95,4 @@ def _manifold(vertices: Array, triangles: Index, pose: Pose) -> object:
     )
     mesh.merge()
     solid = manifold3d.Manifold(mesh)
-    if solid.status() != manifold3d.Error.NoError:
-        raise InputError(
-            "a mesh among several shapes of a body is not closed",
-            hint="close the mesh, or make each shape a body of its own",
-        )
-    return solid
+    return solid if solid.status() == manifold3d.Error.NoError else None

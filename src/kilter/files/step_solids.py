@@ -43,6 +43,7 @@ from kilter.files.step_faces import StepFace, cut_faces
 from kilter.files.step_repairs import sewn_shape, with_other_sides
 from kilter.files.step_surfaces import face_surface, points_of_face
 from kilter.shape.closed import open_edges
+from kilter.shape.convex_hull import hull_surface
 from kilter.shape.solid import Solid, Surface, facing, height, same_surface
 
 __all__ = ["ReadSolid", "read_solid", "stand_in"]
@@ -176,20 +177,7 @@ def _hull(points: Array) -> Solid:
     InputError
         If the points lie in a plane.
     """
-    from scipy.spatial import ConvexHull, QhullError
-
-    try:
-        hull = ConvexHull(points)
-    except (QhullError, ValueError):
-        raise InputError(
-            "the solid has no volume", hint="repair it in the program that made it"
-        ) from None
-    used, compact = np.unique(hull.simplices, return_inverse=True)
-    triangles = compact.reshape(-1, 3).astype(np.int64)
-    vertices = points[used]
-    p, q, r = (vertices[triangles[:, k]] for k in range(3))
-    inwards = np.einsum("ij,ij->i", np.cross(q - p, r - p), hull.equations[:, :3]) < 0
-    triangles[inwards] = triangles[inwards][:, ::-1]
+    vertices, triangles = hull_surface(points)
     volume, center, second, _ = polyhedron_moments(
         vertices, triangles, np.array([0, len(triangles)])
     )

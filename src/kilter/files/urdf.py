@@ -75,6 +75,7 @@ class _Robot:
         for name in self.links:
             self._place(name)
         self.tally = Tally()
+        self.notes: list[str] = []
 
     def _end(self, joint: Element, end: str) -> str:
         """Name of the link at an end ("parent" or "child") of a joint."""
@@ -118,17 +119,16 @@ class _Robot:
             raise InputError("no link has a shape", hint="give its links <collision> or <visual>")
         joints = [joint for name in self.links for joint in self._joint(name, solid, held)]
         moving = sum(joint.kind != "fixed" for joint in joints)
-        notes = [f"{moving} joints are free to move: motors and limits are ignored"]
-        return Assembly(
-            parts, units="m", joints=joints, source=source, notes=notes if moving else []
-        )
+        if moving:
+            self.notes.append(f"{moving} joints are free to move: motors and limits are ignored")
+        return Assembly(parts, units="m", joints=joints, source=source, notes=self.notes)
 
     def _part(self, name: str, shapes: list[tuple[Shape, Pose]], *, held: bool) -> Part:
         """Build the part of a link from its shapes."""
         inertial = self.links[name].find("inertial")
         mass = center = None
         try:
-            shape, inner = one_body(shapes)
+            shape, inner = one_body(shapes, name, self.notes)
             if inertial is not None:
                 mass = _numbers(inertial.find("mass"), "value", 1, "0")[0] or None
             if mass is not None and inertial is not None:
@@ -245,7 +245,7 @@ def _numbers(element: Element | None, key: str, count: int, default: str = "") -
     if len(values) != count or not np.isfinite(values).all():
         tag = "element" if element is None else element.tag
         raise InputError(
-            f"{key} of a {tag} is {' '.join(words)!r:.60}", hint=f"give {count} numbers"
+            f"{key} of <{tag}> is {' '.join(words)!r:.60}", hint=f"give {count} numbers"
         )
     return values
 

@@ -160,9 +160,9 @@ class _Model:
             notes=[*self.notes, *([f"ignored: {left}"] if left else [])],
         )
 
-    def _geom_name(self, geom: int) -> str:
+    def _geom_name(self, geom: int, unnamed: str = "world") -> str:
         """Name of the geom with an index, for parts of the world body."""
-        return self.model.geom(geom).name or "world"
+        return distinct([self.model.geom(geom).name or unnamed])[0]
 
     def _add(
         self, name: str, geoms: list[int], pose: Pose, *, held: bool, body: int | None = None
@@ -170,7 +170,7 @@ class _Model:
         """Add a part of the given geoms; with `body`, it has the mass and centre of that body."""
         model = self.model
         try:
-            shape, inner = one_body([self._shape(geom) for geom in geoms])
+            shape, inner = one_body([self._shape(geom) for geom in geoms], name, self.notes)
         except InputError as error:
             raise error.located(part=name) from None
         mass = None if body is None else float(model.body_mass[body])
@@ -202,7 +202,7 @@ class _Model:
         if kind == CAPSULE:
             ends = [(Sphere(float(size[0])), Pose([0, 0, z])) for z in (-size[1], size[1])]
             side = Cylinder(float(size[0]), 2 * float(size[1]))
-            return one_body([(side, Pose()), *ends])[0], pose
+            return one_body([(side, Pose()), *ends], "capsule", self.notes)[0], pose
         if kind == ELLIPSOID:
             vertices, triangles = surface(Sphere(1.0))
             return Mesh(vertices * size, triangles), pose
@@ -226,7 +226,7 @@ class _Model:
             half = np.where(half > 0, half, local + SPACIOUS * size)
             box = Box([2 * half[0], 2 * half[1], size])
             part = Part(
-                self.model.geom(geom).name or "floor",
+                self._geom_name(geom, "floor"),
                 box,
                 compose(pose, Pose([0, 0, -size / 2])),
                 grounded=True,
