@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tubes import pin, tube
@@ -10,8 +12,9 @@ from kilter.assembly import Assembly, Joint, Part
 from kilter.contact import ContactSet, Tolerance, contacts
 from kilter.contact.contact_tolerances import GAP, LOOSE_ANGLE, LOOSE_GAP
 from kilter.rigid import Pose
+from kilter.scenes import scene
 from kilter.scenes.pieces import block
-from kilter.shape.primitives import Box
+from kilter.shape.primitives import Box, Prism
 
 
 def stacked(gap: float, *, tilt: float = 0.0, **options: object) -> Assembly:
@@ -91,3 +94,19 @@ def test_a_wider_tolerance_closes_a_gap() -> None:
 def test_a_round_fit_with_clearance_or_interference(radius: float, kind: list[str]) -> None:
     found = Assembly([tube("tube", 1.0, 2.0, 1.0, grounded=True), pin("pin", radius, 4.0)])
     assert kinds(found) == kind
+
+
+def test_the_depth_of_two_corners_is_at_most_the_way_in() -> None:
+    # no facet is nearly across the way, so the planes of the facets alone give a depth of .2
+    upper, lower = scene("paper-figure-3-vertices").parts[::-1]
+    sunk = replace(upper, pose=Pose([0, 0, -0.01]))
+    [overlap] = contacts(Assembly([replace(lower, grounded=True), sunk])).overlaps
+    assert 0.005 < overlap.depth <= 0.01
+
+
+def test_the_depth_of_crossing_ridges_is_measured_across_both() -> None:
+    lower = Part("lower", Prism([[-1, -1], [1, -1], [0, 0]], 2.0), grounded=True)
+    turned = Pose([0, 0, -0.02], [np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)])
+    upper = Part("upper", Prism([[-1, 1], [1, 1], [0, 0]], 2.0), turned)
+    [overlap] = contacts(Assembly([lower, upper])).overlaps
+    assert overlap.depth == pytest.approx(0.02, rel=1e-6)

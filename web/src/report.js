@@ -34,6 +34,8 @@ const TONES = {
 };
 const SNAP = (3 * Math.PI) / 180; // a thin region attracts the arrow within this angle [rad]
 const FALLS = 2400; // duration of the animated fall [ms]
+const BLOCKED = 0.01; // a motion that stops before this share of its length is blocked
+const ENTERING = "the parts would enter each other at a contact that the motion leaves out";
 const QUIET = 1200; // with more contact points, forces are hidden at first
 
 export class Report extends Look {
@@ -205,8 +207,18 @@ export class Report extends Look {
       sizes.sort((a, b) => a - b);
       const reach = reachOf(found.motion, page.parts.radius, 1.1 * (sizes[sizes.length >> 1] || 0));
       found.farthest = clearAmount(page, found.motion, reach);
+      found.blocked = found.farthest < BLOCKED * reach;
+      this.tellMotion();
     }
     return found.farthest;
+  }
+
+  /** Label the slider of the motion; a motion that only closes open pairs cannot be shown. */
+  tellMotion() {
+    const { motion, fall, blocked } = this.found;
+    const named = fall ? "start of the fall" : `motion${blocked ? ": blocked" : ""}`;
+    id("motion-label").textContent = motion ? named : "motion: none";
+    id("motion-row").title = blocked ? ENTERING : "impending motion";
   }
 
   arrows() {
@@ -302,8 +314,7 @@ export class Report extends Look {
     this.ball.canvas.setAttribute("aria-valuenow", String(Math.round((away * 180) / Math.PI)));
     id("motion").disabled = !found.motion;
     id("play").disabled = !found.motion;
-    const motion = found.fall ? "start of the fall" : "motion";
-    id("motion-label").textContent = found.motion ? motion : "motion: none";
+    this.tellMotion();
     if (this.selected >= 0) this.showPart(this.selected);
   }
 

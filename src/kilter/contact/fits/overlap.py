@@ -212,18 +212,28 @@ def _convex_overlap(
         offsets.append(offset)
     if separation >= -tolerance:
         return None
-    return _ball_overlap(
+    overlap, away = _ball_overlap(
         np.concatenate(normals), np.concatenate(offsets), parts, -separation, tolerance
     )
+    if overlap is None or away is None:
+        return overlap
+    # between edges or corners no facet separates the parts, but this direction does
+    outwards = away[: len(normals[0])] @ normals[0]
+    length = float(np.linalg.norm(outwards))
+    if length <= TINY:
+        return overlap
+    heights = [(_corners(geometry, part) - middle) @ (outwards / length) for part in parts]
+    return replace(overlap, depth=min(overlap.depth, float(heights[0].max() - heights[1].min())))
 
 
 def _ball_overlap(
     normals: Array, offsets: Array, parts: tuple[int, int], depth: float, tolerance: float
-) -> Overlap | None:
+) -> tuple[Overlap | None, Array | None]:
     """Overlap of two convex parts from the largest ball inside both; None if that is small.
 
     `depth` is the least depth to any facet's plane [length unit]. The ball is the solution of a
-    linear program.
+    linear program. Also the pressures of the facets on the ball, which are in balance, shape (m,);
+    None if they are unknown.
     """
     from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
@@ -242,13 +252,13 @@ def _ball_overlap(
         )
     )
     if ball.outcome == "infeasible" or (ball.optimal and ball.x[3] * scale <= tolerance / 2):
-        return None
+        return None, None
     if not ball.optimal:  # undecided: report an overlap, so that none is missed
-        return Overlap(parts, None, depth, "overlap")
+        return Overlap(parts, None, depth, "overlap"), None
     try:
         halfspaces = np.column_stack([normals, -offsets / scale])
         corners = HalfspaceIntersection(halfspaces, ball.x[:3]).intersections
         volume = float(ConvexHull(corners).volume) * scale**3
     except QhullError:  # too flat for a volume
         volume = None
-    return Overlap(parts, volume, depth, "overlap")
+    return Overlap(parts, volume, depth, "overlap"), np.abs(ball.multipliers)
