@@ -104,10 +104,14 @@ def test_the_knob_of_gravity_hides_no_axis(opened: Callable) -> None:
         CanvasRenderingContext2D.prototype.fillText = function (text, x, y) {
             told.push([text, x, y]); return own.call(this, text, x, y); };
         ball.draw();
-        return new Promise(done => setTimeout(() => {
-            CanvasRenderingContext2D.prototype.fillText = own;
-            done({told, knob: ball.place(down), side: ball.frame().side});
-        }, 120)); }"""
+        return new Promise(done => {
+            const look = () => {
+                if (ball.waiting) return setTimeout(look, 5);  // the frame is not painted yet
+                CanvasRenderingContext2D.prototype.fillText = own;
+                done({told, knob: ball.place(down), side: ball.frame().side});
+            };
+            look();
+        }); }"""
     for axis in np.vstack([np.eye(3), -np.eye(3)]):
         found = page.js(ask, axis.tolist())
         names = [one for one in found["told"] if one[0][0] in "+\N{MINUS SIGN}"]
