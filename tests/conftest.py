@@ -26,7 +26,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     """`--each-solver FILE`: see `solvers_apart`; `--kills N`: see `tests/cli/test_writing.py`."""
     parser.addoption("--each-solver", metavar="FILE", type=Path, help="ask each solver by itself")
     parser.addoption("--block", metavar="K/N", help="run the K-th of N blocks of the tests")
-    parser.addoption("--kills", type=int, default=40, help="moments at which a writer is killed")
+    parser.addoption("--kills", type=int, default=12, help="moments at which a writer is killed")
 
 
 def pytest_configure() -> None:

@@ -369,7 +369,6 @@ def test_a_squeezed_block_of_others_keeps_its_level_in_a_plan(run, name: str) ->
 
 @pytest.mark.slow
 @needs_shared
-@pytest.mark.slow
 @pytest.mark.parametrize(("name", "proved"), [("iris_box", 1), ("one_plate", 2)])
 def test_the_parts_that_the_proof_moves_are_listed_first(run, name: str, proved: int) -> None:
     pytest.importorskip("OCP")

@@ -190,7 +190,6 @@ class TestProofs:
         assert other.value <= own.value + own.gap
 
     @pytest.mark.slow
-    @pytest.mark.slow
     def test_a_tower_tilts_as_far_as_its_width_over_its_height(self):
         program = program_of(stacks.tower(140).with_friction(0.6))
         assert len(program.part_a) > load_limit.EXACT

@@ -253,11 +253,11 @@ def test_a_name_cannot_disturb_the_terminal(capsys: pytest.CaptureFixture[str]) 
 
 
 @pytest.mark.slow
-def test_a_mesh_of_a_million_faces_works(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_mesh_of_three_hundred_thousand_faces_works(capsys: pytest.CaptureFixture[str]) -> None:
     trimesh = pytest.importorskip("trimesh")
-    ball = trimesh.creation.icosphere(subdivisions=8)
+    ball = trimesh.creation.icosphere(subdivisions=7)
     ball.apply_translation([0, 0, 5])
-    assert len(ball.faces) > 1_000_000
+    assert len(ball.faces) > 300_000
     ball.export("ball.stl")
     data = base()
     data["parts"].append({"name": "ball", "mesh": "ball.stl"})

@@ -219,11 +219,9 @@ def test_tables_are_the_same_bytes_with_any_number_of_processes(
 
 
 @pytest.mark.slow
-def test_a_run_that_is_killed_twenty_times_at_random_ends_whole(
-    piles: Path, tmp_path: Path
-) -> None:
+def test_a_run_that_is_killed_eight_times_at_random_ends_whole(piles: Path, tmp_path: Path) -> None:
     random = np.random.default_rng(7)
-    for seconds in random.uniform(0.0, 3.0, 20):
+    for seconds in random.uniform(0.0, 3.0, 8):
         run = begun(piles, tmp_path)
         time.sleep(float(seconds))
         left = children(run)

@@ -167,7 +167,7 @@ def test_a_command_that_is_asked_to_end_leaves_nothing_beside(
     words, target, old = [*WRITERS[name], name], folder / name, old_content(name)
     _, took = commands.run(words, folder)
     rng = np.random.default_rng([len(name), number])
-    for _ in range(5):
+    for _ in range(2):
         target.write_bytes(old)
         after = rng.uniform(0.2, 1.0) * took
         code, _ = commands.run(words, folder, after=after, number=number, ignored=ignored)

@@ -42,7 +42,6 @@ def test_without_friction_no_direction_is_called_stable(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.slow
 @pytest.mark.parametrize("seed", [2, 4])
 def test_the_least_friction_is_that_of_exact_normals_and_their_doubt_more(seed):
     assembly, found, exact = both(seed, 0.0)

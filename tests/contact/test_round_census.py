@@ -8,8 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from sampled import sampled
-
 pytest.importorskip("OCP")
 
 FILE = Path(__file__).resolve().parents[2] / "benchmarks" / "round_census.py"
@@ -25,7 +23,7 @@ def census():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", sampled(10, 230))
+@pytest.mark.parametrize("seed", range(80))
 def test_round_bodies_touch_and_stay_as_closed_forms_say(census, seed):
     _, _, wrong = census.asked(seed)
     assert wrong == []

@@ -13,9 +13,8 @@ from kilter.contact import contacts
 from kilter.contact.fits.suggestions import suggest_joints
 from kilter.scenes.pieces import block, turn
 from kilter.scenes.transform import moved
-from sampled import sampled
 
-SCENES = 100
+SCENES = 24
 WORDS = ["part", "Body", "Solid", "case/side", "a-1", "x y", "Teil", "12", "cover"]
 
 
@@ -115,7 +114,7 @@ class Bench:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("threads", [False, True])
-@pytest.mark.parametrize("seed", sampled(5, SCENES // 2))
+@pytest.mark.parametrize("seed", range(SCENES // 2))
 def test_suggestions_are_the_joints_that_it_was_built_with(seed: int, threads: bool) -> None:
     bench = Bench(1000 * threads + seed)
     assembly = bench.build(threads)

@@ -129,7 +129,7 @@ def test_against_all_modes_in_the_plane(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(8, 80))
+@pytest.mark.parametrize("seed", range(8, 24))
 def test_against_all_modes_in_the_plane_more(seed):
     one = standing(seed, planar=True, parts=1 + seed % 2, points=3 + (seed % 3 == 0))
     assert prove_no_motion(one, work=2).proved == (greatest_power(one) < 1e-9)
@@ -149,7 +149,7 @@ def test_against_motions_found_in_space(seed):
     {"corners": 4, "patches": 2}, {"corners": 3, "patches": 3, "parts": 1},
 ])  # fmt: skip
 def test_motions_built_in(options):
-    for seed in range(200, 260):
+    for seed in range(200, 220):
         found = witnessed(seed, **options)
         assert found is None or not prove_no_motion(found.program, work=1).proved
 

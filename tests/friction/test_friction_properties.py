@@ -19,7 +19,7 @@ from kilter.mechanics.program import build_program
 from kilter.scenes.pieces import turn
 from kilter.scenes.transform import moved
 
-SEEDS = range(40)
+SEEDS = range(20)
 EFFORT = 0.5
 
 

@@ -37,7 +37,7 @@ def test_z_from_the_map_is_that_of_lp_9(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", sorted(ALL)[::6])
 def test_z_from_the_map_is_that_of_lp_9_on_1000_directions(name):
     assert z_error(name, 1000) <= 1e-8
 

@@ -33,9 +33,9 @@ def test_some_are_of_one_state_wherever_they_are() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("block", range(10))
+@pytest.mark.parametrize("block", range(2))
 @pytest.mark.parametrize("boxes", [True, False])
-def test_a_hundred_and_twenty_without_a_contradiction(block: int, boxes: bool) -> None:
+def test_random_grids_have_no_contradiction(block: int, boxes: bool) -> None:
     """At most one of six assemblies of boxes, or two of six of outlines, is open."""
     opens = 0
     for seed in range(5000 + 6 * block, 5006 + 6 * block):

@@ -197,8 +197,8 @@ def test_a_random_one_falls(seed: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("block", range(6))
-def test_sixty_random_ones_fall_and_none_overlaps(block: int) -> None:
+@pytest.mark.parametrize("block", range(2))
+def test_random_ones_fall_and_none_overlaps(block: int) -> None:
     far = [followed(seed) for seed in range(10 * block, 10 * block + 10)]
     falls = [one for one in far if one is not None]
     assert len(falls) >= 5

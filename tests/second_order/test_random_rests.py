@@ -30,8 +30,8 @@ def test_a_descent_comes_lower_than_what_balances_and_no_lower_than_a_minimum() 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("block", range(10))
-def test_seventy_without_a_contradiction(block: int) -> None:
+@pytest.mark.parametrize("block", range(3))
+def test_random_rests_have_no_contradiction(block: int) -> None:
     for seed in range(1000 + 7 * block, 1007 + 7 * block):
         kind, assembly = random_rest(seed)
         verdict = kilter.check(assembly)

@@ -32,8 +32,8 @@ def test_clusters_rise_and_fall_as_their_energy_does_together(seeds: tuple[int, 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("block", range(10))
-def test_five_hundred_without_a_contradiction(block: int) -> None:
-    states = Counter(compared(seed) for seed in range(100 + 50 * block, 100 + 50 * (block + 1)))
-    assert min(states["minimum"], states["balanced"]) >= 5
+@pytest.mark.parametrize("block", range(3))
+def test_random_rounds_have_no_contradiction(block: int) -> None:
+    states = Counter(compared(seed) for seed in range(100 + 30 * block, 130 + 30 * block))
+    assert min(states["minimum"], states["balanced"]) >= 3
     assert states["open"] == 0
