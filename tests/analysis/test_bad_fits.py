@@ -12,7 +12,7 @@ from kilter.mechanics.mechanics_tolerances import NO_EXCUSE, RULED_OUT
 from kilter.mechanics.program import Program
 from sampled import sampled
 
-SEEDS, BLOCK = 500, 10
+SEEDS, BLOCK = 200, 10
 
 
 def proves_by_matrix(program: Program, judgement: Judgement) -> bool:

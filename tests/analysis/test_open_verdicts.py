@@ -149,7 +149,7 @@ def test_no_contact_set_between_contradicts_a_verdict(seed: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(12, 120))
+@pytest.mark.parametrize("seed", range(12, 42))
 def test_no_contact_set_between_contradicts_any_verdict(seed: int) -> None:
     assert census().asked(seed)[1] == []  # type: ignore[attr-defined]
 

@@ -161,8 +161,8 @@ def test_random_scenes_agree_with_the_oracle(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("block_of_scenes", range(10))
-def test_two_thousand_random_scenes_agree_with_the_oracle(block_of_scenes):
+@pytest.mark.parametrize("block_of_scenes", range(3))
+def test_hundreds_of_random_scenes_agree_with_the_oracle(block_of_scenes):
     wrong = complaints(range(1000 + 200 * block_of_scenes, 1200 + 200 * block_of_scenes))
     assert not wrong, "\n".join(wrong)
 

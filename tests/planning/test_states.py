@@ -79,8 +79,8 @@ def test_states_agree_with_check_on_both_sides() -> None:
 
 @pytest.mark.slow
 def test_many_states_of_irregular_assemblies_agree_with_check() -> None:
-    verdicts = [one for seed in range(40) for one in agree(seed, 6)]
-    assert min(verdicts.count(True), verdicts.count(False)) > 50
+    verdicts = [one for seed in range(16) for one in agree(seed, 6)]
+    assert min(verdicts.count(True), verdicts.count(False)) > 20
 
 
 def agree_under(seed: int, count: int) -> list[bool | None]:

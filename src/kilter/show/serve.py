@@ -18,6 +18,8 @@ read this page through a host name of its own (DNS rebinding)."""
 
 HTTP = 80
 """Default port of HTTP; browsers omit it from the Host header."""
+POLL = 0.05
+"""Interval at which the server looks for its end [s]; a larger value delays the end."""
 
 
 class PageServer:
@@ -47,7 +49,9 @@ class PageServer:
                 f"port {port} is not available ({error.strerror})", hint="give another --port"
             ) from None
         self._server.daemon_threads = True
-        self._thread = threading.Thread(target=self._server.serve_forever, daemon=True)
+        self._thread = threading.Thread(
+            target=self._server.serve_forever, args=(POLL,), daemon=True
+        )
 
     @property
     def port(self) -> int:
