@@ -293,11 +293,11 @@ def test_fewest_supports_are_those_of_enumeration() -> None:
 
 @pytest.mark.slow
 def test_fewest_supports_of_many_are_those_of_enumeration() -> None:
-    answers = agree(range(200))
-    assert len(answers) > 180
+    answers = agree(range(60))
+    assert len(answers) > 54
     held = [least for verdict, least in answers if verdict == "held"]
-    assert min(held.count(k) for k in (0, 1, 2)) > 10
-    assert len(answers) - len(held) > 20
+    assert min(held.count(k) for k in (0, 1, 2)) > 2
+    assert len(answers) - len(held) > 5
 
 
 @pytest.mark.slow

@@ -117,8 +117,8 @@ def test_states_under_other_gravity_and_friction_agree_with_check() -> None:
 
 @pytest.mark.slow
 def test_many_states_under_other_gravity_and_friction_agree_with_check() -> None:
-    verdicts = [one for seed in range(30) for one in agree_under(seed, 8)]
-    assert min(verdicts.count(True), verdicts.count(False)) > 30
+    verdicts = [one for seed in range(12) for one in agree_under(seed, 8)]
+    assert min(verdicts.count(True), verdicts.count(False)) > 12
 
 
 @pytest.mark.parametrize(("degrees", "stable"), [(21.7, True), (21.9, False)])

@@ -96,17 +96,17 @@ def test_paths_against_parts_moved_step_by_step() -> None:
 @pytest.mark.slow
 def test_many_paths_against_parts_moved_by_five_hundredths_of_the_way() -> None:
     answers = []
-    for seed in range(20):
+    for seed in range(6):
         family = ("pile", "arch", "wedge")[seed % 3]
         answers += held_against_samples(random_turned(family, seed), seed, 60, 500)
-    assert min(answers.count(True), answers.count(False)) > 300
+    assert min(answers.count(True), answers.count(False)) > 90
 
 
 @pytest.mark.slow
-def test_a_thousand_blocked_ways_are_blocked() -> None:
+def test_hundreds_of_blocked_ways_are_blocked() -> None:
     """None is free by more than the tolerance: on each the parts share volume somewhere."""
     blocked, seed = 0, 100
-    while blocked < 1000:
+    while blocked < 300:
         family = ("pile", "arch", "wedge")[seed % 3]
         made = random_turned(family, seed)
         blocked += held_against_samples(made, seed, 80, 100, blocked_only=True).count(True)
