@@ -28,7 +28,7 @@ VERBS = ("check", "contacts", "orient", "region", "margin", "plan", "hold", "imp
 PICTURES = ("report", "draw")
 """Verbs that write a page or a picture, which is compared in place of JSON."""
 LONGEST = 30
-SETS, EACH = 90, 6
+SETS, EACH = 48, 6
 FLAGS = {"--loose", "--fasten-suggested", "--fasten-overlaps"}
 OPTIONS = {f"--{name.replace('_', '-')}" for name in READING}
 WRITES = ("-o", "--output", "--write", "--proof")
