@@ -34,9 +34,9 @@ def test_directions_one_by_one(name: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [*KINDS, *MORE])
-def test_twenty_thousand_directions_one_by_one(name: str) -> None:
+def test_thousands_of_directions_one_by_one(name: str) -> None:
     region = region_of(name)
-    assert not disagreements(region, directions(region, 20_000, seed=1))
+    assert not disagreements(region, directions(region, 2_000, seed=1))
 
 
 @pytest.mark.quick(1)
