@@ -86,7 +86,8 @@ def _read_ahead(words: list[str]) -> None:
 
 def _run(words: list[str]) -> int:
     """Run a command given as words; return its exit code, or that of wrong usage."""
-    if words in HELP:
+    # a shell that completes a command line gives it in the environment, not in these words
+    if words in HELP and COMPLETION not in os.environ:
         from kilter.cli.overview import overview
 
         print(overview())
@@ -140,7 +141,6 @@ def _result(given: list[str]) -> int | None:
     from kilter.cli.commands import COMMANDS, functions_of
     from kilter.cli.declarations import usual_values
 
-    # a shell that completes a command line gives it in the environment, not in these words
     if given and given[0] in COMMANDS and COMPLETION not in os.environ:
         [function] = functions_of(given[0])
         values = usual_values(function, given[1:])
