@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csc_array
 
-from kilter.arrays import TINY, Array, Index, Mask, ragged, starts
+from kilter.arrays import TINY, Array, Index, Mask, across, ragged, starts
 from kilter.assembly.side_by_side import SideBySide
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.certificate import part_sizes
@@ -28,6 +28,7 @@ from kilter.mechanics.mechanics_tolerances import (
     ZERO_ENTRY,
 )
 from kilter.mechanics.program import Program, build_program
+from kilter.mechanics.stacked_parts import stack_answers
 from kilter.rigid import common_frames
 from kilter.solvers.blocks import BlockAnswers, Blocks
 
@@ -88,6 +89,17 @@ class ProgramBlocks:
         return np.repeat(np.arange(len(self.gravity)), np.diff(self.start))
 
     @cached_property
+    def row_owner(self) -> Index:
+        """Index of the program to which each row belongs, shape (K,)."""
+        return np.repeat(np.arange(len(self.gravity)), np.diff(self.row_start))
+
+    @cached_property
+    def level_frames(self) -> Array:
+        """Rows of two horizontal unit vectors and the upward one of each program, (M, 3, 3)."""
+        up = -self.gravity / np.linalg.norm(self.gravity, axis=1)[:, None]
+        return np.stack([*across(up), up], axis=1)
+
+    @cached_property
     def load(self) -> Array:
         """Weight of each part as force and torque, shape (N, 6)."""
         load = np.zeros((len(self.owner), 6))
@@ -130,11 +142,17 @@ class ProgramBlocks:
 
     def union(self, which: Index) -> Program:
         """A single program of the assemblies `which` (ascending, equal gravity), side by side."""
+        return self.among(which).whole.with_rows(gravity=self.gravity[which[0]])
+
+    def among(self, which: Index) -> ProgramBlocks:
+        """The programs of the assemblies `which` (ascending) alone."""
+        if len(which) == len(self.gravity):
+            return self
         whole, parts = self.whole, ragged(self.start, which)[1]
         chosen = whole.taking(self.rows(which))
         number = np.full(len(whole.names) + 1, -1)
         number[parts] = np.arange(len(parts))
-        return chosen.with_rows(
+        program = chosen.with_rows(
             names=tuple(whole.names[part] for part in parts.tolist()),
             **{
                 name: getattr(whole, name)[parts]
@@ -145,8 +163,29 @@ class ProgramBlocks:
             },
             part_a=number[chosen.part_a],
             part_b=number[chosen.part_b],
-            gravity=self.gravity[which[0]],
         )  # fmt: skip
+        part_start, row_start = (starts(np.diff(s)[which]) for s in (self.start, self.row_start))
+        return ProgramBlocks(program, part_start, row_start, self.gravity[which])
+
+    def upright(self, which: Index) -> Program:
+        """A single program of the assemblies `which`, each turned so that its gravity is -z.
+
+        The gravity is 1, and the mass of each part is its weight.
+        """
+        few = self.among(which)
+        program, frames = few.whole, few.level_frames
+        of_part, of_row = frames[few.owner], frames[few.row_owner]
+        return program.with_rows(
+            gravity=np.array([0.0, 0.0, -1.0]),
+            mass=few.weight,
+            center=(of_part * program.center[:, None]).sum(axis=2),
+            point=(of_row * program.point[:, None]).sum(axis=2),
+            normal=(of_row * program.normal[:, None]).sum(axis=2),
+        )
+
+    def parts(self, which: Index) -> Index:
+        """Indices of the parts of the assemblies `which`."""
+        return ragged(self.start, which)[1]
 
     @cached_property
     def scaled(self) -> Blocks:
@@ -185,12 +224,33 @@ class ProgramBlocks:
         counted: Array = turned.reshape(-1, 6)[:, self.whole.freedoms]
         return counted
 
+    def stacked(self, which: Mask) -> BlockProofs:
+        """Proofs of the programs in the mask `which` whose parts are stacked on level faces."""
+        if self.whole.planar:
+            which = np.zeros_like(which)
+        answers = stack_answers(self.whole, self.start, self.level_frames, self.weight, which)
+        return self.checked(answers.forces, answers.motion, answers.carried, answers.tips)
+
     def judged(self, answers: BlockAnswers) -> BlockProofs:
         """Check solved forces and motions by the criteria that apply to single proofs."""
-        whole = self.whole
-        row_owner = np.repeat(np.arange(len(self.gravity)), np.diff(self.row_start))
-        forces = answers.forces * self.unit[row_owner]
+        forces = answers.forces * self.unit[self.row_owner]
         forces = np.where(np.isfinite(forces), forces, 0.0)
+        motion = self._motion_of(answers.multipliers)
+        return self.checked(forces, motion, answers.factor > 0.5, answers.factor < 0.5)
+
+    def checked(self, forces: Array, motion: Array, holds: Mask, falls: Mask) -> BlockProofs:
+        """Check forces and motions by the criteria that apply to single proofs.
+
+        Parameters
+        ----------
+        forces : ndarray, shape (K,)
+            Forces of all rows [N].
+        motion : ndarray, shape (N, 6)
+            Motion of all parts, of any size.
+        holds, falls : ndarray of bool, shape (M,)
+            Programs of which the forces, or the motion, are a candidate of a proof.
+        """
+        whole = self.whole
         forces = np.where(whole.two_sided, forces, np.maximum(forces, 0.0))
         imbalance = part_sizes(whole, whole.wrenches(forces) + self.load, per_radius=True)
         scale = np.maximum(self.weight, whole.force_sums(forces))
@@ -200,11 +260,10 @@ class ProgramBlocks:
         balanced = self._reduce_parts(
             np.logical_and, (relative <= whole.tolerance) & (share <= limit)
         )
-        motion, power, violation, moves = self._check_motions(answers)
-        solved = answers.factor > 0.5
+        motion, power, violation, moves = self._check_motions(motion)
         return BlockProofs(
-            stable=balanced & solved,
-            unstable=moves & (answers.factor < 0.5),
+            stable=balanced & holds,
+            unstable=moves & falls,
             residual=self._reduce_parts(np.maximum, relative),
             power=power,
             violation=violation,
@@ -212,18 +271,22 @@ class ProgramBlocks:
             motion=motion,
         )
 
-    def _check_motions(self, answers: BlockAnswers) -> tuple[Array, Array, Array, Mask]:
-        """Motions from multipliers, their power and violation, and a mask of valid proofs."""
+    def _motion_of(self, multipliers: Array) -> Array:
+        """Motion of all parts from the multipliers of the solved programs, shape (N, 6)."""
         whole, owner, per = self.whole, self.owner, len(self.whole.freedoms)
         free = np.flatnonzero(whole.free)
-        columns = -answers.multipliers.reshape(-1, per) / self.weight[free][:, None]
+        columns = -multipliers.reshape(-1, per) / self.weight[free][:, None]
         motion = np.zeros((len(owner), 6))
         motion[np.ix_(free, whole.freedoms)] = np.where(np.isfinite(columns), columns, 0.0)
         motion[:, 3:] /= whole.radius[:, None]
         turned = np.einsum("nji,naj->nai", self.frames[owner], motion.reshape(-1, 2, 3))
         motion = turned.reshape(-1, 6)
-        if whole.planar:
-            motion = motion * np.array([1.0, 0, 1, 0, 1, 0])
+        planar: Array = motion * np.array([1.0, 0, 1, 0, 1, 0])
+        return planar if whole.planar else motion
+
+    def _check_motions(self, motion: Array) -> tuple[Array, Array, Array, Mask]:
+        """Motions of size 1, their power and violation, and a mask of valid proofs."""
+        whole, owner = self.whole, self.owner
         sizes = part_sizes(whole, motion, per_radius=False)
         largest = self._reduce_parts(np.maximum, sizes)
         length = np.where(largest > 0, largest, 1.0)[owner]
@@ -232,9 +295,7 @@ class ProgramBlocks:
         opening = whole.velocities(motion)
         violations = np.where(whole.two_sided, np.abs(opening), np.maximum(-opening, 0.0))
         violation = np.zeros(len(self.gravity))
-        np.maximum.at(
-            violation, np.repeat(np.arange(len(violation)), np.diff(self.row_start)), violations
-        )
+        np.maximum.at(violation, self.row_owner, violations)
         moving = whole.free & (sizes > STILL)
         weight = np.where(moving, self.weight, 0.0)
         tolerance = np.maximum(TOLERANCE, COARSE_POWER * whole.tolerance)

@@ -9,7 +9,7 @@ and the tilts of every part. Other assemblies are left to `check`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from kilter.contact.gaps import Tolerance
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
 from kilter.mechanics.program import Program
 from kilter.mechanics.program_blocks import BlockProofs, ProgramBlocks, program_blocks
-from kilter.second_order.proofs.level_rest import level_rows
+from kilter.second_order.proofs.level_rest import level_rows, rest_on_level
 from kilter.second_order.searches.level_rest_search import rests_level
 from kilter.solvers.blocks import solve_blocks
 
@@ -89,16 +89,33 @@ def decide_together(apart: SideBySide, rough: Mask, tolerance: Tolerance) -> Tog
     contacts = contacts_side_by_side(apart, tolerance)
     asked = ~_odd(apart, contacts)
     certain = program_blocks(apart, contacts)
-    proofs = certain.judged(solve_blocks(certain.scaled, np.flatnonzero(asked)))
+    stacked = certain.stacked(asked)
+    proofs = _with_programs(certain, stacked, asked & ~stacked.stable & ~stacked.unstable)
     stable, falls = proofs.stable & asked, proofs.unstable & asked & ~rough
     stable &= _rests_level(certain, contacts, proofs, stable)
     outer = program_blocks(apart, contacts, possible=True) if falls.any() else certain
     more = falls & (np.diff(outer.row_start) > np.diff(certain.row_start))
     if not more.any():
         return Together(stable, falls, (certain, proofs), None, more)
-    bounds = outer.judged(solve_blocks(outer.scaled, np.flatnonzero(more)))
+    kept = outer.checked(np.zeros(len(outer.whole.part_a)), proofs.motion, ~falls & falls, more)
+    bounds = _with_programs(outer, kept, more & ~kept.unstable)
     unstable = np.where(more, bounds.unstable, falls)
     return Together(stable, unstable, (certain, proofs), (outer, bounds), more)
+
+
+def _with_programs(blocks: ProgramBlocks, proofs: BlockProofs, left: Mask) -> BlockProofs:
+    """Proofs in which the assemblies in the mask `left` have the proofs of linear programs."""
+    which = np.flatnonzero(left)
+    if not len(which):
+        return proofs
+    few = blocks.among(which)
+    solved = few.judged(solve_blocks(few.scaled, np.arange(len(which))))
+    places = {"forces": blocks.rows(which), "motion": blocks.parts(which)}
+    merged = {}
+    for field in fields(BlockProofs):
+        merged[field.name] = getattr(proofs, field.name).copy()
+        merged[field.name][places.get(field.name, which)] = getattr(solved, field.name)
+    return BlockProofs(**merged)
 
 
 def _odd(apart: SideBySide, contacts: ContactSet) -> Mask:
@@ -116,20 +133,15 @@ def _rests_level(
 ) -> Mask:
     """Mask of the stable assemblies whose parts rest on horizontal faces, shape (M,)."""
     rests = np.zeros_like(stable)
-
-    def examine(which: Index) -> None:
-        """Mark the assemblies that rest on horizontal faces; halve a group in which some do not."""
-        program = blocks.union(which)
-        if rests_level(program, level_rows(program, contacts), proofs.forces[blocks.rows(which)]):
-            rests[which] = True
-        elif len(which) > 1:
-            for half in np.array_split(which, 2):
-                examine(half)
-
     chosen = np.flatnonzero(stable)
-    _, kind = np.unique(blocks.gravity[chosen], axis=0, return_inverse=True)
-    order = np.argsort(kind.reshape(-1), kind="stable")
-    for alike in np.split(chosen[order], np.flatnonzero(np.diff(kind.reshape(-1)[order])) + 1):
-        if len(alike):
-            examine(alike)
+    few, program = blocks.among(chosen), blocks.upright(chosen)
+    rows = blocks.rows(chosen)
+    rests[chosen] = rest_on_level(
+        program, level_rows(program, contacts), proofs.forces[rows], few.owner
+    )
+    for k in np.flatnonzero(stable & ~rests).tolist():
+        # another distribution of the load may fix the parts
+        single = blocks.program(k)
+        rows = blocks.rows(np.array([k]))
+        rests[k] = rests_level(single, level_rows(single, contacts), proofs.forces[rows])
     return rests

@@ -73,11 +73,17 @@ def judge_held(program: Program, proof: Held) -> str:
 
 def unbalanced(program: Program, forces: Array) -> float:
     """Largest imbalance |J^T f + w| of a part, relative to its load and forces [-]."""
+    return float(imbalances(program, forces).max(initial=0.0))
+
+
+def imbalances(program: Program, forces: Array) -> Array:
+    """Imbalance |J^T f + w| of each part, relative to its load and forces [-], shape (N,)."""
     left = np.abs(program.wrenches(forces) + program.load)
     left[:, 3:] /= program.radius[:, None]
     size = np.maximum(program.weight, program.force_sums(forces))
     left = left[:, program.freedoms]
-    return float((left.max(axis=1) / np.maximum(size, TINY))[program.free].max(initial=0.0))
+    relative: Array = np.where(program.free, left.max(axis=1) / np.maximum(size, TINY), 0.0)
+    return relative
 
 
 def scaled_rows(program: Program) -> csr_array:

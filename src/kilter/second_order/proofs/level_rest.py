@@ -25,7 +25,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from kilter.arrays import TINY, Array, Mask, read_only
+from kilter.arrays import TINY, Array, Index, Mask, read_only
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
 from kilter.mechanics.proof_form import NUMBER, SIX, Form, keys, list_of, named
@@ -41,7 +41,7 @@ from kilter.second_order.parts.bearing import (
     sums_by_part,
 )
 from kilter.second_order.proofs.cluster_facts import ClusterFacts, Judged
-from kilter.second_order.proofs.held import unbalanced
+from kilter.second_order.proofs.held import imbalances, unbalanced
 from kilter.second_order.second_order_tolerances import (
     ACROSS,
     BALANCED,
@@ -140,11 +140,42 @@ def wrong_forces(program: Program, level: Mask, forces: Array) -> str:
     bearing = bearing_of(program, level & carries)
     if bearing is None:
         return "parts support each other in a ring"
-    return _wrong_tilts(program, bearing, forces)
+    return OPEN_TILT if _unsteady(program, bearing, forces).any() else ""
 
 
-def _wrong_tilts(program: Program, bearing: Bearing, forces: Array) -> str:
-    """Reason why an exact correction of the forces may make a force negative; else empty.
+def rest_on_level(program: Program, level: Mask, forces: Array, owner: Index) -> Mask:
+    """Mask of independent assemblies whose forces fix the height and the tilts of every part.
+
+    The result is that of `wrong_forces` for each assembly, except that none is known to rest if
+    parts of any assembly support each other in a ring.
+
+    Parameters
+    ----------
+    program : Program
+        Parts and rows of all M assemblies, with the same gravity.
+    level : ndarray of bool, shape (K,)
+        Rows of level faces (`level_rows`).
+    forces : ndarray, shape (K,)
+        Forces of an equilibrium [N].
+    owner : ndarray of int, shape (N,)
+        Assembly of each part, 0 to M - 1.
+    """
+    rests = np.zeros(int(owner.max(initial=-1)) + 1, dtype=bool)
+    row_owner = owner[np.maximum(program.part_a, program.part_b)]
+    largest = np.full(len(rests), TINY)
+    np.maximum.at(largest, row_owner, forces)
+    bearing = bearing_of(program, level & (forces > CARRIES * largest[row_owner]))
+    if bearing is None:
+        return rests
+    wrong = ~(imbalances(program, forces) <= BALANCED) | _unsteady(program, bearing, forces)
+    rests[:] = True
+    rests[owner[wrong]] = False
+    rests[row_owner[(forces < 0) | ((forces != 0) & ~level)]] = False
+    return rests
+
+
+def _unsteady(program: Program, bearing: Bearing, forces: Array) -> Mask:
+    """Mask of the parts for which an exact correction of the forces may make a force negative.
 
     The y of each part corrects the balance of its load and of the parts above it, the highest part
     first. The imbalance that the tolerance allows changes no force by more than half, either.
@@ -154,14 +185,14 @@ def _wrong_tilts(program: Program, bearing: Bearing, forces: Array) -> str:
     count, force = len(program.names), forces[rows, None]
     grams = sums_by_part(upper, force[:, :, None] * above[:, :, None] * above[:, None, :], count)
     size = np.trace(grams, axis1=1, axis2=2)
-    spread = np.linalg.eigvalsh(grams[program.free])[:, 0]
-    if not (spread > SPREAD * size[program.free]).all():
-        return OPEN_TILT
+    free = np.flatnonzero(program.free)
+    unsteady = np.zeros(count, dtype=bool)
+    unsteady[free] = ~(np.linalg.eigvalsh(grams[free])[:, 0] > SPREAD * size[free])
+    fixed = np.flatnonzero(program.free & ~unsteady)
     inverse = np.zeros_like(grams)
-    inverse[program.free] = np.linalg.inv(grams[program.free])
+    inverse[fixed] = np.linalg.inv(grams[fixed])
     reach = np.linalg.norm(np.einsum("kij,kj->ki", inverse[upper], above), axis=1)
-    if not (BEARS * BALANCED * size[upper] * reach < MOST_CHANGED).all():
-        return OPEN_TILT
+    unsteady[upper[~(BEARS * BALANCED * size[upper] * reach < MOST_CHANGED)]] = True
     load = in_footing(program, -program.load)
     miss = np.vstack([load, np.zeros(load.shape[1])])  # the ground is the last
     miss += sums_by_part(lower % len(miss), force * below, len(miss))
@@ -169,11 +200,10 @@ def _wrong_tilts(program: Program, bearing: Bearing, forces: Array) -> str:
     for level in by_depth(bearing.depth[upper]):
         y = np.einsum("kij,kj->ki", inverse[upper[level]], miss[upper[level]])
         change = np.einsum("ki,ki->k", above[level], y)
-        if not (np.abs(change) < MOST_CHANGED).all():
-            return OPEN_TILT
+        unsteady[upper[level][~(np.abs(change) < MOST_CHANGED)]] = True
         more = force[level] * change[:, None] * below[level]
         miss += sums_by_part(lower[level] % len(miss), more, len(miss))
-    return ""
+    return unsteady
 
 
 def wrong_motion(

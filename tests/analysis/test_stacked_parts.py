@@ -1,0 +1,120 @@
+"""Stacks of boxes are decided from the top down, without a program: proofs, sides, independence."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from kilter import Assembly, Box, Part, Pose, check_many
+from kilter.analysis.many import decided_together
+from kilter.assembly.side_by_side import side_by_side
+from kilter.contact import Tolerance
+from kilter.contact.detect import contacts_side_by_side
+from kilter.mechanics.program_blocks import ProgramBlocks, program_blocks
+from kilter.solvers.blocks import solve_blocks
+
+FLOOR = Part("floor", Box([20, 20, 1]), Pose([0, 0, -0.5]), grounded=True)
+
+
+def stacks(seed: int, count: int = 6) -> Assembly:
+    """Random boxes, each on the floor or on the box before."""
+    random = np.random.default_rng(seed)
+    parts, place, top = [FLOOR], np.zeros(2), 0.0
+    for k in range(count):
+        size = random.uniform(0.5, 1.5, 3)
+        if random.random() < 0.4:
+            place, top = np.array([4.0 * (k - 3), 0.0]), 0.0
+        place = place + random.uniform(-0.35, 0.35, 2)
+        parts.append(Part(f"box-{k}", Box(size), Pose([*place, top + size[2] / 2])))
+        top += float(size[2])
+    return Assembly(parts)
+
+
+def turned(assembly: Assembly, seed: int) -> Assembly:
+    """The assembly, rotated at random with its gravity."""
+    turn = Pose((0, 0, 0), np.random.default_rng(seed).normal(size=4))
+    parts = [
+        dataclasses.replace(part, pose=Pose(turn.apply([part.pose.position])[0], turn.rotation))
+        for part in assembly.parts
+    ]
+    return Assembly(parts, gravity=turn.apply([assembly.gravity])[0])
+
+
+def bridge(shift: float, over: float = 0.0) -> Assembly:
+    """A beam on two posts, off their middle by `over`, and a box off its middle by `shift`."""
+    posts = [
+        Part(f"post-{k}", Box([1, 1, 1]), Pose([x, 0, 0.5])) for k, x in enumerate((-2.0, 2.0))
+    ]
+    beam = Part("beam", Box([5, 1, 1]), Pose([over, 0, 1.5]))
+    return Assembly(
+        [FLOOR, *posts, beam, Part("top", Box([1, 1, 1]), Pose([over + shift, 0, 2.5]))]
+    )
+
+
+def blocks_of(assemblies: list[Assembly]) -> ProgramBlocks:
+    """Programs of the assemblies, side by side."""
+    apart = side_by_side(assemblies)
+    return program_blocks(apart, contacts_side_by_side(apart, Tolerance()))
+
+
+@pytest.mark.parametrize("turn", [False, True])
+def test_the_side_is_that_of_the_program(turn: bool) -> None:
+    given = [stacks(seed) for seed in range(30)]
+    given = [turned(one, k) for k, one in enumerate(given)] if turn else given
+    blocks = blocks_of(given)
+    stacked = blocks.stacked(np.ones(len(given), dtype=bool))
+    solved = blocks.judged(solve_blocks(blocks.scaled, np.arange(len(given))))
+    assert not (stacked.stable & ~solved.stable).any()
+    assert not (stacked.unstable & ~solved.unstable).any()
+    assert (stacked.stable | stacked.unstable).mean() > 0.9
+    assert stacked.stable.any()
+    assert stacked.unstable.any()
+
+
+def test_a_beam_on_two_posts_tips_where_its_load_leaves_them() -> None:
+    given = [bridge(0.0), bridge(1.9), bridge(-2.0, over=1.2), bridge(0.0, over=2.6)]
+    stacked = blocks_of(given).stacked(np.ones(4, dtype=bool))
+    assert stacked.stable.tolist() == [True, True, False, False]
+    assert stacked.unstable.tolist() == [False, False, True, True]
+
+
+def test_the_middle_of_an_edge_is_left_to_the_program() -> None:
+    on_edge = Part("b", Box([1, 1, 1]), Pose([0.5, 0, 1.5]))
+    given = [Assembly([FLOOR, Part("a", Box([1, 1, 1]), Pose([0, 0, 0.5])), on_edge])]
+    stacked = blocks_of(given).stacked(np.ones(1, dtype=bool))
+    assert not stacked.stable.any()
+    assert not stacked.unstable.any()
+
+
+def proofs_of(given: list[Assembly]) -> list[tuple[str, bytes]]:
+    """Word and bytes of the proof of each assembly."""
+    found = check_many(given, proofs=True)
+    rows = []
+    for k, word in enumerate(found.verdict.tolist()):
+        kept = found.certificate(k)
+        assert kept is not None
+        assert kept[1].holds
+        numbers = getattr(kept[1], "forces", None)
+        rows.append((word, (kept[1].motion if numbers is None else numbers).tobytes()))
+    return rows
+
+
+def test_a_proof_depends_on_no_other_assembly() -> None:
+    given = [stacks(seed) for seed in range(8)] + [bridge(0.3), bridge(1.9)]
+    given += [turned(one, k) for k, one in enumerate(given[:3])]
+    together = proofs_of(given)
+    assert proofs_of(given[::-1]) == together[::-1]
+    halves = proofs_of(given[:5]) + proofs_of(given[5:])
+    assert halves == together
+    assert [proofs_of([one])[0] for one in given[:4]] == together[:4]
+
+
+def test_stacks_need_no_program(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refused(*_: object) -> None:
+        raise AssertionError("a program was solved")
+
+    monkeypatch.setattr(decided_together, "solve_blocks", refused)
+    given = [stacks(seed, 3) for seed in range(6)]
+    assert set(check_many(given).verdict.tolist()) == {"stable", "unstable"}
