@@ -12,6 +12,7 @@ from kilter.analysis.many import decided_together
 from kilter.assembly.side_by_side import side_by_side
 from kilter.contact import Tolerance
 from kilter.contact.detect import contacts_side_by_side
+from kilter.mechanics.certificate import ForceProof
 from kilter.mechanics.program_blocks import ProgramBlocks, program_blocks
 from kilter.solvers.blocks import solve_blocks
 
@@ -96,8 +97,8 @@ def proofs_of(given: list[Assembly]) -> list[tuple[str, bytes]]:
         kept = found.certificate(k)
         assert kept is not None
         assert kept[1].holds
-        numbers = getattr(kept[1], "forces", None)
-        rows.append((word, (kept[1].motion if numbers is None else numbers).tobytes()))
+        numbers = kept[1].forces if isinstance(kept[1], ForceProof) else kept[1].motion
+        rows.append((word, numbers.tobytes()))
     return rows
 
 
