@@ -12,6 +12,7 @@ Khronos, glTF 2.0 specification, sections 3.5 (nodes), 3.6 (buffers), 4.4 (GLB).
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -133,27 +134,13 @@ def _solids(header: Gltf, binary: bytes) -> tuple[list[tuple[str | None, Mesh]],
     """Names and placed meshes of the scene, in the order of its nodes, and notes."""
     read: dict[int, Mesh | None] = {}
     solids: list[tuple[tuple[str, ...], Mesh]] = []
-    seen: set[int] = set()
     skipped = 0
-    start: tuple[str, ...] = ()
     tally = Tally()
-    pending = [(k, np.eye(4), start) for k in reversed(_roots(header))]
-    while pending:
-        k, above, path = pending.pop()
-        node = _header_entry(header.nodes, k, "node")
-        if k in seen:
-            raise InputError(f"node {k} of the GLB has two parent nodes", hint=_DAMAGED)
-        seen.add(k)
-        matrix = above @ _matrix(node)
-        if not np.isfinite(matrix).all():
-            raise InputError(f"the transform of node {k} is not finite", hint=_DAMAGED)
-        node_name = (node.name or "").strip()
-        below = (*path, node_name) if node_name else path
-        pending.extend((child, matrix, below) for child in reversed(node.children))
+    for node, matrix, path in _placed_nodes(header):
         if node.mesh is None:
             continue
         source = _header_entry(header.meshes, node.mesh, "mesh")
-        name = node_name or (source.name or "").strip() or None
+        name = _stripped_name(node) or (source.name or "").strip() or None
         if node.mesh not in read:
             tally.add(_triangles(header, source.primitives))
             read[node.mesh] = _named_mesh(header, binary, source.primitives, name)
@@ -166,6 +153,37 @@ def _solids(header: Gltf, binary: bytes) -> tuple[list[tuple[str | None, Mesh]],
     result = [(names.get(row), mesh) for row, (_, mesh) in enumerate(solids)]
     notes = [f"{skipped} objects without triangles are ignored"] if skipped else []
     return result, notes
+
+
+def _placed_nodes(header: Gltf) -> Iterator[tuple[Node, Array, tuple[str, ...]]]:
+    """Nodes of the scene, their transforms to its frame (4, 4), and the names of nodes above them.
+
+    Raises
+    ------
+    InputError
+        If a node has two parent nodes, or a transform that is not finite.
+    """
+    seen: set[int] = set()
+    start: tuple[str, ...] = ()
+    pending = [(k, np.eye(4), start) for k in reversed(_roots(header))]
+    while pending:
+        k, above, path = pending.pop()
+        node = _header_entry(header.nodes, k, "node")
+        if k in seen:
+            raise InputError(f"node {k} of the GLB has two parent nodes", hint=_DAMAGED)
+        seen.add(k)
+        matrix = above @ _matrix(node)
+        if not np.isfinite(matrix).all():
+            raise InputError(f"the transform of node {k} is not finite", hint=_DAMAGED)
+        name = _stripped_name(node)
+        below = (*path, name) if name else path
+        pending.extend((child, matrix, below) for child in reversed(node.children))
+        yield node, matrix, path
+
+
+def _stripped_name(node: Node) -> str:
+    """Name of a node without spaces at its ends; empty if it has none."""
+    return (node.name or "").strip()
 
 
 def _roots(header: Gltf) -> list[int]:
