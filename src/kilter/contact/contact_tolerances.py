@@ -146,6 +146,8 @@ RIM_LEVEL = 1e-6
 rim as a fraction of its radius [-]."""
 FREE_PARALLEL = 1e-6
 """Edges of triangles within this angle of parallel are compared by their ends only [rad]."""
+DISTANCE_ROUNDING = 1e-12
+"""Relative error of a distance that the search for near triangles allows for [-]."""
 NO_DIRECTION = 1e-12
 """Lower bound on squared sines and on ratios of lengths; directions closer than this have no
 direction across both [-]."""

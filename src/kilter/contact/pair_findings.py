@@ -152,7 +152,8 @@ def examine_in_time(
         except TimeLimitReached:
             break
         seconds = perf_counter() - started
-        size = max((end - begin) * min(BATCH_TIME / max(seconds, 1e-9), GROWTH), 1.0)
+        growth = BATCH_TIME / seconds if seconds else GROWTH
+        size = max((end - begin) * min(growth, GROWTH), 1.0)
         begin = end
     if not blocks:
         with take_at_least(inf):

@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, cross, nearest, ratio, unit_rows
-from kilter.contact.contact_tolerances import FREE_PARALLEL
+from kilter.contact.contact_tolerances import DISTANCE_ROUNDING, FREE_PARALLEL
 from kilter.contact.sharp.edges import segment_distance
 
 __all__ = ["at_most", "near_triangles", "surface_distance", "within_distance"]
@@ -30,8 +30,6 @@ FIRST_MIDDLES = 8
 """Number of middles of triangles that the first round examines for each point."""
 BATCH = 1_000_000
 """Pairs (point, triangle) computed at once; a larger value needs more memory."""
-ROUNDING = 1e-12
-"""Relative error of a distance that the search allows for [-]."""
 
 
 def surface_distance(points: Array, triangles: Array, most: Array | None = None) -> Array:
@@ -104,7 +102,7 @@ def _reduce_to_nearest(
 
     low, high = middle.min(axis=0), middle.max(axis=0)
     from_box = np.linalg.norm(points - np.clip(points, low, high), axis=1)
-    rest = np.flatnonzero(from_box <= (least + radius) * (1 + ROUNDING))
+    rest = np.flatnonzero(from_box <= (least + radius) * (1 + DISTANCE_ROUNDING))
     if not len(rest):
         return
     tree = cKDTree(middle)
@@ -112,15 +110,17 @@ def _reduce_to_nearest(
     while len(rest) and begin < len(middle):
         still = []
         for batch in np.array_split(rest, 1 + len(rest) * count // BATCH):
-            within = (least[batch] + radius) * (1 + ROUNDING)
-            farther = float(within.max()) * (1 + ROUNDING)  # the tree excludes its bound
+            within = (least[batch] + radius) * (1 + DISTANCE_ROUNDING)
+            farther = float(within.max()) * (1 + DISTANCE_ROUNDING)  # the tree excludes its bound
             number = np.arange(begin + 1, count + 1)
             distance, row = tree.query(points[batch], k=number, distance_upper_bound=farther)
             k, column = np.nonzero(distance <= within[:, None])
             near = points[batch[k]]
             off = np.linalg.norm(near - _nearest_point(near, triangles[row[k, column]]), axis=1)
             np.minimum.at(least, batch[k], off)
-            still.append(batch[distance[:, -1] <= (least[batch] + radius) * (1 + ROUNDING)])
+            still.append(
+                batch[distance[:, -1] <= (least[batch] + radius) * (1 + DISTANCE_ROUNDING)]
+            )
         rest = np.concatenate(still)
         begin, count = count, min(4 * count, len(middle))
 
