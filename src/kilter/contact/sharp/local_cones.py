@@ -21,8 +21,10 @@ from kilter.arrays import (
     across,
     columns,
     cross,
+    distinct_rows,
     group_sums,
     ragged,
+    starts,
     unit_rows,
 )
 from kilter.assembly.geometry import Geometry
@@ -268,16 +270,21 @@ def convex_pieces(sectors: Sectors) -> list[Array]:
     planes = _distinct_planes(sectors.normal)
     samples = _cell_samples(planes)
     signs = np.sign(samples @ planes.T)
-    signs, first = np.unique(signs, axis=0, return_index=True)
+    signs, cell_of = distinct_rows(signs)
+    first = np.empty(len(signs), dtype=np.int64)
+    first[cell_of[::-1]] = np.arange(len(samples))[::-1]
     is_inside = inside(sectors, samples[first])
     pieces: dict[tuple[float, ...], Array] = {}
     for cell in np.flatnonzero(is_inside):
-        for plane_order in (np.arange(len(planes)), np.arange(len(planes))[::-1]):
-            kept = np.ones(len(planes), dtype=bool)
+        # the planes between the cell and each cell outside, by plane
+        between = (signs[~is_inside] != signs[cell]).T
+        count = between.sum(axis=0)
+        for plane_order in (range(len(planes)), reversed(range(len(planes)))):
+            kept, left = np.ones(len(planes), dtype=bool), count
             for k in plane_order:
-                kept[k] = False
-                same = (signs[:, kept] == signs[cell, kept]).all(axis=1)
-                kept[k] = not is_inside[same].all()
+                fewer = left - between[k]
+                if fewer.all():  # another kept plane separates the cell from every cell outside
+                    kept[k], left = False, fewer
             outward = -signs[cell, kept, None] * planes[kept]
             pieces[tuple((signs[cell] * kept).tolist())] = outward
     return [spanned(outward) for outward in pieces.values()]
@@ -299,20 +306,29 @@ def _cell_samples(planes: Array) -> Array:
         return np.concatenate([planes, -planes])
     i, j = np.triu_indices(count, 1)
     lines = unit_rows(cross(planes[i], planes[j]))
-    samples = []
-    for line in np.concatenate([lines, -lines]):
-        height = np.abs(planes @ line)
-        through = np.flatnonzero(height <= CONE_ANGLE**1.5)
-        # a step off the line that crosses no other plane
-        step = 0.3 * height[height > CONE_ANGLE**1.5].min(initial=1.0)
-        u, v = across(line)
-        traces = cross(planes[through], np.tile(line, (len(through), 1)))
-        angle = np.arctan2(traces @ v, traces @ u)
-        angle = np.sort(np.concatenate([angle, angle + np.pi]) % (2 * np.pi))
-        following = np.append(angle[1:], angle[0] + 2 * np.pi)
-        angle = (1 - ASKEW) * angle + ASKEW * following
-        samples.append(line + step * (np.outer(np.cos(angle), u) + np.outer(np.sin(angle), v)))
-    return np.concatenate(samples)
+    lines = np.concatenate([lines, -lines])
+    height = np.abs(lines @ planes.T)
+    through = height <= CONE_ANGLE**1.5
+    # a step off the line that crosses no other plane
+    step = 0.3 * np.where(through, 1.0, height).min(axis=1)
+    u, v = across(lines)
+    width = through.sum(axis=1)
+    start = starts(2 * width)
+    samples = np.empty((start[-1], 3))
+    for planes_through in np.unique(width):  # lines with equally many planes together
+        rows = np.flatnonzero(width == planes_through)
+        plane = np.nonzero(through[rows])[1].reshape(len(rows), planes_through)
+        traces = cross(planes[plane], np.broadcast_to(lines[rows, None], (*plane.shape, 3)))
+        angle = np.arctan2(
+            np.einsum("nki,ni->nk", traces, v[rows]), np.einsum("nki,ni->nk", traces, u[rows])
+        )
+        angle = np.sort(np.concatenate([angle, angle + np.pi], axis=1) % (2 * np.pi), axis=1)
+        following = np.append(angle[:, 1:], angle[:, :1] + 2 * np.pi, axis=1)
+        angle = ((1 - ASKEW) * angle + ASKEW * following)[..., None]
+        aside = np.cos(angle) * u[rows, None] + np.sin(angle) * v[rows, None]
+        at = start[rows, None] + np.arange(2 * planes_through)
+        samples[at] = lines[rows, None] + step[rows, None, None] * aside
+    return samples
 
 
 def inside(sectors: Sectors, directions: Array) -> Mask:
@@ -387,8 +403,10 @@ def spanned(outward: Array) -> Array:
         blocks += [in_plane, -in_plane, side, -side, unit_rows(-outward.sum(axis=0))[None]]
     candidates = np.concatenate(blocks)
     candidates = candidates[(candidates @ outward.T <= EXACT_ANGLE**0.5).all(axis=1)]
-    kept: list[Array] = []
-    for ray in candidates:
-        if all(float(np.linalg.norm(ray - kept_ray)) > EXACT_ANGLE**0.5 for kept_ray in kept):
+    apart = np.linalg.norm(candidates[:, None] - candidates, axis=2) > EXACT_ANGLE**0.5
+    kept: list[int] = []
+    for ray in range(len(candidates)):
+        if apart[ray, kept].all():
             kept.append(ray)
-    return np.array(kept).reshape(-1, 3)
+    spanning: Array = candidates[kept]
+    return spanning
