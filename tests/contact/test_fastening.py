@@ -24,6 +24,7 @@ from kilter.rigid import Pose
 from kilter.scenes.pieces import block, floor, turn
 from kilter.scenes.transform import moved
 from kilter.shape.primitives import Box, Mesh, Prism, surface
+from round_meshes import revolved
 
 FLOOR = floor([-5, -5], [5, 5])
 
@@ -516,3 +517,37 @@ def test_suggested_and_overlaps_join_and_say_what():
     again = fastened(joined, suggested=True)
     assert len(again.joints) == 2
     assert again.notes[-1].startswith("nothing is fastened as suggested")
+
+
+def clamped_plates(*, nut_gap: float = 0.0) -> Assembly:
+    """Two plates with wide holes, a bolt from below, and a nut `nut_gap` above the upper plate.
+
+    No name tells what the parts are. The plates lie on a held ring; the bolt hangs in their holes.
+    """
+    shaft = Mesh(*revolved([(0, -1), (2, -1), (2, 0), (1, 0), (1, 5), (0, 5)], 64))
+    plate = Mesh(*revolved([(1.2, 0), (4, 0), (4, 1), (1.2, 1)], 64))
+    ring = Mesh(*revolved([(3, -3), (4, -3), (4, 0), (3, 0)], 64))
+    nut = Mesh(*revolved([(1, 0), (2, 0), (2, 1), (1, 1)], 64))
+    parts = [
+        Part("a", shaft),
+        Part("b", plate),
+        Part("c", plate, Pose([0, 0, 1])),
+        Part("d", nut, Pose([0, 0, 2 + nut_gap])),
+        Part("e", ring, grounded=True),
+    ]
+    return Assembly(parts)
+
+
+def test_a_shaft_and_a_ring_that_clamp_plates_are_a_bolt_and_its_nut():
+    assembly = clamped_plates()
+    contacts = detect.contacts(assembly)
+    (joined,) = [s for s in suggest_joints(assembly, contacts) if s.fixed]
+    assert (joined.parts, joined.kind) == (("a", "d"), "thread")
+    assert "they clamp 'b' between them" in joined.why
+    assert check(assembly).verdict != "stable"
+    assert check(fastened(assembly, suggested=True)).verdict == "stable"
+
+
+def test_a_ring_that_presses_no_part_is_no_nut():
+    assembly = clamped_plates(nut_gap=0.5)
+    assert not [s for s in suggest_joints(assembly, detect.contacts(assembly)) if s.fixed]

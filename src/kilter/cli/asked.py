@@ -280,7 +280,7 @@ class Asked:
             tell_written(self.output, content, self.quiet)
             return
         text = text_of(answer, *more, brief=not self.verbose) + after
-        text += "" if "\n\n" in after else self._next(answer, typed, bricks)
+        text += self._next(answer, typed, bricks)
         emit(text if self.output else in_colour(text, answer), self.output)
         tell_written(self.output, content, self.quiet)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import dataclass
 
 from kilter.tell.facts import kind_of
@@ -46,6 +47,16 @@ LOADS = NextStep(("margin", "--loads"), "finds the load and the push that each b
 CARRIED = NextStep(
     ("transport", "--code", "en12195"), "decides whether it stays on a truck that brakes and turns"
 )
+MEANT = {
+    "--fasten-suggested": "the pairs that look fastened are joined",
+    "--fasten": "these parts are joined",
+    "--fasten-overlaps": "all parts that overlap are joined",
+    "--loose": "faces that nearly touch do touch",
+    "--gap": "faces that nearly touch do touch",
+    "--clearance": "shafts touch their holes",
+    "--friction": "its contacts have this friction",
+}
+"""What the options of remedies state about an assembly."""
 CHECK = NextStep(("check",), "decides whether it stays together under gravity")
 
 
@@ -100,4 +111,14 @@ def _after_check(answer: Answer, bricks: bool) -> NextStep:
         return BRICK if bricks else STRONGER
     if answer["verdict"] == "balanced":
         return FALL
-    return AFTER_CHECK[answer["verdict"]]
+    remedies = [remedy for remedy in answer.get("remedies", ()) if remedy["level"] is not None]
+    if not remedies:
+        return AFTER_CHECK[answer["verdict"]]
+    best = min(remedies, key=lambda remedy: remedy["leads_to"] not in ("stable", "settles"))
+    return NextStep(("check", *shlex.split(best["option"])), _purpose(best["option"]))
+
+
+def _purpose(option: str) -> str:
+    """Return what the options of a remedy state about the assembly."""
+    meant = [words for name, words in MEANT.items() if name in shlex.split(option)]
+    return f"decides it if {', and '.join(meant)}"

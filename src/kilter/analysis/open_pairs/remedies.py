@@ -301,13 +301,13 @@ def _detection_units(assembly: Assembly) -> float:
 
 def _changes(assembly: Assembly, contacts: ContactSet, decision: Decision) -> Iterator[_Change]:
     """Yield the changes of options to try, the smallest change first."""
+    suggestions = any(suggestion.fixed for suggestion in suggest_joints(assembly, contacts))
+    smooth = not assembly.friction_pairs and not (contacts.patch_mu > 0).any()
+    if suggestions:  # a thread or a press fit is more evidence of a joint than a clearance
+        yield _Change(suggested=True)
     if decision.question is not None:
         pairs = open_pairs_answer(assembly, contacts, decision.question)
         yield _settling_change(open_options(pairs))
-    suggestions = any(suggestion.fixed for suggestion in suggest_joints(assembly, contacts))
-    smooth = not assembly.friction_pairs and not (contacts.patch_mu > 0).any()
-    if suggestions:
-        yield _Change(suggested=True)
     if smooth and len(contacts):
         yield _Change(friction=FRICTION)
     if smooth and suggestions:

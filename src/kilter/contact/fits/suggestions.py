@@ -3,13 +3,15 @@
 Parts that share volume cannot both be positioned as drawn: a thread that is modelled as a cylinder,
 a press fit, an insert in its hole, or an inaccurate model. A part whose cylinder fills a hole of
 another part, size on size, is meant to be held by it too: a bolt in a nut, a pin, a shaft in its
-bearing. Pairs with interference, and parts named as nut or insert, are suggested as fixed. Other
-size-on-size fits are suggested as a shaft that rotates and slides, which their contact already
-models. Nothing is joined automatically (`kilter.contact.fits.fastening`).
+bearing. Pairs with interference, parts named as nut or insert, and pairs that clamp other parts
+between them (the head of a bolt and its nut) are suggested as fixed. Other size-on-size fits are
+suggested as a shaft that rotates and slides, which their contact already models. Nothing is joined
+automatically (`kilter.contact.fits.fastening`).
 
 The kinds, the most certain first:
 
-    thread         coaxial and thicker by more than a press fit, or named as a screw or a nut
+    thread         coaxial and thicker by more than a press fit, or named as a screw or a nut, or
+                   size on size with other parts clamped between head and nut
     press fit      coaxial and thicker, or round faces that interfere
     insert         the same of a part that is hollow itself, or named as an insert
     overlap        any other shared volume: sloppy modelling, or a weld
@@ -27,7 +29,7 @@ import numpy as np
 
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import INTERFERE, SAME_BODY, ContactSet, Overlap
-from kilter.contact.contact_tolerances import AXIS_ROUNDING, PRESS_FIT, THREAD
+from kilter.contact.contact_tolerances import ANGLE, AXIS_ROUNDING, PRESS_FIT, THREAD
 from kilter.contact.fits.coaxial import Fit, coaxial_fits, is_tube
 from kilter.errors import shell_words
 
@@ -119,7 +121,7 @@ def suggest_joints(assembly: Assembly, contacts: ContactSet) -> list[Suggestion]
             fits[key] = fit
     # a pair that overlaps elsewhere is suggested by its overlap, not by a fit size on size
     fits = {key: fit for key, fit in fits.items() if fit.tight or key not in overlaps}
-    suggestions = [_from_fit(assembly, fit) for fit in fits.values()]
+    suggestions = [_from_fit(assembly, contacts, fit) for fit in fits.values()]
     for key, overlap in overlaps.items():
         if key not in fits and _may_join(assembly, overlap.parts):
             suggestions.append(_from_overlap(assembly, overlap))
@@ -139,7 +141,7 @@ def _may_join(assembly: Assembly, pair: tuple[int, int]) -> bool:
     return not any(names == set(joint.parts) for joint in assembly.joints)
 
 
-def _from_fit(assembly: Assembly, fit: Fit) -> Suggestion:
+def _from_fit(assembly: Assembly, contacts: ContactSet, fit: Fit) -> Suggestion:
     """The suggested joint for a shaft in its hole."""
     parts = (assembly.names[fit.parts[0]], assembly.names[fit.parts[1]])
     unit = assembly.units
@@ -151,6 +153,10 @@ def _from_fit(assembly: Assembly, fit: Fit) -> Suggestion:
     nut = HOLLOW.search(_short_name(parts[1]))
     if nut:  # a nut that is drawn size on size still holds its bolt
         return _fixed_joint(parts, "thread", f"{why}, by its name {_with_article(nut[1])}")
+    clamped = _clamped_between(contacts, fit)
+    if clamped is not None:
+        between = assembly.names[clamped]
+        return _fixed_joint(parts, "thread", f"{why}: they clamp {between!r} between them")
     joint = {
         "parts": list(parts),
         "kind": "cylindrical",
@@ -158,6 +164,30 @@ def _from_fit(assembly: Assembly, fit: Fit) -> Suggestion:
         "axis": np.where(np.abs(fit.axis) < AXIS_ROUNDING, 0.0, fit.axis).tolist(),
     }
     return Suggestion(parts, "size on size", why, _fasten_option(parts), joint)
+
+
+def _clamped_between(contacts: ContactSet, fit: Fit) -> int | None:
+    """Index of a part that shaft and hole of a fit clamp along its axis; None if there is none.
+
+    The head of a bolt presses a part along the axis, and the nut presses a part behind it in the
+    opposite sense. The two may be the same part, or the ends of a stack.
+    """
+    first, second = contacts.patch_parts.T
+    along = contacts.patch_normal @ fit.axis
+    flat = (contacts.patch_kind == "plane") & (np.abs(along) > np.cos(ANGLE))
+    height = (contacts.points @ fit.axis)[contacts.patch_start[:-1]]
+    pressed = []
+    for part, other in (fit.parts, fit.parts[::-1]):
+        outwards = flat & (first == part) & (second != other)
+        inwards = flat & (second == part) & (first != other)
+        rows = np.flatnonzero(outwards | inwards)
+        sense = np.where(outwards[rows], along[rows], -along[rows])
+        neighbour = np.where(outwards[rows], second[rows], first[rows])
+        pressed.append(list(zip(np.sign(sense), height[rows], neighbour, strict=True)))
+    for sense, low, neighbour in pressed[0]:
+        if any(sense == -back and (high - low) * sense > 0 for back, high, _ in pressed[1]):
+            return int(neighbour)
+    return None
 
 
 def _kind_of_fit(assembly: Assembly, fit: Fit, why: str) -> tuple[Kind, str]:
