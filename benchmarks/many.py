@@ -4,8 +4,10 @@
     python benchmarks/many.py 1000 --compare 1000    1,000, all compared (default 200)
     python benchmarks/many.py 1000 --piles           boxes on a grid; edges and corners meet
     python benchmarks/many.py 1000 --piles --turned  each rotated at random with its gravity
+    python benchmarks/many.py 1000 --friction 0.5    with friction
+    python benchmarks/many.py 1000 --boxes 10        a table and ten boxes each
 
-The assemblies have no friction and are given as arrays and as a list. Every proof is verified
+The assemblies are given as arrays and as a list. Every proof is verified
 with the program of its assembly, independently of the solver. Different verdicts and invalid
 proofs are printed, and the exit code is then 1. Seconds are CPU time on a single core.
 """
@@ -30,14 +32,14 @@ SHIFT = 0.3
 """Largest shift of a box over the box below [width of the box below]."""
 
 
-def boxes(seed: int) -> Any:
-    """Random boxes, each on the floor or on an earlier box."""
+def boxes(seed: int, count: int | None = None) -> Any:
+    """Random boxes, 5 to 20 by default, each on the floor or on an earlier box."""
     from kilter.assembly import Assembly, Part
     from kilter.rigid import Pose
     from kilter.shape.primitives import Box
 
     random = np.random.default_rng(seed)
-    count = int(random.integers(FEWEST, MOST + 1))
+    count = int(random.integers(FEWEST, MOST + 1)) if count is None else count
     sizes, middles = random.uniform(0.5, 2.0, (count, 3)), np.zeros((count, 3))
     for k in range(count):
         middles[k, :2] = random.uniform(-8.0, 8.0, 2)
@@ -63,7 +65,6 @@ def pile(seed: int) -> Any:
 
 def turned(assembly: Any, seed: int) -> Any:
     """The assembly rotated at random, with its gravity."""
-    from kilter.assembly import Assembly
     from kilter.rigid import Pose
 
     turn = Pose((0, 0, 0), np.random.default_rng(seed).normal(size=4))
@@ -71,7 +72,7 @@ def turned(assembly: Any, seed: int) -> Any:
         dataclasses.replace(part, pose=Pose(turn.apply([part.pose.position])[0], turn.rotation))
         for part in assembly.parts
     ]
-    return Assembly(parts, gravity=turn.apply([assembly.gravity])[0])
+    return dataclasses.replace(assembly, parts=parts, gravity=turn.apply([assembly.gravity])[0])
 
 
 def as_arrays(piles: list[Any]) -> Any:
@@ -91,6 +92,7 @@ def as_arrays(piles: list[Any]) -> Any:
         starts([len(one) for one in piles]),
         [part.grounded for part in parts],
         gravity=np.array([one.gravity for one in piles]),
+        friction=piles[0].friction,
     )
 
 
@@ -138,8 +140,11 @@ def main() -> int:
     parser.add_argument("--compare", type=int, default=200)
     parser.add_argument("--piles", action="store_true")
     parser.add_argument("--turned", action="store_true")
+    parser.add_argument("--friction", type=float, default=0.0)
+    parser.add_argument("--boxes", type=int)
     asked = parser.parse_args()
-    piles = [(pile if asked.piles else boxes)(seed) for seed in range(asked.count)]
+    piles = [pile(k) if asked.piles else boxes(k, asked.boxes) for k in range(asked.count)]
+    piles = [one.with_friction(asked.friction) for one in piles]
     if asked.turned:
         piles = [turned(one, seed) for seed, one in enumerate(piles)]
     arrays = as_arrays(piles)

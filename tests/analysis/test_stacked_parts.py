@@ -119,3 +119,31 @@ def test_stacks_need_no_program(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(decided_together, "solve_blocks", refused)
     given = [stacks(seed, 3) for seed in range(6)]
     assert set(check_many(given).verdict.tolist()) == {"stable", "unstable"}
+
+
+def test_a_motion_also_overcomes_friction() -> None:
+    """A box that tips moves no contact point along a face; a box on a slope slides."""
+    rough = [stacks(seed).with_friction(0.5) for seed in range(8)]
+    smooth = check_many([one.with_friction(0.0) for one in rough]).verdict.tolist()
+    found = check_many(rough, proofs=True)
+    assert found.verdict.tolist() == smooth
+    assert set(smooth) == {"stable", "unstable"}
+    for k in range(len(rough)):
+        kept = found.certificate(k)
+        assert kept is not None
+        assert kept[1].holds
+        assert isinstance(kept[1], ForceProof) or kept[0].mu.max() > 0
+    slope = Pose((0, 0, 0), [np.cos(0.1), np.sin(0.1), 0, 0])
+    parts = [FLOOR, Part("box", Box([1, 1, 1]), Pose([0, 0, 0.5]))]
+    leaning = [
+        dataclasses.replace(part, pose=Pose(slope.apply([part.pose.position])[0], slope.rotation))
+        for part in parts
+    ]
+    apart = side_by_side([Assembly(leaning)] * 2)
+    blocks = program_blocks(apart, contacts_side_by_side(apart, Tolerance()), np.array([0.1, 0.3]))
+    motion = np.zeros((4, 6))
+    motion[[1, 3], :3] = slope.apply([[0, -1, 0]])[0]
+    none = np.zeros(len(blocks.whole.part_a))
+    proofs = blocks.checked(none, motion, np.zeros(2, dtype=bool), np.ones(2, dtype=bool))
+    # the slope of 0.2 rad has the friction coefficient 0.203
+    assert proofs.unstable.tolist() == [True, False]

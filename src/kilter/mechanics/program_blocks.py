@@ -76,12 +76,15 @@ class ProgramBlocks:
         First row of each program.
     gravity : ndarray, shape (M, 3)
         Gravity of each program [m/s^2].
+    mu : ndarray, shape (M,)
+        Friction coefficient of each program that a motion must overcome [-].
     """
 
     whole: Program
     start: Index
     row_start: Index
     gravity: Array
+    mu: Array
 
     @cached_property
     def owner(self) -> Index:
@@ -165,7 +168,7 @@ class ProgramBlocks:
             part_b=number[chosen.part_b],
         )  # fmt: skip
         part_start, row_start = (starts(np.diff(s)[which]) for s in (self.start, self.row_start))
-        return ProgramBlocks(program, part_start, row_start, self.gravity[which])
+        return ProgramBlocks(program, part_start, row_start, self.gravity[which], self.mu[which])
 
     def upright(self, which: Index) -> Program:
         """A single program of the assemblies `which`, each turned so that its gravity is -z.
@@ -293,6 +296,10 @@ class ProgramBlocks:
         motion, sizes = motion / length[:, None], sizes / length
         power = self._reduce_parts(np.add, (self.load * motion).sum(axis=1))
         opening = whole.velocities(motion)
+        rows = np.flatnonzero(self.mu[self.row_owner] > 0)
+        if len(rows):
+            slip = np.linalg.norm(whole.slips(motion, rows), axis=1)
+            opening[rows] -= self.mu[self.row_owner[rows]] * slip
         violations = np.where(whole.two_sided, np.abs(opening), np.maximum(-opening, 0.0))
         violation = np.zeros(len(self.gravity))
         np.maximum.at(violation, self.row_owner, violations)
@@ -310,16 +317,18 @@ class ProgramBlocks:
 
 
 def program_blocks(
-    apart: SideBySide, contacts: ContactSet, *, possible: bool = False
+    apart: SideBySide, contacts: ContactSet, mu: Array | None = None, *, possible: bool = False
 ) -> ProgramBlocks:
-    """Build the programs of many assemblies in shared arrays, without friction.
+    """Build the programs of many assemblies in shared arrays; their forces have no friction.
 
-    If `possible` is true, include every force that contacts outside the model could transmit.
+    Motions are checked with friction `mu`, shape (M,). If `possible` is true, include every force
+    that contacts outside the model could transmit.
     """
+    mu = np.zeros(len(apart)) if mu is None else mu
     whole = build_program(apart.whole, contacts, possible=possible)
     owner = apart.owner[np.maximum(whole.part_a, whole.part_b)]
     if (np.diff(owner) < 0).any():
         order = np.argsort(owner, kind="stable")
         whole, owner = whole.taking(order), owner[order]
     row_start = np.searchsorted(owner, np.arange(len(apart) + 1))
-    return ProgramBlocks(whole, apart.start, row_start, apart.gravity)
+    return ProgramBlocks(whole, apart.start, row_start, apart.gravity, mu)

@@ -161,8 +161,8 @@ def _together(
     if isinstance(given, AssemblyArrays):
         apart, which = arrays_side_by_side(given.among(np.arange(first, last)))
         if apart is not None:
-            rough = np.full(len(apart), given.friction > 0)
-            yield which + first, decide_together(apart, rough, tolerance)
+            mu = np.full(len(apart), given.friction)
+            yield which + first, decide_together(apart, mu, tolerance)
         return
     alike: dict[tuple[str, bool], list[int]] = defaultdict(list)
     for k in range(first, last):
@@ -171,8 +171,8 @@ def _together(
     for chosen in alike.values():
         apart, kept = _side_by_side(given, chosen)
         if apart is not None:
-            rough = np.array([_rough(given[k]) for k in kept])
-            yield np.array(kept), decide_together(apart, rough, tolerance)
+            mu = np.array([_largest_friction(given[k]) for k in kept])
+            yield np.array(kept), decide_together(apart, mu, tolerance)
 
 
 def _plain(assembly: Assembly) -> bool:
@@ -189,8 +189,9 @@ def _plain(assembly: Assembly) -> bool:
     return all(isinstance(part.shape, Box | Prism | Mesh) for part in assembly.parts)
 
 
-def _rough(assembly: Assembly) -> bool:
-    return assembly.friction > 0 or any(pair.mu > 0 for pair in assembly.friction_pairs)
+def _largest_friction(assembly: Assembly) -> float:
+    """Largest friction coefficient of any contact of an assembly [-]."""
+    return max(assembly.friction, *(pair.mu for pair in assembly.friction_pairs), 0.0)
 
 
 def _side_by_side(

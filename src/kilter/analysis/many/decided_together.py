@@ -1,7 +1,7 @@
 """Joint verdicts of many assemblies by frictionless forces or motions.
 
 The methods follow the order of `check`. Equilibrium forces without friction prove stability for
-any friction. A motion that no contact stops proves instability if there is no friction; open
+any friction. A motion that neither contacts nor their friction stop proves instability; open
 pairs and degenerate contacts then count as contacts with any force. A stable assembly may be only
 balanced, which second order decides. It is not balanced if forces on level faces fix the height
 and the tilts of every part. Other assemblies are left to `check`.
@@ -14,7 +14,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from kilter.analysis.decision.doubts import fitted_pairs
-from kilter.arrays import Index, Mask
+from kilter.arrays import Array, Index, Mask
 from kilter.assembly.side_by_side import SideBySide
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.detect import contacts_side_by_side
@@ -73,27 +73,30 @@ class Together:
             return program, check_forces(
                 program, proofs.forces[slice(*blocks.row_start[k : k + 2])]
             )
+        if blocks.mu[k] > 0:
+            program = program.with_friction(float(blocks.mu[k]))
         return program, check_motion(program, proofs.motion[slice(*blocks.start[k : k + 2])])
 
 
-def decide_together(apart: SideBySide, rough: Mask, tolerance: Tolerance) -> Together:
+def decide_together(apart: SideBySide, mu: Array, tolerance: Tolerance) -> Together:
     """Decide as many assemblies as possible in a single computation without friction.
 
     Parameters
     ----------
     apart : SideBySide
-    rough : ndarray of bool, shape (M,)
-        Whether an assembly has friction. A frictionless motion then proves nothing.
+    mu : ndarray, shape (M,)
+        Largest friction coefficient of each assembly [-]. A motion that friction stops proves
+        nothing.
     tolerance : Tolerance
     """
     contacts = contacts_side_by_side(apart, tolerance)
     asked = ~_odd(apart, contacts)
-    certain = program_blocks(apart, contacts)
+    certain = program_blocks(apart, contacts, mu)
     stacked = certain.stacked(asked)
     proofs = _with_programs(certain, stacked, asked & ~stacked.stable & ~stacked.unstable)
-    stable, falls = proofs.stable & asked, proofs.unstable & asked & ~rough
+    stable, falls = proofs.stable & asked, proofs.unstable & asked
     stable &= _rests_level(certain, contacts, proofs, stable)
-    outer = program_blocks(apart, contacts, possible=True) if falls.any() else certain
+    outer = program_blocks(apart, contacts, mu, possible=True) if falls.any() else certain
     more = falls & (np.diff(outer.row_start) > np.diff(certain.row_start))
     if not more.any():
         return Together(stable, falls, (certain, proofs), None, more)
