@@ -23,7 +23,9 @@ from kilter.analysis.verification import (
     verify_proof,
 )
 from kilter.assembly import Assembly
+from kilter.cli import main
 from kilter.contact import ContactSet, detect
+from kilter.files.choices import digest
 from kilter.mechanics.mechanics_tolerances import AGREES
 from kilter.mechanics.proof import digest_of
 from kilter.scenes import example, friction, paper, stacks
@@ -502,3 +504,20 @@ def test_what_seats_it_has_one_force_a_row_of_a_joint() -> None:
 def test_a_proof_with_friction_has_one_force_a_contact_point_too() -> None:
     few = said("slope", lambda proof: proof["forces"].pop())
     assert "the proof does not have a force for each contact point" in few
+
+
+def test_a_proof_of_saved_options_is_about_one_version_of_the_file(tmp_path: Path) -> None:
+    path, choices = tmp_path / "tower.kilter.json", tmp_path / "choices.json"
+    kilter.dump(example("tower"), path)
+    data = {"kilter": 1, "file": path.name, "held": ["base"], "sha256": digest(path)}
+    choices.write_text(json.dumps(data), encoding="utf-8")
+    proof = tmp_path / "proof.json"
+    assert main(["check", str(choices), "--quiet", "--proof", str(proof)]) == 0
+    for file in (path, choices):
+        assert kilter.verify(file, proof).holds
+    path.write_text(path.read_text(encoding="utf-8") + "\n", encoding="utf-8")
+    for file in (path, choices):
+        found = kilter.verify(file, proof)
+        assert (found.holds, found.verdict, found.held) == (False, "stable", ("base",))
+        reason = "the proof is about another version of tower.kilter.json (its sha256 differs)"
+        assert found.reasons == (reason,)

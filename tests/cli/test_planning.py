@@ -35,7 +35,7 @@ def file(tmp_path: Path) -> Path:
         (["--before", "voussoir-1", "nobody"], 2),
         (["--directions", "up"], 2),
         (["--screws", "voussoir-1"], 2),
-        (["--ground", "*"], 2),
+        (["--ground", "*"], 0),
         (["--friction", "0.1"], 1),
     ],
 )
