@@ -71,6 +71,9 @@ HALF_BAND_ENTRY, DISSECTED_ENTRY, DISSECTED_WIDE = 0.003, 0.03, 200.0
 """Cost of a symmetric band system, per entry of the band; of a symmetric system by nested
 dissection, per entry of its factor, and entries per unknown at which that doubles.
 """
+SUBSTITUTED_UNKNOWN, SUBSTITUTED_ENTRY = 0.2, 0.0012
+"""Work of a solution with a factor and of a product with its matrix, per unknown and factor entry.
+"""
 JUDGED, JUDGED_POINT = 1000.0, 6.0
 """Work of a test of a candidate against the contact law, and for each contact point."""
 WEIGHED, WEIGHED_POINT = 150.0, 0.6
@@ -236,6 +239,10 @@ class Work:
     def dissected(self, unknowns: int, entries: int) -> None:
         """Charge a factorisation by nested dissection; `entries` are those of its factor."""
         self.charge(BAND + DISSECTED_ENTRY * entries * (1 + entries / unknowns / DISSECTED_WIDE))
+
+    def substituted(self, unknowns: int, entries: int) -> None:
+        """Charge a solution with a factor by nested dissection, and a product with the matrix."""
+        self.charge(BAND + SUBSTITUTED_UNKNOWN * unknowns + SUBSTITUTED_ENTRY * entries)
 
     def judged(self, points: int) -> None:
         """Charge a full check of a candidate motion against the contact law."""

@@ -3,10 +3,8 @@
 import pytest
 from held_or_not import program
 
-from kilter import check
-from kilter.analysis.check import TOO_LARGE
 from kilter.friction.answer import ask_friction
-from kilter.friction.exclusion import prove_no_motion
+from kilter.friction.exclusion import Exclusion, prove_no_motion
 from kilter.scenes import walls
 
 
@@ -16,14 +14,30 @@ def tilted():
     return walls.tilted_wall(8.0, friction=0.6, courses=4, per_course=4)
 
 
-def test_questions_that_exceed_the_work_limit_are_not_examined(tilted, monkeypatch):
-    monkeypatch.setattr("kilter.friction.answer.CONIC_STEPS", 10_000)
-    answer = ask_friction(program(tilted))
-    assert (answer.why, answer.examined, answer.work) == ("not-asked", False, 0.0)
-    verdict = check(tilted)
-    assert (verdict.verdict, verdict.level) == ("potentially-stable", "equilibrium")
-    assert TOO_LARGE in verdict.warnings
-    assert TOO_LARGE not in check(tilted, require="equilibrium").warnings
+def test_only_the_search_of_a_motion_is_left_out_if_one_program_exceeds_the_limit(
+    tilted, monkeypatch
+):
+    monkeypatch.setattr("kilter.friction.answer.CONIC_STEPS", 10_000_000)
+    monkeypatch.setattr("kilter.friction.answer.find_coulomb_motion", None)  # a call of it fails
+    answer = ask_friction(program(tilted), work=2.0)
+    assert (answer.guarantee, answer.seating.seated, answer.settles) == ("open", "yes", True)
+
+
+def test_an_assembly_that_settles_is_searched_for_a_motion_if_it_is_small_or_on_request(
+    tilted, monkeypatch
+):
+    built, searched = program(tilted), []
+    unproved = Exclusion(False, None, 0, 0, 1.0, "", 0.0)
+    monkeypatch.setattr("kilter.friction.answer.prove_no_motion", lambda *_, **__: unproved)
+    monkeypatch.setattr(
+        "kilter.friction.answer.find_coulomb_motion", lambda *_, only, **__: searched.append(only)
+    )
+    assert ask_friction(built).settles
+    assert searched == []
+    ask_friction(built, work=1.5)
+    assert searched == ["starts", "modes"]
+    ask_friction(program(walls.tilted_wall(8.0, friction=0.6, courses=2, per_course=2)))
+    assert searched == ["starts", "modes"] * 2
 
 
 def test_a_proof_whose_cases_cost_too_much_is_not_begun(tilted, monkeypatch):

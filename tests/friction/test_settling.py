@@ -9,7 +9,7 @@ from random_friction import random_assembly
 
 from kilter import check
 from kilter.cli import main
-from kilter.friction.elastic_forces import elastic_forces
+from kilter.friction.elastic_forces import _DilatingSprings, elastic_forces
 from kilter.friction.law import coulomb_law
 from kilter.friction.seating import find_seating
 from kilter.friction.settling import find_settling
@@ -247,12 +247,67 @@ def test_a_symmetric_newton_step_solves_the_system_without_the_pull_of_sliding(w
 
 def test_a_wall_of_a_size_that_symmetric_matrices_serve_settles_as_with_exact_matrices(monkeypatch):
     tilted = program(walls.tilted_wall(8.0, friction=0.6, courses=4, per_course=4))
+    monkeypatch.setattr("kilter.friction.spring_newton.NARROW", 1000)
     exact = find_settling(tilted, tries=2)
     monkeypatch.setattr("kilter.friction.spring_matrix.SYMMETRIC", 1)
     rough = find_settling(tilted, tries=2)
     assert exact.passed == rough.passed == 2
     for forces, others in zip(exact.forces, rough.forces, strict=True):
         assert others == pytest.approx(forces, abs=1e-6 * np.abs(forces).max())
+
+
+def test_inexact_newton_steps_end_in_the_balance_of_the_path_from_rest(monkeypatch):
+    tilted = program(walls.tilted_wall(8.0, friction=0.6, courses=4, per_course=4))
+    released = find_settling(tilted, tries=2)
+    monkeypatch.setattr("kilter.friction.settling.balanced_springs", lambda *_: None)
+    fallen = find_settling(tilted, tries=2)
+    assert released.passed == fallen.passed == 2
+    assert released.iterations < fallen.iterations
+    for forces, others in zip(released.forces, fallen.forces, strict=True):
+        assert others == pytest.approx(forces, abs=1e-6 * np.abs(forces).max())
+
+
+def test_an_unsupported_part_is_not_released_from_closed_contacts(monkeypatch):
+    monkeypatch.setattr("kilter.friction.settling._Descent._release", None)  # a call of it fails
+    assert find_settling(program(friction.bracket()), tries=1).ends == ("runs-away",)
+    with pytest.raises(TypeError):
+        find_settling(program(friction.trough(30, tilt=35.0, friction=0.84)), tries=1)
+
+
+def test_forces_of_the_least_energy_are_those_of_the_conic_solver(monkeypatch):
+    law = coulomb_law(program(walls.tilted_wall(8.0, friction=0.6, courses=4, per_course=4)))
+    newton = elastic_forces(law, work=Work())
+    monkeypatch.setattr("kilter.friction.elastic_forces.balanced_springs", lambda *_: None)
+    conic = elastic_forces(law, work=Work())
+    assert newton.forces == pytest.approx(conic.forces, abs=1e-4 * np.abs(conic.forces).max())
+    assert newton.displacement == pytest.approx(
+        conic.displacement, abs=1e-5 * np.abs(conic.displacement).max()
+    )
+
+
+@pytest.mark.parametrize("kind", [Springs, _DilatingSprings])
+def test_slopes_are_the_derivatives_of_the_forces(kind):
+    law = coulomb_law(program(walls.wall(2, 2, friction=0.6)))
+    springs, rng = kind(spring_system(law), np.ones(len(law.mu))), np.random.default_rng(5)
+    state = springs.at(rng.normal(size=len(law.load)))
+    change, small = rng.normal(size=state.opening.shape), 1e-6
+    ahead = springs.forces(state.opening + small * change)
+    ahead -= springs.forces(state.opening - small * change)
+    slopes = springs.slope_matrices(state, exact=True)[:-1]
+    assert np.einsum("kij,kj->ki", slopes, change) == pytest.approx(-ahead / (2 * small), abs=1e-5)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("planar", [False, True])
+def test_an_arch_of_a_thousand_voussoirs_settles_at_the_default_effort(planar):
+    verdict = check(arches.arch(1000, friction=0.6, planar=planar))
+    assert (verdict.level, verdict.tries) == ("settles", (8, 8))
+
+
+@pytest.mark.slow
+def test_a_leaning_wall_of_a_thousand_bricks_settles_at_the_default_effort():
+    verdict = check(walls.tilted_wall(1.5, friction=0.6, courses=32, per_course=31))
+    assert (verdict.level, verdict.tries) == ("settles", (8, 8))
 
 
 def test_a_try_that_takes_most_of_the_work_of_all_is_the_last():

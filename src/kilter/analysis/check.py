@@ -46,12 +46,6 @@ __all__ = ["check"]
 CUT = "stopped at the time limit: the answer is what was proved until then"
 """Warning in an answer that the time limit cut short."""
 
-TOO_LARGE = (
-    "settling and other motions were not examined, because the assembly has too many contact "
-    "points for this effort"
-)
-"""Warning: the assembly is too large to examine settling and other motions."""
-
 FAR_APART = 1e9
 """Ratio of the largest to the least mass above which accelerations of light parts are inexact."""
 
@@ -148,7 +142,7 @@ def check(
     decision = decide(assembly, contacts, require=require, work=work)
     seconds["solve"] = time.perf_counter() - started
     sentence = _sentence(decision, assembly, contacts)
-    warnings = _warnings(assembly, contacts, decision, require)
+    warnings = _warnings(assembly, contacts, decision)
     if work.cut:
         warnings.append(CUT)
     return Verdict(
@@ -224,9 +218,7 @@ def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> s
     )
 
 
-def _warnings(
-    assembly: Assembly, contacts: ContactSet, decision: Decision, require: str
-) -> list[str]:
+def _warnings(assembly: Assembly, contacts: ContactSet, decision: Decision) -> list[str]:
     """Warnings about the input, about open pairs and about parts that touch nothing."""
     warnings = remarks(assembly, contacts)
     friction, program = decision.friction, decision.program
@@ -235,8 +227,6 @@ def _warnings(
             "for bonds with limited shear, kilter proves only that equilibrium forces exist, not "
             "that friction excludes every motion"
         )
-    elif friction is not None and not friction.examined and require != "equilibrium":
-        warnings.append(TOO_LARGE)
     left_open = still_open(contacts.open_pairs, assembly)
     if decision.trial is not None and left_open:
         warnings.append(trial_words(decision.trial, assembly, len(left_open)))

@@ -36,9 +36,11 @@ from kilter.friction.elastic_forces import elastic_forces
 from kilter.friction.exclusion import Exclusion, prove_no_motion
 from kilter.friction.exclusion_file import exclusion_data
 from kilter.friction.law import coulomb_law
-from kilter.friction.motion_search import CoulombMotion, find_coulomb_motion
+from kilter.friction.motion_search import MOST_POINTS, CoulombMotion, find_coulomb_motion
 from kilter.friction.seating import Seating, find_seating
 from kilter.friction.settling import TRIES, Settling, find_settling
+from kilter.friction.spring_newton import SharedFactor
+from kilter.friction.springs import spring_system
 from kilter.mechanics.certificate import ForceProof, check_forces
 from kilter.mechanics.program import Program
 from kilter.mechanics.proof import Evidence
@@ -50,8 +52,11 @@ SEATING = 2.0
 """Work of the search for a seat, in multiples of the effort, in addition to the motion search."""
 SETTLING = 6.0
 """Work of the settling tries, in multiples of the effort, in addition to the motion search. Tries
-that are not reached count as not passed. An arch of 100 voussoirs in space needs half of it, a
-leaning wall of 300 bricks two thirds."""
+that are not reached count as not passed. An arch of 1,000 voussoirs in space needs half of it, and
+a leaning wall of 1,000 bricks a quarter."""
+SEATING_POINT, SETTLING_POINT = 300.0, 800.0
+"""Work of the same for each contact point, in addition. A leaning wall of 10,000 bricks needs half
+of it."""
 EXCLUDING = 2.0
 """Work of the proof that no motion exists, over the work of the motion search. The proof follows
 the starts of the search, which find most motions at once, and precedes its contact modes, which are
@@ -170,8 +175,6 @@ def ask_friction(
         modes; for "settles" most of the proof that no motion exists, if all tries came to rest.
     """
     whole = Work.of(work)
-    if _out_of_reach(program, whole):
-        return not_asked(program)
     before = whole.total
     if enough == "proved":
         unknown = not_asked(program)
@@ -190,17 +193,22 @@ def ask_friction(
         )
 
     runaway = seating.runaway if seating.runaway is not None else settling.runaway
-    whole.stage("looking for a motion")
-    witness = find_coulomb_motion(program, work=whole, runaway=runaway, only="starts")
-    if witness is not None:
-        return answer("refuted", witness)
-    settles = bool(tries) and len(tries) == settling.of
+    settles = len(tries) == settling.of
+    # the programs of a large assembly cost far more than its tries, and hardly any of those that
+    # come to rest in every try have a motion
+    enough_tries = settles and whole.allowed <= PER_EFFORT
+    search = len(program.mu) <= MOST_POINTS or not (enough_tries or _out_of_reach(program, whole))
+    if search:
+        whole.stage("looking for a motion")
+        witness = find_coulomb_motion(program, work=whole, runaway=runaway, only="starts")
+        if witness is not None:
+            return answer("refuted", witness)
     # beside a level that is reached already, a proof only saves the search of contact modes
     most = whole.total - before if enough == "settles" and settles else EXCLUDING * whole.allowed
     exclusion = _exclude(program, whole.beside(min(most, EXCLUDING * whole.allowed)))
     if exclusion.proved:
         return answer("proved", exclusion=exclusion)
-    if enough == "proved" or (enough == "settles" and not settles):
+    if not search or enough == "proved" or (enough == "settles" and not settles):
         return answer("open", exclusion=exclusion)
     witness = find_coulomb_motion(program, work=whole.until(MODES), only="modes")
     return answer("open" if witness is None else "refuted", witness, exclusion)
@@ -223,12 +231,20 @@ def _seat_and_settle(program: Program, whole: Work) -> tuple[Seating, Settling]:
     """Search for a seat (a state of rest), then put the parts down loosely in several tries."""
     law = coulomb_law(program)
     efforts = PER_EFFORT * max(whole.allowed / PER_EFFORT, 1.0)
+    points = len(program.mu)
     whole.stage("seating")
-    beside = whole.beside(SEATING * efforts)
-    elastic = elastic_forces(law, work=beside) if len(law.load) and law.strength else None
-    seating = find_seating(program, work=beside, elastic=elastic)
+    beside = whole.beside(SEATING * efforts + SEATING_POINT * points)
+    moves = bool(len(law.load) and law.strength)
+    factor = SharedFactor(spring_system(law)) if moves else None
+    elastic = elastic_forces(law, work=beside, factor=factor) if moves else None
+    seating = find_seating(program, work=beside, elastic=elastic, factor=factor)
     whole.stage("putting it down loosely")
-    settling = find_settling(program, work=whole.beside(SETTLING * efforts), elastic=elastic)
+    settling = find_settling(
+        program,
+        work=whole.beside(SETTLING * efforts + SETTLING_POINT * points),
+        elastic=elastic,
+        factor=factor,
+    )
     return seating, settling
 
 

@@ -18,7 +18,7 @@ Anal. 35, 1998.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -107,7 +107,11 @@ def relaxed(
         Size of displacements in balance; parts that are much farther away have run away.
     """
     state, step, steps = springs.at(x), first, 0
-    far = FAR * max(size, 1.0)
+    far, behind = FAR * max(size, 1.0), np.zeros(len(x))
+
+    def rest(end: Literal["balance", "runs-away", "not-found"]) -> Rest:
+        return Rest(replace(state, x=behind + state.x), end, steps)
+
     while step > SHORTEST and not work.over:
         near = springs.imbalance(state) <= NEARLY * BALANCED
         new, count = _advance(springs, state, step, work, LAST if near else INNER)
@@ -118,17 +122,18 @@ def relaxed(
             step *= CUT
             continue
         decrease = float(np.linalg.norm(state.rest)) / max(float(np.linalg.norm(new.rest)), TINY)
-        state = new
+        behind, springs = behind + new.x, springs.moved(new)
+        state = replace(new, x=np.zeros(len(x)))
         if springs.imbalance(state) <= GOAL:
-            return Rest(state, "balance", steps)
-        if step > LONGEST and decrease < EASING and float(np.abs(state.x).max()) > far:
-            return Rest(state, "runs-away", steps)
+            return rest("balance")
+        if step > LONGEST and decrease < EASING and float(np.abs(behind).max()) > far:
+            return rest("runs-away")
         if steps > MOST:
             break
         step *= (GROWTH if count <= EASY else SLOW) * float(np.clip(decrease, 1.0, LEAP))
         step = min(step, LIMIT)
     near = springs.imbalance(state) <= NEARLY * BALANCED
-    return Rest(state, "balance" if near else "not-found", steps)
+    return rest("balance" if near else "not-found")
 
 
 def _advance(

@@ -29,7 +29,8 @@ from kilter.arrays import TINY, Array
 from kilter.friction.elastic_forces import ElasticForces, elastic_forces
 from kilter.friction.friction_tolerances import BALANCED, SOFT_SQUEEZE
 from kilter.friction.law import CoulombLaw, coulomb_law
-from kilter.friction.relaxing import FIRST, relaxed
+from kilter.friction.relaxing import FIRST, Rest, relaxed
+from kilter.friction.spring_newton import SharedFactor, balanced_springs
 from kilter.friction.springs import Springs, spring_system
 from kilter.mechanics.law_check import check_balance
 from kilter.mechanics.program import Program
@@ -90,6 +91,7 @@ def find_seating(
     starts: int = 6,
     work: Work | float = inf,
     elastic: ElasticForces | None = None,
+    factor: SharedFactor | None = None,
 ) -> Seating:
     """Search for a seat: a state of rest with elastic contacts, produced by the weight alone.
 
@@ -106,6 +108,8 @@ def find_seating(
         result.
     elastic : ElasticForces, optional
         Forces of the least energy, if they are known.
+    factor : SharedFactor, optional
+        Factorisation of the springs, if it exists.
 
     Examples
     --------
@@ -122,13 +126,15 @@ def find_seating(
     if not len(law.load) or not law.strength:
         no_forces = np.zeros((len(program.part_a), 3))
         return Seating("yes", no_forces, check_balance(program, no_forces), 0, 0, None)
-    work, system = Work.of(work), spring_system(law)
+    work, factor = Work.of(work), factor or SharedFactor(spring_system(law))
     best: Seating | None = None
-    elastic = elastic or elastic_forces(law, work=work)
+    elastic = elastic or elastic_forces(law, work=work, factor=factor)
     size = 1.0 if elastic is None else float(np.abs(elastic.displacement).max())
     iterations, all_run_away = 0, True
     for start, (stiffness, x, first) in enumerate(_starts(law, elastic, seed), 1):
-        rest = relaxed(Springs(system, stiffness), x, work=work, first=first, size=size)
+        springs = Springs(factor.system, stiffness)
+        rest = _near_rest(springs, x, factor, work) if first == NEAR else None
+        rest = rest or relaxed(springs, x, work=work, first=first, size=size)
         iterations += rest.steps
         all_run_away = all_run_away and rest.end == "runs-away"
         forces = law.forces(rest.state.forces)
@@ -145,6 +151,14 @@ def find_seating(
     assert best is not None  # there is at least one start
     seated: Literal["runs-away", "not-found"] = "runs-away" if all_run_away else "not-found"
     return Seating(seated, best.forces, best.residual, start, iterations, best.runaway)
+
+
+def _near_rest(springs: Springs, x: Array, factor: SharedFactor, work: Work) -> Rest | None:
+    """A seat near the displacement of the least energy, by inexact Newton steps."""
+    if factor.narrow:
+        return None
+    balance = balanced_springs(springs, x, factor, work)
+    return None if balance is None else Rest(balance[0], "balance", balance[1])
 
 
 def _starts(

@@ -14,6 +14,7 @@ Systems (d - dr/dx) dx = y are solved by `kilter.friction.spring_matrix`.
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,7 +25,7 @@ from kilter.friction.law import CoulombLaw
 from kilter.friction.spring_matrix import SpringMatrix, spring_matrix
 from kilter.work import BAND_POINT, Work
 
-__all__ = ["ACROSS", "SpringState", "SpringSystem", "Springs", "spring_system"]
+__all__ = ["ACROSS", "Slopes", "SpringState", "SpringSystem", "Springs", "spring_system"]
 
 ACROSS = 0.7
 """Stiffness across a contact over that along its normal: about that of two elastic bodies."""
@@ -41,6 +42,31 @@ class SpringState:
     opening: Array
     forces: Array
     rest: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Slopes:
+    """Derivatives -df/du of contact forces by the displacements of their points.
+
+    With the direction e of the friction force of a sliding point,
+
+        -df_n/du_n = normal,      -df_t/du_t = across I - sliding e e^T,
+        -df_t/du_n = coupling e,  -df_n/du_t = dilation e^T
+
+    Attributes
+    ----------
+    normal, across, sliding, coupling, dilation : ndarray, shape (K,)
+        `dilation` is 0 for Coulomb's law.
+    direction : ndarray, shape (2, K)
+        e; 0 for points that do not slide.
+    """
+
+    normal: Array
+    across: Array
+    sliding: Array
+    coupling: Array
+    dilation: Array
+    direction: Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,6 +98,21 @@ class SpringSystem:
     begins: Index
     matrix: SpringMatrix
     weight: Array
+
+    def pair_blocks(self, slope: Array) -> Array:
+        """Stiffness matrix of each pair of parts, shape (P, 2 d, 2 d), from slopes of the points.
+
+        Parameters
+        ----------
+        slope : ndarray, shape (K + 1, 3, 3)
+            Derivative -df/du of the force of each point; 0 for the last, which stands for none.
+        """
+        runs, size = len(self.points), self.lever.shape[-1]
+        lines = 3 * self.points.shape[1]
+        pulls = np.matmul(slope[self.points], self.lever).reshape(runs, lines, size)
+        lever = self.lever.reshape(runs, lines, size)
+        blocks = np.matmul(np.swapaxes(lever, 1, 2), pulls)
+        return np.add.reduceat(blocks, self.begins, axis=0) if runs else blocks
 
 
 def spring_system(law: CoulombLaw) -> SpringSystem:
@@ -132,15 +173,30 @@ class Springs:
 
     def __init__(self, system: SpringSystem, stiffness: Array, gap: Array | None = None) -> None:
         self.system, self.stiffness = system, stiffness
-        self.gap = np.zeros(len(stiffness)) if gap is None else gap
+        self.opening = np.zeros((len(stiffness), 3))
+        if gap is not None:
+            self.opening[:, 0] = gap
 
     def at(self, x: Array) -> SpringState:
         """Contact forces and imbalance at a displacement x of the parts."""
-        law = self.system.law
-        u = (law.matrix @ x).reshape(-1, 3)
-        u[:, 0] += self.gap
-        forces = _contact_forces(law, self.stiffness, u)
-        return SpringState(x, u, forces, law.load + self.system.transposed @ forces.reshape(-1))
+        u = (self.system.law.matrix @ x).reshape(-1, 3) + self.opening
+        forces = self.forces(u)
+        rest = self.system.law.load + self.system.transposed @ forces.reshape(-1)
+        return SpringState(x, u, forces, rest)
+
+    def moved(self, state: SpringState) -> Springs:
+        """The same springs with displacements measured from a state, which is x = 0 for them.
+
+        The rounding error of H x, which grows with x, then becomes an error of the gaps. So parts
+        that have moved far, as in a long arch, still reach an exact balance.
+        """
+        other = copy(self)
+        other.opening = state.opening
+        return other
+
+    def forces(self, u: Array) -> Array:
+        """Contact forces (n, u, v) from the displacements of the points, shape (K, 3)."""
+        return _contact_forces(self.system.law, self.stiffness, u)
 
     def imbalance(self, state: SpringState) -> float:
         """Largest imbalance of a part, divided by the part's weight [-]."""
@@ -169,21 +225,22 @@ class Springs:
             If the system is singular.
         """
         system = self.system
-        blocks = self._pair_blocks(state, exact)
+        blocks = system.pair_blocks(self.slope_matrices(state, exact=exact))
         solve = system.matrix.solve if exact else system.matrix.solve_symmetric
         work.charge(BAND_POINT * len(system.law.mu))
         return solve(blocks, drag, right, work)
 
-    def _pair_blocks(self, state: SpringState, exact: bool) -> Array:
-        """Stiffness matrix of each pair of parts, a block of -dr/dx, shape (P, 2 d, 2 d)."""
-        system = self.system
-        slope = _contact_slopes(system.law, self.stiffness, state.opening, exact)[system.points]
-        runs, size = len(system.points), system.lever.shape[-1]
-        lines = 3 * system.points.shape[1]
-        pulls = np.matmul(slope, system.lever).reshape(runs, lines, size)
-        lever = system.lever.reshape(runs, lines, size)
-        blocks = np.matmul(np.swapaxes(lever, 1, 2), pulls)
-        return np.add.reduceat(blocks, system.begins, axis=0) if runs else blocks
+    def slopes(self, state: SpringState) -> Slopes:
+        """Derivatives of the forces of the points by their displacements."""
+        return _contact_slopes(self.system.law, self.stiffness, state.opening)
+
+    def slope_matrices(self, state: SpringState, *, exact: bool) -> Array:
+        """Derivative -df/du of the forces of the points, shape (K + 1, 3, 3); 0 for the last.
+
+        If `exact` is False, the derivatives of sliding forces by normal forces, and the reverse,
+        are left out. The matrices are then symmetric and positive semidefinite.
+        """
+        return _slope_matrices(self.slopes(state), exact)
 
 
 def _contact_forces(law: CoulombLaw, stiffness: Array, u: Array) -> Array:
@@ -198,23 +255,32 @@ def _contact_forces(law: CoulombLaw, stiffness: Array, u: Array) -> Array:
     return forces
 
 
-def _contact_slopes(law: CoulombLaw, stiffness: Array, u: Array, exact: bool) -> Array:
-    """Derivative -df/du of the contact forces by point displacements, shape (K + 1, 3, 3)."""
-    slope = np.zeros((len(u) + 1, 3, 3))
-    points = np.flatnonzero((u[:, 0] < 0) | law.tied)
-    k, tied, mu = stiffness[points], law.tied[points], law.mu[points]
-    u, across = u[points], ACROSS * k
-    pull = -across[:, None] * u[:, 1:]
-    drag = np.hypot(pull[:, 0], pull[:, 1])
-    limit = np.where(tied, 0.0, -mu * k * u[:, 0])
-    slides = (drag > limit) & ~tied
-    tangential_stiffness = np.where(drag > limit, limit / np.maximum(drag, TINY), 1.0) * across
-    e = pull / np.maximum(drag, TINY)[:, None]
-    slope[points, 0, 0] = k
+def _contact_slopes(law: CoulombLaw, stiffness: Array, u: Array) -> Slopes:
+    """Derivatives of the contact forces by point displacements u, shape (K, 3)."""
+    touching = (u[:, 0] < 0) | law.tied
+    normal = stiffness * touching
+    across = ACROSS * normal
+    drag = across * np.hypot(u[:, 1], u[:, 2])
+    limit = np.where(law.tied, 0.0, law.mu * normal * -u[:, 0])
+    slides = (drag > limit) & ~law.tied
+    share = np.where(drag > limit, limit / np.maximum(drag, TINY), 1.0)
+    direction = u[:, 1:].T * (-across * slides / np.maximum(drag, TINY))
+    across *= share
+    coupling = law.mu * normal * slides
+    return Slopes(normal, across, across * slides, coupling, np.zeros(len(u)), direction)
+
+
+def _slope_matrices(slopes: Slopes, exact: bool) -> Array:
+    """Slopes as matrices, shape (K + 1, 3, 3); 0 for the last."""
+    count = len(slopes.normal)
+    matrices = np.zeros((count + 1, 3, 3))
+    along = matrices[:count]
+    e = slopes.direction.T
+    along[:, 0, 0] = slopes.normal
     if exact:
-        slope[points, 1:, 0] = (mu * k * slides)[:, None] * e
-    slope[points, 1:, 1:] = tangential_stiffness[:, None, None] * np.eye(2)
-    slope[points, 1:, 1:] -= (
-        (tangential_stiffness * slides)[:, None, None] * e[:, :, None] * e[:, None, :]
-    )
-    return slope
+        along[:, 1:, 0] = slopes.coupling[:, None] * e
+        along[:, 0, 1:] = slopes.dilation[:, None] * e
+    along[:, 1:, 1:] = -slopes.sliding[:, None, None] * e[:, :, None] * e[:, None, :]
+    along[:, 1, 1] += slopes.across
+    along[:, 2, 2] += slopes.across
+    return matrices

@@ -25,9 +25,7 @@ from kilter.arrays import Array, Index, Mask, ragged
 __all__ = ["Front", "fronts"]
 
 LEAF = 72
-"""Largest number of unknowns of a set that is not divided further. A larger value gives fewer and
-denser fronts.
-"""
+"""Default of `leaf`, for factorisations that solve a few right-hand sides each."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,7 +50,7 @@ class Front:
     children: tuple[int, ...]
 
 
-def fronts(place: Array, first: Index, second: Index, width: int) -> list[Front]:
+def fronts(place: Array, first: Index, second: Index, width: int, leaf: int = LEAF) -> list[Front]:
     """Divide a block matrix into fronts, in the order of elimination: children before parents.
 
     Parameters
@@ -63,6 +61,9 @@ def fronts(place: Array, first: Index, second: Index, width: int) -> list[Front]
         Blocks at the ends of the links; each pair occurs once.
     width : int
         Number of unknowns per block.
+    leaf : int
+        Largest number of unknowns of a set that is not divided further. A larger value gives fewer
+        and denser fronts.
 
     Examples
     --------
@@ -74,7 +75,7 @@ def fronts(place: Array, first: Index, second: Index, width: int) -> list[Front]
     count = len(place)
     ends = (np.concatenate([first, second]), np.concatenate([second, first]))
     graph = csr_array((np.ones(len(ends[0])), ends), shape=(count, count))
-    sets = _dissect(place, graph, LEAF // width)
+    sets = _dissect(place, graph, leaf // width)
     owner, rank = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
     order = np.concatenate([members for members, _ in sets])
     rank[order] = np.arange(count)

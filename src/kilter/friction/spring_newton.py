@@ -1,0 +1,293 @@
+"""Newton's method for parts on contact springs, with an approximate factorisation that is shared.
+
+The equations r(x) = 0 of `kilter.friction.springs` are solved by inexact Newton steps. Each linear
+system K dx = r, with K = -dr/dx, is solved roughly by GMRES, preconditioned by the factorisation
+
+    P = H^T S H,   S the stiffness of each contact point
+
+of an earlier matrix. At first all points are closed and stick: this P is the largest of all K, does
+not depend on the gaps, and serves all tries. P is replaced, for one try, by the symmetric part of
+its own K if that saves work. P and GMRES use single precision; r and x use double precision.
+
+References
+----------
+Y. Saad, M. H. Schultz, GMRES, SIAM J. Sci. Stat. Comput. 7, 1986. R. S. Dembo, S. C. Eisenstat, T.
+Steihaug, Inexact Newton methods, SIAM J. Numer. Anal. 19, 1982.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import hypot
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from kilter.arrays import TINY, Array
+from kilter.friction.friction_tolerances import BALANCED
+from kilter.friction.springs import ACROSS, Springs, SpringState, SpringSystem
+from kilter.solvers.block_cholesky import BlockCholesky, NotPositive
+from kilter.work import Work
+
+__all__ = ["SharedFactor", "balanced_springs"]
+
+ROUGHLY = 0.3
+"""Residual of a linear system, over its right-hand side, at which GMRES ends [-]. A smaller value
+costs more iterations, and in soft directions makes steps too long."""
+FINELY, FINER, AS_LINEAR = 1e-2, 0.1, 3.0
+"""Near balance: least value of the same; its factor from step to step; and the fall of r, over that
+of the linear system, up to which the equations count as linear."""
+LONGEST = 8
+"""Maximum number of GMRES iterations of a Newton step."""
+STALLED, DISTANT = 0.9, 0.3
+"""The matrix is factorised anew after a Newton step that took all iterations, or left more than the
+first fraction of the imbalance, if the imbalance is below the second number. Far from balance the
+stiff factor of all points gives better directions: it lets no loose part fly away."""
+SHORT = 0.1
+"""Fraction of a Newton step; after a shorter one, the factor of all points is used again."""
+LEFT, SEARCHED, EDGE = 0.2, 8, 0.1
+"""Line search: the work of the imbalance falls to the first fraction; maximum number of points;
+least distance of a point from the ends of the bracket, as a fraction of its length."""
+MOST, IDLE = 150, 40
+"""Number of Newton steps after which the method fails; the same without a new least imbalance."""
+SOFT = 1e-7
+"""Stiffness added to each freedom of P, so that P is positive definite for loose parts [-]."""
+NARROW = 24
+"""Half width of a band up to which parts form chains, such as arches and stacks. Their matrices are
+cheap, but soft: rough steps do not help, and single precision does not suffice."""
+SEARCHED_POINT = 1.0
+"""Work of a line search for each contact point."""
+NEARLY = 0.1
+"""Imbalance, over that which counts as balance, at which Newton's method ends [-]."""
+
+
+class SharedFactor:
+    """Approximate factorisation of the stiffness of contact springs, for all tries of a program.
+
+    Parameters
+    ----------
+    system : SpringSystem
+    """
+
+    def __init__(self, system: SpringSystem) -> None:
+        program = system.law.program
+        self.system, self._pairs = system, system.matrix.pairs
+        self._both = (self._pairs >= 0).all(axis=1)
+        self._width = system.lever.shape[-1] // 2
+        self._layout = BlockCholesky(
+            program.center[program.free],
+            self._pairs[self._both, 0],
+            self._pairs[self._both, 1],
+            self._width,
+            single=not self.narrow,
+        )
+        self.entries = self._layout.entries
+        self.matrix = csr_array(system.law.matrix.astype(np.float32))
+        self.transposed = csr_array(system.transposed.astype(np.float32))
+        self._closed: BlockCholesky | None = None
+        self._factor = self._layout
+
+    @property
+    def narrow(self) -> bool:
+        """True if the parts form chains, for which inexact Newton steps do not pay."""
+        return self.system.matrix.band <= NARROW
+
+    def close_all(self, work: Work) -> None:
+        """Use the factor of the springs with all points closed and sticking, from now on."""
+        if self._closed is None:
+            slope = np.zeros((len(self.system.law.mu) + 1, 3, 3))
+            slope[:-1, 0, 0] = 1.0
+            slope[:-1, 1, 1] = slope[:-1, 2, 2] = np.where(self.system.law.mu > 0, ACROSS, 0.0)
+            self._closed = self._factorised(slope, work)
+        self._factor = self._closed
+
+    def renew(self, slope: Array, work: Work) -> None:
+        """Use the factor for symmetric slopes -df/du, shape (K + 1, 3, 3), from now on."""
+        self._factor = self._factorised(slope, work)
+
+    def _factorised(self, slope: Array, work: Work) -> BlockCholesky:
+        """Factorise the stiffness matrix for given slopes of the contact points."""
+        blocks, width = self.system.pair_blocks(slope), self._width
+        diagonal = np.zeros((len(self.system.weight) + 1, width, width))
+        for side in range(2):
+            square = slice(width * side, width * (side + 1))
+            np.add.at(diagonal, self._pairs[:, side], blocks[:, square, square])
+        factor = self._layout.another()
+        work.dissected(width * len(self.system.weight), self.entries)
+        factor.factorise(diagonal[:-1] + SOFT * np.eye(width), blocks[self._both, :width, width:])
+        return factor
+
+    def start(self, right: Array, work: Work) -> Array:
+        """Displacement of the parts under loads `right`, with all points closed and sticking."""
+        self.close_all(work)
+        size = max(float(np.abs(right).max(initial=0.0)), TINY)
+        return size * self.solve(right / size, work)
+
+    def solve(self, right: Array, work: Work) -> Array:
+        """Solve with the present factor, for a right-hand side of size near 1, shape (n,)."""
+        work.substituted(len(right), self.entries)
+        return self._factor.solve(right.reshape(-1, self._width)).reshape(-1)
+
+
+def balanced_springs(
+    springs: Springs, x: Array, factor: SharedFactor, work: Work
+) -> tuple[SpringState, int] | None:
+    """Balance of parts on springs by Newton's method from a displacement x; None if not found.
+
+    Parameters
+    ----------
+    springs : Springs
+    x : ndarray, shape (n,)
+        First displacement.
+    factor : SharedFactor
+        Its present factor is used, and may be replaced.
+    work : Work
+        The method ends when it is spent.
+
+    Returns
+    -------
+    SpringState, int
+        The state in balance, and the number of Newton steps.
+    """
+    state, behind = springs.at(x), np.zeros(len(x))
+    imbalance = least = springs.imbalance(state)
+    tolerance, idle, best = ROUGHLY, 0, state
+    count = 0
+    while NEARLY * BALANCED < imbalance < np.inf:
+        if count >= MOST or idle >= IDLE or work.over:
+            break
+        springs, behind = springs.moved(state), behind + state.x
+        state = replace(state, x=np.zeros(len(x)))
+        count += 1
+        move, used = _krylov_step(springs, state, factor, tolerance, work)
+        new = _line_search(springs, state, move)
+        work.charge(SEARCHED_POINT * len(new.forces))
+        reached = springs.imbalance(new)
+        if float(np.linalg.norm(new.x)) < SHORT * float(np.linalg.norm(move)):
+            factor.close_all(work)
+        elif (used == LONGEST or reached > STALLED * imbalance) and reached < DISTANT:
+            try:
+                factor.renew(springs.slope_matrices(new, exact=False), work)
+            except NotPositive:
+                break
+        # while the points that touch change, an exact step is of no use
+        ratio = float(np.linalg.norm(new.rest)) / float(np.linalg.norm(state.rest))
+        tolerance = max(FINER * tolerance, FINELY) if ratio < AS_LINEAR * tolerance else ROUGHLY
+        state, imbalance = new, reached
+        idle = 0 if imbalance < least else idle + 1
+        if imbalance < least:
+            least, best = imbalance, replace(state, x=behind + state.x)
+    return (best, count) if least <= NEARLY * BALANCED else None
+
+
+def _krylov_step(
+    springs: Springs, state: SpringState, factor: SharedFactor, tolerance: float, work: Work
+) -> tuple[Array, int]:
+    """Newton step dx of K dx = r by preconditioned GMRES, and the number of iterations.
+
+    If GMRES does not find a direction along which the parts gain energy, the step is P dx = r.
+    """
+    slope, right = springs.slopes(state), state.rest
+    rows = (slope.normal, slope.across, slope.sliding, slope.coupling, slope.dilation)
+    normal, across, sliding, coupling, dilation, e0, e1 = np.vstack(
+        [*rows, slope.direction]
+    ).astype(np.float32)
+    dilates = bool(dilation.any())
+
+    def product(v: Array) -> Array:
+        u = (factor.matrix @ v).reshape(-1, 3)
+        forces = np.empty_like(u)
+        along = e0 * u[:, 1] + e1 * u[:, 2]
+        forces[:, 0] = normal * u[:, 0] + dilation * along if dilates else normal * u[:, 0]
+        pushed = coupling * u[:, 0] - sliding * along
+        forces[:, 1] = across * u[:, 1] + e0 * pushed
+        forces[:, 2] = across * u[:, 2] + e1 * pushed
+        wrenches: Array = factor.transposed @ forces.reshape(-1)
+        return wrenches
+
+    size = float(np.linalg.norm(right))
+    coefficients, steps = _gmres(
+        product, lambda v: factor.solve(v, work), (right / size).astype(np.float32), tolerance
+    )
+    move: Array = (coefficients @ steps) * size
+    if not float(move @ right) > 0:
+        move = steps[0] * size
+    return move, len(coefficients)
+
+
+def _gmres(
+    product: Callable[[Array], Array],
+    precondition: Callable[[Array], Array],
+    right: Array,
+    tolerance: float,
+) -> tuple[Array, Array]:
+    """Solve a linear system roughly by GMRES, preconditioned from the right.
+
+    Parameters
+    ----------
+    product, precondition : callable
+        Product with the matrix, and with an approximation of its inverse.
+    right : ndarray, shape (n,)
+        Right-hand side, of length 1.
+    tolerance : float
+        Length of the residual at which GMRES ends; it ends also after `LONGEST` iterations.
+
+    Returns
+    -------
+    ndarray, shape (m,); ndarray, shape (m, n)
+        Coefficients of the solution, and the preconditioned directions that they multiply.
+    """
+    basis = np.empty((LONGEST + 1, len(right)), np.float32)
+    steps = np.empty((LONGEST, len(right)), np.float32)
+    basis[0] = right
+    triangle, left = np.zeros((LONGEST, LONGEST)), np.zeros(LONGEST + 1)
+    left[0] = 1.0
+    rotations: list[tuple[float, float]] = []
+    for k in range(LONGEST):
+        steps[k] = precondition(basis[k])
+        vector = product(steps[k])
+        along = basis[: k + 1] @ vector
+        vector = vector - along @ basis[: k + 1]
+        column = along.tolist()
+        for i, (c, s) in enumerate(rotations):
+            upper, lower = column[i], column[i + 1]
+            column[i], column[i + 1] = c * upper + s * lower, c * lower - s * upper
+        beyond = float(np.linalg.norm(vector))
+        size = max(hypot(column[k], beyond), TINY)
+        c, s = column[k] / size, beyond / size
+        rotations.append((c, s))
+        column[k] = size
+        triangle[: k + 1, k] = column
+        left[k], left[k + 1] = c * left[k], -s * left[k]
+        if abs(left[k + 1]) <= tolerance or beyond <= TINY:
+            break
+        basis[k + 1] = vector / beyond
+    coefficients = np.linalg.solve(triangle[: k + 1, : k + 1], left[: k + 1])
+    return np.asarray(coefficients, np.float64), steps[: k + 1].astype(np.float64)
+
+
+def _line_search(springs: Springs, last: SpringState, move: Array) -> SpringState:
+    """State after a Newton step of suitable length.
+
+    A point that starts to touch adds much to the imbalance, but little to the energy. So the search
+    uses the work of the imbalance along the step, which falls to 0 at the minimum of the energy.
+    """
+    low, high = (0.0, float(move @ last.rest)), (1.0, 0.0)
+    limit, part = LEFT * low[1], 1.0
+    enough = STALLED * float(np.linalg.norm(last.rest))
+    for _ in range(SEARCHED):
+        new = springs.at(last.x + part * move)
+        gain = float(move @ new.rest)
+        accepted = gain >= -limit and (part == 1.0 or gain <= limit)
+        if accepted or float(np.linalg.norm(new.rest)) <= enough:
+            break
+        if gain > 0:
+            low = (part, gain)
+        else:
+            high = (part, gain)
+        # the zero of the chord through the ends of the bracket (regula falsi)
+        interpolated = low[0] + (high[0] - low[0]) * low[1] / (low[1] - high[1])
+        edge = EDGE * (high[0] - low[0])
+        part = min(max(interpolated, low[0] + edge), high[0] - edge)
+    return new
