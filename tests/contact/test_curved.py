@@ -237,7 +237,7 @@ def test_ball_in_a_cone_touches_around_a_circle(exact):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("step", sampled(1, [9, 1]))
+@pytest.mark.parametrize("step", [9, 3])
 def test_verdict_between_the_inner_and_the_outer_cone_is_not_given(step):
     """Tested over points and half-way between them in turn."""
     alpha = 0.4
