@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,8 @@ __all__ = ["Boxes", "facet_pairs", "facets_in", "joins", "make_boxes", "pairs_ap
 
 FEW = 64
 """Largest number of parts whose boxes are compared pair by pair, without a tree."""
+MOST_LOOPED = 16
+"""Largest number of points of a group that are compared by columns."""
 MANY = 10_000
 """Number of facet combinations of two parts above which a search tree is used."""
 TREE = 500_000
@@ -90,7 +93,11 @@ def _extremes(points: Array, start: Index) -> tuple[Array, Array]:
     count = np.diff(start)
     if len(count) and (count == count[0]).all():  # equal runs: several times faster than reduceat
         groups = points.reshape(len(count), count[0], 3)
-        return groups.min(axis=1), groups.max(axis=1)
+        if count[0] > MOST_LOOPED:
+            return groups.min(axis=1), groups.max(axis=1)
+        # comparisons of whole columns are several times faster than those along a short axis
+        columns = [groups[:, k] for k in range(int(count[0]))]
+        return reduce(np.minimum, columns), reduce(np.maximum, columns)
     return np.minimum.reduceat(points, start[:-1]), np.maximum.reduceat(points, start[:-1])
 
 

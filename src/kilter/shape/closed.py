@@ -249,11 +249,19 @@ def _has_equal_corners(triangles: Index) -> Mask:
     return same
 
 
+def _squares(rows: Array) -> Array:
+    """Squared length of each row, shape (n,); faster than a sum along the short axis."""
+    x, y, z = rows.T
+    squares: Array = x * x + y * y + z * z
+    return squares
+
+
 def flat_faces(vertices: Array, triangles: Index) -> Mask:
     """Mask of triangles whose area is zero within rounding, shape (T,)."""
     p, q, r = (vertices[corner] for corner in triangles.T)
-    twice = np.linalg.norm(cross(q - p, r - p), axis=1)
-    longest = np.maximum.reduce([((u - v) ** 2).sum(axis=1) for u, v in ((p, q), (q, r), (r, p))])
+    sides = q - p, r - p, r - q
+    twice = np.sqrt(_squares(cross(sides[0], sides[1])))
+    longest = np.maximum.reduce([_squares(side) for side in sides])
     flat: Mask = _has_equal_corners(triangles) | (twice <= NO_AREA * longest)
     return flat
 

@@ -96,7 +96,8 @@ def decide_together(apart: SideBySide, mu: Array, tolerance: Tolerance) -> Toget
     proofs = _with_programs(certain, stacked, asked & ~stacked.stable & ~stacked.unstable)
     stable, falls = proofs.stable & asked, proofs.unstable & asked
     stable &= _rests_level(certain, contacts, proofs, stable)
-    outer = program_blocks(apart, contacts, mu, possible=True) if falls.any() else certain
+    bounded = falls.any() and len(contacts.possible.part_a) > 0
+    outer = program_blocks(apart, contacts, mu, possible=True) if bounded else certain
     more = falls & (np.diff(outer.row_start) > np.diff(certain.row_start))
     if not more.any():
         return Together(stable, falls, (certain, proofs), None, more)

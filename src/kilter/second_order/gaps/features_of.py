@@ -107,9 +107,9 @@ def detected_rows(program: Program, contacts: ContactSet) -> Index:
     """Indices of rows of detected contacts with a closed gap and an exact normal, shape (k,)."""
     rows = np.flatnonzero((program.kind == CONTACT) & (program.doubt == 0))
     patch = program.source[rows]
-    known = np.isin(contacts.patch_kind[patch], (*FLAT, *ROUND))
-    closed = np.abs(contacts.patch_gap[patch]).max(axis=1, initial=0.0) <= contacts.gap
-    detected: Index = rows[known & closed]
+    known = np.isin(contacts.patch_kind, (*FLAT, *ROUND))
+    closed = np.abs(contacts.patch_gap).max(axis=1, initial=0.0) <= contacts.gap
+    detected: Index = rows[(known & closed)[patch]]
     return detected
 
 

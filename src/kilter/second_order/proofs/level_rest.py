@@ -25,7 +25,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from kilter.arrays import TINY, Array, Index, Mask, read_only
+from kilter.arrays import TINY, Array, Index, Mask, cross, read_only
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
 from kilter.mechanics.proof_form import NUMBER, SIX, Form, keys, list_of, named
@@ -103,8 +103,8 @@ def level_rows(program: Program, contacts: ContactSet) -> Mask:
     flat = [kind for kind in FLAT if kind != "edge-edge"]
     level = np.zeros(len(program.part_a), dtype=bool)
     rows = detected_rows(program, contacts)
-    upright = np.linalg.norm(np.cross(program.normal[rows], program.down), axis=1) < BALANCED
-    level[rows] = upright & np.isin(contacts.patch_kind[program.source[rows]], flat)
+    upright = np.linalg.norm(cross(program.normal[rows], program.down), axis=1) < BALANCED
+    level[rows] = upright & np.isin(contacts.patch_kind, flat)[program.source[rows]]
     return level
 
 
