@@ -18,6 +18,7 @@ def test_only_the_search_of_a_motion_is_left_out_if_one_program_exceeds_the_limi
     tilted, monkeypatch
 ):
     monkeypatch.setattr("kilter.friction.answer.CONIC_STEPS", 10_000_000)
+    monkeypatch.setattr("kilter.friction.answer.SEARCHED", 100)
     monkeypatch.setattr("kilter.friction.answer.find_coulomb_motion", None)  # a call of it fails
     answer = ask_friction(program(tilted), work=2.0)
     assert (answer.guarantee, answer.seating.seated, answer.settles) == ("open", "yes", True)
@@ -26,6 +27,7 @@ def test_only_the_search_of_a_motion_is_left_out_if_one_program_exceeds_the_limi
 def test_an_assembly_that_settles_is_searched_for_a_motion_if_it_is_small_or_on_request(
     tilted, monkeypatch
 ):
+    monkeypatch.setattr("kilter.friction.answer.SEARCHED", 100)
     built, searched = program(tilted), []
     unproved = Exclusion(False, None, 0, 0, 1.0, "", 0.0)
     monkeypatch.setattr("kilter.friction.answer.prove_no_motion", lambda *_, **__: unproved)

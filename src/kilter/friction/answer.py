@@ -36,7 +36,7 @@ from kilter.friction.elastic_forces import elastic_forces
 from kilter.friction.exclusion import Exclusion, prove_no_motion
 from kilter.friction.exclusion_file import exclusion_data
 from kilter.friction.law import coulomb_law
-from kilter.friction.motion_search import MOST_POINTS, CoulombMotion, find_coulomb_motion
+from kilter.friction.motion_search import CoulombMotion, find_coulomb_motion
 from kilter.friction.seating import Seating, find_seating
 from kilter.friction.settling import TRIES, Settling, find_settling
 from kilter.friction.spring_newton import SharedFactor
@@ -57,6 +57,9 @@ a leaning wall of 1,000 bricks a quarter."""
 SEATING_POINT, SETTLING_POINT = 300.0, 800.0
 """Work of the same for each contact point, in addition. A leaning wall of 10,000 bricks needs half
 of it."""
+SEARCHED = 300
+"""Number of contact points up to which an assembly that comes to rest in every try is searched for
+other motions at the default effort. A larger number makes large walls slower, and may find more."""
 EXCLUDING = 2.0
 """Work of the proof that no motion exists, over the work of the motion search. The proof follows
 the starts of the search, which find most motions at once, and precedes its contact modes, which are
@@ -197,7 +200,7 @@ def ask_friction(
     # the programs of a large assembly cost far more than its tries, and hardly any of those that
     # come to rest in every try have a motion
     enough_tries = settles and whole.allowed <= PER_EFFORT
-    search = len(program.mu) <= MOST_POINTS or not (enough_tries or _out_of_reach(program, whole))
+    search = len(program.mu) <= SEARCHED or not (enough_tries or _out_of_reach(program, whole))
     if search:
         whole.stage("looking for a motion")
         witness = find_coulomb_motion(program, work=whole, runaway=runaway, only="starts")

@@ -52,13 +52,7 @@ from kilter.solvers.problem import ConicProgram
 from kilter.threads import on_one_thread
 from kilter.work import Work
 
-__all__ = [
-    "MOST_POINTS",
-    "CoulombMotion",
-    "DeSaxcePrograms",
-    "de_saxce_programs",
-    "find_coulomb_motion",
-]
+__all__ = ["CoulombMotion", "DeSaxcePrograms", "de_saxce_programs", "find_coulomb_motion"]
 
 Part = Literal["starts", "modes"]
 
@@ -73,7 +67,7 @@ NODES = 300
 MOST_POINTS = 150
 """Number of contact points above which 300 nodes decide too few modes to be useful, and above which
 a candidate of the iteration is made exact only if it is near the law: each takes longer than a step
-of the iteration. Above it, an assembly that comes to rest in every try is searched only on request.
+of the iteration.
 """
 NEAR = 0.1
 """Largest breach of the law, over the power, up to which the optimum of a relaxation is made exact

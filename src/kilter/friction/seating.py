@@ -122,7 +122,7 @@ def find_seating(
     'yes'
     'runs-away'
     """
-    law = coulomb_law(program)
+    law = coulomb_law(program) if factor is None else factor.system.law
     if not len(law.load) or not law.strength:
         no_forces = np.zeros((len(program.part_a), 3))
         return Seating("yes", no_forces, check_balance(program, no_forces), 0, 0, None)

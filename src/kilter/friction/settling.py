@@ -130,7 +130,8 @@ def find_settling(
     8
     0
     """
-    law, work = coulomb_law(program), Work.of(work)
+    law = coulomb_law(program) if factor is None else factor.system.law
+    work = Work.of(work)
     if not len(law.load) or not law.strength:
         no_forces = (np.zeros((len(law.mu), 3)),) * tries
         ends: list[End] = ["balance"] * tries

@@ -24,7 +24,7 @@ from math import hypot
 import numpy as np
 from scipy.sparse import csr_array
 
-from kilter.arrays import TINY, Array
+from kilter.arrays import TINY, Array, Index
 from kilter.friction.friction_tolerances import BALANCED
 from kilter.friction.springs import ACROSS, Springs, SpringState, SpringSystem
 from kilter.solvers.block_cholesky import BlockCholesky, NotPositive
@@ -75,6 +75,7 @@ class SharedFactor:
         self.system, self._pairs = system, system.matrix.pairs
         self._both = (self._pairs >= 0).all(axis=1)
         self._width = system.lever.shape[-1] // 2
+        self._ends = [_incidence(side, len(system.weight)) for side in self._pairs.T]
         self._layout = BlockCholesky(
             program.center[program.free],
             self._pairs[self._both, 0],
@@ -109,13 +110,15 @@ class SharedFactor:
     def _factorised(self, slope: Array, work: Work) -> BlockCholesky:
         """Factorise the stiffness matrix for given slopes of the contact points."""
         blocks, width = self.system.pair_blocks(slope), self._width
-        diagonal = np.zeros((len(self.system.weight) + 1, width, width))
-        for side in range(2):
+        count = len(self.system.weight)
+        diagonal = np.tile(SOFT * np.eye(width), (count, 1, 1))
+        for side, ends in enumerate(self._ends):
             square = slice(width * side, width * (side + 1))
-            np.add.at(diagonal, self._pairs[:, side], blocks[:, square, square])
+            own = blocks[:, square, square].reshape(len(blocks), -1)
+            diagonal += (ends @ own).reshape(diagonal.shape)
         factor = self._layout.another()
-        work.dissected(width * len(self.system.weight), self.entries)
-        factor.factorise(diagonal[:-1] + SOFT * np.eye(width), blocks[self._both, :width, width:])
+        work.dissected(width * count, self.entries)
+        factor.factorise(diagonal, blocks[self._both, :width, width:])
         return factor
 
     def start(self, right: Array, work: Work) -> Array:
@@ -128,6 +131,12 @@ class SharedFactor:
         """Solve with the present factor, for a right-hand side of size near 1, shape (n,)."""
         work.substituted(len(right), self.entries)
         return self._factor.solve(right.reshape(-1, self._width)).reshape(-1)
+
+
+def _incidence(part: Index, count: int) -> csr_array:
+    """Matrix of parts by pairs, shape (count, P), that is 1 where a pair ends at a part."""
+    pair = np.flatnonzero(part >= 0)
+    return csr_array((np.ones(len(pair)), (part[pair], pair)), shape=(count, len(part)))
 
 
 def balanced_springs(
