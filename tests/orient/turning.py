@@ -42,6 +42,7 @@ _REGISTERED = [
     name
     for name in SCENES
     if name not in ("laden-slab", "books", "three-cylinders", "wall-with-opening", "tilted-wall")
+    and name != "paper-figure-3-vertices"  # its only contact has no normal, and no constraint
     and not SCENES[name].build().bonds
 ]
 
