@@ -20,6 +20,7 @@ from typing import Any
 
 from kilter.errors import InputError
 from kilter.files.complaints import complaint
+from kilter.files.file_tolerances import SAME_DIRECTION
 from kilter.files.lying import UP
 from kilter.files.raw import read_bytes
 from kilter.files.strict_json import parse_json
@@ -28,8 +29,6 @@ __all__ = ["LOWEST", "OPTIONS", "Choices", "digest", "find_choices", "plain"]
 
 LOWEST = "lowest"
 """Value of the option `floor` that puts the floor under the lowest point of the assembly."""
-SAME_DIRECTION = 1e-9
-"""Largest distance of the unit vectors of `gravity` and against `up` [-]: rounding."""
 SIGNS = ("file", "sha256", "held", "left_out", "joined", "open_pairs", "materials", "tolerance")
 """Keys that only a file of choices has at its top."""
 OPTIONS = {

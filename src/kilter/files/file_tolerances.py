@@ -39,6 +39,8 @@ RIGID = 1e-9
 """Largest relative change of lengths by a placement that counts as rigid [-]."""
 PARALLEL = 1e-9
 """Largest angle between two joint axes of a body that count as the same axis [rad]."""
+SAME_DIRECTION = 1e-9
+"""Largest distance of the unit vectors of `gravity` and against `up` in saved choices [-]."""
 SAME_FACE = 1e-7
 """Largest difference of the numbers of two surfaces that count as the same [sizes of the solid].
 A larger value merges more neighbouring faces."""
