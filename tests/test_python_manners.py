@@ -176,9 +176,10 @@ def test_replace_keeps_what_was_given() -> None:
     assert (known.mass, known.given_mass) == (4.0, None)
 
 
-def test_an_open_mesh_has_no_mass_in_one_sentence() -> None:
+def test_an_open_mesh_has_the_mass_of_its_hull_and_a_flat_one_has_none() -> None:
+    assert Part("a", Mesh(CORNERS, FACES[:2])).mass == pytest.approx(1000 / 6, rel=1e-12)
     with pytest.raises(InputError) as caught:
-        _ = Part("a", Mesh(CORNERS, FACES[:2])).mass
+        _ = Part("a", Mesh(CORNERS, FACES[:1])).mass
     assert "\n" not in str(caught.value)
 
 

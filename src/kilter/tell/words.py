@@ -225,8 +225,8 @@ def found_sentence(
     --------
     >>> thin = {"friction": False, "exact": True, "within": "fan", "half_angle_deg": 45.0}
     >>> found_sentence(np.array([0.0, 0, -1]), 4.8e-15, **thin)
-    "Stable with gravity along (0, 0, -1) of the assembly's frame: it may tilt by 45 degrees \
-within the fan, not out of it."
+    "Stable with gravity along (0, 0, -1) of the assembly's frame: gravity may turn by 45 degrees \
+inside the fan, not out of it."
     """
     at, tilt = f"{vector(down)} of the assembly's frame", f"{number(margin_deg, 4)} degrees"
     if friction:
