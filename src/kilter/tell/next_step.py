@@ -48,6 +48,7 @@ CARRIED = NextStep(
     ("transport", "--code", "en12195"), "decides whether it stays on a truck that brakes and turns"
 )
 MEANT = {
+    "--without": "a part that is drawn twice, or over others, is left out",
     "--fasten-suggested": "the pairs that look fastened are joined",
     "--fasten": "these parts are joined",
     "--fasten-overlaps": "all parts that overlap are joined",
@@ -111,14 +112,17 @@ def _after_check(answer: Answer, bricks: bool) -> NextStep:
         return BRICK if bricks else STRONGER
     if answer["verdict"] == "balanced":
         return FALL
-    remedies = [remedy for remedy in answer.get("remedies", ()) if remedy["level"] is not None]
-    if not remedies:
+    tried = answer.get("remedies", ())
+    holding = [remedy for remedy in tried if remedy["level"] is not None]
+    holding.sort(key=lambda remedy: remedy["leads_to"] not in ("stable", "settles"))
+    further = [remedy for remedy in tried if remedy["leads_to"] == "undecided"]
+    if not holding + further:
         return AFTER_CHECK[answer["verdict"]]
-    best = min(remedies, key=lambda remedy: remedy["leads_to"] not in ("stable", "settles"))
-    return NextStep(("check", *shlex.split(best["option"])), _purpose(best["option"]))
+    option = (holding + further)[0]["option"]
+    purpose = "decides it" if holding else "asks the next question"
+    return NextStep(("check", *shlex.split(option)), f"{purpose} if {_meaning(option)}")
 
 
-def _purpose(option: str) -> str:
+def _meaning(option: str) -> str:
     """Return what the options of a remedy state about the assembly."""
-    meant = [words for name, words in MEANT.items() if name in shlex.split(option)]
-    return f"decides it if {', and '.join(meant)}"
+    return ", and ".join(words for name, words in MEANT.items() if name in shlex.split(option))

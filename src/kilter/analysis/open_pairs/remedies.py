@@ -21,8 +21,10 @@ from kilter.analysis.decision.decision import Decision
 from kilter.analysis.open_pairs.open_question import open_pairs_answer
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance, detect
+from kilter.contact.fits.coincident import parts_to_leave_out
 from kilter.contact.fits.fastening import fastened
 from kilter.contact.fits.suggestions import suggest_joints
+from kilter.contact.sub_contacts import contacts_among
 from kilter.errors import InputError, shell_words
 from kilter.tell.levels import LEVELS
 from kilter.tell.open_words import OpenOption, open_options
@@ -89,6 +91,7 @@ _Detection = tuple[float | None, Tolerance]
 class _Change:
     """Command-line options that a remedy changes, and their new values."""
 
+    without: tuple[str, ...] = ()
     fasten: tuple[tuple[str, str], ...] = ()
     suggested: bool = False
     overlaps: bool = False
@@ -100,7 +103,8 @@ class _Change:
     @property
     def option(self) -> str:
         """These options as the user types them."""
-        words = [f"--fasten {shell_words(pair)}" for pair in self.fasten]
+        words = [f"--without {shell_words(self.without)}"] if self.without else []
+        words += [f"--fasten {shell_words(pair)}" for pair in self.fasten]
         words += ["--fasten-suggested"] if self.suggested else []
         words += ["--fasten-overlaps"] if self.overlaps else []
         words += ["--loose"] if self.loose else []
@@ -109,6 +113,12 @@ class _Change:
         words += [] if self.friction is None else [f"--friction {self.friction:g}"]
         return " ".join(words)
 
+    @property
+    def shown_by_the_drawing(self) -> bool:
+        """True if these options only leave copies out, and join the pairs that look fastened."""
+        shown = replace(self, without=(), suggested=False)
+        return shown == _Change() and self != _Change()
+
     def apply(
         self, assembly: Assembly, contacts: ContactSet, detected: dict[_Detection, ContactSet]
     ) -> tuple[Assembly, ContactSet]:
@@ -116,6 +126,9 @@ class _Change:
 
         `detected`: contacts by friction coefficient and tolerance, which later changes share.
         """
+        if self.without:
+            assembly = assembly.without(self.without)
+            contacts = contacts_among(contacts, assembly)
         tolerance = self._tolerance(contacts.tolerance)
         if self.friction is not None:
             assembly = assembly.with_friction(self.friction)
@@ -196,7 +209,10 @@ def find_remedies(
             tries.by_forces(change, assembly, contacts, detected)
         except InputError:  # the option does not apply to this assembly, so it is no remedy
             continue
-    return tuple(tries.at_the_level())
+    remedies = tuple(tries.at_the_level())
+    if not any(remedy.level for remedy in remedies) and tries.likely is not None:
+        remedies += (tries.likely.remedy(True),)
+    return remedies
 
 
 @dataclass(frozen=True, slots=True)
@@ -220,8 +236,10 @@ class _Try:
 class _Tries:
     """Tries of changes within a work budget; `work` is the limit of a check.
 
-    `hopeful`: the tries that change the verdict by equilibrium forces or by a motion. `expected`:
-    work of the next try, that of the most costly so far [units].
+    `hopeful`: the tries that change the verdict by equilibrium forces or by a motion. `likely`: the
+    last try that states what the drawing shows (copies left out, likely joints), if it leaves the
+    verdict undecided: its own answer has the next question. `expected`: work of the next try, that
+    of the most costly so far [units].
     """
 
     decision: Decision
@@ -229,6 +247,7 @@ class _Tries:
     work: Work
     budget: Work
     hopeful: list[_Try] = field(default_factory=list)
+    likely: _Try | None = None
     expected: float = 0.0
 
     def by_forces(
@@ -258,6 +277,8 @@ class _Tries:
         falls = decision.level is None
         if not (falls and decision.verdict in (self.decision.verdict, "undecided")):
             self.hopeful.append(_Try(change, other, touching, decision))
+        elif decision.verdict == "undecided" and change.shown_by_the_drawing:
+            self.likely = _Try(change, other, touching, decision)
 
     def at_the_level(self) -> Iterator[Remedy]:
         """Yield the remedies with their results at the required level, as far as work is left."""
@@ -301,17 +322,31 @@ def _detection_units(assembly: Assembly) -> float:
 
 def _changes(assembly: Assembly, contacts: ContactSet, decision: Decision) -> Iterator[_Change]:
     """Yield the changes of options to try, the smallest change first."""
-    suggestions = any(suggestion.fixed for suggestion in suggest_joints(assembly, contacts))
+    joined = [s.parts for s in suggest_joints(assembly, contacts) if s.fixed]
     smooth = not assembly.friction_pairs and not (contacts.patch_mu > 0).any()
-    if suggestions:  # a thread or a press fit is more evidence of a joint than a clearance
-        yield _Change(suggested=True)
+    left_out = parts_to_leave_out(contacts)
+    likely = _Change(without=left_out, suggested=bool(joined))
+    if left_out:
+        yield _Change(without=left_out)
+    if joined:  # a thread or a press fit is more evidence of a joint than a clearance
+        yield likely
     if decision.question is not None:
         pairs = open_pairs_answer(assembly, contacts, decision.question)
         yield _settling_change(open_options(pairs))
+        known = {frozenset(pair) for pair in joined}
+        rest = [
+            pair
+            for pair in pairs
+            if frozenset(pair["parts"]) not in known and not set(left_out) & set(pair["parts"])
+        ]
+        options = open_options(rest)
+        if options and (left_out or joined):
+            settling = _settling_change(options)
+            yield replace(settling, without=left_out, suggested=bool(joined))
     if smooth and len(contacts):
         yield _Change(friction=FRICTION)
-    if smooth and suggestions:
-        yield _Change(suggested=True, friction=FRICTION)
+    if smooth and joined:
+        yield replace(likely, friction=FRICTION)
 
 
 def _settling_change(options: Sequence[OpenOption]) -> _Change:

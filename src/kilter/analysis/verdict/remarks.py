@@ -7,6 +7,7 @@ import numpy as np
 from kilter.arrays import connected
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
+from kilter.contact.fits.coincident import coincident_remarks
 from kilter.tell.contact_words import group_warnings, lone_warnings
 
 __all__ = ["floating_groups", "loose_parts", "remarks", "touching_nothing"]
@@ -14,7 +15,8 @@ __all__ = ["floating_groups", "loose_parts", "remarks", "touching_nothing"]
 
 def remarks(assembly: Assembly, contacts: ContactSet) -> list[str]:
     """Warnings about file, geometry and contacts; a further warning if no part is free."""
-    texts = contacts.of(assembly).remarks()
+    contacts = contacts.of(assembly)
+    texts = contacts.remarks() + coincident_remarks(contacts)
     if assembly.geometry.grounded.all():
         texts.append("every part is held: nothing can move")
     return texts
