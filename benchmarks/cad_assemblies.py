@@ -390,7 +390,7 @@ MODULES: tuple[Module, ...] = (
 
 def _drawn_twice(rng: np.random.Generator, drawn: Drawn) -> None:
     """Add a copy of a part in the same place."""
-    name, solid, place = drawn.tree[int(rng.integers(len(drawn.tree)))]
+    name, solid, place = drawn.tree[int(rng.integers(1, len(drawn.tree)))]  # not the base
     drawn.tree.append((f"{name}_copy", solid, place))
     drawn.joined.append((f"{name}_copy", name))
     if name in drawn.falls:

@@ -35,7 +35,7 @@ from typing import Any
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT / "benchmarks"), str(ROOT / "tests" / "files")]
+sys.path.append(str(ROOT / "tests" / "files"))
 
 from cad_assemblies import Drawn, draw
 from step_maker import write_step

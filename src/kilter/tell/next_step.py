@@ -116,10 +116,12 @@ def _after_check(answer: Answer, bricks: bool) -> NextStep:
     holding = [remedy for remedy in tried if remedy["level"] is not None]
     holding.sort(key=lambda remedy: remedy["leads_to"] not in ("stable", "settles"))
     further = [remedy for remedy in tried if remedy["leads_to"] == "undecided"]
-    if not holding + further:
+    falling = [remedy for remedy in tried if remedy["leads_to"] == "unstable"]
+    best = next(iter([*holding, *further, *falling]), None)
+    if best is None:
         return AFTER_CHECK[answer["verdict"]]
-    option = (holding + further)[0]["option"]
-    purpose = "decides it" if holding else "asks the next question"
+    option = best["option"]
+    purpose = "asks the next question" if best["leads_to"] == "undecided" else "decides it"
     return NextStep(("check", *shlex.split(option)), f"{purpose} if {_meaning(option)}")
 
 

@@ -126,9 +126,6 @@ class _Change:
 
         `detected`: contacts by friction coefficient and tolerance, which later changes share.
         """
-        if self.without:
-            assembly = assembly.without(self.without)
-            contacts = contacts_among(contacts, assembly)
         tolerance = self._tolerance(contacts.tolerance)
         if self.friction is not None:
             assembly = assembly.with_friction(self.friction)
@@ -141,6 +138,9 @@ class _Change:
                     else detect.contacts(assembly, tolerance=tolerance)
                 )
             contacts = detected[key]
+        if self.without:
+            assembly = assembly.without(self.without)
+            contacts = contacts_among(contacts, assembly)
         if self.fasten or self.suggested or self.overlaps:
             assembly = fastened(
                 assembly,

@@ -115,7 +115,8 @@ def suggest_joints(assembly: Assembly, contacts: ContactSet) -> list[Suggestion]
     fits: dict[frozenset[int], Fit] = {}
     for fit in coaxial_fits(assembly, joinable, contacts.tolerance, thickest=THREAD):
         key = _key(fit.parts)
-        if fit.tight and key not in overlaps:
+        # a clearance holds nothing, also if a tolerance counts it as closed
+        if fit.kind == "clearance" or (fit.tight and key not in overlaps):
             continue
         if key not in fits or (fit.tight, fit.length) > (fits[key].tight, fits[key].length):
             fits[key] = fit
