@@ -34,8 +34,7 @@ from typing import Any
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.append(str(ROOT / "tests" / "files"))
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "files"))
 
 from cad_assemblies import Drawn, draw
 from step_maker import write_step
