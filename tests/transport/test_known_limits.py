@@ -13,6 +13,7 @@ from kilter.analysis.transport.carried_set import CarriedSet
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
 from kilter.contact import contacts
 from kilter.mechanics.program import build_program
+from kilter.mechanics.proof import digest_of
 from kilter.scenes.arches import arch, oppenheim_arch
 from kilter.scenes.stacks import block_on_slope
 
@@ -150,3 +151,21 @@ def test_rest_that_is_not_held_carries_nothing() -> None:
     assert answer.least is None
     assert answer.limits == ()
     assert answer.to_dict()["sentence"].startswith("It falls at rest")
+
+
+def test_the_least_friction_of_a_range_is_the_worst_case() -> None:
+    """A flat box slides at LOW mu g; check with this coefficient agrees on both sides."""
+    box = stack_on_deck([[1, 1, 0.2]], 0.5)
+    answer = kilter.transport(box, polar=False, mu_range=(0.8, 1.2))
+    assert [limit.value for limit in answer.limits[:4]] == pytest.approx([0.4] * 4, rel=1e-7)
+    weak = stack_on_deck([[1, 1, 0.2]], 0.4)
+    for share, held in ((0.4 * (1 - SIDE), True), (0.4 * (1 + SIDE), False)):
+        motion = CarrierMotion([share * G, 0, 0])
+        assert _holds(weak, motion) == held
+        asked = kilter.transport(box, turn=motion, mu_range=(0.8, 1.2), require="equilibrium")
+        assert asked.carried == held
+    proof = answer.proof()
+    assert kilter.verify(box, proof).holds
+    proof["proofs"][0]["change"]["mu_share"] = 0.9
+    proof["digest"] = digest_of(proof)
+    assert not kilter.verify(box, proof).holds

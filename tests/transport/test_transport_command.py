@@ -36,6 +36,7 @@ def stack(tmp_path: Path) -> str:
         (["--code", "eumos:0.3"], 0, "rigid statics under the accelerations of eumos:0.3"),
         (["--turn", "0", "0", "1", "--about", "1", "0", "0"], 0, "Carried"),
         (["--turn-faster", "0", "6", "0", "--about", "0", "0", "-5"], 1, "tips"),
+        (["--accelerate", "0.45g", "0", "0", "--mu-range", "0.5", "1"], 1, "limits at 0.5"),
     ],
 )
 def test_answers_and_exit_codes(
@@ -57,6 +58,7 @@ def test_answers_and_exit_codes(
         (["--code", "gdv", "--accelerate", "1", "0", "0"], "ask one question"),
         (["--path", "missing.csv"], "cannot be read"),
         (["--figure", "polar.txt"], "polar.txt"),
+        (["--mu-range", "1", "0.5"], "the interval is empty"),
     ],
 )
 def test_wrong_input_is_a_sentence(

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["transport"]
 
 QUESTION = "Question: an acceleration, a turn, a rule of load securing or a path"
+UNSURE = "Worst case for uncertain data"
 
 
 @asks(searches=True, proves=True)
@@ -101,6 +102,17 @@ def transport(
             show_default=False,
         ),
     ] = None,
+    mu_range: Annotated[
+        tuple[float, float] | None,
+        Option(
+            "--mu-range",
+            metavar="LOW HIGH",
+            help="Factors between which every friction coefficient varies. All limits are those of "
+            "the worst case, which is LOW.",
+            rich_help_panel=UNSURE,
+            show_default=False,
+        ),
+    ] = None,
     figure: Annotated[
         Path | None,
         Option(
@@ -137,6 +149,7 @@ def transport(
             code=code,
             forward=forward,
             path=None if path is None else read_path(path, units=assembly.units),
+            mu_range=mu_range,
             contacts=contacts,
             require=require,
             tolerance=asked.tolerance,

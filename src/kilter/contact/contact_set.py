@@ -444,6 +444,11 @@ class ContactSet(Answer):
         """Copy of the contacts with friction `mu` everywhere, less the error of fitted normals."""
         return replace(self, patch_mu=certain_friction(mu, self.patch_doubt))
 
+    def with_friction_share(self, share: float) -> ContactSet:
+        """Copy of the contacts with every friction coefficient multiplied by `share` [-]."""
+        given = self.patch_mu + self.patch_doubt * (self.patch_mu > 0)
+        return replace(self, patch_mu=certain_friction(share * given, self.patch_doubt))
+
     @property
     def alone(self) -> Index:
         """Indices of the parts that touch no part, overlap no part and have no joint.

@@ -6,8 +6,9 @@ entry of `proofs` has the other data of its proof, preceded by
     about, value     the subject: a ray or facet; a tilt and the angle at which it is proved
     vector           the ray, line or normal
     change           differences from the file: `down`, `gravity` [m/s^2], `mu` of every contact,
-                     `loads`, the share `strength` of every bond's strength, parts that are left out
-                     (`without`), parts that are `held`, external `supports`
+                     a factor `mu_share` on every mu, `loads`, the share `strength` of every bond's
+                     strength, parts that are left out (`without`), parts that are `held`, external
+                     `supports`
 
 A plan also has the `rules` that its order obeys, and a fixture the candidates. `digest` is the hash
 of the whole file.
@@ -119,6 +120,8 @@ def apply_change(
         assembly = dataclasses.replace(assembly, gravity=change["gravity"])
     if mu is not None:
         contacts = contacts.with_friction(mu)
+    if change.get("mu_share") is not None:
+        contacts = contacts.with_friction_share(change["mu_share"])
     if change.get("loads") is not None:
         loads = [Load(**{key: load[key] for key in LOAD}) for load in change["loads"]]
         assembly = dataclasses.replace(assembly, loads=loads)

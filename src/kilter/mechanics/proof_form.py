@@ -224,6 +224,7 @@ CHANGE = optional_keys(
     down=VECTOR,
     gravity=VECTOR,
     mu=NUMBER,
+    mu_share=NUMBER,
     strength=NUMBER,
     loads=LOADS,
     without=list_of(WORD),

@@ -46,6 +46,9 @@ def transport_sentence(answer: Answer) -> str:
 def transport_facts(answer: Answer) -> list[Fact]:
     """Return the lines below the sentence of `kilter transport`, each a term and its words."""
     facts = joint_facts(answer)
+    if answer["mu_range"] is not None:
+        low, high = (number(end) for end in answer["mu_range"])
+        facts.append(("worst case", f"friction of {low} to {high} times each mu; limits at {low}"))
     first = answer["least"]
     if first is not None and first["motion"]:
         facts.append(("first", motions(first["motion"])))

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
 from kilter.analysis.margins.load_limit import Limit, NoLimit, Why, finite, starting
+from kilter.analysis.margins.uncertainty import Ranges
 from kilter.analysis.open_pairs.open_question import open_pairs_answer
 from kilter.analysis.transport.acceleration_rows import KnownAccelerations, inner_rows, outer_rows
 from kilter.analysis.transport.carried_set import CarriedSet, LeastAcceleration, Slice
@@ -161,6 +162,9 @@ class Transport(Answer):
         Name of the rule whose accelerations are the cases.
     path : PathLimit or None
         Speed factor of a path.
+    mu_range : (float, float) or None
+        Factors between which every friction coefficient varies. The limits are those of the least
+        friction, and the level of a motion is the lower of those at both ends.
     require : str
         The level of `carried`.
     missing : dict
@@ -181,6 +185,7 @@ class Transport(Answer):
     cases: tuple[CarriedCase, ...]
     code: str | None
     path: PathLimit | None
+    mu_range: tuple[float, float] | None
     require: str
     missing: dict[str, Why]
     warnings: tuple[str, ...]
@@ -230,6 +235,7 @@ class Transport(Answer):
             "down": self.assembly.down.tolist(),
             "gravity": program.g,
             "friction": bool(program.mu.any()),
+            "mu_range": None if self.mu_range is None else list(self.mu_range),
             "joints": joints_answer(self.assembly),
             "open_pairs": open_pairs_answer(self.assembly, self.contacts),
             "exact": not self.contacts.open_pairs,
@@ -301,7 +307,10 @@ class Transport(Answer):
         motions += [
             (case.name, case.motion, case.factor) for case in self.cases if case.factor is not None
         ]
-        proofs = transport_proofs(self.assembly, self.contacts, motions, options=options or {})
+        weaker = {} if self.mu_range is None else {"mu_share": self.mu_range[0]}
+        proofs = transport_proofs(
+            self.assembly, self.contacts, motions, weaker, options=options or {}
+        )
         return make_bundle("transport", proofs)
 
     def __repr__(self) -> str:
@@ -328,6 +337,7 @@ def transport(
     forward: ArrayLike = (1.0, 0.0, 0.0),
     path: CarrierPath | None = None,
     polar: bool = True,
+    mu_range: tuple[float, float] | None = None,
     contacts: ContactSet | None = None,
     require: str = REQUIRE,
     tolerance: Tolerance | None = None,
@@ -357,6 +367,9 @@ def transport(
         How many times as fast may the carrier follow this path?
     polar : bool
         Without a question: also the boundary of all horizontal accelerations.
+    mu_range : (float, float), optional
+        Factors between which every friction coefficient varies. The least friction is the worst
+        case of every limit, exactly; a level above "equilibrium" is decided at both ends.
     require : {"equilibrium", "settles", "proved"}
         Level from which the answer is yes. `Transport.carried` is true from this level.
     contacts, tolerance, effort, time_limit, progress
@@ -366,7 +379,7 @@ def transport(
     ------
     InputError
         If several questions are given, a vector is invalid or leaves the plane of a planar
-        assembly, or the rule does not exist.
+        assembly, the rule does not exist, or the interval of friction is empty or negative.
 
     Examples
     --------
@@ -385,6 +398,7 @@ def transport(
     )
     require = require_level(require)
     motions = _questions(assembly, accelerate, turn, code, forward, path)
+    ends = [1.0] if mu_range is None else sorted(set(Ranges(mu=mu_range).mu))
     work = Work(units_of(effort), progress, time_limit=time_limit)
     rest = check(
         assembly,
@@ -395,7 +409,17 @@ def transport(
         time_limit=work.seconds,
         progress=progress,
     )
-    program = build_program(assembly, rest.contacts)
+    detected = rest.contacts
+    frictions = [detected if end == 1.0 else detected.with_friction_share(end) for end in ends]
+    if frictions[0] is not detected:
+        rest = check(
+            assembly,
+            contacts=frictions[0],
+            require="equilibrium",
+            effort=effort,
+            time_limit=work.seconds,
+        )
+    program = build_program(assembly, frictions[0])
     carried = CarriedSet(program)
     missing: dict[str, Why] = {}
 
@@ -433,12 +457,12 @@ def transport(
         tell("path")
         speed = in_time("path", lambda: find_path_limit(program, path, tell))
     cases = tuple(
-        _decide(assembly, rest.contacts, carried, name, motion, require, effort, work, in_time)
+        _decide(assembly, frictions, carried, name, motion, require, effort, work, in_time)
         for name, motion in motions
     )
     return Transport(
         assembly=assembly,
-        contacts=rest.contacts,
+        contacts=detected,
         rest=rest,
         program=program,
         limits=tuple(limits),
@@ -447,6 +471,7 @@ def transport(
         cases=cases,
         code=code,
         path=speed,
+        mu_range=mu_range,
         require=require,
         missing=missing,
         warnings=tuple(rest.warnings),
@@ -491,7 +516,7 @@ def _questions(
 
 def _decide(
     assembly: Assembly,
-    contacts: ContactSet,
+    frictions: list[ContactSet],
     carried: CarriedSet,
     name: str,
     motion: CarrierMotion,
@@ -500,11 +525,23 @@ def _decide(
     work: Work,
     in_time: Callable[[str, Callable[[], Limit | NoLimit]], Limit | None],
 ) -> CarriedCase:
-    """Decide if an assembly stays in place under a carrier motion, and find its largest factor."""
+    """Decide if an assembly stays in place under a carrier motion, and find its largest factor.
+
+    The verdict is the lowest of those with each friction of `frictions`, the least of which is
+    first.
+    """
     felt = carried_assembly(assembly, motion)
-    verdict = check(
-        felt, contacts=contacts.of(felt), require=require, effort=effort, time_limit=work.seconds
-    )
+    verdicts = [
+        check(
+            felt,
+            contacts=contacts.of(felt),
+            require=require,
+            effort=effort,
+            time_limit=work.seconds,
+        )
+        for contacts in frictions
+    ]
+    verdict = min(verdicts, key=lambda v: -1 if v.level is None else _height(v.level))
     return CarriedCase(name, motion, verdict, in_time(name, lambda: carried.share(motion)))
 
 

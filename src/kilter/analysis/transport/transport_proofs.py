@@ -7,7 +7,7 @@ to the limit as they are proved.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -29,6 +29,7 @@ def transport_proofs(
     assembly: Assembly,
     contacts: ContactSet,
     motions: Iterable[tuple[str, CarrierMotion, Limit]],
+    weaker: Mapping[str, float],
     *,
     options: dict[str, Any],
 ) -> list[About]:
@@ -42,6 +43,9 @@ def transport_proofs(
     contacts : ContactSet
     motions : iterable of (str, CarrierMotion, Limit)
         Name, motion, and the largest factor of the motion.
+    weaker : mapping
+        Further change of the file with which the limits were computed: a factor on every friction
+        coefficient.
     options : dict
         Options with which the file was read.
     """
@@ -57,6 +61,7 @@ def transport_proofs(
                 change = _change(assembly, motion, share)
                 data = None
                 if change is not None:
+                    change |= weaker
                     data = changed_proof(assembly, contacts, change, held, mechanism, options)
                 if data is not None:
                     about = {"about": name, "value": share, "held": held, "change": change}

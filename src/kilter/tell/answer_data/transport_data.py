@@ -103,6 +103,9 @@ class TransportData(TypedDict):
     down: Vector
     gravity: Annotated[float, Field(description="[m/s^2]")]
     friction: bool
+    mu_range: Annotated[
+        list[float] | None, Field(description="factors on every mu; the limits are of the least")
+    ]
     joints: list[JointData]
     open_pairs: list[OpenPairData]
     exact: bool
