@@ -22,6 +22,7 @@ from kilter.second_order.proofs.level_rest import (
     LevelRest,
     judge_level_rest,
     level_rows,
+    rest_on_level,
     wrong_forces,
     wrong_motion,
 )
@@ -133,8 +134,11 @@ def test_parts_do_not_bear_one_another_around() -> None:
     forces = np.full(16, 9.81 / 4)
     around = "parts support each other in a ring"
     assert wrong_forces(program, all_level(program), forces) == around
+    together = np.zeros(3, dtype=np.int64)
+    assert rest_on_level(program, all_level(program), forces, together).tolist() == [False]
     forces[8:] = 0.0
     assert wrong_forces(program, all_level(program), forces) == ""
+    assert rest_on_level(program, all_level(program), forces, together).tolist() == [True]
 
 
 @pytest.mark.parametrize("mass", [1e-3, 1.0, 1e3])
