@@ -50,7 +50,7 @@ def test_answers_and_exit_codes(
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--accelerate", "fast", "0", "0"], "m/s^2, or in g as 0.5g"),
+        (["--accelerate", "fast", "0", "0"], "numbers in m/s^2, or in g as 0.5g"),
         (["--accelerate", "0", "0", "-1g"], "falls freely"),
         (["--code", "en12194"], "did you mean en12195"),
         (["--code", "eumos:0"], "not a positive number"),

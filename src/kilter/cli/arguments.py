@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ToleranceOptions",
+    "acceleration_of",
     "pair_of",
     "reading_of",
     "triple_of",
@@ -354,3 +355,29 @@ def _lowest() -> str:
     from kilter.files.choices import LOWEST
 
     return LOWEST
+
+
+def acceleration_of(option: str, text: str) -> tuple[float, bool]:
+    """Parse a component of an acceleration: its number, and whether its unit is g.
+
+    Raises
+    ------
+    InputError
+        If it is no finite number; the message names `option`.
+
+    Examples
+    --------
+    >>> acceleration_of("--accelerate", "0.5g"), acceleration_of("--accelerate", "-2")
+    ((0.5, True), (-2.0, False))
+    """
+    in_g = text.endswith("g")
+    try:
+        value = float(text[:-1] if in_g else text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InputError(
+            f"{option} has {text!r:.40}",
+            hint="give numbers in m/s^2, or in g as 0.5g",
+        )
+    return value, in_g

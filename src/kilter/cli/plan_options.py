@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from kilter.cli.arguments import pair_of
+from kilter.cli.arguments import acceleration_of, pair_of
 from kilter.cli.declarations import Option
 from kilter.cli.options import FORM
 from kilter.cli.order_files import as_typed
@@ -126,6 +128,17 @@ class PlanOptions:
             rich_help_panel=ORDER,
         ),
     ] = 0.0
+    carried: Annotated[
+        str | None,
+        Option(
+            "--carried",
+            metavar="A|X,Y,Z",
+            help="The standing parts also carry this acceleration of their carrier between steps: "
+            "a size in every horizontal direction, or a vector. In m/s^2, or in g as 0.3g.",
+            rich_help_panel=ORDER,
+            show_default=False,
+        ),
+    ] = None
     turn: Annotated[
         bool,
         Option(
@@ -159,17 +172,23 @@ class PlanOptions:
             fewest=None if self.fewest == "holds" else self.fewest,
             sequence=self.sequence,
             press=self.press or None,
+            carried=self.carried,
             turn=self.turn or None,
             require=None if self.require == "equilibrium" else self.require,
         )
 
-    def rules(self) -> PlanRules:
+    def rules(self, gravity: Sequence[float]) -> PlanRules:
         """The options about the order as rules of `kilter.plan`.
+
+        Parameters
+        ----------
+        gravity : sequence of float, shape (3,)
+            Gravity of the assembly [m/s^2], for an acceleration in g.
 
         Raises
         ------
         InputError
-            If a direction, a pair of names or the file of the sequence is invalid.
+            If a direction, a pair of names, an acceleration or the file of the sequence is invalid.
         """
         from kilter.analysis.planning.order.plan_rules import MOST_HELD, PlanRules
         from kilter.files.sequence import read_sequence
@@ -185,8 +204,24 @@ class PlanOptions:
             fewest=self.fewest,
             sequence=None if self.sequence is None else read_sequence(self.sequence),
             press=self.press,
+            carried=0.0 if self.carried is None else _acceleration(self.carried, gravity),
             turn=self.turn,
         )
+
+
+def _acceleration(text: str, gravity: Sequence[float]) -> float | list[float]:
+    """Parse the value of --carried: a size, or a vector with commas [m/s^2].
+
+    Examples
+    --------
+    >>> _acceleration("0.5g", (0, 0, -10)), _acceleration("0.1g,-2,0", (0, 0, -10))
+    (5.0, [1.0, -2.0, 0.0])
+    """
+    parts = [acceleration_of("--carried", word) for word in text.split(",")]
+    values = [value * (math.hypot(*gravity) if in_g else 1.0) for value, in_g in parts]
+    if len(values) not in (1, 3):
+        raise InputError(f"--carried has {text!r:.40}", hint="give one number, or X,Y,Z")
+    return values[0] if len(values) == 1 else values
 
 
 def _direction(word: str) -> str | list[float]:

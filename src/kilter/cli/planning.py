@@ -34,7 +34,7 @@ def plan(asked: Asked, options: PlanOptions) -> int:
         assembly, contacts = asked.read(progress)
         order = find(
             assembly,
-            options.rules(),
+            options.rules(assembly.gravity),
             require=options.require,
             effort=asked.effort,
             time_limit=asked.time_limit,

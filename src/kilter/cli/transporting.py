@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+from kilter.cli.arguments import acceleration_of
 from kilter.cli.asked import Asked
 from kilter.cli.declarations import Option
 from kilter.cli.exit_codes import HOLDS, LOWER, VERDICT, WRITTEN
@@ -205,7 +206,7 @@ def _motion(
     """Return a function from an assembly to the carrier motion of the options; None without any."""
     if accelerate is None and turn is None and turn_faster is None:
         return None
-    parts = [_acceleration(text) for text in accelerate or ("0", "0", "0")]
+    parts = [acceleration_of("--accelerate", text) for text in accelerate or ("0", "0", "0")]
 
     def motion(assembly: Assembly) -> CarrierMotion:
         from kilter.analysis.transport.carrier import CarrierMotion
@@ -216,24 +217,3 @@ def _motion(
         return CarrierMotion(along, turn or none, turn_faster or none, about)
 
     return motion
-
-
-def _acceleration(text: str) -> tuple[float, bool]:
-    """Parse a component of an acceleration: its number, and whether its unit is g.
-
-    Examples
-    --------
-    >>> _acceleration("0.5g"), _acceleration("-2")
-    ((0.5, True), (-2.0, False))
-    """
-    in_g = text.endswith("g")
-    try:
-        value = float(text[:-1] if in_g else text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise InputError(
-            f"--accelerate has {text!r:.40}",
-            hint="give three numbers in m/s^2, or in g as 0.5g",
-        )
-    return value, in_g

@@ -13,7 +13,15 @@ from enum import StrEnum
 
 from kilter.errors import InputError
 
-__all__ = ["LEVELS", "REQUIRE", "VerdictWord", "holds", "level_of", "require_level"]
+__all__ = [
+    "LEVELS",
+    "REQUIRE",
+    "VerdictWord",
+    "holds",
+    "level_of",
+    "level_rank",
+    "require_level",
+]
 
 
 class VerdictWord(StrEnum):
@@ -71,6 +79,17 @@ def holds(level: str | None, require: str) -> bool:
     (True, False, False)
     """
     return level is not None and LEVELS.index(level) >= LEVELS.index(require)
+
+
+def level_rank(level: str | None) -> int:
+    """Return the rank of a level of stability, from 0 for the lowest; -1 without a level.
+
+    Examples
+    --------
+    >>> level_rank(None), level_rank("settles")
+    (-1, 1)
+    """
+    return -1 if level is None else LEVELS.index(level)
 
 
 def require_level(word: str, *, strict: bool = False) -> str:

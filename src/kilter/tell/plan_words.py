@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from kilter.errors import some_names
-from kilter.tell.numbers import count, vector
+from kilter.tell.numbers import count, number, vector
 
 __all__ = ["order_facts", "order_sentence", "step_cells"]
 
@@ -113,7 +113,10 @@ def _without_holds(answer: Answer) -> str:
         return ""
     names = some_names(impossible["parts"])
     if impossible["kind"] == "falls":
-        return f"No order exists, because the finished assembly falls: {names} would move."
+        where = ""
+        if answer["assumes"]["carried"] is not None:
+            where = " at rest or at a required acceleration of its carrier"
+        return f"No order exists, because the finished assembly falls{where}: {names} would move."
     if impossible["kind"] == "locking":
         first = "It is proved that no order exists, whatever the paths and whatever is held:"
         if len(impossible["parts"]) > 1:
@@ -150,11 +153,26 @@ def order_facts(answer: Answer) -> list[tuple[str, str]]:
         rows.append(("level", words))
     if answer["best"]:
         rows.append(("best so far", f"these can be put in last: {some_names(answer['best'], 8)}"))
+    if assumes["carried"] is not None:
+        rows.append(("carried", _carried(assumes["carried"])))
     rows.append(("directions", tried))
     if assumes["screws"]:
         rows.append(("screws", some_names([" in ".join(pair) for pair in assumes["screws"]], 4)))
     sizes = ", ".join(count(search[f"{word}s"], word) for word in ("state", "program", "sweep"))
     return [*rows, ("search", sizes)]
+
+
+def _carried(acceleration: float | Sequence[float]) -> str:
+    """Return the acceleration that every state of a plan carries, in words.
+
+    Examples
+    --------
+    >>> _carried(3.0), _carried([3.0, 0, 0])
+    ('3 m/s^2 in every horizontal direction', '(3, 0, 0) m/s^2')
+    """
+    if isinstance(acceleration, Sequence):
+        return f"{vector(acceleration)} m/s^2"
+    return f"{number(acceleration)} m/s^2 in every horizontal direction"
 
 
 def step_cells(step: Answer) -> tuple[str, str, str, str]:

@@ -33,14 +33,17 @@ from kilter.mechanics.proof_form import (
 
 __all__ = ["require_hold_form", "require_plan_form"]
 
-PLAN_RULES = keys(
-    hold=COUNT,
-    press=NUMBER,
-    turn=FLAG,
-    precedence=list_of(PAIR),
-    groups=list_of(list_of(WORD)),
-    never_held=list_of(WORD),
-    screws=list_of(row_of(WORD, WORD, VECTOR)),
+PLAN_RULES = every(
+    keys(
+        hold=COUNT,
+        press=NUMBER,
+        turn=FLAG,
+        precedence=list_of(PAIR),
+        groups=list_of(list_of(WORD)),
+        never_held=list_of(WORD),
+        screws=list_of(row_of(WORD, WORD, VECTOR)),
+    ),
+    optional_keys(carried=list_of(VECTOR)),
 )
 """Rules that an order keeps."""
 HOLD_RULES = keys(candidates=list_of(keys(kind=WORD, part=WORD)), least=COUNT)
@@ -71,13 +74,16 @@ def require_plan_form(bundle: Mapping[str, Any], names: Sequence[str]) -> None:
             over=nullable(part),
         ),
         "turned": keys(step=step, change=keys(down=VECTOR)),
+        "carried": keys(step=step, change=keys(gravity=VECTOR)),
         "pressed": keys(step=step, change=keys(loads=LOADS)),
         "not fewer": keys(step=step, parts=parts),
         "falls alone": keys(part=part),
         "locked": keys(part=part, multipliers=list_of(NUMBER)),
         "refused": keys(parts=parts),
     }
-    state = every(keys(without=parts, held=parts), optional_keys(down=VECTOR, loads=LOADS))
+    state = every(
+        keys(without=parts, held=parts), optional_keys(down=VECTOR, gravity=VECTOR, loads=LOADS)
+    )
 
     def statement(entry: Any, place: str) -> str:
         form = every(keys(change=state), kinds.get(entry["about"], keys()))

@@ -42,7 +42,7 @@ from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.certificate import part_sizes
 from kilter.mechanics.program import Program, build_program
 from kilter.tell.json_answer import Answer
-from kilter.tell.levels import LEVELS, REQUIRE, holds, require_level
+from kilter.tell.levels import REQUIRE, holds, level_rank, require_level
 from kilter.tell.transport_facts import transport_sentence
 from kilter.tell.words import motion_words
 from kilter.threads import on_one_thread
@@ -217,7 +217,7 @@ class Transport(Answer):
         if self.cases:
             levels = [case.verdict.level for case in self.cases]
             known = [level for level in levels if level is not None]
-            return min(known, key=_height) if len(known) == len(levels) else None
+            return min(known, key=level_rank) if len(known) == len(levels) else None
         if not holds(self.rest.level, "equilibrium"):
             return None
         return "equilibrium" if self.program.mu.any() else "proved"
@@ -541,7 +541,7 @@ def _decide(
         )
         for contacts in frictions
     ]
-    verdict = min(verdicts, key=lambda v: -1 if v.level is None else _height(v.level))
+    verdict = min(verdicts, key=lambda verdict: level_rank(verdict.level))
     return CarriedCase(name, motion, verdict, in_time(name, lambda: carried.share(motion)))
 
 
@@ -601,8 +601,3 @@ def first_motions(program: Program, limit: Limit) -> list[FirstMotionData]:
         )
         words.append({"part": program.names[k], "words": phrase})
     return words
-
-
-def _height(level: str) -> int:
-    """Rank of a verdict level, from 0 for the lowest."""
-    return LEVELS.index(level)

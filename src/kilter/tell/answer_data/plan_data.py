@@ -91,6 +91,10 @@ class AssumesData(TypedDict):
     groups: list[list[str]]
     together: bool
     press: Annotated[float, Field(description="[N]")]
+    carried: Annotated[
+        float | Vector | None,
+        Field(description="horizontal size or vector of the carrier's acceleration [m/s^2]"),
+    ]
     turn: bool
 
 

@@ -23,6 +23,7 @@ from kilter.analysis.planning.states.holds import Holds
 from kilter.analysis.planning.states.state import State
 from kilter.analysis.planning.states.states import States
 from kilter.analysis.verdict.remarks import remarks
+from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.tell.cells import InCells
 from kilter.tell.html import html_of
@@ -79,6 +80,11 @@ class Order(InCells, Answer):
         Whether parts that block each other were allowed to move together.
     press : float
         Force that presses each part in [N].
+    carried : float or ndarray, shape (3,)
+        Acceleration of the carrier that every state also carries [m/s^2]: a size, in every
+        horizontal direction, or a vector.
+    accelerations : ndarray, shape (n, 3)
+        Accelerations at which every state is proved [m/s^2]; it carries all between them.
     turn : bool
         Whether the standing parts were allowed to be turned.
     given : bool
@@ -117,6 +123,8 @@ class Order(InCells, Answer):
     moved_as_one: tuple[tuple[str, ...], ...]
     together: bool
     press: float
+    carried: float | Array
+    accelerations: Array
     turn: bool
     given: bool
     fewest: str
@@ -217,6 +225,7 @@ class Order(InCells, Answer):
                 "groups": [list(group) for group in self.moved_as_one],
                 "together": self.together,
                 "press": self.press,
+                "carried": self._carried(),
                 "turn": self.turn,
             },
             "interrupted": self.interrupted,
@@ -227,6 +236,12 @@ class Order(InCells, Answer):
         }
         answer["sentence"] = order_sentence(answer)
         return answer
+
+    def _carried(self) -> float | list[float] | None:
+        """The acceleration that every state also carries; None if none is required."""
+        if not len(self.accelerations):
+            return None
+        return np.asarray(self.carried).tolist()  # type: ignore[no-any-return]
 
     def _step(self, step: Step) -> StepData:
         """A step of the plan as JSON data."""
@@ -325,6 +340,7 @@ class Order(InCells, Answer):
         rules = {
             "hold": self.hold,
             "press": self.press,
+            "carried": self.accelerations.tolist(),
             "turn": self.turn,
             "precedence": [list(pair) for pair in self.precedence],
             "groups": [list(group) for group in self.moved_as_one],

@@ -8,6 +8,8 @@ module verifies that the proofs together form an order:
 - every inserted part touches a standing part, and no part blocks its path: the collision tests
   are repeated;
 - the held parts stand, may be held, and are no more than the rules allow;
+- if the states must carry accelerations: each step and the finished assembly has a proof at each
+  of them, and no other acceleration is used by a motion;
 - the order keeps the precedence, and groups move together; a nut moves along the axis of its bolt,
   and the thread is detected again;
 - if the file claims that fewer holds are not enough: no smaller set has a part of each motion.
@@ -42,7 +44,16 @@ __all__ = ["wrong_order"]
 
 About = Mapping[str, Any]
 CHANGES = {"without", "held"}
-MORE = {"pressed": {"loads"}, "step": {"down"}, "turned": {"down"}}
+MORE = {
+    "pressed": {"loads"},
+    "step": {"down"},
+    "turned": {"down"},
+    "carried": {"gravity"},
+    "not fewer": {"gravity"},
+    "falls alone": {"gravity"},
+    "finished falls": {"gravity"},
+    "refused": {"gravity"},
+}
 """Keys of a file that a proof of this kind may change."""
 
 
@@ -80,13 +91,51 @@ def wrong_order(
         yield "it has neither an order nor a proof that there is none"
     if entries["finished falls"] and not _is_finished(entries["finished falls"]):
         yield "the motion is not a motion of the finished assembly"
+    yield from _wrong_accelerations(assembly, bundle["rules"], entries)
     yield from _wrong_construction(assembly, contacts, bundle["rules"], entries)
     yield from _wrong_impossibility(assembly, contacts, bundle["rules"], entries)
 
 
+def _wrong_accelerations(
+    assembly: Assembly, given: Mapping[str, Any], entries: Mapping[str, list[About]]
+) -> Iterator[str]:
+    """Yield the reasons why the states do not carry the accelerations that the rules require."""
+    required = [assembly.gravity - np.array(one) for one in given.get("carried") or []]
+    size = float(np.linalg.norm(assembly.gravity))
+
+    def of_entry(entry: About) -> int | None:
+        """Position of the gravity of an entry among the required ones; None for another."""
+        felt = np.array(entry["change"]["gravity"], dtype=float)
+        same = [k for k, one in enumerate(required) if np.abs(felt - one).max() <= SAME_LOAD * size]
+        return same[0] if same else None
+
+    changed = [e for group in entries.values() for e in group if "gravity" in e["change"]]
+    if any(of_entry(entry) is None for entry in changed):
+        yield "a proof is at an acceleration that the rules do not require"
+    states = [{"without": [], "held": []}, *(step["change"] for step in entries["step"])]
+    found: dict[int, set[int | None]] = {}
+    for entry in entries["carried"]:
+        number, change = entry["step"], entry["change"]
+        if number not in range(len(states)) or any(
+            change[key] != states[number][key] for key in CHANGES
+        ):
+            yield f"carried accelerations of step {number}: the proof is about another state"
+        else:
+            found.setdefault(number, set()).add(of_entry(entry))
+    if entries["step"]:
+        for number in range(len(states)):
+            if not set(range(len(required))) <= found.get(number, set()):
+                where = f"step {number}" if number else "the finished assembly"
+                yield f"{where} is not proved at every required acceleration"
+
+
 def _is_finished(entries: list[About]) -> bool:
-    """Whether the entries of a plan file are a single proof of the unchanged assembly."""
-    return [entry["change"] for entry in entries] == [{"without": [], "held": []}]
+    """Whether the entries of a plan file are a single proof of the finished assembly."""
+    changes = [
+        {key: value for key, value in entry["change"].items() if key != "gravity"}
+        for entry in entries
+    ]
+    return changes == [{"without": [], "held": []}]
 
 
 def _is_held(assembly: Assembly, entries: Mapping[str, list[About]]) -> bool:
@@ -106,6 +155,7 @@ def _wrong_construction(
             "not fewer",
             "pressed",
             "turned",
+            "carried",
             *([] if _is_held(assembly, entries) else ["whole"]),
         )
         if any(entries[kind] for kind in kinds):
@@ -150,6 +200,7 @@ FALLS = {
     "refused": True,
     "locked": False,
     "pressed": False,
+    "carried": False,
     "turned": False,
 }
 """Kinds of proof in a plan, and whether the state of such a proof falls."""

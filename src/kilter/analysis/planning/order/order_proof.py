@@ -5,6 +5,7 @@ parts that must not be held, and screws. Each proof is of a single state and has
 
     whole           the finished assembly holds
     step            the standing parts hold while a part comes in along its `legs`, reversed
+    carried         a step or (step 0) the finished assembly holds at an acceleration of its carrier
     pressed         the same with the part in place, under the force that presses it in
     turned          the parts after a step hold under its direction, before the assembly is turned
     not fewer       at a step with held parts: a part of `parts` must be held, or they move
@@ -12,6 +13,9 @@ parts that must not be held, and screws. Each proof is of a single state and has
     finished falls  the finished assembly does not hold, so no order exists
     falls alone     a part that no order without holds reaches
     locked          the other present parts lock a part, proved by `multipliers`
+
+If the states must carry accelerations, a motion may be that of the parts at one of these: the
+change then has the `gravity` that the parts feel.
 
 `kilter.analysis.planning.order.order_check` verifies it.
 """
@@ -95,9 +99,12 @@ def order_proof(
             "without": [n for n, here in zip(names, state.present, strict=True) if not here],
             "held": states.held_names(state),
         }
+        of = of.owner(state)
         proof = of.proof(state, options=dict(options))
         if about["about"] == "pressed":
             change["loads"] = proof["loads"]
+        elif of in states.carried:
+            change["gravity"] = of.assembly.gravity.tolist()
         elif of is not states:
             change["down"] = of.assembly.down.tolist()
         proofs.append(({**about, "change": change}, proof))
@@ -108,6 +115,15 @@ def _of_steps(states: States, whole: State, steps: Sequence[Step]) -> list[State
     """List, for each proof of a plan, its description, its state and the `States` it belongs to."""
     names = states.assembly.names
     stated: list[Stated] = [({"about": "whole"}, whole, states)]
+    for number, state in enumerate([whole, *(step.state for step in steps)] if steps else []):
+        stated += [
+            (
+                {"about": "carried", "step": number},
+                accelerated.judge(state.present, state.present & ~state.free),
+                accelerated,
+            )
+            for accelerated in states.carried
+        ]
     for number, step in enumerate(steps, 1):
         of = states if step.turned is None else step.turned
         stated.append((_step(step), step.state, of))

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kilter.analysis.planning.order.carried_accelerations import extreme_accelerations
 from kilter.analysis.planning.order.cheapest import Searched, find_order
 from kilter.analysis.planning.order.closure import find_unreachable
 from kilter.analysis.planning.order.exhaustion import find_refused
@@ -117,8 +118,10 @@ def plan(
     after, units = later_parts(assembly, rules.before), units_of_groups(assembly, rules.groups)
     if rules.sequence is not None:
         units = sets_of_order(assembly, rules.sequence)
+    carried = extreme_accelerations(assembly, rules.carried)
     part_states = states(
         assembly,
+        accelerations=carried,
         contacts=contacts,
         tolerance=tolerance,
         time_limit=work.seconds,
@@ -157,6 +160,8 @@ def plan(
         together=rules.together,
         exhausted=search.exhausted,
         press=rules.press,
+        carried=rules.carried,
+        accelerations=carried,
         turn=rules.turn,
         given=rules.sequence is not None,
         fewest=rules.fewest,

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kilter.arrays import Array
 from kilter.errors import InputError
-from kilter.validate import number
+from kilter.validate import frozen, number
 from kilter.values import Value
 
 __all__ = ["FEWEST", "PlanRules", "turns_alone"]
@@ -48,9 +49,12 @@ class PlanRules(Value):
         Order to verify instead of a search; the parts of an entry with several names move together.
     press : float
         Force that presses each seated part along the last leg of its path [N].
+    carried : float or array_like, shape (3,)
+        Acceleration of the carrier that the standing parts of every step and the finished assembly
+        also carry [m/s^2]: a size, in every horizontal direction, or a single vector.
     turn : bool
         Whether the standing parts, base included, may be turned between steps. Cannot be combined
-        with `press`, `together`, `sequence`, loads or the fewest held steps.
+        with `press`, `carried`, `together`, `sequence`, loads or the fewest held steps.
 
     Raises
     ------
@@ -73,6 +77,7 @@ class PlanRules(Value):
     fewest: str = "holds"
     sequence: Iterable[str | Iterable[str]] | None = None
     press: float = 0.0
+    carried: float | ArrayLike = 0.0
     turn: bool = False
 
     def __post_init__(self) -> None:
@@ -85,8 +90,9 @@ class PlanRules(Value):
                 object.__setattr__(self, name, tuple(value))
         object.__setattr__(self, "hold", _whole_number(self.hold))
         object.__setattr__(self, "press", number(self.press, "press", lowest=0))
+        object.__setattr__(self, "carried", _acceleration(self.carried))
         object.__setattr__(self, "turn", self.turn or self.fewest == "turns")
-        others = self.press or self.together or self.sequence is not None
+        others = self.press or self.together or self.sequence is not None or np.any(self.carried)
         if self.turn and (others or self.fewest == "held-steps"):
             raise turns_alone()
 
@@ -94,9 +100,19 @@ class PlanRules(Value):
 def turns_alone() -> InputError:
     """Create the error for turns combined with a rule or a load that excludes turns."""
     return InputError(
-        "turns cannot be combined with press, together, a sequence, held-steps or loads",
+        "turns cannot be combined with press, carried, together, a sequence, held-steps or loads",
         hint="leave the turns or the other option out",
     )
+
+
+def _acceleration(carried: float | ArrayLike) -> float | Array:
+    """Validate the acceleration to be carried: a size of at least 0, or a vector [m/s^2]."""
+    if np.ndim(carried) == 0:
+        return number(carried, "carried", lowest=0)
+    vector = frozen(carried, (3,), "carried")
+    if not np.isfinite(vector).all():
+        raise InputError(f"carried is {vector.tolist()}", hint="give three finite numbers")
+    return vector
 
 
 def _whole_number(hold: int) -> int:

@@ -14,6 +14,10 @@ certificate that is verified in the state itself decides.
 5. `kilter.check` of the state, if fitted normals, the accuracy that the file declares, or the
    numerics leave it undecided.
 
+Each state may also have to hold while its carrier accelerates: it then holds under the gravity
+g - a for each given acceleration a, by proofs of its own (`kilter.analysis.transport`). The
+accelerations that a state carries are a convex set, so it also carries all between them.
+
 A state that holds also holds with more of its parts held. There is no such rule for the present
 parts: both adding and removing a part can make a state fall.
 """
@@ -64,6 +68,7 @@ from kilter.mechanics.certificate import (
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import Evidence, make_proof
 from kilter.rigid import unit
+from kilter.tell.levels import level_rank
 from kilter.threads import on_one_thread
 from kilter.validate import number
 from kilter.work import Work, units_of
@@ -85,10 +90,14 @@ class States:
     assembly : Assembly
     contacts : ContactSet
         Contacts of the assembly.
+    accelerations : iterable of array_like, shape (3,)
+        Accelerations of the carrier at which a state must hold, besides at rest [m/s^2].
 
     Attributes
     ----------
     assembly, contacts
+    carried : tuple of States
+        The states of the same assembly at each of these accelerations.
     counts : dict
         Numbers of states by key: requested (`asked`), decided by an earlier proof (`known`), solved
         by linear `programs` or exact `cones`, left `open` by possible contacts, and decided by
@@ -100,7 +109,12 @@ class States:
     """
 
     def __init__(
-        self, assembly: Assembly, contacts: ContactSet, *, programs: StatePrograms | None = None
+        self,
+        assembly: Assembly,
+        contacts: ContactSet,
+        *,
+        programs: StatePrograms | None = None,
+        accelerations: Iterable[ArrayLike] = (),
     ) -> None:
         self.assembly = assembly
         self.contacts = contacts
@@ -112,6 +126,10 @@ class States:
         self._motions: list[KnownMotion] = []
         self._found: dict[tuple[int, int], State] = {}
         self._under: dict[tuple[float, ...], States] = {}
+        felt = [
+            replace(assembly, gravity=assembly.gravity - np.asarray(one)) for one in accelerations
+        ]
+        self.carried: tuple[States, ...] = tuple(States(one, contacts.of(one)) for one in felt)
 
     def __len__(self) -> int:
         return len(self._found)
@@ -247,8 +265,20 @@ class States:
     def judge(self, present: Mask, held: Mask) -> State:
         """Judge the state with masks of present and held parts, shape (N,).
 
-        Absent parts cannot be held: `held` is ignored for them.
+        Absent parts cannot be held: `held` is ignored for them. If the state holds at rest but not
+        at an acceleration of the carrier, it is returned as it is at this acceleration.
         """
+        state = self._judge_at_rest(present, held)
+        for accelerated in self.carried:
+            if state.stable is False:
+                break
+            other = accelerated.judge(present, held)
+            if other.stable is False or (state.stable and not other.stable):
+                state = other
+        return state
+
+    def _judge_at_rest(self, present: Mask, held: Mask) -> State:
+        """Judge a state without acceleration of its carrier."""
         free = self._programs.free & present & ~held
         key = bits_of(present), bits_of(free)
         state = self._found.get(key)
@@ -399,7 +429,12 @@ class States:
         decision = self.decide(state, require=require, effort=effort, work=work, finished=True)
         if decision.question is not None:
             return state, decision
-        return self.judge(present, grounded), decision
+        decisions = [decision] + [
+            accelerated.finished(require=require, effort=effort, work=work)[1]
+            for accelerated in self.carried
+        ]
+        lowest = min(decisions, key=lambda decision: level_rank(decision.level))
+        return self.judge(present, grounded), lowest
 
     def decide(
         self,
@@ -443,6 +478,18 @@ class States:
 
         Parameters are those of `decide`.
         """
+        levels = [self._level_at_rest(state, require, effort, work)]
+        for accelerated in self.carried:
+            if levels[-1] is None:
+                return None
+            other = accelerated.judge(state.present, state.present & ~state.free)
+            levels.append(accelerated.level(other, require=require, effort=effort, work=work))
+        return min(levels, key=level_rank)
+
+    def _level_at_rest(
+        self, state: State, require: str, effort: float, work: Work | None
+    ) -> str | None:
+        """Verdict level that a state reaches without acceleration of its carrier."""
         if not state.stable:
             return None
         if state.verdict is not None and state.verdict.level is not None:
@@ -469,6 +516,16 @@ class States:
         held = state.present & ~state.free & self._programs.free
         return [name for name, kept in zip(self.assembly.names, held, strict=True) if kept]
 
+    def owner(self, state: State) -> States:
+        """The states to which a state belongs: these, or those at an acceleration of the carrier.
+
+        A state of another owner was judged at the acceleration at which it does not hold.
+        """
+        for accelerated in self.carried:
+            if np.array_equal(state.program.gravity, accelerated.assembly.gravity):
+                return accelerated
+        return self
+
     def proof(self, state: State, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
         """Proof of a state as JSON data, for `kilter.verify` with its `sub_assembly`.
 
@@ -483,6 +540,9 @@ class States:
         InputError
             If the state is undecided.
         """
+        owner = self.owner(state)
+        if owner is not self:
+            return owner.proof(state, options=options)
         if state.stable is None and state.verdict is None:
             state = self._state_by_check(state)
         if state.verdict is not None:
@@ -510,6 +570,7 @@ def states(
     contacts: ContactSet | None = None,
     tolerance: Tolerance | None = None,
     time_limit: float | None = None,
+    accelerations: Iterable[ArrayLike] = (),
     progress: Callable[[str], None] | None = None,
 ) -> States:
     """Prepare verdicts on all states of an assembly that is being built.
@@ -524,11 +585,13 @@ def states(
         As in `kilter.check`.
     time_limit : float, optional
         Time limit [s]. It ends the contact search, as in `kilter.contacts`.
+    accelerations : iterable of array_like, shape (3,)
+        Accelerations of the carrier at which a state must hold, besides at rest [m/s^2].
 
     Raises
     ------
     InputError
-        If the geometry is not usable.
+        If the geometry is not usable, or an acceleration leaves the parts in free fall.
 
     Examples
     --------
@@ -551,4 +614,4 @@ def states(
             assembly, tolerance=tolerance, time_limit=time_limit, progress=progress
         )
     require_apart(assembly, contacts)
-    return States(assembly, contacts)
+    return States(assembly, contacts, accelerations=accelerations)
