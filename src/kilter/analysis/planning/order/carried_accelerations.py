@@ -66,4 +66,5 @@ def extreme_accelerations(assembly: Assembly, carried: float | ArrayLike) -> Arr
         return np.stack([value * along, -value * along])
     angle = 2 * np.pi * np.arange(SIDES) / SIDES
     corners: Array = np.column_stack([np.cos(angle), np.sin(angle)]) @ np.stack(across(down))
-    return corners * value / np.cos(np.pi / SIDES)
+    corners *= float(value) / np.cos(np.pi / SIDES)
+    return corners

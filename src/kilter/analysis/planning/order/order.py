@@ -80,7 +80,7 @@ class Order(InCells, Answer):
         Whether parts that block each other were allowed to move together.
     press : float
         Force that presses each part in [N].
-    carried : float or ndarray, shape (3,)
+    carried : ndarray, shape () or (3,)
         Acceleration of the carrier that every state also carries [m/s^2]: a size, in every
         horizontal direction, or a vector.
     accelerations : ndarray, shape (n, 3)
@@ -123,7 +123,7 @@ class Order(InCells, Answer):
     moved_as_one: tuple[tuple[str, ...], ...]
     together: bool
     press: float
-    carried: float | Array
+    carried: Array
     accelerations: Array
     turn: bool
     given: bool
@@ -241,7 +241,7 @@ class Order(InCells, Answer):
         """The acceleration that every state also carries; None if none is required."""
         if not len(self.accelerations):
             return None
-        return np.asarray(self.carried).tolist()  # type: ignore[no-any-return]
+        return self.carried.tolist() if self.carried.ndim else float(self.carried)
 
     def _step(self, step: Step) -> StepData:
         """A step of the plan as JSON data."""

@@ -160,7 +160,7 @@ def plan(
         together=rules.together,
         exhausted=search.exhausted,
         press=rules.press,
-        carried=rules.carried,
+        carried=np.asarray(rules.carried, dtype=np.float64),
         accelerations=carried,
         turn=rules.turn,
         given=rules.sequence is not None,
