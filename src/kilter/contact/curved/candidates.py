@@ -73,6 +73,8 @@ class Candidates(Rows):
         Gap all around a fit that only a clearance closes; 0: no such fit [length unit].
     bend : ndarray, shape (n,)
         Radius at which the gap opens beside the contact [length unit].
+    rim : ndarray, shape (n,)
+        Of a circle that is the end of a face: 1 if that face is i, 2 if it is j; else 0.
     """
 
     row: Index
@@ -86,6 +88,7 @@ class Candidates(Rows):
     swing: Array = columns()
     play: Array = columns()
     bend: Array = columns()
+    rim: Array = columns()
 
 
 def make_candidates(
@@ -106,6 +109,7 @@ def make_candidates(
         swing=more.get("swing", zero),
         play=more.get("play", zero),
         bend=more.get("bend", zero),
+        rim=more.get("rim", zero),
     )
 
 

@@ -23,6 +23,7 @@ from kilter.assembly.surfaces import KINDS, SPHERE
 from kilter.contact.broad import facets_in, joins
 from kilter.contact.contact_search import ContactSearch
 from kilter.contact.contact_tolerances import INTERFERENCE
+from kilter.contact.curved.ball_on_rim import balls_on_rims
 from kilter.contact.curved.candidates import CIRCLE, LINE, POINT, SAME, Candidates, FormLimits
 from kilter.contact.curved.contact_points import PatchPoints, arcs_of, ring, socket
 from kilter.contact.curved.coverage import common_spans, slices
@@ -143,6 +144,8 @@ def _build_patches(
     candidates, unknown = find_candidates(
         surfaces, both.i, both.j, form_limits, search.geometry.grounded
     )
+    rims = balls_on_rims(search.geometry, both.i, both.j, limits.gap)
+    candidates = Candidates.join([candidates, rims])
     planes = Planes(facets.normal[flat.j], facets.origin[flat.j])
     flat_limits = _candidate_limits(search, flat, surfaces.doubt[flat.i])
     level = np.full(len(flat.i), search.angle)
@@ -338,15 +341,18 @@ def _circle_contact(
     """Contact points on the arcs of a circle that both faces cover; None without arcs."""
     center, axis, radius = candidate.at[0], candidate.along[0], float(candidate.radius[0])
     out, up = (float(x) for x in candidate.normal[0, :2])
+    rim = int(candidate.rim[0])
     u, v = across(axis)
 
     def inside(angle: Array) -> Mask:
         away = np.cos(angle)[:, None] * u + np.sin(angle)[:, None] * v
         points, normals = center + radius * away, out * away + up * axis
         is_covered = np.ones(len(angle), dtype=bool)
-        for triangles, sagitta in faces:
+        for number, (triangles, sagitta) in enumerate(faces, start=1):
             depth = 1e300 if not np.isfinite(sagitta) else sagitta + reach
-            is_covered &= covered(triangles, points, normals, depth, grow)
+            # the normals of a rim leave its face, which lies straight away from the axis
+            lines = away if number == rim else normals
+            is_covered &= covered(triangles, points, lines, depth, grow)
         return is_covered
 
     arcs = arcs_of(inside)
