@@ -274,16 +274,22 @@ def test_no_forces_leave_the_whole_weight():
     assert check_forces(built, forces).residual == pytest.approx(0.0, abs=1e-14)
 
 
-@pytest.mark.parametrize(("share", "holds"), [(0.9, True), (1.1, False)])
-def test_no_pinch_hides_more_than_a_hundredth_of_a_weight(share, holds):
-    """Two walls press a block so hard that its weight is negligible in comparison."""
+@pytest.mark.parametrize(
+    ("share", "pinch", "holds"),
+    [(0.9, 1e9, True), (1.1, 1e9, False), (0.0, 0.49e10, True), (0.0, 0.51e10, False)],
+)
+def test_no_pinch_hides_more_than_a_hundredth_of_a_weight(share, pinch, holds):
+    """Two walls press a block so hard that its weight is negligible in comparison.
+
+    If both forces together exceed 1e10 weights, they prove nothing, however well they balance.
+    """
     built = program_of(friction.h_block())
     lift = np.zeros((len(built.part_a), 3))
     [k] = np.flatnonzero(built.free)
     side = np.where(built.part_b == k, 1.0, -1.0)
     toward = (side[:, None] * built.normal)[:, 0]
     walls_ = np.abs(toward) > 0.9
-    hard = 1e12 * built.weight[k]
+    hard = pinch * built.weight[k]
     pushed = toward[walls_] > 0
     forces = np.zeros(len(built.part_a))
     forces[walls_] = hard * np.where(pushed, 1 / pushed.sum(), 1 / (~pushed).sum())
@@ -292,6 +298,26 @@ def test_no_pinch_hides_more_than_a_hundredth_of_a_weight(share, holds):
     proof = check_forces(built, forces, lift)
     assert proof.residual < built.tolerance.max()
     assert proof.holds == holds
+
+
+@pytest.mark.parametrize(("slope", "verdict"), [(1e-8, "stable"), (1e-12, "unstable")])
+def test_walls_that_lean_by_rounding_hold_no_block(slope, verdict):
+    """A block between walls that overhang its sides by a slope: forces of weight / (2 slope)."""
+    base = program_of(friction.h_block())
+    [k] = np.flatnonzero(base.free)
+    side = np.where(base.part_b == k, 1.0, -1.0)
+    walls_ = np.abs(base.normal[:, 0]) > 0.9
+    normal = base.normal.copy()
+    normal[walls_, 2] = slope * side[walls_]
+    built = dataclasses.replace(base.frictionless, normal=normal)
+    forces = np.zeros(len(built.part_a))
+    toward = (side[:, None] * built.normal)[:, 0]
+    for sign in (1, -1):
+        rows = walls_ & (sign * toward > 0)
+        forces[rows] = built.weight[k] / (2 * slope) / rows.sum()
+    proof = check_forces(built, forces)
+    assert proof.residual < built.tolerance.max()
+    assert proof.holds == (verdict == "stable")
 
 
 def test_friction_is_cut_to_its_cone_and_to_the_plane():

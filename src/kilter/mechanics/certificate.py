@@ -3,7 +3,9 @@
 Forces f prove that an equilibrium exists. Every force must lie in its cone (exactly, by clipping;
 with friction |f_t| <= mu f_n, and f_n >= 0 also for mu = 0). The imbalance of each part, |J^T
 f + w|, may be at most the tolerance times the greater of its weight and the sum of the forces on
-it, and at most a hundredth of its weight, so that no squeeze, however hard, hides a weight.
+it, and at most a hundredth of its weight, so that no squeeze, however hard, hides a weight. Forces
+above 1e10 times the weight of all parts prove nothing: they use the rounding of the directions of
+contact normals, such as 1e-13 at the rim of a hemisphere.
 
 A motion dp proves that no equilibrium exists. It is normalised so that the fastest part moves by 1
 (translations, and radius x rotations). Its power P = w.dp must exceed the tolerance times the
@@ -31,6 +33,7 @@ import numpy as np
 from kilter.arrays import TINY, Array
 from kilter.mechanics.mechanics_tolerances import (
     COARSE_POWER,
+    LARGEST_FORCES,
     NO_EXCUSE,
     RULED_OUT,
     STILL,
@@ -116,6 +119,9 @@ def check_forces(program: Program, forces: Array, friction: Array | None = None)
     # large forces that squeeze a part must not excuse an imbalance of much of its weight
     most = np.maximum(program.tolerance, NO_EXCUSE)
     holds = bool((relative <= program.tolerance).all() and (share <= most).all())
+    total = float(program.weight[program.free].sum())
+    # forces that large rely on rounding of the normals, whatever they balance
+    holds &= float(scale[program.free].max(initial=0.0)) <= LARGEST_FORCES * max(total, TINY)
     return ForceProof(forces, friction, float(relative.max(initial=0.0)), holds)
 
 

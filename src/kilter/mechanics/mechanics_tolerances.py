@@ -24,6 +24,7 @@ __all__ = [
     "COARSE_POWER",
     "CONE_ROUNDING",
     "FOLLOWS",
+    "LARGEST_FORCES",
     "LOCKED",
     "MIRROR",
     "MIRROR_CELL",
@@ -54,6 +55,11 @@ larger value accepts forces that balance less exactly.
 BLUR = 10.0
 """Tolerance of a part over the relative accuracy of its coordinates, for data coarser than float64.
 A larger value accepts more imbalance of coarse data.
+"""
+LARGEST_FORCES = 1e10
+"""Largest sum of the forces on a part, over the weight of all parts, that counts as a proof. Larger
+forces rely on normals that are exact to less than 1e-12, and rounding leaves about 1e-13. A larger
+value accepts proofs that rest on rounding.
 """
 RULED_OUT = 1e6
 """Size of contact forces, over the weight, that a motion must exclude. A larger value demands more

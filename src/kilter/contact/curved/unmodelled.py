@@ -1,9 +1,9 @@
 """Contacts of curved faces without a contact formula, and bounds on their forces.
 
-An edge or corner on a curved face (a ball beside the middle of a hole), a rim on a flat face that is not a
-circle across its axis, free forms, tori beside tori: such pairs are listed as unsupported. A
-frictionless sphere is pushed through its centre, and the side of a cylinder across its axis; every
-force and torque is possible for the other kinds. Rims of flat faces are given as inscribed
+An edge or corner on a curved face (a ball beside the middle of a hole), a rim on a flat face that
+is not a circle across its axis, free forms, tori beside tori: such pairs are listed as unsupported.
+A frictionless sphere is pushed through its centre, and the side of a cylinder across its axis;
+every force and torque is possible for the other kinds. Rims of flat faces are given as inscribed
 polygons; the circumscribed polygons bound the answer from the other side
 (`kilter.contact.curved.rims`).
 """
