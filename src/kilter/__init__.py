@@ -60,6 +60,7 @@ if TYPE_CHECKING:
     from kilter.assembly.interactions import Joint as Joint
     from kilter.assembly.interactions import Load as Load
     from kilter.assembly.part import Part as Part
+    from kilter.assembly.straps import Strap as Strap
     from kilter.contact.contact_set import ContactSet as ContactSet
     from kilter.contact.detect import contacts as contacts
     from kilter.contact.fits.choices_saving import save as save
@@ -139,6 +140,7 @@ _HOMES = {
     "Load": "kilter.assembly.interactions",
     "Mesh": "kilter.shape.primitives",
     "Part": "kilter.assembly.part",
+    "Strap": "kilter.assembly.straps",
     "Pose": "kilter.rigid",
     "Prism": "kilter.shape.primitives",
     "Sphere": "kilter.shape.primitives",

@@ -313,7 +313,7 @@ def test_what_strict_asked_for_in_vain_is_said(capsys: pytest.CaptureFixture[str
     file = written("mortared-corbel")
     for words, said in (([], False), (["--require", "strict"], True)):
         assert main(["check", file, *words]) == (3 if said else 0)
-        assert "second order does not model bonds" in capsys.readouterr().out
+        assert "second order does not model bonds and straps" in capsys.readouterr().out
 
 
 @pytest.mark.slow

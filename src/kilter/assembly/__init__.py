@@ -5,6 +5,7 @@ from kilter.assembly.bonds import Bond
 from kilter.assembly.feature import Feature
 from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, Load
 from kilter.assembly.part import GROUND, Part
+from kilter.assembly.straps import Strap
 
 __all__ = [
     "GROUND",
@@ -16,5 +17,6 @@ __all__ = [
     "Joint",
     "Load",
     "Part",
+    "Strap",
     "require_assembly",
 ]

@@ -25,6 +25,7 @@ from kilter.assembly.changed_copies import ChangedCopies
 from kilter.assembly.geometry import Geometry, build_geometry
 from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, Load
 from kilter.assembly.part import GROUND, Part
+from kilter.assembly.straps import Strap
 from kilter.errors import InputError, nearest_name, some_names
 from kilter.hooks import hook
 from kilter.rigid import unit
@@ -46,6 +47,7 @@ ENTRIES: dict[str, type] = {
     "contacts": GivenContact,
     "joints": Joint,
     "bonds": Bond,
+    "straps": Strap,
     "notes": str,
 }
 """Type of the entries of each sequence of an assembly."""
@@ -53,7 +55,7 @@ ENTRIES: dict[str, type] = {
 
 @dataclass(frozen=True, eq=False)
 class Assembly(ChangedCopies):
-    """Rigid parts with held parts, gravity, loads, joints, bonds and given contacts.
+    """Rigid parts with held parts, gravity, loads, joints, bonds, straps and given contacts.
 
     Parameters
     ----------
@@ -79,6 +81,7 @@ class Assembly(ChangedCopies):
     bonds : sequence of Bond
     tolerance : kilter.Tolerance, optional
         Default tolerance of contact detection; None for that of `kilter.Tolerance()`.
+    straps : sequence of Strap
 
     Notes
     -----
@@ -125,6 +128,7 @@ class Assembly(ChangedCopies):
     notes: Sequence[str] = ()
     bonds: Sequence[Bond] = ()
     tolerance: Any = None
+    straps: Sequence[Strap] = ()
 
     def __post_init__(self) -> None:
         try:
@@ -136,6 +140,8 @@ class Assembly(ChangedCopies):
             self._validate_entries()
             for load in self.loads:
                 self._validate_load(load)
+            for strap in self.straps:
+                self._validate_strap(strap)
         except InputError as error:
             raise error.located(file=self.source or None) from None
 
@@ -208,6 +214,17 @@ class Assembly(ChangedCopies):
                 "a load leaves the x-z plane of a planar assembly",
                 part=load.part,
                 hint="give forces along x and z, torques about y",
+            )
+
+    def _validate_strap(self, strap: Strap) -> None:
+        """Verify that a strap runs over known parts, and in the plane of a planar assembly."""
+        for name in strap.parts:
+            if name != GROUND:
+                self.index_of(name)
+        if self.planar and strap.forces[:, 1].any():
+            raise InputError(
+                "a strap leaves the x-z plane of a planar assembly",
+                hint="give all points of its path the same y",
             )
 
     def __getstate__(self) -> dict[str, Any]:

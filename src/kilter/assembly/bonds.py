@@ -218,16 +218,18 @@ def require_apart(bonds: tuple[Bond, ...]) -> None:
 
 
 class _HasBonds(Protocol):
-    """An assembly-like object with bonds, as `require_no_bonds` needs it."""
+    """An assembly-like object with bonds and straps, as `require_no_bonds` needs it."""
 
     @property
     def bonds(self) -> Any: ...
+    @property
+    def straps(self) -> Any: ...
     @property
     def source(self) -> str: ...
 
 
 def require_no_bonds(assembly: _HasBonds, verb: str, why: str) -> None:
-    """Raise an InputError if an assembly has bonds, for a function `verb` without support of bonds.
+    """Raise an InputError if an assembly has bonds or straps, for a function `verb` without them.
 
     Parameters
     ----------
@@ -235,13 +237,19 @@ def require_no_bonds(assembly: _HasBonds, verb: str, why: str) -> None:
     verb : str
         Name of the function, for the message.
     why : str
-        Reason why it does not support bonds, for the message.
+        Reason why it does not support bonds, for the message; the same reason excludes straps.
 
     Raises
     ------
     InputError
-        If the assembly has bonds.
+        If the assembly has bonds or straps.
     """
+    if assembly.straps:
+        raise InputError(
+            f"{verb} does not support straps: their tension is fixed",
+            file=assembly.source or None,
+            hint="remove the straps, or use check, margin or transport",
+        )
     if assembly.bonds:
         names = " and ".join(repr(name) for name in assembly.bonds[0].parts)
         raise InputError(

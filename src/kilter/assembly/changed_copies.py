@@ -17,6 +17,7 @@ from kilter.arrays import Array
 from kilter.assembly.bonds import Bond
 from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, Load
 from kilter.assembly.part import Part
+from kilter.assembly.straps import Strap
 from kilter.errors import InputError
 from kilter.rigid import Pose, rotation_between, unit
 from kilter.shape.primitives import Box
@@ -50,6 +51,7 @@ class ChangedCopies(Value):
         contacts: Sequence[GivenContact]
         joints: Sequence[Joint]
         bonds: Sequence[Bond]
+        straps: Sequence[Strap]
         notes: Sequence[str]
 
         # defined by `Assembly`
@@ -118,6 +120,12 @@ class ChangedCopies(Value):
                 dataclasses.replace(load, part=names.get(load.part, load.part))
                 for load in self.loads
             ],
+            straps=[
+                dataclasses.replace(
+                    strap, path=[(names.get(name, name), point) for name, point in strap.path]
+                )
+                for strap in self.straps
+            ],
         )
 
     def merged(self, other: Self, *, prefix: str = "") -> Self:
@@ -149,7 +157,10 @@ class ChangedCopies(Value):
                 f"both assemblies have a part named {shared!r}",
                 hint='give a prefix: first.merged(second, prefix="second/")',
             )
-        entries = ("parts", "friction_pairs", "loads", "contacts", "joints", "bonds", "notes")
+        entries = (
+            *("parts", "friction_pairs", "loads", "contacts", "joints", "bonds", "straps"),
+            "notes",
+        )
         return self._replace(
             **{name: [*getattr(self, name), *getattr(joined, name)] for name in entries}
         )
@@ -201,6 +212,10 @@ class ChangedCopies(Value):
         """A copy of the assembly with additional bonds."""
         return self._replace(bonds=[*self.bonds, *bonds])
 
+    def with_straps(self, straps: Iterable[Strap]) -> Self:
+        """A copy of the assembly with additional straps."""
+        return self._replace(straps=[*self.straps, *straps])
+
     def with_joints(self, joints: Iterable[Joint], *, notes: Iterable[str] = ()) -> Self:
         """A copy of the assembly with additional joints, and with `notes` after its own notes.
 
@@ -225,6 +240,7 @@ class ChangedCopies(Value):
             contacts=kept(self.contacts),
             joints=kept(self.joints),
             bonds=kept(self.bonds),
+            straps=kept(self.straps),
             loads=[load for load in self.loads if load.part not in gone],
         )
 

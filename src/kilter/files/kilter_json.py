@@ -14,7 +14,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kilter.assembly import Assembly, Bond, Feature, FrictionPair, GivenContact, Joint, Load, Part
+from kilter.assembly import (
+    Assembly,
+    Bond,
+    Feature,
+    FrictionPair,
+    GivenContact,
+    Joint,
+    Load,
+    Part,
+    Strap,
+)
 from kilter.assembly.brick import BRICK_PLATES, Brick
 from kilter.errors import InputError, nearest_name
 from kilter.files.checked_solid import checked_solid
@@ -98,6 +108,7 @@ def from_dict(data: Any, *, folder: str | Path = ".", source: str = "") -> Assem
             contacts=_each("contacts", entries.contacts, _contact),
             joints=_each("joints", entries.joints, _joint),
             bonds=_each("bonds", entries.bonds, _bond),
+            straps=_each("straps", entries.straps, _strap),
             planar=entries.planar,
             detect=entries.detect,
             source=source,
@@ -262,6 +273,11 @@ def _bond(entry: Any) -> Bond:
     return bond
 
 
+def _strap(entry: Any) -> Strap:
+    """Build the strap of a file entry."""
+    return Strap(entry.path, entry.tension, entry.mu, entry.tensioned)
+
+
 def _keep(
     value: Feature | GivenContact | Joint | Bond | Surface, name: str, numbers: list[float]
 ) -> None:
@@ -329,6 +345,7 @@ def to_dict(assembly: Assembly) -> dict[str, Any]:
             )
             for b in assembly.bonds
         ],
+        "straps": [strap.to_dict() for strap in assembly.straps],
     }
     data |= {key: entries for key, entries in lists.items() if entries}
     if assembly.planar:

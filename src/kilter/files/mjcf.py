@@ -48,9 +48,10 @@ def to_mjcf(assembly: Assembly) -> str:
     >>> '<geom name="cube" type="box" size="0.5 0.5 0.5"' in text
     True
     """
-    if assembly.loads:
+    if assembly.loads or assembly.straps:
         raise InputError(
-            "MJCF has no loads", hint="remove them, and set data.xfrc_applied in the simulation"
+            "MJCF has no loads and no straps of known tension",
+            hint="remove them, and set data.xfrc_applied in the simulation",
         )
     metres = metres_per_unit(assembly.units)
     root = Element("mujoco", model="kilter")

@@ -277,6 +277,19 @@ class BondEntry(Entry):
     kind: Literal["glue", "mortar", "magnet", "suction", "press-fit"] | None = None
 
 
+class StrapEntry(Entry):
+    """A belt under a known tension that runs over parts along straight pieces."""
+
+    path: Annotated[list[tuple[Name, Vector]], Field(min_length=2)] = Field(
+        description='part and point of each end and corner, world frame; "ground" is the world'
+    )
+    tension: Positive = Field(description="at the tensioned end [N]")
+    mu: NotNegative = Field(0.0, description="friction coefficient at the corners")
+    tensioned: Literal["first", "last"] | None = Field(
+        None, description="tensioned end of the path; required if there is friction at a corner"
+    )
+
+
 class AssemblyFile(Entry):
     """An assembly of rigid parts: shapes, poses, held parts, contacts, joints, bonds and loads."""
 
@@ -294,6 +307,7 @@ class AssemblyFile(Entry):
     contacts: list[ContactEntry] = []
     joints: list[JointEntry] = []
     bonds: list[BondEntry] = []
+    straps: list[StrapEntry] = []
     planar: Flag = Field(False, description="true: motions in the x-z plane only")
     detect: Flag = Field(True, description="false: only the listed contacts count")
 

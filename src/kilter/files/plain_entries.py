@@ -78,6 +78,8 @@ class _Reader:
             shortest = schema.get("minLength", schema.get("minItems", 0))
             if not shortest <= len(value) <= schema.get("maxItems", len(value)):
                 raise _NotPlainError
+        if "prefixItems" in schema:
+            raise _NotPlainError
         if kind == "array":
             return [self.read(item, schema["items"]) for item in value]
         return self._read_object(value, schema) if kind == "object" else value

@@ -7,8 +7,8 @@ entry of `proofs` has the other data of its proof, preceded by
     vector           the ray, line or normal
     change           differences from the file: `down`, `gravity` [m/s^2], `mu` of every contact,
                      a factor `mu_share` on every mu, `loads`, the share `strength` of every bond's
-                     strength, parts that are left out (`without`), parts that are `held`, external
-                     `supports`
+                     and strap's strength, parts that are left out (`without`), parts that are
+                     `held`, external `supports`
 
 A plan also has the `rules` that its order obeys, and a fixture the candidates. `digest` is the hash
 of the whole file.
@@ -127,7 +127,8 @@ def apply_change(
         assembly = dataclasses.replace(assembly, loads=loads)
     if change.get("strength") is not None:
         bonds = [bond.with_strength(change["strength"]) for bond in assembly.bonds]
-        assembly = dataclasses.replace(assembly, bonds=bonds)
+        straps = [strap.with_strength(change["strength"]) for strap in assembly.straps]
+        assembly = dataclasses.replace(assembly, bonds=bonds, straps=straps)
         contacts = contacts.of(assembly)
     if change.get("without") or change.get("held"):
         if change.get("without"):

@@ -25,6 +25,7 @@ from scipy.sparse import csr_array
 from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly import GROUND, Assembly
 from kilter.assembly.geometry import Geometry
+from kilter.assembly.straps import strap_wrenches
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.friction_coefficients import certain_friction
 from kilter.mechanics.bond_rows import clamp_of
@@ -76,7 +77,7 @@ class Program:
     applied : ndarray, shape (N, 6)
         Given loads: force [N] and torque about the centre of mass [N x length unit].
     clamp : ndarray, shape (N, 6)
-        Clamping loads of the bonds, in the same form (`kilter.mechanics.bond_rows`).
+        Clamping loads of the bonds (`kilter.mechanics.bond_rows`) and straps, in the same form.
     part_a, part_b, point, normal, kind, two_sided, angular : ndarray
     mu, source, doubt, pull, tied, shear : ndarray
         Arrays of the K rows, as in `kilter.mechanics.rows.ForceRows`.
@@ -213,8 +214,8 @@ class Program:
 
     @property
     def has_strength(self) -> bool:
-        """True if the program has bonds of limited strength, which does not grow with the load."""
-        return bool(self.pull.any() or self.cohesion.any())
+        """True if the program has bonds or straps, whose strength does not grow with the load."""
+        return bool(self.pull.any() or self.cohesion.any() or self.clamp.any())
 
     @property
     def force_rows(self) -> ForceRows:
@@ -349,7 +350,7 @@ class Program:
         return motion
 
     def with_strength(self, share: float) -> Program:
-        """The program with the strength of every bond multiplied by `share`."""
+        """The program with the strength of every bond and strap multiplied by `share`."""
         return self.with_rows(
             clamp=share * self.clamp, pull=share * self.pull, shear=share * self.shear
         )
@@ -411,7 +412,8 @@ def build_program(
         radius=geometry.radius,
         gravity=assembly.gravity,
         applied=_applied_loads(assembly, geometry),
-        clamp=clamp_of(geometry, rows.part_a, rows.part_b, rows.point, rows.normal, rows.pull),
+        clamp=clamp_of(geometry, rows.part_a, rows.part_b, rows.point, rows.normal, rows.pull)
+        + strap_wrenches(assembly),
         tolerance=_part_tolerances(contacts, geometry),
         planar=assembly.planar,
         units=assembly.units,

@@ -144,6 +144,8 @@ def make_proof(
         ],
         "joints": joints_of(assembly, program, certificate),
     }
+    if assembly.straps:
+        proof["straps"] = [strap.to_dict() for strap in assembly.straps]
     if isinstance(certificate, ForceProof):
         proof["forces"] = _contact_forces(program, certificate)
         proof["certificate"] = {"kind": "forces", "residual": certificate.residual}

@@ -140,6 +140,8 @@ def _subject_objections(
     ]
     if loads != file_loads:
         reasons.append("its loads differ from those of the file")
+    if proof.get("straps", []) != [strap.to_dict() for strap in assembly.straps]:
+        reasons.append("its straps differ from those of the file")
     keys = ("parts", "kind", "point", "axis")
     joints = [[entry[key] for key in keys] for entry in proof["joints"]]
     file_joints = joints_of(assembly, program, None)

@@ -71,6 +71,13 @@ def moved(
             )
             for bond in assembly.bonds
         ],
+        straps=[
+            dataclasses.replace(
+                strap,
+                path=list(zip(strap.parts, pose.apply(strap.points), strict=True)),
+            )
+            for strap in assembly.straps
+        ],
     )
 
 

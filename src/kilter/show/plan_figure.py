@@ -116,7 +116,14 @@ def _draw_step(
         for k, part in ((k, assembly[k]) for k in shown)
     ]
     drawn = dataclasses.replace(
-        assembly, parts=parts, friction_pairs=(), loads=(), contacts=(), joints=(), bonds=()
+        assembly,
+        parts=parts,
+        friction_pairs=(),
+        loads=(),
+        contacts=(),
+        joints=(),
+        bonds=(),
+        straps=(),
     )
     gripped = [row for row, k in enumerate(shown) if assembly.names[k] in step["held"]]
     entries, _ = draw_parts(

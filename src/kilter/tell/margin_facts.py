@@ -34,7 +34,7 @@ def margin_facts(answer: Answer) -> list[Fact]:
         facts.append(("about axis", words + _starting(about["limit"]) + at_level))
     facts.append(("friction", _least_friction(answer)))
     if answer["bond_limit"] is not None or answer["missing"].get("bond") is not None:
-        facts.append(("bonds", _bonds(answer)))
+        facts.append((" and ".join(answer["clamped_by"]), _bonds(answer)))
     limits = answer["load_limits"]
     if limits is not None:
         ends = answer["load_factor"]
@@ -79,7 +79,7 @@ def _tilt(answer: Answer) -> str:
     if tilt is None:
         why = answer["missing"].get("tilt")
         if why is None:
-            return "not defined: given loads and bond forces do not turn with gravity"
+            return "not defined: given loads, bonds and straps do not turn with gravity"
         none = "none: not held as given, nor with gravity in any direction within 90 deg of it"
         return UNKNOWN.get(why, none + _as_drawn(answer))
     if answer["tilt_down"] is None:
@@ -219,7 +219,9 @@ def _bonds(answer: Answer) -> str:
     """Return the fraction of their strength that bonds need, and the bonds that fail first."""
     why, limit, share = answer["missing"].get("bond"), answer["bond_limit"], answer["bond"]
     if why is not None:
-        return UNKNOWN.get(why, "no bond strength is enough" + _as_drawn(answer))
+        return UNKNOWN.get(why, "no strength is enough" + _as_drawn(answer))
+    if "straps" in answer["clamped_by"] and share is None:
+        return "no strength is needed: it holds without them"
     if share is None:
         return bond_words(0.0, ())
     return bond_words(share, [patch["parts"] for patch in limit["opens"]])

@@ -40,7 +40,7 @@ def explained_by_accuracy(assembly: Assembly, contacts: ContactSet, program: Pro
     """
     off = stated_accuracy(assembly)
     # the bounds above compare accelerations with weights alone, so loads and bonds are left out
-    if not off.any() or assembly.loads or len(program.gripping):
+    if not off.any() or assembly.loads or assembly.straps or len(program.gripping):
         return ""
     motion = find_motion(program)
     if not motion.known:  # the solver failed: the assembly is unstable as drawn

@@ -180,6 +180,7 @@ def _plain(assembly: Assembly) -> bool:
     beside = assembly.contacts or assembly.joints or assembly.loads or assembly.bonds
     if (
         beside
+        or assembly.straps
         or assembly.tolerance is not None
         or not assembly.detect
         or len(assembly) > SMALL

@@ -117,7 +117,9 @@ def find_bond_factor(program: Program, contacts: ContactSet) -> BondFactor | NoL
 
 def _by_weight(program: Program) -> Limit | NoLimit:
     """The load limit whose value is minus the bond factor, accurate for strong bonds, too."""
-    unit = float(program.weight[program.free].sum() / program.pull.sum())
+    # without bonds the clamps are those of straps
+    clamped = np.linalg.norm(program.clamp[program.free, :3], axis=1).sum()
+    unit = float(program.weight[program.free].sum() / (program.pull.sum() or clamped or 1.0))
     loose = program.with_rows(clamp=np.zeros_like(program.clamp))
     scaled = find_limit(loose, -unit * program.clamp, most=1.0)
     if isinstance(scaled, NoLimit):

@@ -162,6 +162,7 @@ class Margin(Answer):
             "friction": None if friction is None else float(friction.value),
             "friction_limit": None if friction is None else friction.to_dict(program),
             "bond": None if self.bond is None or not self.bond.value else self.bond.value,
+            "clamped_by": [name for name in ("bonds", "straps") if getattr(self.assembly, name)],
             "bond_limit": None if self.bond is None else self.bond.to_dict(program, self.assembly),
             "load_factor": None if factor is None else _interval(factor),
             "load_factor_bracket": self._bracket(),
@@ -339,7 +340,7 @@ def _limits(
     tell("friction" if degrees is None else f"tilt {degrees:.6g} deg; friction")
     friction = steps.friction()
     bonded = (find_bond_factor, program, verdict.contacts)
-    bond = steps.limit("bond", *bonded) if assembly.bonds else None
+    bond = steps.limit("bond", *bonded) if assembly.bonds or assembly.straps else None
     tell(f"{'' if friction is None else f'friction {friction.value:.6g}; '}load factor")
     factor = steps.load_factor("load_factor", program)
     sure = steps.load_factor("bracket", program.frictionless) if question.bracket else None

@@ -307,7 +307,7 @@ class Verdict(InCells, Answer):
     def instability(self) -> float | None:
         """Size kappa of the impending motion [-], 0 to 1; None with loads or without a motion."""
         unclear = self.level in ("settles", "equilibrium") and self.guarantee == "open"
-        known = not (self.assembly.loads or unclear) and self.motion.known
+        known = not (self.assembly.loads or self.assembly.straps or unclear) and self.motion.known
         return self.motion.instability if known else None
 
     @cached_property

@@ -118,7 +118,7 @@ def find_path_places(
         for cluster in answer.clusters or (answer,)
         if cluster.state == "balanced" and cluster.configuration is not None
     ]
-    if not falling or assembly.contacts or assembly.joints or assembly.bonds:
+    if not falling or assembly.contacts or assembly.joints or assembly.bonds or assembly.straps:
         return None
     start = np.sum([c.configuration.motion for c in falling if c.configuration], axis=0)
     first = np.sum([c.motion for c in falling if c.motion is not None], axis=0)

@@ -53,7 +53,7 @@ def why_beyond(program: Program) -> str:
     if not np.isin(program.kind, (CONTACT, POSSIBLE)).all():
         return "second order does not model joints"
     if program.has_strength:
-        return "second order does not model bonds"
+        return "second order does not model bonds and straps"
     if np.abs(program.applied[program.free, 3:]).max(initial=0.0) > 0:
         return OFF_CENTRE
     return ""

@@ -164,8 +164,12 @@ class MarginData(TypedDict):
     about: AboutData | None
     friction: Annotated[float | None, Field(description="least coefficient [-]")]
     friction_limit: FrictionLimitData | None
+    clamped_by: Annotated[
+        list[str], Field(description="bonds and straps, of which `bond` is the needed share")
+    ]
     bond: Annotated[
-        float | None, Field(description="least share of the bond strength that holds it [-]")
+        float | None,
+        Field(description="least share of the strength of bonds and straps that is enough [-]"),
     ]
     bond_limit: BondLimitData | None
     load_factor: Interval | None
