@@ -153,6 +153,17 @@ def test_known_proofs_answer_for_other_states_and_hold_there() -> None:
     assert found.counts["known"] > found.counts["programs"]
 
 
+def test_work_is_counted_for_programs_and_far_less_for_known_proofs() -> None:
+    found = kilter.states(scene("arch"))
+    assert found.units == 0
+    assert found.of().stable
+    program = found.units
+    assert program > 0
+    assert found.of(held=["voussoir-1"]).stable
+    assert (found.counts["programs"] + found.counts["cones"], found.counts["known"]) == (1, 1)
+    assert 0 < found.units - program < program / 2
+
+
 def test_evidence_speaks_of_the_rows_of_the_state_alone() -> None:
     found = kilter.states(scene("arch"))
     here = [name for name in found.assembly.names if name != "voussoir-10"]

@@ -50,8 +50,10 @@ from kilter.work import EFFORT, Work, units_of
 
 __all__ = ["plan"]
 
-SEARCH = 40.0
-"""Work of the search of an order, relative to the work of an effort [-]."""
+SEARCH = 12.0
+"""Work of the search of an order, relative to the work of an effort [-]; larger: longer searches.
+
+At the default effort a search without result takes about six seconds of one core."""
 
 
 @on_one_thread

@@ -38,7 +38,8 @@ from kilter.work import Work
 __all__ = ["FEW", "PROGRAM", "OrderSearch", "Removed", "neighbours_of"]
 
 PROGRAM, FEW = 150.0, 4
-"""Work of one program of a state: PROGRAM units for each present part, and for FEW parts more."""
+"""Work of one program of a state that is not counted: PROGRAM units for each present part, and for
+FEW parts more."""
 CHECK = 10
 """Work of a state that needs choices of normals or `kilter.check`, as a number of programs."""
 LAYER = 0.01
@@ -302,20 +303,21 @@ class OrderSearch:
     def state(self, present: int) -> State:
         """Judge whether a set of parts stands with only the grounded parts held."""
         count = len(self._near)
-        solved = self._program_count()
+        before = self._counted()
         state = self.states.judge(mask_of(present, count), np.zeros(count, dtype=bool))
-        self._charge(solved, present)
+        self._charge(before, present)
         return state
 
-    def _program_count(self) -> int:
-        """Number of programs solved so far; each open state counts as `CHECK` programs."""
+    def _counted(self) -> tuple[float, int]:
+        """Units of the programs solved so far, and number of open and checked states so far."""
         counts = self.states.counts
-        several = counts["open"] + counts["checks"]
-        return counts["programs"] + counts["cones"] + CHECK * several
+        return self.states.units, counts["open"] + counts["checks"]
 
-    def _charge(self, solved: int, present: int) -> None:
-        """Charge the work for programs solved after the first `solved` ones."""
-        self.work.charge(PROGRAM * (self._program_count() - solved) * (FEW + present.bit_count()))
+    def _charge(self, before: tuple[float, int], present: int) -> None:
+        """Charge the work for the states judged since the count `before` by `_counted`."""
+        units, several = self._counted()
+        program = PROGRAM * (FEW + present.bit_count())
+        self.work.charge(units - before[0] + CHECK * program * (several - before[1]))
 
     def _held(
         self, moved: int, legs: tuple[Leg, ...], present: int, hold: int
@@ -333,11 +335,11 @@ class OrderSearch:
     ) -> Iterator[Removed]:
         """Yield the removal with the fewest held parts that also withstand the pressing."""
         x, y, z = legs[0].direction
-        solved, judge = self._program_count(), pressing.judge_of(moved, (-x, -y, -z))
+        before, judge = self._counted(), pressing.judge_of(moved, (-x, -y, -z))
         rest = mask_of(present & ~moved, len(self._near))
         names = self.states.assembly.names
         known = find_fewest_holds(judge, names, rest, self.holdable & rest, most=hold)
-        self._charge(solved, present)
+        self._charge(before, present)
         self.work.charge(PROGRAM * (FEW + present.bit_count()))
         both = known.state
         if both is not None:
@@ -347,9 +349,9 @@ class OrderSearch:
         """Fewest parts to hold so that a set stands; `held` is None if `hold` are not enough."""
         known = self._holds.get(rest)
         if known is None or (known.held is None and known.least <= hold):
-            solved = self._program_count()
+            before = self._counted()
             known = self.states.holds_of(mask_of(rest, len(self._near)), self.holdable, most=hold)
-            self._charge(solved, rest)
+            self._charge(before, rest)
             self._holds[rest] = known
         if known.held is not None and known.held.sum() > hold:
             return replace(known, held=None, state=None)

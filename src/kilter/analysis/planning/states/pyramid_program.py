@@ -19,6 +19,7 @@ from kilter.arrays import Array, Mask
 from kilter.mechanics.coulomb_cones import pyramid, pyramid_forces
 from kilter.mechanics.forms import load_factor, scaled_problem
 from kilter.mechanics.program import Program
+from kilter.work import Work
 
 __all__ = ["PyramidProgram"]
 
@@ -61,12 +62,16 @@ class PyramidProgram:
         """Number of parts whose presence or freedom differs from the state that was solved last."""
         return int(((present != self._present) | (free != self._free)).sum())
 
-    def solve(self, present: Mask, free: Mask) -> tuple[Array, Array] | Array | None:
+    def solve(
+        self, present: Mask, free: Mask, *, work: Work | None = None
+    ) -> tuple[Array, Array] | Array | None:
         """Solve a state: balancing forces (normal, tangential), or a motion; None if unsolved.
 
         Parameters
         ----------
         present, free : ndarray of bool, shape (N,)
+        work : Work, optional
+            Work budget that is charged.
 
         Returns
         -------
@@ -74,7 +79,7 @@ class PyramidProgram:
         the solver found no answer.
         """
         self._change(present, free)
-        answer = self._kept.solve()
+        answer = self._kept.solve(work=work)
         if not answer.found:
             return None
         factor = float(answer.x[-1])

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kilter.analysis.planning.states.state_programs import StatePrograms
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Mask
 from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
@@ -27,8 +28,10 @@ class State:
         Masks of the present parts, and of the present parts that are neither held nor grounded.
     stable : bool or None
         Whether contact forces can hold the state; None if undecided.
-    program : Program
-        Program of the state, to whose rows the proof refers.
+    programs : StatePrograms
+        Programs of the assembly, from which `program` is taken.
+    outer : bool
+        Whether the proof refers to the program with the forces of contacts that are not modelled.
     forces : ForceProof or None
         Proof that the state holds.
     motion : MotionProof or None
@@ -41,10 +44,22 @@ class State:
     present: Mask
     free: Mask
     stable: bool | None
-    program: Program
+    programs: StatePrograms
+    outer: bool = False
     forces: ForceProof | None = None
     motion: MotionProof | None = None
     verdict: Verdict | None = None
+
+    @property
+    def program(self) -> Program:
+        """Program of the state, to whose rows the proof refers.
+
+        It is taken anew at each call, since the programs of thousands of states would fill the
+        memory.
+        """
+        held = self.present & ~self.free
+        take = self.programs.outer_of if self.outer else self.programs.of
+        return take(self.present, held)
 
     @property
     def moving(self) -> list[str]:
@@ -58,7 +73,7 @@ class State:
             proved_verdict = None if self.stable is not False else self.verdict
             named = set() if proved_verdict is None else set(proved_verdict.moving)
             return np.array([name in named for name in self.names], dtype=bool)
-        sizes = part_sizes(self.program, self.motion.motion, per_radius=False)
+        sizes = part_sizes(self.programs.whole, self.motion.motion, per_radius=False)
         moves: Mask = sizes > STILL * sizes.max(initial=0.0)
         return moves
 

@@ -119,6 +119,7 @@ class States:
         self.assembly = assembly
         self.contacts = contacts
         self.counts = {"asked": 0, "known": 0, "programs": 0, "cones": 0, "open": 0, "checks": 0}
+        self._count = Work()
         self._programs: StatePrograms = programs or build_state_programs(assembly, contacts)
         self._doubts = doubts_of(assembly, contacts)
         self._pyramid: PyramidProgram | None = None
@@ -247,6 +248,11 @@ class States:
         return find_fewest_holds(self.judge, self.assembly.names, present, movable, most=most)
 
     @property
+    def units(self) -> float:
+        """Units of work of the programs and of the tests of stored proofs (`kilter.work`)."""
+        return self._count.total
+
+    @property
     def no_goods(self) -> int:
         """Number of stored motions; each proves that every state that allows the motion falls."""
         return len(self._motions)
@@ -293,13 +299,13 @@ class States:
         held = present & ~free
         program = self._programs.of(present, held)
         outer = self._programs.outer_of(present, held) if self._programs.open else program
-        state = State(self.assembly.names, present, free, None, program)
-        proof: _Found = self._matching_proof(state, outer, key)
+        state = State(self.assembly.names, present, free, None, self._programs)
+        proof: _Found = self._matching_proof(state, program, outer, key)
         if proof is None:
             ways = [self._by_pyramid, self._by_cones]
-            if self._far(state):
+            if self._far(state, program):
                 ways.reverse()
-            proof = ways[0](state, outer) or ways[1](state, outer)
+            proof = ways[0](state, program, outer) or ways[1](state, program, outer)
             if isinstance(proof, Judgement):
                 return self._hanging(state)
             if isinstance(proof, MotionProof):
@@ -309,16 +315,18 @@ class States:
         if isinstance(proof, ForceProof):
             return replace(state, stable=True, forces=proof)
         if isinstance(proof, MotionProof) and not self._doubts.explain_motion(outer):
-            return replace(state, stable=False, program=outer, motion=proof)
+            return replace(state, stable=False, outer=self._programs.open, motion=proof)
         return self._state_by_check(state)
 
     def _matching_proof(
-        self, state: State, outer: Program, key: tuple[int, int]
+        self, state: State, program: Program, outer: Program, key: tuple[int, int]
     ) -> ForceProof | MotionProof | None:
         """The first stored proof that also proves this state; None if there is none."""
-        program = state.program
+        # the rows of a state are taken from those of all parts even if no proof is tested
+        self._count.weighed(len(program.part_a))
         for known in self._motions:
             if known.fits(*key):
+                self._count.weighed(len(outer.part_a))
                 motion = check_motion(outer, known.motion)
                 if motion.holds:
                     self.counts["known"] += 1
@@ -326,49 +334,58 @@ class States:
         rows = rows_of_state(self._programs.whole, state.present, state.free)
         for entry in self._forces:
             if entry.fits(*key):
+                self._count.weighed(len(program.part_a))
                 forces = check_forces(program, entry.forces[rows], entry.friction[rows])
                 if forces.holds:
                     self.counts["known"] += 1
                     return forces
         return None
 
-    def _far(self, state: State) -> bool:
+    def _far(self, state: State, program: Program) -> bool:
         """Whether exact cones are expected to be faster than the linear program for this state."""
         free = int(state.free.sum())
-        if free <= SMALL or not state.program.mu.any():
+        if free <= SMALL or not program.mu.any():
             return False
         return self._pyramid is None or self._pyramid.far(state.present, state.free) > NEAR
 
-    def _by_pyramid(self, state: State, outer: Program) -> _Found:
+    def _by_pyramid(self, state: State, program: Program, outer: Program) -> _Found:
         """A proof for a state from the linear program with friction pyramids; None if not found."""
         if not state.free.any():
-            return check_forces(state.program, np.zeros(len(state.program.part_a)))
+            return check_forces(program, np.zeros(len(program.part_a)))
         if self._pyramid is None:
             self._pyramid = PyramidProgram(self._programs.whole)
         self.counts["programs"] += 1
-        offered = self._pyramid.solve(state.present, state.free)
+        work = Work()
+        offered = self._pyramid.solve(state.present, state.free, work=work)
+        self._count.charge(work.total)
         if isinstance(offered, tuple):
             rows = rows_of_state(self._programs.whole, state.present, state.free)
-            forces = check_forces(state.program, offered[0][rows], offered[1][rows])
+            forces = check_forces(program, offered[0][rows], offered[1][rows])
             return forces if forces.holds else None
         motion = None if offered is None else check_motion(outer, offered)
         return motion if motion is not None and motion.holds else None
 
-    def _by_cones(self, state: State, outer: Program) -> _Found:
+    def _by_cones(self, state: State, program: Program, outer: Program) -> _Found:
         """A proof for a state from exact friction cones; None if not found.
 
         A Judgement is returned if only possible contacts hold the state.
         """
         self.counts["cones"] += 1
-        program = state.program
-        judgement = judge(program)
+        judgement = self._judge_counted(program)
         if judgement.stable is False and outer is not program:
-            judgement = judge(outer)
+            judgement = self._judge_counted(outer)
             if judgement.stable:
                 return judgement
         if judgement.stable is None:
             return None
         return judgement.forces if judgement.stable else judgement.motion
+
+    def _judge_counted(self, program: Program) -> Judgement:
+        """Decide whether forces balance a program, and count the units of work."""
+        work = Work()
+        judgement = judge(program, work=work)
+        self._count.charge(work.total)
+        return judgement
 
     def _learn_forces(self, state: State, proof: ForceProof) -> None:
         """Store forces for reuse, unless stored forces already cover the same states."""
@@ -424,8 +441,7 @@ class States:
         is undecided, and no second search is needed.
         """
         present, grounded = np.ones(len(self.assembly), dtype=bool), ~self._programs.free
-        program = self._programs.of(present, grounded)
-        state = State(self.assembly.names, present, self._programs.free, None, program)
+        state = State(self.assembly.names, present, self._programs.free, None, self._programs)
         decision = self.decide(state, require=require, effort=effort, work=work, finished=True)
         if decision.question is not None:
             return state, decision
