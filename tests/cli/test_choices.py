@@ -146,7 +146,7 @@ def test_keys_without_options_act(say: Any) -> None:
         bonds=[{"parts": ["a", "b"], "pull": 3, "shear": 2}],
         poses={"b": {"position": [0.1, 0, 1.5]}},
         gravity=[0, 0, -1.62],
-        straps=[],
+        straps=[{"path": [["ground", [9, 0, 0]], ["b", [0.6, 0, 2]]], "tension": 20}],
     )
     assembly = kilter.load("c.json")
     assert assembly.geometry.mass == pytest.approx([400, 7850])
@@ -156,6 +156,7 @@ def test_keys_without_options_act(say: Any) -> None:
     assert assembly.friction_pairs[0].mu == 0.25
     assert assembly.joints[0].kind == "prismatic"
     assert assembly.bonds[0].shear == 2
+    assert assembly.straps[0].parts == ("ground", "b")
     assert kilter.contacts(assembly).patch_mu.tolist() == [0.25]
     assert say("check c.json --proof p.json")[0] == 0
     assert say("verify c.json p.json")[0] == 0
@@ -278,7 +279,7 @@ WRONG = {
     "drive": ({"file": "C:\\t.kilter.json"}, "does not lie in the folder"),
     "two files": ({"file": ["t.kilter.json", "u.step"]}, "file names several files"),
     "parts too": ({"parts": []}, "the keys 'file' and 'parts' are both given"),
-    "straps": ({"straps": [{"name": "s"}]}, "straps cannot be used yet"),
+    "straps": ({"straps": [{"name": "s"}]}, "straps[0]"),
     "angle": ({"tolerance": {"angle_deg": 60}}, "give a number below 45"),
     "up": ({"up": "y", "gravity": [0, 0, -9]}, "gravity is [0, 0, -9], but up is 'y'"),
     "as": ({"open_pairs": [{"parts": ["a", "b"], "as": "near"}]}, "open_pairs[0].as"),

@@ -199,3 +199,29 @@ def test_random_straps_agree_with_an_independent_program(seed: int) -> None:
     else:
         assert factor.why == "none"
         assert np.isinf(inside)
+
+
+@pytest.mark.quick(3)
+def test_straps_of_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    whole = _stack()
+    path, straps, proof = (tmp_path / name for name in ("box.kilter.json", "s.json", "p.json"))
+    kilter.dump(dataclasses.replace(whole, straps=()), path)
+    straps.write_text(json.dumps([strap.to_dict() for strap in whole.straps]))
+    words = ["transport", str(path), "--accelerate", "-0.5g", "0", "0", "--require", "equilibrium"]
+    assert main(words) == 1
+    assert main([*words, "--straps", str(straps), "--proof", str(proof)]) == 0
+    assert main(["verify", str(path), str(proof)]) == 0
+    capsys.readouterr()
+    for text, message in (
+        ("{}", "no list of straps"),
+        ('[{"path": [["ground", [0, 0, 0]], ["box-0", [0, 0, 2]]], "tension": 0}]', "tension"),
+        ('[{"path": [["ground", [-1, 0, 0]], ["ground", [1, 0, 2]]], "tension": 9}]', "through"),
+    ):
+        straps.write_text(text)
+        assert main([*words, "--straps", str(straps)]) == 2
+        error = capsys.readouterr().err
+        assert message in error
+        assert "Traceback" not in error
+    straps.write_text('[{"path": [["ground", [0, 0, 0]], ["bag", [0, 0, 2]]], "tension": 9}]')
+    assert main([*words, "--straps", str(straps)]) in (1, 2)
+    assert "bag" in "".join(capsys.readouterr())

@@ -20,6 +20,7 @@ __all__ = [
     "acceleration_of",
     "pair_of",
     "reading_of",
+    "straps_of",
     "triple_of",
     "with_floor_value",
     "with_off_names",
@@ -381,3 +382,27 @@ def acceleration_of(option: str, text: str) -> tuple[float, bool]:
             hint="give numbers in m/s^2, or in g as 0.5g",
         )
     return value, in_g
+
+
+def straps_of(path: Path) -> dict[str, Any]:
+    """Read the file of ``--straps`` as entries of a reading: a JSON list of straps.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or an entry is no strap.
+    """
+    from kilter.files.raw import read_bytes
+    from kilter.files.saved_entries import valid_entries
+    from kilter.files.strict_json import parse_json
+
+    try:
+        data = parse_json(read_bytes(path))
+        if not isinstance(data, list) or not data:
+            raise InputError(
+                "this is no list of straps",
+                hint='write [{"path": [["ground", [x, y, z]], ["box", [x, y, z]]], "tension": N}]',
+            )
+        return valid_entries({"straps": data})
+    except InputError as error:
+        raise error.located(file=str(path)) from None

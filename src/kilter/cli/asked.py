@@ -9,7 +9,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from kilter.cli.arguments import ToleranceOptions, reading_of
+from kilter.cli.arguments import ToleranceOptions, reading_of, straps_of
 from kilter.cli.colour import in_colour
 from kilter.cli.exit_codes import VERDICT
 from kilter.cli.known_facts import known_words
@@ -70,6 +70,8 @@ class Asked:
         Sentences about the choices: replaced keys, a changed file.
     all_touch : ToleranceOptions
         Options of the tolerance, with those of the choices.
+    straps : Path or None
+        File of straps that are added.
     """
 
     file: str
@@ -88,6 +90,7 @@ class Asked:
     source: Path | None = None
     notes: tuple[str, ...] = ()
     all_touch: ToleranceOptions = NOTHING_TYPED
+    straps: Path | None = None
 
     @classmethod
     def of(cls, given: Mapping[str, Any]) -> Asked:
@@ -111,6 +114,8 @@ class Asked:
         )
         touching = [name for name in TOUCHING if given[name] not in (None, False)]
         require_off(reading.off, (), touching)
+        if given["straps"] is not None:
+            reading = replace(reading, entries=straps_of(given["straps"]))
         touch = ToleranceOptions(*(given[name] for name in TOUCHING))
         effort = _not_negative(given.get("effort", 0.0), "--effort", "N")
         limit = given.get("time_limit")
@@ -118,6 +123,7 @@ class Asked:
             file=given.get("file", ""),
             reading=reading,
             typed=reading,
+            straps=given["straps"],
             tolerance=touch.tolerance(),
             touch=touch,
             effort=effort,
@@ -310,6 +316,8 @@ class Asked:
         words: list[str] = []
         for key, value in self.typed.options().items():
             option = f"--{key.replace('_', '-')}"
+            if key == "entries":  # those of --straps, which follow
+                continue
             if key == "floor":
                 words += ["--floor"] if value == LOWEST else ["--floor", str(value)]
             elif key == "down":
@@ -324,6 +332,8 @@ class Asked:
                 words += [word for entry in value for word in (option, str(entry))]
             else:
                 words += [option, f"{value:g}" if isinstance(value, float) else str(value)]
+        if self.straps is not None:
+            words += ["--straps", str(self.straps)]
         return shell_words(["kilter", name, self.file, *words, *self.touch.words(), *rest])
 
 

@@ -288,6 +288,17 @@ Bonded = Annotated[
         show_default=False,
     ),
 ]
+Straps = Annotated[
+    Path | None,
+    Option(
+        "--straps",
+        metavar="FILE.json",
+        help="Add the straps of this file, a JSON list of straps as in an assembly file: "
+        '[{"path": [["ground", [x, y, z]], ["box", [x, y, z]]], "tension": N}].',
+        rich_help_panel=HELD,
+        show_default=False,
+    ),
+]
 Off = Annotated[
     list[str] | None,
     Option(
@@ -371,6 +382,7 @@ READING: dict[str, tuple[Any, Any]] = {
     "density": (Density, None),
     "fasten": (Fasten, None),
     "bond": (Bonded, None),
+    "straps": (Straps, None),
     "fasten_suggested": (FastenSuggested, False),
     "fasten_overlaps": (FastenOverlaps, False),
     "contacts": (Contacts, None),

@@ -61,6 +61,7 @@ ENTRIES = (
     "joints",
     "bonds",
     "loads",
+    "straps",
     "poses",
 )
 """Keys without an option of their own. Bonds that only have a pull have the option `bond`."""
@@ -108,10 +109,8 @@ class Choices:
         `parts` (a name or pattern), `density` [kg/m^3] and, if wanted, `name`.
     friction : float, optional
         Friction coefficient of contacts without a coefficient of their own [-].
-    friction_pairs, joints, bonds, loads : sequence of mapping
+    friction_pairs, joints, bonds, loads, straps : sequence of mapping
         As in an assembly file; they are added to those of the file.
-    straps : sequence
-        Reserved: it must be empty.
     contacts : {"file", "geometry"}, optional
         Source of the contacts, see `kilter.load`.
     tolerance : mapping, optional
@@ -321,8 +320,6 @@ def _validate(data: Any) -> None:
         axis = [-x * math.hypot(*gravity) for x in UP[up]]
         if math.dist(axis, gravity) > SAME_DIRECTION * math.hypot(*gravity):
             raise InputError(f"gravity is {plain(gravity)}, but up is {up!r}", hint="remove a key")
-    if data.get("straps"):
-        raise InputError("straps cannot be used yet", hint="remove the key 'straps'")
 
 
 def _leaves_folder(name: str) -> bool:

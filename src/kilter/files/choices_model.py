@@ -23,6 +23,7 @@ from kilter.files.models import (
     Pair,
     PoseEntry,
     Positive,
+    StrapEntry,
     Vector,
 )
 
@@ -93,7 +94,7 @@ class ChoicesFile(Entry):
     joints: list[JointEntry] | None = None
     bonds: list[BondEntry] | None = None
     loads: list[LoadEntry] | None = None
-    straps: list[Any] | None = Field(None, description="reserved; an empty list or null")
+    straps: list[StrapEntry] | None = None
     contacts: Literal["file", "geometry"] | None = None
     tolerance: ToleranceEntry | None = None
     poses: dict[str, PoseEntry] | None = Field(None, description="new poses of parts, by name")

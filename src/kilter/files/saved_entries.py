@@ -1,4 +1,4 @@
-"""Entries of choices that have no option: poses, materials, pairs, joints, bonds, loads.
+"""Entries of choices that have no option: poses, materials, joints, straps and others.
 
 Entries are JSON data, as `kilter.files.choices.Choices` writes them. An entry that names a part
 that does not exist is left out by `entries_for`, so that choices outlive a change of their file.
@@ -12,7 +12,7 @@ import json
 from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
-from kilter.assembly import Assembly, Bond, FrictionPair, Joint, Load, Part
+from kilter.assembly import Assembly, Bond, FrictionPair, Joint, Load, Part, Strap
 from kilter.assembly.part import GROUND
 from kilter.errors import InputError
 from kilter.files.choices import OPTIONS, Choices
@@ -65,6 +65,8 @@ def entries_for(entries: Entries, names: Collection[str]) -> tuple[dict[str, Any
 
 def _parts(entry: Mapping[str, Any]) -> list[str]:
     """Names or patterns of the parts that a saved entry names."""
+    if "path" in entry:
+        return [name for name, _ in entry["path"]]
     named = entry.get("parts", entry.get("part"))
     return [named] if isinstance(named, str) else list(named or ())
 
@@ -99,7 +101,7 @@ def with_bodies(assembly: Assembly, entries: Entries) -> Assembly:
 
 
 def with_interactions(assembly: Assembly, entries: Entries) -> Assembly:
-    """The assembly with the saved friction pairs, joints, bonds and loads added.
+    """The assembly with the saved friction pairs, joints, bonds, loads and straps added.
 
     A friction pair replaces that of the file for the same parts.
     """
@@ -113,6 +115,7 @@ def with_interactions(assembly: Assembly, entries: Entries) -> Assembly:
         "joints": [*assembly.joints, *_each(entries, "joints", _joint)],
         "bonds": [*assembly.bonds, *_each(entries, "bonds", _bond)],
         "loads": [*assembly.loads, *_each(entries, "loads", lambda e: Load(**e))],
+        "straps": [*assembly.straps, *_each(entries, "straps", lambda e: Strap(**e))],
     }
     new: dict[str, Any] = {key: value for key, value in changes.items() if entries.get(key)}
     return dataclasses.replace(assembly, **new) if new else assembly
