@@ -25,6 +25,7 @@ SAVED: dict[str, dict[str, Any]] = {
     "density": {"density": 500},
     "fasten": {"joined": [["a", "b*"]]},
     "bond": {"bonds": [{"parts": ["a", "b"], "pull": 3}]},
+    "straps": {"straps": [{"path": [["ground", [3, 0, 2]], ["b", [0.5, 0, 2]]], "tension": 9}]},
     "fasten_suggested": {"fasten_suggested": True},
     "fasten_overlaps": {"fasten_overlaps": True},
     "contacts": {"contacts": "geometry"},

@@ -17,6 +17,7 @@ OFF: dict[str, tuple[str, str | None]] = {
     "floor": ("floor", None),
     "down": ("gravity", None),
     "bond": ("bonds", None),
+    "straps": ("straps", None),
     "gap": ("tolerance", "gap"),
     "angle": ("tolerance", "angle_deg"),
     "clearance": ("tolerance", "clearance"),
