@@ -56,6 +56,9 @@ is cut. The proof for one block on a slope needs as much.
 """
 FRICTION = 0.3
 """Friction coefficient that is tried for an assembly without friction [-]."""
+LITTLE_FRICTION = 0.01
+"""Friction coefficient that stops motions due to rounding errors of a drawing, such as slopes of
+1e-4; it is tried before `FRICTION` [-]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,6 +208,8 @@ def find_remedies(
     for change in _changes(assembly, contacts, decision):
         if len(tries.hopeful) == MOST:
             break
+        if tries.needs_less_than(change):
+            continue
         try:
             tries.by_forces(change, assembly, contacts, detected)
         except InputError:  # the option does not apply to this assembly, so it is no remedy
@@ -249,6 +254,12 @@ class _Tries:
     hopeful: list[_Try] = field(default_factory=list)
     likely: _Try | None = None
     expected: float = 0.0
+
+    def needs_less_than(self, change: _Change) -> bool:
+        """Whether a try with less friction, and no other option, already holds the assembly."""
+        return change.friction == FRICTION and any(
+            hopeful.change == _Change(friction=LITTLE_FRICTION) for hopeful in self.hopeful
+        )
 
     def by_forces(
         self,
@@ -344,6 +355,7 @@ def _changes(assembly: Assembly, contacts: ContactSet, decision: Decision) -> It
             settling = _settling_change(options)
             yield replace(settling, without=left_out, suggested=bool(joined))
     if smooth and len(contacts):
+        yield _Change(friction=LITTLE_FRICTION)
         yield _Change(friction=FRICTION)
     if smooth and joined:
         yield replace(likely, friction=FRICTION)
