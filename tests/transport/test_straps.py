@@ -211,6 +211,9 @@ def test_straps_of_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert main(words) == 1
     assert main([*words, "--straps", str(straps), "--proof", str(proof)]) == 0
     assert main(["verify", str(path), str(proof)]) == 0
+    saved = str(tmp_path / "c.json")
+    assert main(["save", str(path), "--straps", str(straps), "-o", saved]) == 0
+    assert kilter.load(saved).straps == tuple(whole.straps)
     capsys.readouterr()
     for text, message in (
         ("{}", "no list of straps"),

@@ -83,7 +83,7 @@ def save(
         "materials": [_material(words) for words in material or ()],
         "open_pairs": [_decision(words) for words in open_pairs or ()],
     }
-    given = {key: value for key, value in entries.items() if value}
+    given = {**asked.typed.entries, **{key: value for key, value in entries.items() if value}}
     asked = replace(asked, typed=replace(asked.typed, entries=given)).of_file(asked.file)
     with Progress(asked.quiet) as progress:
         choices = save_reading(
