@@ -24,6 +24,8 @@ LARGE, MIDDLE, SMALL = 1400, 560, 420
 """Widths of the figures [px]."""
 QUALITY = 80
 """Quality of the WebP compression, up to 100; a larger value gives larger files [-]."""
+
+
 def pallet(name: str) -> Assembly:
     """An assembly of the lashing tutorial, by its name in the code of that page."""
     page = FOLDER.parent / "lashing-tutorial.md"
