@@ -234,7 +234,8 @@ def test_refusals_are_rows_with_their_reason() -> None:
     cube = Part("cube", Box([1, 1, 1]), Pose([0, 0, 0.5]))
     sheet = Part("sheet", Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]))
     inside = dataclasses.replace(cube, name="inside", pose=Pose([0.1, 0, 0.5]))
-    bad = [Assembly([cube]), Assembly([FLOOR, sheet]), Assembly([FLOOR, cube, inside])]
+    third = dataclasses.replace(cube, name="third", pose=Pose([0, 0.1, 0.5]))
+    bad = [Assembly([cube]), Assembly([FLOOR, sheet]), Assembly([FLOOR, cube, inside, third])]
     good = Assembly([FLOOR, cube])
     found = kilter.check_many([bad[0], good, *bad[1:]])
     assert found.verdict.tolist() == ["error", "stable", "error", "error"]
