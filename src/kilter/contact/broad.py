@@ -332,7 +332,10 @@ def _tree_join(first: _OwnedBoxes, second: _OwnedBoxes) -> tuple[Index, Index]:
     """
     import shapely
 
-    (low_a, high_a, owner_a), (low_b, high_b, owner_b) = first, second
+    near_a = _near_others(first, second)
+    first = _taken(first, near_a)
+    near_b = _near_others(second, first)
+    (low_a, high_a, owner_a), (low_b, high_b, owner_b) = first, _taken(second, near_b)
     if not (len(low_a) and len(low_b)):
         return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
     low, high = (
@@ -359,4 +362,27 @@ def _tree_join(first: _OwnedBoxes, second: _OwnedBoxes) -> tuple[Index, Index]:
     )
     meets = ((low_a[a] <= high_b[b]) & (low_b[b] <= high_a[a])).all(axis=1)
     meets &= owner_a[a] == owner_b[b]
-    return a[meets].astype(np.int64), b[meets].astype(np.int64)
+    return near_a[a[meets]], near_b[b[meets]]
+
+
+def _taken(boxes: _OwnedBoxes, rows: Index) -> _OwnedBoxes:
+    """Some rows of boxes with owners."""
+    low, high, owner = boxes
+    return low[rows], high[rows], owner[rows]
+
+
+def _near_others(boxes: _OwnedBoxes, others: _OwnedBoxes) -> Index:
+    """Rows of boxes that meet the common box of all other boxes of their owner, ascending.
+
+    Two large meshes that meet in a small area have few such rows, and a tree of all rows costs
+    far more than this comparison. The owners of `others` are sorted.
+    """
+    low, high, owner = boxes
+    first = np.flatnonzero(np.diff(others[2], prepend=-1))
+    if not len(first):
+        return first
+    owners = others[2][first]
+    row = np.minimum(np.searchsorted(owners, owner), len(owners) - 1)
+    least, most = np.minimum.reduceat(others[0], first), np.maximum.reduceat(others[1], first)
+    meets = (low <= most[row]) & (least[row] <= high)
+    return np.flatnonzero(meets.all(axis=1) & (owners[row] == owner))
