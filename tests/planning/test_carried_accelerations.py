@@ -107,7 +107,6 @@ def test_the_proof_of_a_plan_in_every_direction() -> None:
     assert not reasons(order, proof)
 
 
-@pytest.mark.quick(1)
 def test_the_command_states_what_is_carried(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -114,7 +114,7 @@ def _stack(tension: float = 800.0) -> kilter.Assembly:
     return lashed([([-0.5, 0.0], [0.5, 2.0])], 1000, strap, 0.45)
 
 
-@pytest.mark.quick(3)
+@pytest.mark.slow
 def test_transport_margin_and_verify_know_the_strap(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -201,7 +201,6 @@ def test_random_straps_agree_with_an_independent_program(seed: int) -> None:
         assert np.isinf(inside)
 
 
-@pytest.mark.quick(3)
 def test_straps_of_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     whole = _stack()
     path, straps, proof = (tmp_path / name for name in ("box.kilter.json", "s.json", "p.json"))
