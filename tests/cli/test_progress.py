@@ -122,3 +122,13 @@ def test_a_later_fact_about_a_joined_assembly_does_not_replace_the_first() -> No
     work.fact("equilibrium", "no forces of the certain contacts hold it")
     work.beside(1.0).fact("equilibrium", "forces that hold it exist")
     assert kept == {"equilibrium": "no forces of the certain contacts hold it"}
+
+
+def test_search_of_contacts_and_of_an_order_state_how_much_they_examine(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("kilter.work.BETWEEN_WORDS", 0.0)
+    said: list[str] = []
+    kilter.plan(scene("tower"), progress=said.append)
+    assert "contacts of near pairs: 5" in said
+    assert any(word.startswith("order: sets of parts 1, judged states ") for word in said)

@@ -99,7 +99,7 @@ def contacts(
     report_stage = progress or (lambda stage: None)
     with stop_after(time_limit):
         search = begin_search(assembly, tolerance, report_stage)
-        report_stage("contacts of near pairs")
+        report_stage(f"contacts of near pairs: {len(search.pairs)}")
         if time_limit is None:
             findings = examine(assembly, search, tolerance)
         else:

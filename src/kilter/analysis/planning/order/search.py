@@ -190,6 +190,7 @@ class OrderSearch:
     def removals(self, present: int, last: int, hold: int) -> Iterator[Removed]:
         """Yield possible removals from a set of parts, best first; `last` was removed before."""
         self.visited += 1
+        self.work.tell(f"order: sets of parts {self.visited}, judged states {len(self.states)}")
         stuck: list[int] = []
         candidates = self._candidates(present, last)
         for _, layer in groupby(candidates, key=lambda unit: self._seat[unit][0]):
