@@ -101,7 +101,9 @@ def find_bond_factor(program: Program, contacts: ContactSet) -> BondFactor | NoL
     # the program contains the full strength, of which the limit removes the largest share
     limit = find_limit(program, -program.clamp, most=1.0)
     if isinstance(limit, NoLimit):
-        if limit.why == "failed" and judge(unbreakable(program)).stable is False:
+        # an unbreakable program has no straps, which might hold the assembly with more tension
+        loose = not contacts.assembly.straps
+        if limit.why == "failed" and loose and judge(unbreakable(program)).stable is False:
             return NoLimit("none")
         return limit
     value = 0.0 if np.isinf(limit.value) else 1.0 - limit.value
@@ -152,7 +154,8 @@ def _by_strength(program: Program, contacts: ContactSet) -> BondFactor | NoLimit
     wide = cone_problem(program)
     strength = find_strength(wide)
     if strength is None or np.isinf(strength.share):
-        hopeless = strength is not None or judge(unbreakable(program)).stable is False
+        loose = not contacts.assembly.straps
+        hopeless = strength is not None or (loose and judge(unbreakable(program)).stable is False)
         return NoLimit("none" if hopeless else "failed")
     balance = check_forces(
         program.with_strength(strength.share), strength.forces, strength.friction
