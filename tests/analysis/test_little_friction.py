@@ -1,4 +1,4 @@
-"""A slope that is a rounding error of the drawing: little friction is the remedy that is offered."""
+"""A slope that is a rounding error of the drawing: little friction is offered as the remedy."""
 
 from __future__ import annotations
 
