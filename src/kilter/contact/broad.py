@@ -366,7 +366,7 @@ def _tree_join(first: _OwnedBoxes, second: _OwnedBoxes) -> tuple[Index, Index]:
 
 
 def _taken(boxes: _OwnedBoxes, rows: Index) -> _OwnedBoxes:
-    """Some rows of boxes with owners."""
+    """The boxes of the given rows, with their owners."""
     low, high, owner = boxes
     return low[rows], high[rows], owner[rows]
 

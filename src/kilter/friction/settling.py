@@ -138,7 +138,7 @@ def find_settling(
         return Settling(tuple(ends), no_forces, tries, 0)
     factor = factor or SharedFactor(spring_system(law))
     elastic = elastic or elastic_forces(law, work=work, factor=factor)
-    descent = _Descent(factor, elastic)
+    descent = _SpringDescent(factor, elastic)
     deflection = _deflections(law, elastic)
     stiffness = np.ones(len(law.mu))
     endings: list[End] = []
@@ -164,7 +164,7 @@ def find_settling(
     return Settling(tuple(endings), tuple(forces), tries, iterations, runaway)
 
 
-class _Descent:
+class _SpringDescent:
     """Descents of the parts to balance, which share a factorisation and the last results.
 
     Parameters

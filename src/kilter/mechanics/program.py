@@ -25,7 +25,7 @@ from scipy.sparse import csr_array
 from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly import GROUND, Assembly
 from kilter.assembly.geometry import Geometry
-from kilter.assembly.straps import strap_wrenches
+from kilter.assembly.strap_wrenches import strap_wrenches
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.friction_coefficients import certain_friction
 from kilter.mechanics.bond_rows import clamp_of

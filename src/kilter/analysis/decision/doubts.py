@@ -22,7 +22,7 @@ from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
 
-__all__ = ["Doubts", "doubts_of", "fitted_pairs"]
+__all__ = ["Doubts", "doubts_of", "fitted_pairs", "has_possible_contacts"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,3 +93,8 @@ def fitted_pairs(contacts: ContactSet) -> Index:
     """Pairs of parts whose contacts have normals fitted to two different meshes, shape (n, 2)."""
     pairs: Index = contacts.patch_parts[contacts.patch_doubt > 0]
     return pairs
+
+
+def has_possible_contacts(contacts: ContactSet) -> bool:
+    """Whether forces may act at contacts without a formula, in addition to the certain forces."""
+    return len(contacts.possible.part_a) > 0

@@ -13,7 +13,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from kilter.analysis.decision.doubts import fitted_pairs
+from kilter.analysis.decision.doubts import fitted_pairs, has_possible_contacts
 from kilter.arrays import Array, Index, Mask
 from kilter.assembly.side_by_side import SideBySide
 from kilter.contact.contact_set import ContactSet
@@ -96,7 +96,7 @@ def decide_together(apart: SideBySide, mu: Array, tolerance: Tolerance) -> Toget
     proofs = _with_programs(certain, stacked, asked & ~stacked.stable & ~stacked.unstable)
     stable, falls = proofs.stable & asked, proofs.unstable & asked
     stable &= _rests_level(certain, contacts, proofs, stable)
-    bounded = falls.any() and len(contacts.possible.part_a) > 0
+    bounded = falls.any() and has_possible_contacts(contacts)
     outer = program_blocks(apart, contacts, mu, possible=True) if bounded else certain
     more = falls & (np.diff(outer.row_start) > np.diff(certain.row_start))
     if not more.any():
