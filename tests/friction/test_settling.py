@@ -268,7 +268,8 @@ def test_inexact_newton_steps_end_in_the_balance_of_the_path_from_rest(monkeypat
 
 
 def test_an_unsupported_part_is_not_released_from_closed_contacts(monkeypatch):
-    monkeypatch.setattr("kilter.friction.settling._SpringDescent._release", None)  # a call of it fails
+    # a call of it fails
+    monkeypatch.setattr("kilter.friction.settling._SpringDescent._release", None)
     assert find_settling(program(friction.bracket()), tries=1).ends == ("runs-away",)
     with pytest.raises(TypeError):
         find_settling(program(friction.trough(30, tilt=35.0, friction=0.84)), tries=1)
