@@ -17,7 +17,7 @@ KEYS = {
     "verdict", "sentence", "guarantee", "units", "down", "tilt_deg", "tilt_lower_deg",
     "tilt_upper_deg", "tilt_down",
     "tilt_limit", "about", "friction", "friction_limit", "load_factor", "load_factor_bracket",
-    "bond", "bond_limit",
+    "bond", "bond_limit", "clamped_by",
     "load_limits", "pushes", "loads", "missing", "uncertainty", "helps", "warnings", "seconds",
     "exact", "open_pairs", "level", "require", "at_level", "tilt_outside",
 }  # fmt: skip

@@ -22,6 +22,8 @@ __all__ = [
     "RESOLVED",
     "SAME_SURFACE",
     "SMOOTH",
+    "STRAP_OFF_PART",
+    "STRAP_THROUGH",
     "UPRIGHT",
 ]
 
@@ -63,3 +65,9 @@ the seam of a fillet."""
 SMALL_HOLES = 0.1
 """Largest area of the caps of holes at which the closed volume is plausible [fractions of the
 surface]."""
+STRAP_OFF_PART = 1e-2
+"""Largest distance of a point of a strap from the bounding box of its part, relative to the size of
+the part [-]. A larger value accepts points that are farther away."""
+STRAP_THROUGH = 1e-3
+"""Depth to which a strap may pass through a part, relative to its size [-]. A larger value accepts
+straps that cut deeper."""

@@ -6,18 +6,12 @@ import numpy as np
 
 from kilter.arrays import Array, cross
 from kilter.assembly.assembly import Assembly
+from kilter.assembly.assembly_tolerances import STRAP_OFF_PART, STRAP_THROUGH
 from kilter.assembly.part import GROUND
 from kilter.assembly.straps import Strap
 from kilter.errors import InputError
 
 __all__ = ["strap_wrenches"]
-
-OFF_PART = 1e-2
-"""Largest distance of a point of a strap from the bounding box of its part, relative to the size of
-the part [-]. A larger value accepts points that are farther away."""
-THROUGH = 1e-3
-"""Depth to which a strap may pass through a part, relative to its size [-]. A larger value accepts
-straps that cut deeper."""
 
 
 def strap_wrenches(assembly: Assembly) -> Array:
@@ -51,7 +45,7 @@ def _require_clear(assembly: Assembly, strap: Strap) -> None:
             continue
         k = assembly.index_of(name)
         away = np.maximum(np.maximum(low[k] - point, point - high[k]), 0.0)
-        if float(np.linalg.norm(away)) > OFF_PART * geometry.size[k]:
+        if float(np.linalg.norm(away)) > STRAP_OFF_PART * geometry.size[k]:
             raise InputError(
                 f"a strap has the point {point.tolist()} on this part, which is not there",
                 part=name,
@@ -64,7 +58,7 @@ def _require_clear(assembly: Assembly, strap: Strap) -> None:
         length = np.linalg.norm(normal, axis=1)
         normal = normal[length > 0] / length[length > 0, None]
         reach = np.einsum("ij,ij->i", normal, corners[length > 0, 0])
-        depth = THROUGH * geometry.size[k]
+        depth = STRAP_THROUGH * geometry.size[k]
         if _pieces_inside(points, normal, reach - depth):
             raise InputError(
                 "a strap passes through this part",
