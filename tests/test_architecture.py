@@ -184,7 +184,7 @@ def brought(module: str) -> frozenset[str]:
 
 
 def test_an_import_waits_inside_a_function_only_for_the_start_up() -> None:
-    """What is imported late brings a slow package or many modules that the importer lacks.
+    """A late import brings a slow package, or many modules that the importer lacks.
 
     The command line is start-up itself: a command imports what it needs.
     """

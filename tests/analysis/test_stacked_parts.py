@@ -10,9 +10,10 @@ import pytest
 from kilter import Assembly, Box, Part, Pose, check_many
 from kilter.analysis.many import decided_together
 from kilter.assembly.side_by_side import side_by_side
-from kilter.contact import Tolerance
+from kilter.contact import Tolerance, contacts
 from kilter.contact.detect import contacts_side_by_side
-from kilter.mechanics.certificate import ForceProof
+from kilter.mechanics.certificate import ForceProof, check_forces
+from kilter.mechanics.program import build_program
 from kilter.mechanics.program_blocks import ProgramBlocks, program_blocks
 from kilter.solvers.blocks import solve_blocks
 
@@ -147,3 +148,35 @@ def test_a_motion_also_overcomes_friction() -> None:
     proofs = blocks.checked(none, motion, np.zeros(2, dtype=bool), np.ones(2, dtype=bool))
     # a motion overcomes friction if gaps open by mu times the slip
     assert proofs.unstable.tolist() == [True, False]
+
+
+@pytest.mark.parametrize(("pinch", "holds"), [(0.49e10, True), (0.51e10, False)])
+@pytest.mark.parametrize("heavy", [1.0, 1e6])
+def test_the_criteria_of_forces_are_those_of_single_proofs(
+    pinch: float, holds: bool, heavy: float
+) -> None:
+    """Two walls pinch a cube on a floor; the weight of another assembly plays no part."""
+    walls = [
+        Part("floor", Box([9, 9, 1]), Pose([0, 0, -0.5]), grounded=True),
+        Part("left", Box([1, 1, 1]), Pose([-1, 0, 0.5]), grounded=True),
+        Part("right", Box([1, 1, 1]), Pose([1, 0, 0.5]), grounded=True),
+    ]
+    pair = [
+        Assembly([*walls, Part("cube", Box([1, 1, 1]), Pose([0, 0, 0.5]), mass=mass)])
+        for mass in (1.0, heavy)
+    ]
+    blocks = blocks_of(pair)
+    whole, owner = blocks.whole, blocks.row_owner
+    forces = np.zeros(len(owner))
+    weight = np.array([1.0, heavy]) * 9.81
+    for k in range(2):
+        level = (owner == k) & (np.abs(whole.normal[:, 2]) > 0.5)
+        forces[level] = weight[k] / level.sum()
+        for sense in (1, -1):
+            side = (owner == k) & (sense * whole.normal[:, 0] > 0.5)
+            forces[side] = pinch * weight[0] / side.sum()
+    every = np.ones(2, dtype=bool)
+    checked = blocks.checked(forces, np.zeros((len(blocks.owner), 6)), every, ~every)
+    assert bool(checked.stable[0]) == holds
+    single = build_program(pair[0], contacts(pair[0])).frictionless
+    assert check_forces(single, forces[owner == 0]).holds == holds

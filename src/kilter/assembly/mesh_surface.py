@@ -139,9 +139,10 @@ def _hull_in_place(part: Part, vertices: Array, what: str, warnings: list[str]) 
         raise InputError(
             what, part=name, hint="close it in the program that made it, or leave the part out"
         ) from None
+    of_hull = "mass and centre are those" if part.given_mass is None else "the centre is that"
     warnings.append(
-        f"part {name!r}: {what}; mass and centre are those of its convex hull, and its contacts "
-        "are unknown: close it in the program that made it"
+        f"part {name!r}: {what}; {of_hull} of its convex hull, and its contacts are unknown: close "
+        "it in the program that made it"
     )
     return MeshSurface(*surface, np.empty((0, 3, 3)), stand_in=True)
 

@@ -25,6 +25,7 @@ import numpy as np
 
 from kilter.arrays import TINY, Array
 from kilter.friction.friction_tolerances import BALANCED, GOAL
+from kilter.friction.line_search import search_step_length
 from kilter.friction.springs import Springs, SpringState
 from kilter.work import Work
 
@@ -43,10 +44,6 @@ ROUGH = 20
 STEP_ERROR, STEP_ERROR_SMALL, SMALL = 0.8, 0.3, 0.05
 """A step h is solved to the first fraction of r at its beginning; to the second if r is below the
 third number.
-"""
-LEFT, SEARCHED, EDGE = 0.2, 8, 0.1
-"""Line search: the work of the error falls to the first fraction; maximum number of points; least
-distance of a point from the ends of the bracket, as a fraction of its length.
 """
 FALLING = 0.98
 """A Newton step that leaves more than this fraction of the least error does not count as a
@@ -180,21 +177,13 @@ def _line_search(
     of the energy. The step is shortened if that work is far below 0.
     """
     first, last, right = at
-    low, high = (0.0, float(move @ right)), (1.0, 0.0)
-    limit, part = LEFT * low[1], 1.0
-    for _ in range(SEARCHED):
+    gain_at_start = float(move @ right)
+
+    def trial(part: float) -> tuple[tuple[SpringState, Array], float, bool]:
+        """State and error after a part of the step, the work of the error, and if it is enough."""
         new = springs.at(last.x + part * move)
         error = new.rest - (new.x - first.x) / step
-        gain = float(move @ error)
-        accepted = gain >= -limit and (part == 1.0 or gain <= limit)
-        if accepted or limit <= 0 or float(np.linalg.norm(error)) <= enough:
-            break
-        if gain > 0:
-            low = (part, gain)
-        else:
-            high = (part, gain)
-        # the zero of the chord through the ends of the bracket (regula falsi)
-        interpolated = low[0] + (high[0] - low[0]) * low[1] / (low[1] - high[1])
-        edge = EDGE * (high[0] - low[0])
-        part = min(max(interpolated, low[0] + edge), high[0] - edge)
-    return new, error
+        small = gain_at_start <= 0 or float(np.linalg.norm(error)) <= enough
+        return (new, error), float(move @ error), small
+
+    return search_step_length(trial, gain_at_start)

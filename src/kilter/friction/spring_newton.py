@@ -26,6 +26,7 @@ from scipy.sparse import csr_array
 
 from kilter.arrays import TINY, Array, Index
 from kilter.friction.friction_tolerances import BALANCED
+from kilter.friction.line_search import search_step_length
 from kilter.friction.springs import ACROSS, Springs, SpringState, SpringSystem
 from kilter.solvers.block_cholesky import BlockCholesky, NotPositive
 from kilter.work import Work
@@ -46,9 +47,6 @@ first fraction of the imbalance, if the imbalance is below the second number. Fa
 stiff factor of all points gives better directions: it lets no loose part fly away."""
 SHORT = 0.1
 """Fraction of a Newton step; after a shorter one, the factor of all points is used again."""
-LEFT, SEARCHED, EDGE = 0.2, 8, 0.1
-"""Line search: the work of the imbalance falls to the first fraction; maximum number of points;
-least distance of a point from the ends of the bracket, as a fraction of its length."""
 MOST, IDLE = 150, 40
 """Number of Newton steps after which the method fails; the same without a new least imbalance."""
 SOFT = 1e-7
@@ -282,21 +280,11 @@ def _line_search(springs: Springs, last: SpringState, move: Array) -> SpringStat
     A point that starts to touch adds much to the imbalance, but little to the energy. So the search
     uses the work of the imbalance along the step, which falls to 0 at the minimum of the energy.
     """
-    low, high = (0.0, float(move @ last.rest)), (1.0, 0.0)
-    limit, part = LEFT * low[1], 1.0
     enough = STALLED * float(np.linalg.norm(last.rest))
-    for _ in range(SEARCHED):
+
+    def trial(part: float) -> tuple[SpringState, float, bool]:
+        """State after a part of the step, the work of its imbalance, and whether it is enough."""
         new = springs.at(last.x + part * move)
-        gain = float(move @ new.rest)
-        accepted = gain >= -limit and (part == 1.0 or gain <= limit)
-        if accepted or float(np.linalg.norm(new.rest)) <= enough:
-            break
-        if gain > 0:
-            low = (part, gain)
-        else:
-            high = (part, gain)
-        # the zero of the chord through the ends of the bracket (regula falsi)
-        interpolated = low[0] + (high[0] - low[0]) * low[1] / (low[1] - high[1])
-        edge = EDGE * (high[0] - low[0])
-        part = min(max(interpolated, low[0] + edge), high[0] - edge)
-    return new
+        return new, float(move @ new.rest), float(np.linalg.norm(new.rest)) <= enough
+
+    return search_step_length(trial, float(move @ last.rest))

@@ -30,7 +30,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import TINY, Array
+from kilter.arrays import TINY, Array, Mask
 from kilter.mechanics.mechanics_tolerances import (
     COARSE_POWER,
     LARGEST_FORCES,
@@ -44,6 +44,7 @@ from kilter.mechanics.program import Program
 __all__ = [
     "ForceProof",
     "MotionProof",
+    "balanced_parts",
     "check_forces",
     "check_motion",
     "part_sizes",
@@ -113,16 +114,43 @@ def check_forces(program: Program, forces: Array, friction: Array | None = None)
     forces, friction = _clip_to_cones(program, forces, friction)
     wrenches = program.wrenches(forces, friction)
     imbalance = part_sizes(program, wrenches + program.load, per_radius=True)
-    scale = np.maximum(program.weight, program.force_sums(forces, friction))
-    relative = np.where(program.free, imbalance / np.maximum(scale, TINY), 0.0)
-    share = np.where(program.free, imbalance / np.maximum(program.weight, TINY), 0.0)
-    # large forces that squeeze a part must not excuse an imbalance of much of its weight
-    most = np.maximum(program.tolerance, NO_EXCUSE)
-    holds = bool((relative <= program.tolerance).all() and (share <= most).all())
     total = float(program.weight[program.free].sum())
+    relative, balanced = balanced_parts(
+        program, imbalance, program.weight, program.force_sums(forces, friction), total
+    )
+    residual = float(relative.max(initial=0.0))
+    return ForceProof(forces, friction, residual, bool(balanced.all()))
+
+
+def balanced_parts(
+    program: Program, imbalance: Array, weight: Array, sums: Array, total: Array | float
+) -> tuple[Array, Mask]:
+    """Apply the criteria of a proof by forces to each part.
+
+    Parameters
+    ----------
+    program : Program
+        Of a single assembly, or of several side by side.
+    imbalance, weight, sums : ndarray, shape (N,)
+        Imbalance, weight, and sum of the forces on each part [N].
+    total : ndarray, shape (N,), or float
+        Weight of all free parts of the assembly of each part [N].
+
+    Returns
+    -------
+    relative : ndarray, shape (N,)
+        Imbalance over the greater of the weight and the forces; 0 for held parts [-].
+    balanced : ndarray of bool, shape (N,)
+        Parts that are in balance, or held.
+    """
+    scale = np.maximum(weight, sums)
+    relative = np.where(program.free, imbalance / np.maximum(scale, TINY), 0.0)
+    share = np.where(program.free, imbalance / np.maximum(weight, TINY), 0.0)
+    # large forces that squeeze a part must not excuse an imbalance of much of its weight
+    balanced = (relative <= program.tolerance) & (share <= np.maximum(program.tolerance, NO_EXCUSE))
     # forces that large rely on rounding of the normals, whatever they balance
-    holds &= float(scale[program.free].max(initial=0.0)) <= LARGEST_FORCES * max(total, TINY)
-    return ForceProof(forces, friction, float(relative.max(initial=0.0)), holds)
+    balanced &= ~program.free | (scale <= LARGEST_FORCES * np.maximum(total, TINY))
+    return relative, balanced
 
 
 def _clip_to_cones(program: Program, forces: Array, friction: Array | None) -> tuple[Array, Array]:

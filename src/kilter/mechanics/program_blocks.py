@@ -18,10 +18,9 @@ from scipy.sparse import csc_array
 from kilter.arrays import TINY, Array, Index, Mask, across, ragged, starts
 from kilter.assembly.side_by_side import SideBySide
 from kilter.contact.contact_set import ContactSet
-from kilter.mechanics.certificate import part_sizes
+from kilter.mechanics.certificate import balanced_parts, part_sizes
 from kilter.mechanics.mechanics_tolerances import (
     COARSE_POWER,
-    NO_EXCUSE,
     RULED_OUT,
     STILL,
     TOLERANCE,
@@ -256,13 +255,11 @@ class ProgramBlocks:
         whole = self.whole
         forces = np.where(whole.two_sided, forces, np.maximum(forces, 0.0))
         imbalance = part_sizes(whole, whole.wrenches(forces) + self.load, per_radius=True)
-        scale = np.maximum(self.weight, whole.force_sums(forces))
-        relative = np.where(whole.free, imbalance / np.maximum(scale, TINY), 0.0)
-        share = np.where(whole.free, imbalance / np.maximum(self.weight, TINY), 0.0)
-        limit = np.maximum(whole.tolerance, NO_EXCUSE)
-        balanced = self._reduce_parts(
-            np.logical_and, (relative <= whole.tolerance) & (share <= limit)
+        total = self._reduce_parts(np.add, np.where(whole.free, self.weight, 0.0))[self.owner]
+        relative, in_balance = balanced_parts(
+            whole, imbalance, self.weight, whole.force_sums(forces), total
         )
+        balanced = self._reduce_parts(np.logical_and, in_balance)
         motion, power, violation, moves = self._check_motions(motion)
         return BlockProofs(
             stable=balanced & holds,

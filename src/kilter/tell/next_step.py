@@ -57,7 +57,7 @@ MEANT = {
     "--clearance": "shafts touch their holes",
     "--friction": "its contacts have this friction",
 }
-"""What the options of remedies state about an assembly."""
+"""Statement about an assembly that each option of a remedy makes."""
 CHECK = NextStep(("check",), "decides whether it stays together under gravity")
 
 
@@ -126,5 +126,5 @@ def _after_check(answer: Answer, bricks: bool) -> NextStep:
 
 
 def _meaning(option: str) -> str:
-    """Return what the options of a remedy state about the assembly."""
+    """Return the statements that the options of a remedy make about the assembly."""
     return ", and ".join(words for name, words in MEANT.items() if name in shlex.split(option))
