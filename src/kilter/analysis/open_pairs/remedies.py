@@ -216,7 +216,7 @@ def find_remedies(
             continue
     remedies = tuple(tries.at_the_level())
     if not any(remedy.level for remedy in remedies) and tries.likely is not None:
-        remedies += (tries.likely.remedy(True),)
+        remedies = (*remedies[: MOST - 1], tries.likely.remedy(True))
     return remedies
 
 
