@@ -18,17 +18,24 @@ const STEP = Math.PI / 90; // turn per arrow key [rad]; a tenth of it with Shift
 export class Ball {
   /** `turned(direction, how, step)` is called when the user moves the arrow; `how`: pointer or key. */
   constructor(canvas, page, turned) {
-    Object.assign(this, { canvas, page, turned });
-    this.above = scaled(unit(page.given.down), -1);
+    Object.assign(this, { canvas, turned });
     this.eye = page.planar ? [0, 0] : [0.55, -0.42];
     this.down = page.given.down;
-    this.most = page.map ? deepest(page.map) || 1 : 1;
+    this.replace(page);
     this.layer = document.createElement("canvas");
     canvas.addEventListener("pointerdown", (e) => this.press(e));
     canvas.addEventListener("pointermove", (e) => this.move(e));
     canvas.addEventListener("pointerup", (e) => this.release(e));
     canvas.addEventListener("pointercancel", () => (this.drag = null));
     canvas.addEventListener("keydown", (e) => this.key(e));
+  }
+
+  /** Show the region and the map of other data; the side that is seen stays. */
+  replace(page) {
+    this.page = page;
+    this.above = scaled(unit(page.given.down), -1);
+    this.most = page.map ? deepest(page.map) || 1 : 1;
+    this.stale = true;
   }
 
   get view() {

@@ -50,3 +50,25 @@ export function pressed({ parts, forces }, k) {
   }
   return sum;
 }
+
+/** Terms and values of several selected parts, as text. */
+export function factsOfSeveral(page, list) {
+  const { parts, patches } = page;
+  const names = list.slice(0, LISTED).map((k) => short(parts.tails[k]));
+  if (list.length > LISTED) names.push(`${list.length - LISTED} more`);
+  const mass = list.reduce((sum, k) => sum + parts.mass[k], 0);
+  const held = list.filter((k) => parts.grounded[k]).length;
+  const rows = [
+    ["parts", names.join(", ")],
+    ["mass", `${number(mass, 6)} kg in total`],
+    ["held", held ? `${held} of ${list.length}` : "none"],
+  ];
+  if (list.length === 2) {
+    const between = [...Array(patches.parts.length / 2).keys()].filter(
+      (p) => list.includes(patches.parts[2 * p]) && list.includes(patches.parts[2 * p + 1]),
+    );
+    const rough = [...new Set(between.map((p) => number(patches.mu[p])))];
+    rows.push(["contact", between.length ? `${between.length} patch${between.length > 1 ? "es" : ""}, friction ${rough.join(", ")}` : "none"]);
+  }
+  return rows;
+}

@@ -1,16 +1,19 @@
 // The common base of all pages: picture, controls, name labels, selection, light and dark.
 
-import { factsOf } from "./card.js";
+import { factsOf, factsOfSeveral } from "./card.js";
+import { copyText } from "./clipboard.js";
 import { themeOf } from "./colours.js";
+import { Compass, VIEWS, VIEW_KEYS } from "./compass.js";
+import { id, listFacts, on } from "./dom.js";
+import { Measure } from "./measure.js";
 import { Names } from "./names.js";
 import { openMarks } from "./overlay.js";
 import { Stage } from "./stage.js";
+import { Tree } from "./tree.js";
 
 const NAMED = 14; // names are shown at first for up to this many parts
 const PATCHES = 40; // contacts are shown at first for up to this many patches
-
-export const id = (name) => document.getElementById(name);
-export const on = (name, type, action) => id(name).addEventListener(type, action);
+const STILL = 4; // a pointer that moves less than this has clicked [CSS px]
 
 /** A page; its `repose` places parts, arrows and names for the current controls. */
 export class Look {
@@ -25,30 +28,64 @@ export class Look {
       id("no-picture").textContent = `No picture can be drawn: ${error.message}`;
     }
     this.names = this.stage && new Names(id("names"), this.stage);
+    this.tree = new Tree(this);
   }
 
   /** Draw for the first time, when the set-up is complete. */
   begin() {
     this.theme();
     if (this.stage) {
-      this.stage.drawn = () => this.names.place();
+      this.compass = new Compass(id("cube"), id("triad"), (direction) => this.stage.view(direction));
+      this.stage.drawn = () => {
+        this.names.place();
+        this.compass.paint(this.stage.axes());
+      };
       this.stage.render();
     }
     this.firstPicture = performance.now();
   }
 
+  /** Show the data of another page; view, selection, hidden parts and controls are kept. */
+  replace(page) {
+    const { names } = this.page.parts;
+    const named = (list) => new Set([...list].map((k) => names[k]));
+    const selected = named(this.selection);
+    const gone = this.stage ? named([...names.keys()].filter((k) => !this.stage.parts.visible[k])) : new Set();
+    this.page = page;
+    this.long = 0.42 * page.radius;
+    this.selection = new Set([...page.parts.names.keys()].filter((k) => selected.has(page.parts.names[k])));
+    if (this.stage) {
+      this.stage.replace(page);
+      const { parts } = this.stage;
+      page.parts.names.forEach((name, k) => (parts.visible[k] = gone.has(name) ? 0 : 1));
+      parts.selected = this.selection;
+      parts.patches.visible = id("show-contacts").checked;
+      this.seeThrough();
+      this.section();
+      this.measure.clear();
+      this.stage.spread(this.spreading());
+      this.theme();
+    }
+    this.offer();
+    this.label();
+    this.tree.set(page);
+    this.showSelection();
+  }
+
   // controls --------------------------------------------------------------------------
 
-  /** Connect the controls that all pages have. */
+  /** Connect the controls that all pages have; called once. */
   look() {
-    const { page } = this;
     on("explode", "input", () => this.slide("apart", "explode", 1.6));
     on("section-axis", "change", () => this.section());
     on("section", "input", () => this.section());
-    on("see-through", "input", () => {
-      this.stage.parts.seeThrough(Number(id("see-through").value));
-      this.stage.draw();
-    });
+    for (const [name, kind] of [["see-through", "input"], ["see-through-of", "change"]]) {
+      on(name, kind, () => {
+        this.seeThrough();
+        this.legend();
+        this.stage.draw();
+      });
+    }
     on("force-size", "input", () => this.repose());
     for (const name of ["show-forces", "force-mode", "show-thrust"]) on(name, "change", () => this.repose());
     on("show-motion", "change", () => this.repose());
@@ -57,16 +94,21 @@ export class Look {
       this.repose();
     });
     on("show-open", "change", () => this.repose());
-    const pairs = page.open.parts.length / 2;
-    id("open-row").hidden = !pairs;
-    id("open-label").textContent = `${pairs} open pair${pairs > 1 ? "s" : ""}`;
-    id("load-key").hidden = !page.loads.length;
     on("show-names", "change", () => this.label());
     on("home", "click", () => this.stage.home());
+    on("view", "change", () => {
+      const direction = VIEWS[id("view").value];
+      id("view").value = "";
+      if (direction) this.stage.view(direction);
+    });
     on("theme", "click", () => this.nextTheme());
     on("hide", "click", () => this.hide());
     on("isolate", "click", () => this.isolate());
+    on("zoom", "click", () => this.stage.zoomTo([...this.selection]));
     on("show-all", "click", () => this.showAll());
+    on("copy-name", "click", () => {
+      copyText([...this.selection].map((k) => this.page.parts.names[k]).join("\n"), id("copy-name"));
+    });
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.theme());
     document.body.addEventListener("click", (e) => {
       const button = e.target.closest && e.target.closest("button[data-part]");
@@ -74,10 +116,15 @@ export class Look {
       this.select(Number(button.dataset.part));
       id("picture").scrollIntoView({ block: "nearest" });
     });
+    this.offer();
+    this.tree.set(this.page);
     if (!this.stage) {
-      for (const control of document.querySelectorAll(".tools input, .tools select, .tools button")) control.disabled = true;
+      const drawing = ".tools, .views, #cube, #triad, #legend, .gravity, #part .buttons";
+      for (const part of document.querySelectorAll(drawing)) part.hidden = true;
       return;
     }
+    this.measure = new Measure(this);
+    const { page } = this;
     id("show-names").checked = page.parts.names.length <= NAMED;
     const { start, kinds } = page.patches;
     // the contact points of studs would hide the bricks
@@ -87,11 +134,34 @@ export class Look {
     this.picking();
   }
 
+  /** Show the controls that apply to the data of the page. */
+  offer() {
+    if (!this.stage) return;
+    const { page } = this;
+    const pairs = page.open.parts.length / 2;
+    id("open-row").hidden = !pairs;
+    id("open-label").textContent = `${pairs} open pair${pairs > 1 ? "s" : ""}`;
+    id("contacts-row").hidden = page.patches.start.length < 2;
+    id("explode-row").hidden = page.parts.names.length < 2;
+  }
+
   /** Take over the value of a slider, scaled to `most`. */
   slide(key, name, most = 1) {
     this[key] = most * Number(id(name).value);
     if (key === "apart" && this.stage) this.stage.spread(this.spreading());
     this.repose();
+  }
+
+  seeThrough() {
+    const share = Number(id("see-through").value);
+    const rest = id("see-through-of").value === "rest";
+    id("see-through-row").hidden = !share || !this.movers().length;
+    this.stage.parts.seeThrough(share, rest);
+  }
+
+  /** Indices of the parts that move. */
+  movers() {
+    return [];
   }
 
   /** Half lengths of the box around the parts, pulled apart by the explode slider. */
@@ -100,6 +170,7 @@ export class Look {
   }
 
   label() {
+    if (!this.names) return;
     const all = this.page.parts.names.map((_, k) => k);
     this.names.show(id("show-names").checked ? all.slice(0, 400) : []);
   }
@@ -121,6 +192,34 @@ export class Look {
       }));
     stage.loads.set({ straight });
     stage.open.set(id("show-open").checked ? openMarks(stage) : {});
+    this.measure.follow();
+    this.legend();
+  }
+
+  /** List the marks that are drawn now, and no others. */
+  legend() {
+    const { stage, page } = this;
+    if (!stage) return;
+    const { parts } = stage;
+    const some = (arrows) => arrows.group.children.length > 0;
+    const shown = page.parts.names.map((_, k) => k).filter((k) => parts.shown(k));
+    const drawn = {
+      base: shown.some((k) => page.parts.grounded[k]),
+      moving: shown.some((k) => parts.moving[k] && !parts.gripped[k]),
+      picked: shown.some((k) => this.selection.has(k)),
+      grip: shown.some((k) => parts.gripped[k]),
+      faint: parts.anyFaint && parts.sparing,
+      motion: some(stage.motion),
+      force: some(stage.forces),
+      hand: some(stage.hands),
+      patch: parts.patches.visible && page.patches.start.length > 1,
+      open: some(stage.open),
+      load: some(stage.loads),
+      added: stage.ghost.group.visible,
+      seat: stage.lines.visible,
+      gauge: some(stage.gauge),
+    };
+    for (const [name, on_] of Object.entries(drawn)) id(`${name}-key`).hidden = !on_;
   }
 
   /** Cut away one side of a plane: that of +x, −x and so on. */
@@ -128,7 +227,7 @@ export class Look {
     const side = id("section-axis").value;
     const axis = "xyz".indexOf(side.charAt(side.length - 1) || " ");
     const sign = side.startsWith("-") ? -1 : 1;
-    id("section").disabled = axis < 0;
+    id("section").hidden = axis < 0;
     const normal = axis < 0 ? null : [0, 1, 2].map((k) => (k === axis ? sign : 0));
     this.stage.parts.section(normal, sign * this.page.radius * Number(id("section").value));
     this.repose();
@@ -137,13 +236,43 @@ export class Look {
   picking() {
     const canvas = id("picture");
     let from = null;
-    canvas.addEventListener("pointerdown", (e) => (from = [e.clientX, e.clientY]));
-    canvas.addEventListener("pointerup", (e) => {
-      const still = from && Math.hypot(e.clientX - from[0], e.clientY - from[1]) < 4;
-      from = null;
-      if (!still || e.button) return;
+    const place = (e) => {
       const box = canvas.getBoundingClientRect();
-      this.select(this.stage.pick(e.clientX - box.left, e.clientY - box.top));
+      return [e.clientX - box.left, e.clientY - box.top];
+    };
+    canvas.addEventListener(
+      "pointerdown",
+      (e) => {
+        from = place(e);
+        this.framing = e.shiftKey && !e.button;
+        if (!this.framing) return;
+        e.stopImmediatePropagation(); // a frame is drawn; the view does not turn
+        canvas.setPointerCapture(e.pointerId);
+        canvas.focus({ preventScroll: true });
+      },
+      { capture: true },
+    );
+    canvas.addEventListener("pointermove", (e) => this.framing && from && this.frame(from, place(e)));
+    canvas.addEventListener("pointerup", (e) => {
+      if (!from || e.button) return;
+      const to = place(e);
+      const still = Math.hypot(to[0] - from[0], to[1] - from[1]) < STILL;
+      const framed = this.framing && !still && this.frame(from, to);
+      from = null;
+      this.framing = false;
+      id("frame").hidden = true;
+      if (framed) this.choose(this.stage.within(framed), "add");
+      else if (still && this.measure.on) this.measure.click(...to);
+      else if (still) {
+        const part = this.stage.pick(...to);
+        const several = e.shiftKey || e.ctrlKey || e.metaKey;
+        if (part >= 0 && several) this.choose([part], "toggle");
+        else if (!several) this.select(part);
+      }
+    });
+    canvas.addEventListener("pointercancel", () => {
+      [from, this.framing] = [null, false];
+      id("frame").hidden = true;
     });
     canvas.addEventListener("keydown", (e) => {
       const turns = {
@@ -157,16 +286,32 @@ export class Look {
       if (e.ctrlKey || e.metaKey || e.altKey) return;
       const { count } = this.stage.parts;
       if (turns[e.key]) this.stage.orbit(...turns[e.key]);
-      else if (e.key === "n" || e.key === "p") {
-        const step = e.key === "n" ? 1 : count - 1;
-        this.select(this.selected < 0 ? 0 : (this.selected + step) % count);
+      else if (VIEW_KEYS[e.key]) this.stage.view(VIEWS[VIEW_KEYS[e.key]]);
+      else if (e.key === "0") this.stage.home();
+      else if (e.key.toLowerCase() === "n" || e.key.toLowerCase() === "p") {
+        const step = e.key.toLowerCase() === "n" ? 1 : count - 1;
+        const next = this.selected < 0 ? 0 : (this.selected + step) % count;
+        this.choose([next], e.shiftKey ? "add" : "only");
       } else if (e.key === "h") this.hide();
       else if (e.key === "i") this.isolate();
       else if (e.key === "a") this.showAll();
+      else if (e.key === "m") this.measure.toggle();
+      else if (e.key === "Escape" && this.measure.on) this.measure.toggle(false);
       else if (e.key === "Escape") this.select(-1);
       else if (!this.key(e.key)) return;
       e.preventDefault();
     });
+  }
+
+  /** Draw the frame of a selection; returns its left, top, right and bottom [CSS px]. */
+  frame(from, to) {
+    const [left, right] = [Math.min(from[0], to[0]), Math.max(from[0], to[0])];
+    const [top, bottom] = [Math.min(from[1], to[1]), Math.max(from[1], to[1])];
+    const element = id("frame");
+    element.hidden = false;
+    const style = { left, top, width: right - left, height: bottom - top };
+    for (const [name, value] of Object.entries(style)) element.style[name] = `${value}px`;
+    return [left, top, right, bottom];
   }
 
   /** Handle a further key in the picture; returns whether the page uses it. */
@@ -174,47 +319,88 @@ export class Look {
     return false;
   }
 
-  // one part --------------------------------------------------------------------------
+  // selected parts --------------------------------------------------------------------
 
-  selected = -1;
+  selection = new Set();
 
+  /** The part that was selected last; -1 without a selection. */
+  get selected() {
+    return [...this.selection].at(-1) ?? -1;
+  }
+
+  /** Select a single part; -1 selects none. */
   select(part) {
-    this.selected = part;
+    this.choose(part < 0 ? [] : [part]);
+  }
+
+  /** Select parts: `only` these, `add` them, or `toggle` them (off if all are selected). */
+  choose(parts, how = "only") {
+    if (how === "only") this.selection = new Set(parts);
+    else {
+      const off = how === "toggle" && parts.every((k) => this.selection.has(k));
+      for (const k of parts) this.selection.delete(k);
+      if (!off) for (const k of parts) this.selection.add(k);
+    }
+    this.showSelection();
+  }
+
+  /** Show the selection in the picture, the tree and the card. */
+  showSelection() {
     if (this.stage) {
-      this.stage.parts.selected = part;
+      this.stage.parts.selected = this.selection;
       this.stage.parts.states();
       this.stage.draw();
+      this.legend();
     }
-    for (const name of ["hide", "isolate"]) id(name).disabled = part < 0;
-    id("part").hidden = part < 0;
-    id("no-part").hidden = part >= 0;
-    if (part >= 0) this.showPart(part);
+    const some = this.selection.size > 0;
+    id("part").hidden = !some;
+    id("no-part").hidden = some;
+    this.tree.mark();
+    if (some) this.showPart(this.selected);
   }
 
   showPart(k) {
-    id("part-name").textContent = this.page.parts.names[k];
-    listFacts(id("part-facts"), factsOf(this.page, this.found, k));
+    const { names, tails } = this.page.parts;
+    const several = this.selection.size > 1;
+    id("part-name").textContent = several ? `${this.selection.size} parts` : tails[k];
+    id("part-name").title = several ? "" : names[k];
+    id("copy-name").dataset.label = several ? "Copy full names" : "Copy full name";
+    id("copy-name").textContent = id("copy-name").dataset.label;
+    const facts = several ? factsOfSeveral(this.page, [...this.selection]) : factsOf(this.page, this.found, k);
+    listFacts(id("part-facts"), facts);
+  }
+
+  /** Show or hide parts. */
+  setVisible(list, visible) {
+    for (const k of list) this.stage.parts.visible[k] = visible ? 1 : 0;
+    this.seen();
+  }
+
+  /** Redraw after parts were hidden or shown. */
+  seen() {
+    const { parts } = this.stage;
+    parts.states();
+    id("show-all").hidden = parts.visible.every(Boolean);
+    this.tree.mark();
+    this.repose();
   }
 
   hide() {
-    if (this.selected < 0) return;
-    this.stage.parts.visible[this.selected] = 0;
+    if (!this.selection.size) return;
+    const list = [...this.selection];
     this.select(-1);
-    this.repose();
+    this.setVisible(list, false);
   }
 
   isolate() {
-    if (this.selected < 0) return;
+    if (!this.selection.size) return;
     this.stage.parts.visible.fill(0);
-    this.stage.parts.visible[this.selected] = 1;
-    this.stage.parts.states();
-    this.repose();
+    this.setVisible(this.selection, true);
   }
 
   showAll() {
     this.stage.parts.visible.fill(1);
-    this.stage.parts.states();
-    this.repose();
+    this.seen();
   }
 
   // light and dark --------------------------------------------------------------------
@@ -248,16 +434,4 @@ export class Look {
     }
     return (1000 * pictures) / (performance.now() - started);
   }
-}
-
-/** Fill a description list with terms and values, set as text. */
-export function listFacts(list, facts) {
-  list.replaceChildren(
-    ...facts.flatMap(([term, value]) => {
-      const [dt, dd] = [document.createElement("dt"), document.createElement("dd")];
-      dt.textContent = term;
-      dd.textContent = value;
-      return [dt, dd];
-    }),
-  );
 }

@@ -1,8 +1,8 @@
 // Entry point: starts the page of a plan or of a report, depending on the data.
 
 import { pageData } from "./data.js";
-import { id } from "./look.js";
-import { readNarrow } from "./narrow.js";
+import { id } from "./dom.js";
+import { readTables } from "./tables.js";
 import { printWell } from "./paper.js";
 import { Plan } from "./plan.js";
 import { Report } from "./report.js";
@@ -12,7 +12,7 @@ const page = pageData(id("data").textContent);
 if (page) {
   id("show").hidden = false;
   window.kilter = page.plan ? new Plan(page) : new Report(page);
-  readNarrow(page);
+  readTables(page);
   printWell(window.kilter, id("printed"));
   if (window.kilter.stage) scrollPast(window.kilter.stage, id("picture"));
 }

@@ -86,7 +86,7 @@ export class Names {
   /** Move the labels with their parts; place them anew once the picture rests. */
   place() {
     for (const [k, { element, off }] of this.tags) {
-      const at = off && this.stage.onScreen(this.stage.parts.centre(k));
+      const at = off && this.stage.parts.shown(k) && this.stage.onScreen(this.stage.parts.centre(k));
       element.style.visibility = at ? "visible" : "hidden";
       if (at) element.style.transform = `translate(${at[0] + off[0]}px, ${at[1] + off[1]}px) translate(-50%, -50%)`;
     }

@@ -25,7 +25,7 @@ import {
   Vector3,
   Vector4,
 } from "three";
-import { carried, local, posed } from "./pose.js";
+import { carried, local, posed, turned } from "./pose.js";
 import {
   TEXELS,
   cap,
@@ -64,11 +64,13 @@ export class Parts {
     this.present = new Uint8Array(this.count).fill(1);
     this.gripped = new Uint8Array(this.count);
     this.moving = new Uint8Array(this.count);
-    this.selected = -1;
+    this.selected = new Set();
     this.group = new Group();
     this.makeMaterials();
     const [faces, edges] = merged(page);
     this.faces = new Mesh(faces, this.material.face);
+    this.veil = new Mesh(faces, this.material.veil);
+    this.veil.visible = false;
     this.edges = new LineSegments(edges, this.material.edge);
     this.patches = patches(page, this.material);
     this.cut = new Group();
@@ -78,8 +80,10 @@ export class Parts {
       this.cut.add(mesh);
     });
     this.cut.visible = false;
-    this.group.add(this.faces, this.edges, this.patches, this.cut);
-    for (const child of [this.faces, this.edges, ...this.patches.children, ...this.cut.children]) {
+    this.veil.renderOrder = 1;
+    this.edges.renderOrder = 2;
+    this.group.add(this.faces, this.veil, this.edges, this.patches, this.cut);
+    for (const child of [this.faces, this.veil, this.edges, ...this.patches.children, ...this.cut.children]) {
       child.frustumCulled = false; // bounds do not include the motion from the texture
     }
     this.paint(page.parts.colour);
@@ -102,13 +106,15 @@ export class Parts {
       });
     const colour = () => ({ value: new Color() });
     const over = { transparent: true, depthWrite: false, depthTest: false };
+    const painted = { hatch: colour(), picked: colour(), opacity: { value: 1 } };
+    const behind = { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 };
     this.material = {
-      face: make(
-        vertex,
-        face,
-        { hatch: colour(), picked: colour(), opacity: { value: 1 } },
-        { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 },
-      ),
+      face: make(vertex, face, { ...painted, veil: { value: false } }, behind),
+      veil: make(vertex, face, { ...painted, veil: { value: true } }, {
+        ...behind,
+        transparent: true,
+        depthWrite: false,
+      }),
       edge: make(
         vertex,
         edge,
@@ -186,12 +192,13 @@ export class Parts {
     return this.shown(k) && !cut;
   }
 
-  /** Write the states of the parts to the texture: hidden, moving, gripped, selected. */
+  /** Write the states of the parts to the texture: hidden, moving, gripped, selected, transparent. */
   states() {
     for (let k = 0; k < this.count; k += 1) {
       this.put(k, 3, 0, this.shown(k) ? 1 : 0);
       const moves = this.moving[k] ? 2 : this.gripped[k] ? 4 : 0;
-      this.put(k, 3, 2, (k === this.selected ? 1 : 0) + moves);
+      this.put(k, 3, 2, (this.selected.has(k) ? 1 : 0) + moves);
+      this.put(k, 3, 3, this.veil.visible && !(this.sparing && this.moving[k]) ? 1 : 0);
     }
     this.texture.needsUpdate = true;
   }
@@ -205,6 +212,14 @@ export class Parts {
   /** Current position of a point of part k given at rest; without a point, its centre of mass. */
   placeOf(k, rest) {
     return rest ? this.carried(k, local(this.page.parts, k, rest)) : this.centre(k);
+  }
+
+  /** A point of the assembly, or with `free` a direction, in the frame of part k as it is posed now. */
+  inside(k, point, free = false) {
+    const at = 4 * TEXELS * k;
+    const [x, y, z, w] = this.data.subarray(at, at + 4);
+    const p = free ? [0, 0, 0] : this.data.subarray(at + 4, at + 7);
+    return turned([-x, -y, -z, w], [0, 1, 2].map((i) => point[i] - p[i]));
   }
 
   /** Current position, in the frame of the assembly, of a point in the frame of part k. */
@@ -222,6 +237,11 @@ export class Parts {
     ];
   }
 
+  /** Whether any part is transparent. */
+  get anyFaint() {
+    return this.veil.visible;
+  }
+
   /** Cut away the half space n.x > offset; without a normal, show everything. */
   section(normal, offset) {
     this.shared.cutting.value = Boolean(normal);
@@ -233,11 +253,26 @@ export class Parts {
     if (normal) this.shared.plane.value.set(...normal, offset);
   }
 
-  seeThrough(share) {
-    const { face: material } = this.material;
-    material.uniforms.opacity.value = 1 - share;
-    material.transparent = share > 0;
-    material.depthWrite = share === 0;
+  /** Make all parts transparent by a share; `sparing`: except the moving parts. */
+  seeThrough(share, sparing = false) {
+    this.material.face.uniforms.opacity.value = 1 - share;
+    this.veil.visible = share > 0;
+    this.sparing = sparing;
+    this.states();
+  }
+
+  /** Position at rest, in the frame of the assembly, of a point in the frame of part k. */
+  rest(k, point) {
+    const { rotation, position } = this.page.parts;
+    const [w, x, y, z] = rotation.subarray(4 * k, 4 * k + 4);
+    return turned([x, y, z, w], point).map((c, i) => c + position[3 * k + i]);
+  }
+
+  /** Free the memory of the graphics card. */
+  dispose() {
+    this.texture.dispose();
+    for (const mesh of [this.faces, this.edges, ...this.patches.children]) mesh.geometry.dispose();
+    for (const material of Object.values(this.material)) material.dispose();
   }
 
   theme(style) {

@@ -1,6 +1,7 @@
 // The page of a plan: its steps as a film and as a strip of pictures, with the facts of each step.
 
-import { Look, id, listFacts, on } from "./look.js";
+import { id, listFacts, on } from "./dom.js";
+import { Look } from "./look.js";
 import { forceArrows, motionArrows } from "./overlay.js";
 import { turn } from "./pose.js";
 import { pictureTime, sceneAt, stepAt } from "./steps.js";
@@ -17,14 +18,16 @@ export class Plan extends Look {
     super(page);
     const { plan } = page;
     this.count = plan.steps.length;
-    this.time = this.count; // the end of the film: the complete assembly
+    this.time = 0;
+    this.atFirst = true; // the film is at its opening picture, and plays from the beginning
     this.reach = REACH * page.radius;
     this.found = { moving: [], motion: null, forces: null };
     this.look();
     this.tell();
     this.controls();
     this.theme();
-    this.go(this.time);
+    if (this.count) this.go(this.pictureAt(0));
+    else this.go(0);
     this.begin();
     if (this.stage && this.count) this.strip.renew();
   }
@@ -42,9 +45,13 @@ export class Plan extends Look {
   controls() {
     const { plan } = this.page;
     for (const name of ["force-mode", "thrust"]) id(`${name}-row`).hidden = true; // only for reports
+    const falls = plan.falls.length || plan.steps.some((step) => step.hands.some((hand) => hand.motion));
+    id("motion-check").hidden = !falls;
+    id("motion-key-words").textContent = this.count ? "insertion, or motion without the hand" : "motion of the falling parts";
+    id("force-key-words").textContent = "support force";
+    id("show-forces").parentElement.hidden = !this.count;
     for (const name of ["player", "step-card"]) id(name).hidden = !this.count;
     if (!this.count) {
-      id("show-forces").disabled = true;
       id("motion-word").textContent = "motion of the falling parts";
       return;
     }
@@ -108,6 +115,7 @@ export class Plan extends Look {
   /** Show the film at a time [steps]. */
   go(time, stop = false) {
     if (stop && this.playing) this.pause();
+    if (stop) this.atFirst = false;
     this.time = Math.max(0, Math.min(this.count, time));
     if (this.count) {
       id("scrub").value = String(this.time);
@@ -126,7 +134,8 @@ export class Plan extends Look {
   }
 
   start() {
-    if (this.time >= this.count) this.time = 0;
+    if (this.time >= this.count || this.atFirst) this.time = 0;
+    this.atFirst = false;
     const pace = PACE / Number(id("pace").value);
     const [began, from] = [performance.now(), this.time];
     const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
@@ -219,6 +228,7 @@ export class Plan extends Look {
     const long = 0.5 * page.radius * Number(id("force-size").value);
     let [label, most] = ["support forces", 0];
     const forces = !small && under && id("show-forces").checked && step.support;
+    if (!small) id("size-row").hidden = !forces;
     if (forces && forces.points.length) {
       const drawn = forceArrows(stage, forces, long);
       most = drawn.most;
@@ -286,7 +296,7 @@ export class Plan extends Look {
     const were = [stage.parts.patches, stage.parts.edges].map((object) => object.visible);
     const { selected } = stage.parts;
     this.apart = 0;
-    stage.parts.selected = -1;
+    stage.parts.selected = new Set();
     stage.parts.patches.visible = false;
     stage.parts.edges.visible = true;
     this.place(time);

@@ -6,7 +6,8 @@ import { Ball } from "./ball.js";
 import { ramp, rampOf, themeOf } from "./colours.js";
 import { distance, isThin } from "./cone.js";
 import { Graph, fallen, frictionWords, overhang, paced, placeWords } from "./fall.js";
-import { Look, id, on } from "./look.js";
+import { id, on } from "./dom.js";
+import { Look } from "./look.js";
 import { deepest } from "./map.js";
 import { bondUse, forceArrows, motionArrows, thrustRods } from "./overlay.js";
 import { keepPlace } from "./place.js";
@@ -32,10 +33,15 @@ const TONES = {
   unstable: "unstable",
   undecided: "undecided",
 };
+const RESTS = { minimum: "◆ strict minimum", balanced: "✕ balanced", open: "◇ open" };
 const SNAP = (3 * Math.PI) / 180; // a thin region attracts the arrow within this angle [rad]
 const FALLS = 2400; // duration of the animated fall [ms]
 const BLOCKED = 0.01; // a motion that stops before this share of its length is blocked
 const ENTERING = "the parts would enter each other at a contact that the motion leaves out";
+const VISIBLE = 0.2; // a moving part is visible if at least this share of it is not hidden [-]
+const SIDES = [1, 2, 3].flatMap((k) => [(k * Math.PI) / 4, (-k * Math.PI) / 4]).concat(Math.PI); // further views [rad]
+const MANY = 3000; // with more parts, no further views are tried
+const THROUGH = 0.75; // transparency of the parts at rest that would hide moving parts [-]
 const QUIET = 1200; // with more contact points, forces are hidden at first
 
 export class Report extends Look {
@@ -49,7 +55,54 @@ export class Report extends Look {
     this.controls();
     this.turn(this.down);
     this.begin();
+    if (this.stage) {
+      this.stage.begun = () => this.reveal();
+      if (this.stage.size) this.reveal();
+    }
     if (location.protocol === "http:") keepPlace(this);
+  }
+
+  /** Show other data; gravity stays where the user turned it, else it follows the given direction. */
+  replace(page) {
+    const given = angleBetween(this.down, this.page.given.down) < 1e-9;
+    this.found = null;
+    this.painted = undefined;
+    this.changed = false;
+    this.added = null;
+    this.ball.replace(page);
+    super.replace(page);
+    this.turn(given ? page.given.down : this.down);
+  }
+
+  /**
+   * Make the moving parts visible in the first view: from another side if some are hidden by other
+   * parts, else through transparent parts.
+   */
+  reveal() {
+    const movers = this.movers();
+    const { stage } = this;
+    const { parts } = stage;
+    if (!movers.length || movers.length === parts.count) return;
+    const moves = new Set(movers);
+    const share = () => {
+      const [alone, among] = [stage.counted((k) => moves.has(k)), stage.counted(() => true)];
+      return movers.reduce((least, k) => (alone[k] ? Math.min(least, among[k] / alone[k]) : least), 1);
+    };
+    if (share() >= VISIBLE) return;
+    const [polar, azimuth] = stage.opening;
+    const sides = parts.count > MANY || this.page.planar ? [] : SIDES;
+    for (const side of sides) {
+      stage.opening = [polar, azimuth + side];
+      stage.home();
+      stage.scene.updateMatrixWorld();
+      if (share() >= VISIBLE) return;
+    }
+    stage.opening = [polar, azimuth];
+    stage.home();
+    id("see-through").value = String(THROUGH);
+    id("see-through-of").value = "rest";
+    this.seeThrough();
+    this.legend();
   }
 
   // gravity ---------------------------------------------------------------------------
@@ -80,7 +133,7 @@ export class Report extends Look {
       this.stage.turnTo(u, exactly);
       this.stage.parts.moving.fill(0);
       for (const k of this.movers()) this.stage.parts.moving[k] = 1;
-      this.stage.parts.states();
+      this.seeThrough();
     }
     this.repose();
     this.tell();
@@ -116,6 +169,7 @@ export class Report extends Look {
 
   /** Indices of the parts that move, or that fall from a balanced state. */
   movers() {
+    if (!this.found) return [];
     const { moving, fall } = this.found;
     return fall ? fall.parts : moving || [];
   }
@@ -231,6 +285,10 @@ export class Report extends Look {
     let label = found.forces ? "contact forces" : "contact forces: none for this direction";
     // the forces balance the parts at rest, not at a later point of the fall
     const forces = found.forces && !this.fell && id("show-forces").checked;
+    id("show-forces").disabled = !found.forces;
+    id("motion-check").hidden = !motion;
+    for (const name of ["force-mode-row", "thrust-row", "size-row"]) id(name).hidden = !forces;
+    id("thrust-key").hidden = !forces || !id("show-thrust").checked;
     stage.parts.patches.visible = !this.fell && id("show-contacts").checked;
     if (forces) {
       const size = this.forceLength() * Number(id("force-size").value);
@@ -256,6 +314,12 @@ export class Report extends Look {
     const [rubs, pulls] = ["use", "bond"].map((name) => all.some((one) => one[name] !== null));
     id("use-key").hidden = !rubs && !pulls;
     id("use-words").textContent = [...(rubs ? ["friction"] : []), ...(pulls ? ["bond"] : [])].join(" or ");
+  }
+
+  /** Redraw after parts were hidden or shown. */
+  seen() {
+    super.seen();
+    this.tell();
   }
 
   /** Colour the parts as given, or by the largest bond use of each part. */
@@ -293,7 +357,8 @@ export class Report extends Look {
     id("sentence").textContent = found.sentence
       ? plainly(found.sentence, page.words[found.verdict])
       : marginWords(page, found);
-    const lines = [movingWords(page, found)];
+    const gone = this.stage ? this.movers().filter((k) => !this.stage.parts.visible[k]).length : 0;
+    const lines = [movingWords(page, found, gone)];
     if (found.sentence) lines.unshift(marginWords(page, found));
     id("moving").textContent = lines.filter(Boolean).join("; ");
     id("basis").textContent = basis(page, found);
@@ -312,28 +377,45 @@ export class Report extends Look {
     const label = `gravity along ${direction(this.down, 2)}: ${page.words[found.verdict]}`;
     this.ball.canvas.setAttribute("aria-valuetext", label);
     this.ball.canvas.setAttribute("aria-valuenow", String(Math.round((away * 180) / Math.PI)));
+    for (const name of ["motion", "play"]) id(name).hidden = !found.motion;
     id("motion").disabled = !found.motion;
-    id("play").disabled = !found.motion;
+    id("go-nearest").hidden = !page.region || !page.region.dimension || HELD.includes(found.verdict);
     this.tellMotion();
     if (this.selected >= 0) this.showPart(this.selected);
   }
 
   // controls --------------------------------------------------------------------------
 
+  /** Connect the controls of a report; called once. */
   controls() {
+    on("go-given", "click", () => this.turn(this.page.given.down, { exactly: true, follow: true }));
+    on("go-recommended", "click", () => this.turn(this.page.recommended.down, { follow: true }));
+    on("go-nearest", "click", () => {
+      this.turn(nearestHeld(this.page.region, this.down), { follow: true });
+      if (id("go-nearest").hidden) id("ball").focus({ preventScroll: true });
+    });
+    on("motion", "input", () => this.slide("amount", "motion"));
+    on("play", "click", () => this.play());
+    on("fall-at", "input", () => {
+      this.stopFall();
+      this.fall(Number(id("fall-at").value));
+    });
+    on("fall-play", "click", () => this.playFall());
+    on("cards", "click", (e) => e.target.id === "show-change" && this.showChange());
+    on("colour-of", "change", () => this.repose());
+    const { forces } = this.page.given;
+    if (this.stage) id("show-forces").checked = !forces || forces.points.length / 3 <= QUIET;
+  }
+
+  /** Show the controls and keys that apply to the data of the page. */
+  offer() {
+    super.offer();
     const { page } = this;
-    on("go-given", "click", () => this.turn(page.given.down, { exactly: true, follow: true }));
-    on("go-recommended", "click", () => this.turn(page.recommended.down, { follow: true }));
-    id("go-recommended").disabled = !page.recommended;
-    id("go-recommended").hidden = page.coincide;
-    if (page.coincide) id("go-given").textContent = "Given and recommended";
-    const held = page.recommended && HELD.includes(page.recommended.verdict);
-    if (page.recommended && !held) id("go-recommended").textContent = "Closest to stable";
-    on("go-nearest", "click", () =>
-      this.turn(nearestHeld(page.region, this.down), { follow: true }),
-    );
-    id("go-nearest").disabled = !page.region || !page.region.dimension;
     const { region } = page;
+    id("go-recommended").hidden = page.coincide || !page.recommended;
+    id("go-given").textContent = page.coincide ? "Given and recommended" : "Given";
+    const held = page.recommended && HELD.includes(page.recommended.verdict);
+    id("go-recommended").textContent = page.recommended && !held ? "Closest to stable" : "Recommended";
     const known = region && region.outside === "unstable";
     id("no-map").hidden = Boolean(page.map) || !region || !region.equations.length + region.facets.length;
     id("no-map").dataset.known = String(known);
@@ -345,19 +427,8 @@ export class Report extends Look {
       : "unstable with the frictionless contacts alone, from slightly to strongly";
     id("ramp").hidden = !page.map || deepest(page.map) === 0;
     this.keys();
-    on("motion", "input", () => this.slide("amount", "motion"));
-    on("play", "click", () => this.play());
-    on("fall-at", "input", () => {
-      this.stopFall();
-      this.fall(Number(id("fall-at").value));
-    });
-    on("fall-play", "click", () => this.playFall());
-    id("fall-play").disabled = !this.stage;
-    if (page.change) on("show-change", "click", () => this.showChange());
-    on("colour-of", "change", () => this.repose());
+    for (const part of this.stage ? [] : ["fall-play", "fall-at"]) id(part).hidden = true;
     id("bond-pull").textContent = pullWords(page.given.forces && page.given.forces.pull);
-    const points = page.given.forces ? page.given.forces.points.length / 3 : 0;
-    if (this.stage) id("show-forces").checked = points <= QUIET;
   }
 
   /** Write the question of the ball and the key of its colours. */
@@ -366,7 +437,9 @@ export class Report extends Look {
     id("question").hidden = !region;
     id("stable-key").hidden = !region || region.kind === "none";
     id("gap-key").hidden = !region || !region.inner;
-    id("rests-key").hidden = !region?.rests?.length;
+    const signs = new Set((region?.rests ?? []).map(({ state }) => RESTS[state] ?? "○ slides or rolls freely"));
+    id("rests-key").hidden = !signs.size;
+    id("rests-key").textContent = [...signs].join(" ");
     if (!region) return;
     id("question").textContent = region.words.question;
     id("stable-words").textContent = region.words.inside;

@@ -47,6 +47,7 @@ uniform vec3 hatch;
 uniform vec3 grip;
 uniform vec3 picked;
 uniform float opacity;
+uniform bool veil;
 uniform float dense;
 flat in vec4 colour;
 flat in vec4 state;
@@ -59,7 +60,7 @@ float stripes(float width) {
 }
 
 void main() {
-  if (cutAway()) discard;
+  if (cutAway() || (state.w > 0.5) != veil) discard; // transparent parts have a pass of their own
   vec3 n = normalize(cross(dFdx(seen), dFdy(seen)));
   vec3 base = colour.rgb;
   if (state.y > 0.5) base = mix(base, hatch, 0.6 * stripes(9.0));
@@ -68,7 +69,7 @@ void main() {
   vec3 lit = min(base * (0.68 + 0.36 * key + 0.14 * fill), vec3(1.0));
   if (state.z > 3.5) lit = mix(lit, grip, 0.18 + 0.62 * stripes(9.0));
   if (mod(state.z, 2.0) > 0.5) lit = mix(lit, picked, 0.25 + 0.6 * stripes(7.0));
-  result = vec4(lit, opacity);
+  result = vec4(lit, veil ? opacity : 1.0);
 }
 `;
 
@@ -121,7 +122,7 @@ void main() {
   if (cutAway()) discard;
   bool gripped = state.z > 3.5;
   bool moves = state.z > 1.5 && !gripped;
-  result = vec4(gripped ? grip : moves ? accent : ink, gripped || moves ? 1.0 : strength);
+  result = vec4(gripped ? grip : moves ? accent : ink, gripped || moves ? 1.0 : strength * (state.w > 0.5 ? 0.5 : 1.0));
 }
 `;
 

@@ -23,6 +23,7 @@ import { Arrows } from "./arrows.js";
 import { Ghost } from "./ghost.js";
 import { Parts } from "./parts.js";
 import { sphereView } from "./sphere.js";
+import { meet } from "./surface.js";
 import { scaled, unit } from "./vector.js";
 
 const OPENING = (30 * Math.PI) / 180; // vertical angle of view [rad]
@@ -49,24 +50,28 @@ export class Stage {
     this.loads = new Arrows();
     this.open = new Arrows();
     this.hands = new Arrows();
+    this.gauge = new Arrows();
     this.lines = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
     this.lines.frustumCulled = false;
+    this.lines.visible = false;
     this.ghost = new Ghost();
     this.root.add(this.parts.group, this.lines, this.ghost.group);
     this.scene.add(this.root);
     // arrows are drawn after the parts, with a separate depth buffer, so that they lie on top
     this.over = new Scene();
     this.overRoot = new Group();
-    for (const arrows of [this.motion, this.forces, this.loads, this.open, this.hands]) {
+    for (const arrows of [this.motion, this.forces, this.loads, this.open, this.hands, this.gauge]) {
       this.overRoot.add(arrows.group);
     }
     this.over.add(this.overRoot);
     this.renderer.autoClear = false;
     this.target = new WebGLRenderTarget(1, 1);
     this.drawn = () => {};
+    this.begun = () => {}; // called once, as soon as the picture has a size
     this.isPlain = false;
     this.last = -1e9;
     this.pace = 20;
+    this.opening = page.planar ? [1.35, 0.25] : [1.22, 0.55]; // polar angle and azimuth of the first view [rad]
     this.extent = page.extent;
     this.upright = upright(page.given.down);
     this.root.quaternion.copy(this.upright);
@@ -85,11 +90,74 @@ export class Stage {
 
   /** Put a camera at the default view, far enough to show the box around the parts. */
   frame(camera) {
-    const planar = this.page.planar;
-    const place = new Spherical(1, planar ? 1.35 : 1.22, planar ? 0.25 : 0.55);
+    this.aim(camera, new Spherical(1, ...this.opening));
+  }
+
+  aim(camera, place) {
     camera.position.setFromSpherical(place);
     camera.lookAt(0, 0, 0);
     camera.position.setLength(this.reach(camera));
+  }
+
+  /** Show the assembly from a direction, in the axes of the file: from it towards the assembly. */
+  view(direction) {
+    const toEye = (v) => new Vector3(...v).applyQuaternion(this.root.quaternion);
+    const place = new Spherical().setFromVector3(toEye(direction).normalize());
+    const x = toEye([1, 0, 0]);
+    // straight from above or below, the x axis of the file points to the right
+    if (Math.sin(place.phi) < 1e-3) place.theta = Math.hypot(x.x, x.z) > 1e-3 ? Math.atan2(-x.z, x.x) : 0;
+    place.phi = Math.max(1e-4, Math.min(Math.PI - 1e-4, place.phi));
+    this.controls.target.set(0, 0, 0);
+    this.aim(this.camera, place);
+    this.controls.update();
+    this.draw();
+  }
+
+  /** Bring the parts into the middle of the view, near enough to fill about half of it. */
+  zoomTo(list) {
+    const { parts } = this;
+    const radius = this.page.parts.radius;
+    const at = list.map((k) => parts.centre(k));
+    const middle = [0, 1, 2].map((i) => at.reduce((sum, p) => sum + p[i], 0) / at.length);
+    const reach = list.reduce((most, k, n) => Math.max(most, radius[k] + Math.hypot(...at[n].map((c, i) => c - middle[i]))), 0);
+    const away = this.camera.position.clone().sub(this.controls.target);
+    const target = new Vector3(...middle).applyQuaternion(this.root.quaternion);
+    away.setLength((1.9 * reach) / Math.sin(OPENING / 2) / Math.min(1, this.camera.aspect));
+    this.controls.target.copy(target);
+    this.camera.position.copy(target).add(away);
+    this.controls.update();
+    this.draw();
+  }
+
+  /** Axes of the file on the screen: each as right, up, and towards the eye. */
+  axes() {
+    const turn = this.camera.quaternion.clone().invert().multiply(this.root.quaternion);
+    return [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => new Vector3(...axis).applyQuaternion(turn).toArray());
+  }
+
+  /**
+   * Draw the parts of another page in place of the present ones. The view stays, also if the
+   * coordinates of the new page have another middle.
+   */
+  replace(page) {
+    const middle = this.page.center && page.center ? page.center.map((c, i) => this.page.center[i] - c) : [0, 0, 0];
+    const old = this.parts;
+    this.page = page;
+    this.parts = new Parts(page);
+    this.root.remove(old.group);
+    this.root.add(this.parts.group);
+    this.parts.edges.visible = !this.isPlain;
+    this.parts.shared.dense.value = old.shared.dense.value;
+    old.dispose();
+    this.extent = page.extent;
+    const shift = new Vector3(...middle).applyQuaternion(this.root.quaternion);
+    this.controls.target.add(shift);
+    this.camera.position.add(shift);
+    this.camera.near = page.radius / 50;
+    this.camera.far = page.radius * 60;
+    this.camera.updateProjectionMatrix();
+    this.upright = upright(page.given.down);
+    this.controls.update();
   }
 
   /** Distance at which a camera shows the whole box around the parts, in its current orientation. */
@@ -131,7 +199,10 @@ export class Stage {
     this.sharpen();
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
-    if (first) this.home();
+    if (first) {
+      this.home();
+      this.begun();
+    }
     this.draw();
   }
 
@@ -167,6 +238,52 @@ export class Stage {
     return number - 1;
   }
 
+  shapeOf(part) {
+    return this.page.shapes[this.page.parts.shape[part]];
+  }
+
+  /** Point of a part under a point of the canvas [CSS px]: {part, local, normal}, or null. */
+  hit(x, y) {
+    const part = this.pick(x, y);
+    if (part < 0) return null;
+    const [width, height] = this.size;
+    const to = new Vector3((2 * x) / width - 1, 1 - (2 * y) / height, 0.5).unproject(this.camera);
+    this.root.updateMatrixWorld();
+    const from = this.root.worldToLocal(this.camera.position.clone()).toArray();
+    const end = this.root.worldToLocal(to).toArray();
+    const along = end.map((c, i) => c - from[i]);
+    const { parts } = this;
+    const seen = (point) => parts.seen(part, parts.carried(part, point));
+    const found = meet(this.shapeOf(part), parts.inside(part, from), parts.inside(part, along, true), seen);
+    return found && { part, local: found.point, normal: found.normal };
+  }
+
+  /** Indices of the parts that are visible in a rectangle of the canvas [CSS px]. */
+  within([left, top, right, bottom]) {
+    const cell = 3;
+    const { cells, width, height } = this.numbered(cell);
+    const found = new Set();
+    const [from, to] = [Math.max(0, Math.floor(left / cell)), Math.min(width - 1, Math.floor(right / cell))];
+    for (let row = Math.max(0, Math.floor(top / cell)); row <= Math.min(height - 1, bottom / cell); row += 1) {
+      for (let k = from; k <= to; k += 1) if (cells[row * width + k]) found.add(cells[row * width + k] - 1);
+    }
+    return [...found];
+  }
+
+  /** Number of cells in which each part is visible, for the parts that a test admits. */
+  counted(admits, cell = 5) {
+    const { parts } = this;
+    const { present } = parts;
+    parts.present = present.map((here, k) => (here && admits(k) ? 1 : 0));
+    parts.states();
+    const { cells } = this.numbered(cell);
+    parts.present = present;
+    parts.states();
+    const counts = new Uint32Array(parts.count);
+    for (const number of cells) if (number) counts[number - 1] += 1;
+    return counts;
+  }
+
   /** Part numbers, counted from 1, in cells of `cell` CSS pixels; the top row first. */
   numbered(cell) {
     const [width, height] = this.size.map((size) => Math.max(1, Math.floor(size / cell)));
@@ -183,7 +300,7 @@ export class Stage {
   /** Part numbers, counted from 1, in `width` x `height` pixels; the bottom row first. */
   numbers(width, height) {
     const { renderer, camera, parts } = this;
-    const hidden = [parts.edges, parts.patches, parts.cut, this.lines, this.ghost.group];
+    const hidden = [parts.veil, parts.edges, parts.patches, parts.cut, this.lines, this.ghost.group];
     const were = hidden.map((object) => object.visible);
     hidden.forEach((object) => (object.visible = false));
     parts.faces.material = parts.material.number;
@@ -314,6 +431,7 @@ export class Stage {
     this.forces.theme(style("force"), style("surface"), style("limit"));
     this.hands.theme(style("grip"), style("surface"));
     this.loads.theme(style("ink"), style("surface"));
+    this.gauge.theme(style("link"), style("surface"));
     this.open.theme(style("open"), style("ink"));
     this.lines.material.color.set(style("soft"));
     this.ghost.theme(style);

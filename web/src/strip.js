@@ -41,7 +41,6 @@ export class Strip {
     const word = make("bdi", "step-name", names);
     button.append(canvas, make("span", "step-number", String(k + 1)), word);
     if (held) button.append(make("span", "step-held", `hold ${held}`));
-    button.setAttribute("aria-label", `step ${k + 1}: ${names}${held ? `, hold ${held}` : ""}`);
     button.addEventListener("click", () => this.go(k));
     return button;
   }

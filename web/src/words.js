@@ -65,8 +65,8 @@ export function marginWords(page, found) {
   return `margin ${degrees(found.margin)}: the tilt that is allowed in every direction`;
 }
 
-/** Number and names of the moving parts, as text. */
-export function movingWords(page, found, limit = 8) {
+/** Number and names of the moving parts, as text; `hidden` of them are not shown in the picture. */
+export function movingWords(page, found, hidden = 0, limit = 8) {
   const free = page.parts.grounded.filter((held) => !held).length;
   if (found.moving === null || found.moving === undefined) {
     return found.verdict === "unknown" ? "" : "the moving parts are not known for this direction";
@@ -79,7 +79,8 @@ export function movingWords(page, found, limit = 8) {
   const rough = page.region && page.region.friction && found.from === "cone";
   const alone = rough || found.verdict === "undecided" ? "with the frictionless contacts alone, " : "";
   const count = `${found.moving.length} of ${free} free ${free === 1 ? "part moves" : "parts move"}`;
-  return `${alone}${count}: ${names.join(", ")}${more}`;
+  const gone = hidden ? ` (${hidden === found.moving.length ? "hidden" : `${hidden} of them hidden`} in the picture)` : "";
+  return `${alone}${count}: ${names.join(", ")}${more}${gone}`;
 }
 
 /** A name cut to `length` characters, in Unicode isolates: its writing direction stays inside. */

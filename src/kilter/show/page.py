@@ -29,6 +29,8 @@ __all__ = ["error_page", "render", "render_plan"]
 
 MAIN = "<main>"
 """Tag in the template at which the content starts; it is unique, because titles are escaped."""
+SLOTS = ("bar", "above", "panels", "actions", "motion", "player", "side")
+"""Slots of the template that hold the asset file of one kind of page."""
 REPORT = {"motion": "motion.html", "player": "fall.html", "side": "ball.html"}
 """Asset files of a report, by the slot of the template."""
 PLAN = {"player": "player.html", "side": "step.html"}
@@ -106,7 +108,7 @@ def _fill_template(
             *(["connect-src 'self'"] if live else []),
         ]
     )
-    chosen = {"motion": "", "player": "", "side": "", **(pieces or REPORT)}
+    chosen = {**dict.fromkeys(SLOTS, ""), **(pieces or REPORT)}
     values = {
         **{place: _asset(name) if name else "" for place, name in chosen.items()},
         "policy": policy,
