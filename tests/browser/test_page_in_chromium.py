@@ -375,7 +375,8 @@ def test_a_hostile_name_is_text_and_runs_nothing(opened: Callable) -> None:
         )
         == 0
     )
-    assert names[0] in page.page.inner_text(".text")
+    listed = "[...document.querySelectorAll('.text .name')].map(e => e.title || e.textContent)"
+    assert names[0] in page.js(listed)
     assert page.js("document.documentElement.scrollWidth") <= 1360
 
 
