@@ -371,7 +371,8 @@ def test_a_hostile_name_is_text_and_runs_nothing(opened: Callable) -> None:
     assert page.js("window.hit") is None
     assert (
         page.js(
-            "document.querySelectorAll('img, svg:not(#fall-graph svg, #cube, #triad), .text script').length"
+            "document.querySelectorAll('img, svg:not(#fall-graph svg, #cube, #triad),"
+            " .text script').length"
         )
         == 0
     )

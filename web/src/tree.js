@@ -83,8 +83,9 @@ export class Tree {
     const group = node.part === null;
     if (group) element.setAttribute("aria-expanded", String(this.open.has(node.path)));
     put("span", "caret", group ? (this.open.has(node.path) ? "▾" : "▸") : "").setAttribute("aria-hidden", "true");
-    put("bdi", "label", node.label).title = node.path;
-    const { mass, grounded } = this.page.parts;
+    const { mass, grounded, tails } = this.page.parts;
+    const label = node.label.includes("/") && !group ? tails[node.part] : node.label;
+    put("bdi", "label", label).title = node.path;
     const held = node.parts.filter((part) => grounded[part]).length;
     const marks = held ? (group && held < node.parts.length ? `${held} held` : "held") : "";
     put("span", "soft", marks);
