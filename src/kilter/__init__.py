@@ -83,7 +83,6 @@ if TYPE_CHECKING:
     from kilter.publish import animate as animate
     from kilter.publish import draw as draw
     from kilter.publish import report as report
-    from kilter.publish import view as view
     from kilter.rigid import Pose as Pose
     from kilter.scenes import example as example
     from kilter.scenes.registry import Example as Example
@@ -93,6 +92,7 @@ if TYPE_CHECKING:
     from kilter.shape.primitives import Prism as Prism
     from kilter.shape.primitives import Sphere as Sphere
     from kilter.tell.levels import VerdictWord as VerdictWord
+    from kilter.workbench.view import view as view
 
 __version__ = "0.1.0"
 
@@ -116,7 +116,7 @@ _HOMES = {
     "save": "kilter.contact.fits.choices_saving",
     "transport": "kilter.analysis.transport.transport",
     "verify": "kilter.analysis.verification",
-    "view": "kilter.publish",
+    "view": "kilter.workbench.view",
     # further functions
     "animate": "kilter.publish",
     "check_many": "kilter.analysis.many.check_many",

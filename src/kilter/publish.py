@@ -7,15 +7,12 @@ functions (`kilter.show`), which compute nothing.
 from __future__ import annotations
 
 import math
-import os
-import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from kilter.errors import InputError
-from kilter.files.fingerprint import fingerprint
 from kilter.work import EFFORT
 
 if TYPE_CHECKING:
@@ -30,9 +27,8 @@ if TYPE_CHECKING:
     from kilter.assembly.verb_keywords import AssemblyOrPath
     from kilter.contact import ContactSet, Tolerance
     from kilter.second_order.answer.path_places import PathPlaces
-    from kilter.show.serve import PageServer
 
-__all__ = ["Report", "animate", "draw", "report", "view"]
+__all__ = ["Report", "animate", "draw", "report"]
 
 DRAWING = 1.0
 """Time of a time limit that is kept for drawing the figure, at most half of it [s]."""
@@ -130,7 +126,6 @@ def report(
         time_limit=time_limit,
         margins=margins,
         command=command,
-        live=False,
         progress=progress,
     )
     if out is not None:
@@ -178,7 +173,6 @@ def _page(
     effort: float,
     time_limit: float | None,
     command: str,
-    live: bool,
     margins: bool = False,
     progress: Tell | None,
 ) -> Report:
@@ -207,129 +201,8 @@ def _page(
     if progress is not None:
         progress("page")
     name = title or title_of(assembly.source or "an assembly")
-    html = render(answers, name, command=command, live=live)
+    html = render(answers, name, command=command)
     return Report(html, str(answers.given.check["verdict"]))
-
-
-def view(
-    source: Assembly | str | Path,
-    *,
-    port: int = 0,
-    browser: bool = True,
-    read: Callable[[], Given] | None = None,
-    tolerance: Tolerance | None = None,
-    effort: float = EFFORT,
-    time_limit: float | None = None,
-    command: str = "",
-    say: Tell | None = None,
-    progress: Tell | None = None,
-) -> None:
-    """Show the page of an assembly in the browser and rebuild it whenever its file changes.
-
-    The page is served to this machine only. The function returns after an interrupt (Ctrl-C).
-
-    Parameters
-    ----------
-    source : Assembly or path
-        Assembly, or the file to watch.
-    port : int
-        Port of the server; 0 selects a free port.
-    browser : bool
-        Open the page in a browser.
-    read : callable, optional
-        Function that reads the file and returns the assembly, and its contacts or None; by
-        default `kilter.load`.
-    tolerance, effort, time_limit, progress
-        See `kilter.check`.
-    command : str
-        Command that shows the page, printed on it.
-    say : callable, optional
-        Function that is called with a line for the user: the URL, and each change.
-
-    Raises
-    ------
-    InputError
-        If the port is not available, or for the reasons of `report`.
-    """
-    from kilter.show.serve import PageServer
-
-    tell = say or (lambda line: None)
-    path = os.fspath(source) if isinstance(source, str | os.PathLike) else None
-
-    def build() -> Report:
-        """Read the source of `view` and build its page."""
-        if progress is not None:
-            progress("reading")
-        assembly, contacts = read() if read is not None else _read(source)
-        return _page(
-            assembly,
-            contacts,
-            title="" if path is None else title_of(path),
-            tolerance=tolerance,
-            effort=effort,
-            time_limit=time_limit,
-            command=command,
-            live=True,
-            progress=progress,
-        )
-
-    watch = None if path is None else _FileWatch(path, build, tell, command)
-    first = build()
-    with PageServer(first.html, port) as server:
-        try:
-            tell(f"{server.url}  ({first.verdict}; Ctrl-C ends it)")
-            if browser:
-                import webbrowser
-
-                webbrowser.open(server.url)
-            last = first.html
-            while True:
-                time.sleep(PAUSE)
-                if watch is not None:
-                    last = watch.look(server, last)
-        except KeyboardInterrupt:
-            return
-
-
-def _read(source: Any) -> Given:
-    """The assembly, loaded from a path or as given, and None in place of its contacts."""
-    if not isinstance(source, str | os.PathLike):
-        return source, None
-    from kilter.files import load
-
-    return load(os.fspath(source)), None
-
-
-class _FileWatch:
-    """Watch of a file that publishes a new page when the file has changed."""
-
-    def __init__(self, path: str, build: Callable[[], Report], tell: Tell, command: str) -> None:
-        self.path, self.build, self.tell, self.command = path, build, tell, command
-        self.seen = fingerprint(path)
-
-    def look(self, server: PageServer, last: str) -> str:
-        """Publish a new page if the file has changed; return the last valid page.
-
-        After a change the file is read with a delay, because it may be half written. If the file
-        is invalid, the last valid page is published below the error message.
-        """
-        from kilter.show.page import error_page
-
-        if fingerprint(self.path) == self.seen:
-            return last
-        time.sleep(PAUSE / 2)
-        self.seen = fingerprint(self.path)
-        try:
-            page = self.build()
-        except InputError as error:
-            # started by the command: the message names options instead of arguments
-            words = error.for_command if self.command else str(error)
-            server.publish(error_page(words, last))
-            self.tell(f"changed, but invalid: {words}")
-            return last
-        server.publish(page.html)
-        self.tell(f"changed: {page.verdict}")
-        return page.html
 
 
 def animate(subject: Order | Region | Verdict, out: str | Path | None = None) -> bytes:

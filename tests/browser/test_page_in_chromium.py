@@ -432,39 +432,6 @@ def test_a_thousand_bricks_are_drawn_at_once_and_turn_smoothly(opened: Callable)
     assert page.js("window.kilter.stage.renderer.info.render.calls") <= 12
 
 
-def test_view_turns_the_page_over_when_the_file_changes(chromium: Any) -> None:
-    from kilter.analysis.everything import everything
-    from kilter.show.page import error_page, render
-    from kilter.show.serve import PageServer
-
-    tower = render(everything(scene("tower")), "tower", live=True)
-    with PageServer(tower) as server:
-        page = chromium.new_page()
-        asked: list[str] = []
-        page.on("request", lambda request: asked.append(request.url))
-        page.goto(server.url)
-        assert page.inner_text("#verdict") == "Stable"
-        page.wait_for_timeout(900)
-        server.publish(error_page("part '<i>': is wrong", tower))
-        page.wait_for_selector(".problem")
-        assert page.inner_text(".problem").startswith("part '<i>': is wrong")
-        assert page.inner_text("#verdict") == "Stable"
-        server.publish(render(everything(scene("hanging-brick")), "tower", live=True))
-        page.wait_for_selector("#banner[data-verdict='unstable']")
-        assert page.inner_text("#verdict") == "Unstable"
-        # the direction that the user has set is kept
-        page.evaluate("window.kilter.ask([0, 0.6, -0.8])")
-        server.publish(render(everything(scene("wall")), "tower", live=True))
-        page.wait_for_selector("button.link:has-text('brick-5-5')")
-        # on a busy machine the page may reload again meanwhile
-        page.wait_for_function(
-            "window.kilter && Math.abs(window.kilter.down[1] - 0.6) < 1e-6"
-            " && Math.abs(window.kilter.down[2] + 0.8) < 1e-6"
-        )
-        assert all(url.startswith(server.url) for url in asked)
-        page.close()
-
-
 def seen(png: bytes) -> int:
     """Size of a PNG beyond that of an empty picture [byte], a measure of its content."""
     return len(png) - 2000

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 
 from numpy.typing import ArrayLike
 
@@ -41,7 +42,7 @@ from kilter.threads import on_one_thread
 from kilter.validate import number
 from kilter.work import EFFORT, Work, facts_of, units_of
 
-__all__ = ["check"]
+__all__ = ["check", "check_equilibrium"]
 
 CUT = "stopped at the time limit: the answer is what was proved until then"
 """Warning in an answer that the time limit cut short."""
@@ -141,28 +142,66 @@ def check(
     started = time.perf_counter()
     decision = decide(assembly, contacts, require=require, work=work)
     seconds["solve"] = time.perf_counter() - started
-    sentence = _sentence(decision, assembly, contacts)
-    warnings = _warnings(assembly, contacts, decision)
-    if work.cut:
-        warnings.append(CUT)
+    verdict = _verdict(decision, assembly, contacts, require)
+    cut = (CUT,) if work.cut else ()
+    return replace(
+        verdict,
+        warnings=(*verdict.warnings, *cut),
+        seconds=seconds,
+        effort=effort,
+        time_limit=time_limit if work.cut else None,
+        measures=measures,
+        decision=decision,
+        seconds_left=work.seconds,
+    )
+
+
+@on_one_thread
+def check_equilibrium(assembly: Assembly, contacts: ContactSet) -> Verdict:
+    """Decide only whether forces of equilibrium exist: a first answer while the rest is computed.
+
+    Second order, the deciding open pairs and remedies are left out. Forces and motion are proved.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        At least one part is held.
+    contacts : ContactSet
+        The contacts of this assembly.
+
+    Raises
+    ------
+    InputError
+        If no part is held.
+
+    Examples
+    --------
+    >>> from kilter.contact import contacts
+    >>> from kilter.scenes import scene
+    >>> tower = scene("tower")
+    >>> check_equilibrium(tower, contacts(tower)).verdict
+    'stable'
+    """
+    assembly.require_grounded()
+    decision = decide(assembly, contacts, require="equilibrium", second_order=False, question=False)
+    return _verdict(decision, assembly, contacts, "equilibrium")
+
+
+def _verdict(decision: Decision, assembly: Assembly, contacts: ContactSet, require: str) -> Verdict:
+    """The verdict of a decision, with its sentence and warnings, but without remedies."""
     return Verdict(
         VerdictWord(decision.verdict),
-        sentence,
+        _sentence(decision, assembly, contacts),
         assembly,
         contacts,
         decision.program,
         decision.judgement,
         decision.friction,
-        tuple(warnings),
-        seconds,
-        effort,
-        time_limit if work.cut else None,
-        decision.question,
-        require,
-        measures,
-        decision.second_order,
-        decision,
-        work.seconds,
+        tuple(_warnings(assembly, contacts, decision)),
+        {},
+        question=decision.question,
+        require=require,
+        second_order=decision.second_order,
     )
 
 

@@ -34,7 +34,15 @@ from kilter.second_order.answer.path_places import PathPlaces, find_path_places
 from kilter.threads import on_one_thread
 from kilter.work import EFFORT, stop_after
 
-__all__ = ["Answered", "Balance", "Everything", "MapMotions", "everything"]
+__all__ = [
+    "Answered",
+    "Balance",
+    "Everything",
+    "MapMotions",
+    "everything",
+    "full_answer",
+    "only_given",
+]
 
 T = TypeVar("T")
 Tell = Callable[[str], None]
@@ -230,7 +238,7 @@ def everything(
     left = None if time_limit is None else max(started + time_limit - time.perf_counter(), 0.0)
     verdict = check(assembly, contacts=contacts, effort=effort, time_limit=left, progress=progress)
     tell("motion")
-    given = _full_answer(verdict)
+    given = full_answer(verdict)
     notes: list[str] = []
     deadline = None if time_limit is None else started + time_limit
 
@@ -269,7 +277,25 @@ def everything(
     )
 
 
-def _full_answer(verdict: Verdict, sentence: str = "") -> Answered:
+def only_given(verdict: Verdict) -> Everything:
+    """The answer of a check alone, for a page that shows nothing else."""
+    return Everything(
+        assembly=verdict.assembly,
+        contacts=verdict.contacts,
+        given=full_answer(verdict),
+        recommended=None,
+        region=None,
+        inner=None,
+        none=False,
+        rays=(),
+        map=None,
+        margin=None,
+        change=None,
+        notes=(),
+    )
+
+
+def full_answer(verdict: Verdict, sentence: str = "") -> Answered:
     """The full answer for a verdict and its direction of gravity, with forces if it holds."""
     answer, down = verdict.to_dict(), verdict.assembly.down
     if answer["forces"] is None:
@@ -322,7 +348,7 @@ def _directions(
         if free <= NEAREST_PARTS:
             answer = orient(assembly, contacts=contacts, progress=tell)
             verdict = check(assembly.with_down(answer.down), contacts=contacts, effort=effort)
-            return answer.region, _full_answer(verdict, answer.sentence), answer.verdict == "none"
+            return answer.region, full_answer(verdict, answer.sentence), answer.verdict == "none"
         tell("stable region")
         stable = _region(assembly, contacts, notes)
     except InputError as error:
@@ -337,7 +363,7 @@ def _directions(
         return stable, None, False
     tell("recommended direction")
     verdict = check(assembly.with_down(center), contacts=contacts, effort=effort)
-    return stable, _full_answer(verdict, verdict.sentence), False
+    return stable, full_answer(verdict, verdict.sentence), False
 
 
 def _region(assembly: Assembly, contacts: ContactSet, notes: list[str]) -> Region:

@@ -311,27 +311,9 @@ class Asked:
 
     def command(self, name: str, *rest: str) -> str:
         """The command `name` with the options of this call, as a user types it."""
-        from kilter.files.choices import LOWEST
+        from kilter.files.option_words import option_words
 
-        words: list[str] = []
-        for key, value in self.typed.options().items():
-            option = f"--{key.replace('_', '-')}"
-            if key == "entries":  # those of --straps, which follow
-                continue
-            if key == "floor":
-                words += ["--floor"] if value == LOWEST else ["--floor", str(value)]
-            elif key == "down":
-                words += ["--down", *(repr(float(v)).removesuffix(".0") for v in value)]
-            elif key == "fasten":
-                words += [word for pair in value for word in ("--fasten", *pair)]
-            elif key == "bond":
-                words += [word for a, b, pull in value for word in ("--bond", a, b, f"{pull:.15g}")]
-            elif value is True:
-                words.append(option)
-            elif isinstance(value, list):
-                words += [word for entry in value for word in (option, str(entry))]
-            else:
-                words += [option, f"{value:g}" if isinstance(value, float) else str(value)]
+        words = option_words(self.typed.options())
         if self.straps is not None:
             words += ["--straps", str(self.straps)]
         return shell_words(["kilter", name, self.file, *words, *self.touch.words(), *rest])

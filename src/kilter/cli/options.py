@@ -439,8 +439,8 @@ def asks(
         shared = READING | (SEARCHING if searches else limits)
         kept = {"proof": (Proof, None)} if proves else {}
         last = kept | (FORMS if answers else {}) | {"quiet": (Quiet, False)}
-        several = any(parameter.name == "files" for parameter in declared_options)
-        first = [] if several else [_parameter("file", File)]
+        own = any(parameter.name in ("file", "files") for parameter in declared_options)
+        first = [] if own else [_parameter("file", File)]
         parameters = [
             *first,
             *(

@@ -5,12 +5,12 @@ from __future__ import annotations
 import sys
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from kilter.cli.asked import Asked
-from kilter.cli.declarations import Option
+from kilter.cli.declarations import Argument, Option
 from kilter.cli.exit_codes import WRITTEN
-from kilter.cli.options import asks
+from kilter.cli.options import HELP_OF_FILE, asks
 from kilter.cli.output import Progress, tell_warnings
 from kilter.errors import InputError, visible
 
@@ -75,9 +75,13 @@ def report(
     return WRITTEN
 
 
-@asks(searches=True, answers=False)
+@asks(answers=False)
 def view(
     asked: Asked,
+    file: Annotated[
+        str | None,
+        Argument(metavar="[FILE]", help=HELP_OF_FILE, show_default=False),
+    ] = None,
     port: Annotated[
         int,
         Option("--port", metavar="N", help="Port on this machine; a free port by default."),
@@ -85,37 +89,56 @@ def view(
     no_browser: Annotated[
         bool, Option("--no-browser", help="Serve the page, but open no browser.")
     ] = False,
+    host: Annotated[
+        list[str] | None,
+        Option(
+            "--host",
+            metavar="NAME",
+            help="Also answer requests for this host name, for a proxy in front of this machine. "
+            "Repeatable.",
+            show_default=False,
+        ),
+    ] = None,
 ) -> int:
-    """Show the page of an assembly in the browser, and update it whenever the file changes.
+    """Open the workbench in the browser: hold, join, load and leave out parts by clicks.
 
-    The page is served to this machine only. Ctrl-C ends it.
+    The options are the first choices, which the page changes and saves as X.kilter.json. Without
+    FILE the page lists the files of this folder and the examples.
+
+    The page is served to this machine only. Ctrl-C ends it; the changes are kept beside FILE.
     """
-    from kilter import publish
+    from kilter.workbench.view import view as open_workbench
 
-    if asked.file == "-":
+    if file == "-":
         raise InputError("view cannot watch standard input", hint="give a file or a folder")
     if not 0 <= port < 2**16:
         raise InputError(f"--port is {port}", hint="give a number from 0 to 65535")
-    with Progress(asked.quiet) as progress:
 
-        def say(line: str) -> None:
-            progress.done()
-            _say(line, quiet=asked.quiet)
+    def say(line: str) -> None:
+        _say(line, quiet=asked.quiet)
 
-        publish.view(
-            asked.file,
-            port=port,
-            browser=not no_browser,
-            read=lambda: asked.of_file(asked.file).read(progress),
-            # each reading of choices has its own tolerance
-            tolerance=None if asked.source else asked.tolerance,
-            effort=asked.effort,
-            time_limit=asked.time_limit,
-            command=asked.command("view"),
-            say=say,
-            progress=progress,
-        )
+    path, keys, down = (None, None, None) if file is None else _first_choices(asked.of_file(file))
+    open_workbench(
+        path, port=port, browser=not no_browser, hosts=host or (), keys=keys, down=down, say=say
+    )
     return WRITTEN
+
+
+def _first_choices(
+    asked: Asked,
+) -> tuple[Path, dict[str, Any] | None, tuple[float, float, float] | None]:
+    """The file to open, and the options as choices; None for the choices of the file itself."""
+    path = Path(asked.file)
+    if not path.exists():
+        raise InputError("no such file", file=str(path), hint="check the path")
+    if not (asked.typed.options() or asked.touch.words()):
+        return path, None, None
+    about = asked.source or path
+    from kilter.files.choices_writing import choices_about
+
+    options = {key: value for key, value in asked.reading.options().items() if key != "down"}
+    choices = choices_about(about, about.parent, options, **asked.all_touch.saved())
+    return about, choices.to_dict(), asked.reading.down
 
 
 def _say(line: str, *, quiet: bool) -> None:

@@ -29,6 +29,7 @@ from kilter.work import facts_of, stop_after, take_at_least
 
 __all__ = [
     "contacts",
+    "contacts_of_findings",
     "contacts_side_by_side",
     "detected_with_friction",
     "friction_needs_detection",
@@ -110,8 +111,20 @@ def contacts(
         if report_fact is not None:
             report_fact("contacts", touching_words(contact_set))
         report_stage("nearest parts")
-        alone = contact_set.alone
-        return dataclasses.replace(contact_set, neighbours=nearest_parts(assembly.geometry, alone))
+        return _with_neighbours(contact_set)
+
+
+def contacts_of_findings(
+    assembly: Assembly, findings: PairFindings, tolerance: Tolerance
+) -> ContactSet:
+    """The contacts of an assembly from complete findings about its pairs."""
+    return _with_neighbours(_contact_set(assembly, findings.search, findings, tolerance))
+
+
+def _with_neighbours(contact_set: ContactSet) -> ContactSet:
+    """Contacts with the nearest part of each part that touches nothing."""
+    geometry, alone = contact_set.assembly.geometry, contact_set.alone
+    return dataclasses.replace(contact_set, neighbours=nearest_parts(geometry, alone))
 
 
 def touching_words(contact_set: ContactSet) -> str:

@@ -21,6 +21,7 @@ from kilter.contact.curved.curved_patches import CurvedContacts, no_curved, with
 from kilter.contact.face_patches import FacePatches
 from kilter.contact.fits.overlap import find_overlaps
 from kilter.contact.gaps import RejectedPair, Tolerance
+from kilter.contact.kept_pairs import KeptPairs
 from kilter.contact.left_out import Overlap, UnsupportedContact
 from kilter.contact.patches import Patches
 from kilter.contact.planar.flat_contacts import FlatContacts, find_flat
@@ -100,6 +101,26 @@ class PairFindings:
             near=NearContacts.join([(begin, block.near) for begin, block in blocks]),
             overlaps=tuple(overlap for _, block in blocks for overlap in block.overlaps),
             near_edges=tuple(pair for _, block in blocks for pair in block.near_edges),
+        )
+
+    def among(self, kept: KeptPairs, search: ContactSearch) -> PairFindings:
+        """The findings about some of the pairs.
+
+        Parameters
+        ----------
+        kept : KeptPairs
+            The remaining pairs and parts.
+        search : ContactSearch
+            The search with only these pairs.
+        """
+        return PairFindings(
+            search=search,
+            flat=self.flat.among(kept),
+            curved=self.curved.among(kept),
+            smooth=self.smooth.among(kept, search),
+            near=self.near.among(kept),
+            overlaps=kept.records(self.overlaps),
+            near_edges=kept.records(self.near_edges),
         )
 
 

@@ -159,6 +159,14 @@ class Reading:
 
     def read(self, source: Any, *, progress: Callable[[str], None] | None = None) -> Assembly:
         """Read an assembly with these options, except the options that join parts."""
+        return self.read_content(self.content(source, progress=progress))
+
+    def content(self, source: Any, *, progress: Callable[[str], None] | None = None) -> FileContent:
+        """Read the content of a file, to which other options may be applied than these.
+
+        Of these options it uses the length unit and those of the format, and the reader of a STEP
+        file leaves out the parts of `without`.
+        """
         if self.units is not None:
             metres_per_unit(self.units)
         if "ground" not in self.saved:
@@ -167,13 +175,16 @@ class Reading:
             # imported late: files do not need these modules
             from kilter.files.objects.known_objects import read_object
 
-            content = FileContent(*read_object(source, self.format_options))
-        elif not os.fspath(source):
+            return FileContent(*read_object(source, self.format_options))
+        if not os.fspath(source):
             raise InputError(f"a file's path is {source!r:.60}", hint="give a path, or '-'")
-        else:
-            content = read_path(
-                source, self.format_options, without=self.without, progress=progress
-            )
+        return read_path(source, self.format_options, without=self.without, progress=progress)
+
+    def read_content(self, content: FileContent) -> Assembly:
+        """Apply these options to the content of a file, except the options that join parts.
+
+        A note of the assembly names the parts of saved choices that do not exist.
+        """
         names = (*content.assembly.names, *content.left_out)
         here, missing = self.for_parts(names)
         assembly = here.applied(content)

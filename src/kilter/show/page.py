@@ -25,10 +25,8 @@ if TYPE_CHECKING:
     from kilter.analysis.planning.order.explained import Explained
     from kilter.analysis.planning.order.order import Order
 
-__all__ = ["error_page", "render", "render_plan"]
+__all__ = ["fill_template", "render", "render_plan"]
 
-MAIN = "<main>"
-"""Tag in the template at which the content starts; it is unique, because titles are escaped."""
 SLOTS = ("bar", "above", "panels", "actions", "motion", "player", "side")
 """Slots of the template that hold the asset file of one kind of page."""
 REPORT = {"motion": "motion.html", "player": "fall.html", "side": "ball.html"}
@@ -39,7 +37,7 @@ PACKAGES = ("kilter", "numpy", "scipy", "highspy", "clarabel")
 """Packages whose versions the page states."""
 
 
-def render(answers: Everything, title: str, *, command: str = "", live: bool = False) -> str:
+def render(answers: Everything, title: str, *, command: str = "") -> str:
     """Build the HTML page of an assembly and its answers.
 
     Parameters
@@ -49,14 +47,10 @@ def render(answers: Everything, title: str, *, command: str = "", live: bool = F
         Title of the page; usually the name of the file.
     command : str
         Command that reproduces the page.
-    live : bool
-        For `kilter view`: the page asks its server for changes and reloads.
     """
     data = as_json({"title": readable(title), **build_scene(answers)})
     body = sections(answers, command=command, versions=_versions())
-    return _fill_template(
-        title, body, data, live=live, margins=change_card(answers) + margin_card(answers)
-    )
+    return fill_template(title, body, data, margins=change_card(answers) + margin_card(answers))
 
 
 def render_plan(order: Order, explained: Explained, title: str, *, command: str = "") -> str:
@@ -74,30 +68,33 @@ def render_plan(order: Order, explained: Explained, title: str, *, command: str 
     """
     data = as_json({"title": readable(title), **build_plan_scene(order, explained)})
     body = plan_sections(order, explained, command=command, versions=_versions())
-    return _fill_template(title, body, data, live=False, pieces=PLAN)
+    return fill_template(title, body, data, pieces=PLAN)
 
 
-def error_page(message: str, last: str) -> str:
-    """The previous page with an error message above it, for `kilter view` of an invalid file."""
-    problem = (
-        f'<p class="problem" role="alert">{text(message)}<br>'
-        "The page below shows the last valid version of the file.</p>"
-    )
-    return last.replace(MAIN, f"{MAIN}\n{problem}", 1)
-
-
-def _fill_template(
+def fill_template(
     title: str,
     body: str,
     data: str,
     *,
-    live: bool,
+    live: bool = False,
     margins: str = "",
     pieces: dict[str, str] | None = None,
 ) -> str:
-    """Fill the page template; `pieces` maps its slots to asset files, by default `REPORT`."""
+    """Fill the page template.
+
+    Parameters
+    ----------
+    title, body, data : str
+        Title as text, sections as HTML, data as JSON.
+    live : bool
+        Whether the page talks to its server.
+    margins : str
+        HTML of the cards below the picture.
+    pieces : dict, optional
+        Slots of the template and their asset files, by default `REPORT`.
+    """
     style, program = as_css() + _asset("page.css"), _asset("page.js")
-    scripts = [program, _asset("reload.js")] if live else [program]
+    scripts = [program]
     policy = "; ".join(
         [
             "default-src 'none'",

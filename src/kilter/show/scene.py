@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from kilter.assembly import Assembly
     from kilter.contact import ContactSet
 
-__all__ = ["build_scene", "build_things", "coincide"]
+__all__ = ["build_orientation", "build_scene", "build_things", "coincide"]
 
 
 SAME = 1e-12
@@ -46,10 +46,10 @@ def build_scene(answers: Everything) -> dict[str, Any]:
     same = coincide(answers)
     return {
         **things,
-        "given": _orientation(answers, answers.given, center),
+        "given": build_orientation(answers, answers.given, center),
         "recommended": None
         if recommended is None or same
-        else _orientation(answers, recommended, center),
+        else build_orientation(answers, recommended, center),
         "coincide": same,
         "region": _region(answers),
         "rays": _rays(answers, center),
@@ -196,8 +196,17 @@ def _open_pairs(contacts: ContactSet, center: Array) -> dict[str, Any]:
     return {"parts": pack(parts.reshape(-1, 2), "index"), "at": pack(middle - center)}
 
 
-def _orientation(answers: Everything, answer: Answered, center: Array) -> dict[str, Any]:
-    """JSON data of the answer for a direction of gravity: words, motions, and forces."""
+def build_orientation(answers: Everything, answer: Answered, center: Array) -> dict[str, Any]:
+    """JSON data of the answer for a direction of gravity: words, motions, and forces.
+
+    Parameters
+    ----------
+    answers : Everything
+    answer : Answered
+        The answer for one direction of gravity.
+    center : ndarray, shape (3,)
+        Point to which positions are relative, world frame [length unit].
+    """
     check, units = answer.check, answers.assembly.units
     count = len(answers.assembly.parts)
     motion = np.zeros((count, 6))

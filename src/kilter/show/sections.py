@@ -7,8 +7,8 @@ by `text` or `name_html`, so that it is never read as HTML.
 from __future__ import annotations
 
 import html
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 from kilter.show.packing import readable
 from kilter.show.scene import coincide
@@ -16,13 +16,24 @@ from kilter.tell.facts import facts
 from kilter.tell.numbers import number, vector
 from kilter.tell.region_facts import region_words
 from kilter.tell.rest_table import rest_table
-from kilter.tell.tables import Name, Table, forces_table, load_table, open_table, push_table, tables
+from kilter.tell.tables import (
+    Name,
+    Table,
+    forces_table,
+    load_table,
+    moving_table,
+    open_table,
+    push_table,
+    sentences,
+    tables,
+)
 
 if TYPE_CHECKING:
     from kilter.analysis.everything import Everything
 
 __all__ = [
     "LISTED",
+    "answer_html",
     "change_card",
     "facts_html",
     "made_section",
@@ -93,6 +104,26 @@ def sections(answers: Everything, *, command: str, versions: dict[str, str]) -> 
     return "\n".join(
         filter(None, [*parts, made_section(command, versions, ("live answers", LIVE))])
     )
+
+
+def answer_html(answer: Mapping[str, Any]) -> str:
+    """HTML of the answer of a command: sentences, facts, tables and warnings, every word escaped.
+
+    Parameters
+    ----------
+    answer : mapping
+        Data of the answer (`to_dict()`).
+    """
+    first = "".join(f"<p>{text(sentence)}</p>" for sentence in sentences(answer))
+    listed = moving_table(answer)
+    shown = [*([] if listed is None else [listed]), *tables(answer)]
+    body = [facts_html((term, text(words)) for term, words in facts(answer) if term not in ABOVE)]
+    for table in shown:
+        body += [f"<h3>{text(table.title.rstrip(':'))}</h3>", _table(table)]
+    warnings = "".join(f"<li>{text(warning)}</li>" for warning in answer.get("warnings", ()))
+    if warnings:
+        body.append(f"<h3>Warnings</h3><ul>{warnings}</ul>")
+    return first + "".join(body)
 
 
 def section(title: str, *body: str, rows: int = 0) -> str:

@@ -49,21 +49,21 @@ __all__ = ["find_curved"]
 def find_curved(search: ContactSearch) -> CurvedContacts:
     """Find the contacts of curved faces between the near pairs of parts of a search."""
     geometry, pairs = search.geometry, search.pairs
-    builder, unknown, raised = PatchBuilder(), np.empty((0, 3), dtype=np.int64), 0
+    builder, unknown = PatchBuilder(), np.empty((0, 3), dtype=np.int64)
+    raised = unknown[:, 0]
     owners = np.diff(geometry.surfaces.start) > 0
     rows = np.flatnonzero(owners[pairs].any(axis=1))
     if len(rows):
         both, flat = _near_surfaces(search, rows)
         builder, unknown = _build_patches(search, both, flat)
         doubt = geometry.surfaces.doubt
-        raised = len(
-            {
-                patch.pair
-                for patch in builder.touching
-                if max(doubt[k] if k >= 0 else 0.0 for k in patch.surface)
-                > search.limits.gap[patch.pair]
-            }
-        )
+        rough = {
+            patch.pair
+            for patch in builder.touching
+            if max(doubt[k] if k >= 0 else 0.0 for k in patch.surface)
+            > search.limits.gap[patch.pair]
+        }
+        raised = np.array(sorted(rough), dtype=np.int64)
     return pack(search, builder, unknown, raised)
 
 

@@ -17,6 +17,7 @@ from kilter.contact.contact_tolerances import MEAN_NORMAL, RIM_NORMAL
 from kilter.contact.curved.contact_points import PatchPoints
 from kilter.contact.curved.shared_walls import shared_depth
 from kilter.contact.gaps import APART, PENETRATES, RejectedPair
+from kilter.contact.kept_pairs import KeptPairs
 from kilter.contact.patches import Patches
 
 __all__ = ["CandidateLimits", "CurvedContacts", "CurvedPatch", "PatchBuilder", "SurfacePairs",
@@ -44,8 +45,8 @@ class CurvedContacts:
         Outer rows of the patches whose points lie inside the true cone of forces.
     rejected, overlaps
         As in `ContactSet`.
-    raised : int
-        Number of pairs whose gap tolerance was raised for surfaces recognised in meshes.
+    raised : ndarray of int, shape (k,)
+        Rows of the pairs whose gap tolerance was raised for surfaces recognised in meshes.
     """
 
     patches: Patches
@@ -55,14 +56,15 @@ class CurvedContacts:
     possible: PossibleContacts
     rejected: tuple[RejectedPair, ...]
     overlaps: tuple[Overlap, ...]
-    raised: int
+    raised: Index
 
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings about the pairs of parts whose gap tolerance was raised; empty without them."""
-        if not self.raised:
+        count = len(self.raised)
+        if not count:
             return ()
-        pairs = "1 pair" if self.raised == 1 else f"{self.raised} pairs"
+        pairs = "1 pair" if count == 1 else f"{count} pairs"
         return (
             f"curved faces recognised in meshes: the gap tolerance of {pairs} was raised to the "
             "height of the arcs over their triangles; a smaller clearance or interference is not "
@@ -83,7 +85,24 @@ class CurvedContacts:
             possible=PossibleContacts.join(block.possible for block in found),
             rejected=tuple(chain.from_iterable(block.rejected for block in found)),
             overlaps=tuple(chain.from_iterable(block.overlaps for block in found)),
-            raised=sum(block.raised for block in found),
+            raised=np.concatenate([block.raised + begin for begin, block in blocks]),
+        )
+
+    def among(self, kept: KeptPairs) -> CurvedContacts:
+        """The contacts of some of the pairs, with new numbers.
+
+        `surface` and the surfaces of `unknown` keep the numbers of the surfaces of all parts.
+        """
+        patches = kept.rows_of(self.patches.pair)
+        return CurvedContacts(
+            patches=kept.patches(self.patches),
+            surface=self.surface[patches],
+            zone=self.zone[patches],
+            unknown=kept.rows(self.unknown),
+            possible=kept.possible(self.possible),
+            rejected=kept.records(self.rejected),
+            overlaps=kept.records(self.overlaps),
+            raised=kept.rows(self.raised[:, None])[:, 0],
         )
 
 
@@ -298,11 +317,12 @@ def on_flat(points: Array, corners: Array, normal: Array, slack: float) -> Mask:
 
 def no_curved(search: ContactSearch) -> CurvedContacts:
     """The contacts of curved faces in a search without such faces: none."""
-    return pack(search, PatchBuilder(), np.empty((0, 3), dtype=np.int64), 0)
+    empty = np.empty((0, 3), dtype=np.int64)
+    return pack(search, PatchBuilder(), empty, empty[:, 0])
 
 
 def pack(
-    search: ContactSearch, builder: PatchBuilder, unknown: Index, raised: int
+    search: ContactSearch, builder: PatchBuilder, unknown: Index, raised: Index
 ) -> CurvedContacts:
     """Convert the patches of a builder to arrays, ordered by pair, with normals from a to b.
 
@@ -312,8 +332,8 @@ def pack(
     builder : PatchBuilder
     unknown : ndarray of int, shape (m, 3)
         Pairs of surfaces without a formula: see `CurvedContacts`.
-    raised : int
-        Number of pairs whose gap tolerance was raised for surfaces recognised in meshes.
+    raised : ndarray of int, shape (k,)
+        Rows of the pairs whose gap tolerance was raised for surfaces recognised in meshes.
     """
     rejected, overlaps = _resolve(search, builder)
     touching = sorted(builder.touching, key=lambda patch: patch.pair)

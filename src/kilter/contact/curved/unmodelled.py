@@ -23,6 +23,7 @@ from kilter.contact.contact_set import PossibleContacts, UnsupportedContact
 from kilter.contact.curved.edges_on_curves import edges_on_faces
 from kilter.contact.curved.rims import Force, possible_forces
 from kilter.contact.face_patches import FacePatches, explained
+from kilter.contact.kept_pairs import KeptPairs
 from kilter.contact.sharp.edges import Edges
 from kilter.contact.triangle_distance import near_triangles
 
@@ -43,6 +44,10 @@ class RoundContacts:
             tuple(contact for block in blocks for contact in block.unsupported),
             PossibleContacts.join(block.possible for block in blocks),
         )
+
+    def among(self, kept: KeptPairs) -> RoundContacts:
+        """The contacts of some of the pairs, with new numbers."""
+        return RoundContacts(kept.records(self.unsupported), kept.possible(self.possible))
 
 
 def no_round_contacts() -> RoundContacts:

@@ -117,11 +117,13 @@ def fasten_as_read(
     reading: Reading,
     *,
     tolerance: Tolerance | None = None,
+    find: Callable[[Assembly], ContactSet] | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> tuple[Assembly, ContactSet | None]:
     """The assembly with the joints and bonds of the reading options, and the contacts if found.
 
-    The contacts are returned too if they had to be detected, else None.
+    The contacts are returned too if they had to be detected, else None. `find` replaces the
+    detection, for a caller that keeps the contacts of earlier assemblies.
     """
     if not reading.fastens:
         return assembly, None
@@ -129,7 +131,11 @@ def fasten_as_read(
     assembly = with_decided_pairs(
         assembly, reading.entries.get("open_pairs", ()), tolerance=tolerance
     )
-    contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
+    contacts = (
+        detect.contacts(assembly, tolerance=tolerance, progress=progress)
+        if find is None
+        else find(assembly)
+    )
     bonded = assembly.with_bonds(_bonds(assembly, contacts, reading.bond))
     joined = fastened(
         bonded,

@@ -20,6 +20,7 @@ from kilter.contact.gaps import (
     nearest_gap,
     touches,
 )
+from kilter.contact.kept_pairs import KeptPairs
 from kilter.contact.patches import Patches
 from kilter.contact.planar.facet_overlays import FacetFrame, Pieces, facet_frames, overlaps_of
 from kilter.contact.planar.merging import merge
@@ -35,11 +36,24 @@ GAP_EDGES: Array = np.concatenate([[-np.inf], -DECADES[::-1], [0.0], DECADES, [n
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlatContacts:
-    """Result of the search for flat contacts: patches, near faces, and the histogram of gaps."""
+    """Result of the search for flat contacts: patches, near faces, and the gaps of opposed faces.
+
+    Attributes
+    ----------
+    patches : Patches
+    rejected : list of RejectedPair
+    gaps : ndarray of int, shape (n, 2)
+        Row of the pair, and interval of `GAP_EDGES`, of each gap between opposed faces.
+    """
 
     patches: Patches
     rejected: list[RejectedPair]
-    counts: Index
+    gaps: Index
+
+    @property
+    def counts(self) -> Index:
+        """Number of gaps in each interval of `GAP_EDGES`."""
+        return np.bincount(self.gaps[:, 1], minlength=len(GAP_EDGES) - 1)
 
     @staticmethod
     def join(blocks: Sequence[tuple[int, FlatContacts]]) -> FlatContacts:
@@ -47,7 +61,13 @@ class FlatContacts:
         return FlatContacts(
             Patches.join(block.patches.after(begin) for begin, block in blocks),
             [pair for _, block in blocks for pair in block.rejected],
-            np.sum([block.counts for _, block in blocks], axis=0),
+            np.concatenate([np.add(block.gaps, (begin, 0)) for begin, block in blocks]),
+        )
+
+    def among(self, kept: KeptPairs) -> FlatContacts:
+        """The contacts of some of the pairs, with new numbers."""
+        return FlatContacts(
+            kept.patches(self.patches), list(kept.records(self.rejected)), kept.rows(self.gaps)
         )
 
 
@@ -64,7 +84,7 @@ def find_flat(search: ContactSearch, smooth: SmoothJoints) -> FlatContacts:
     frames = facet_frames(facets, pair, i, j, limits.margin[pair])
     angle = search.angle + _angle_rounding(search, frames)
     size = np.minimum(geometry.size[facets.part[frames.i]], geometry.size[facets.part[frames.j]])
-    accepted, refused, counts = [], [], np.zeros(len(GAP_EDGES) - 1, dtype=np.int64)
+    accepted, refused, gaps = [], [], [np.empty((0, 2), dtype=np.int64)]
     for block in overlaps_of(geometry, facets, frames):
         pair_of = frames.pair[block.frame]
         limit = limits.gap[pair_of]
@@ -76,11 +96,12 @@ def find_flat(search: ContactSearch, smooth: SmoothJoints) -> FlatContacts:
             block.area
         )  # an overlap without width has no gap to count
         relative = (nearest_gap(block.gap) / size[block.frame])[wide & opposed]
-        counts += np.histogram(relative, bins=GAP_EDGES)[0]
+        interval = np.searchsorted(GAP_EDGES, relative, side="right") - 1
+        gaps.append(np.column_stack([pair_of[wide & opposed], interval]))
     patches, thin = merge(search, frames, accepted)
     rejected = _rejected_pairs(search, frames, refused, angle)
     rejected += _rejected_pairs(search, frames, thin, angle, THIN)
-    return FlatContacts(patches, rejected, counts)
+    return FlatContacts(patches, rejected, np.concatenate(gaps))
 
 
 def _angle_rounding(search: ContactSearch, frames: FacetFrame) -> Array:

@@ -27,7 +27,6 @@ import numpy as np
 from kilter.arrays import Array, Index, Mask
 from kilter.assembly.geometry import Geometry
 from kilter.contact.broad import Boxes
-from kilter.contact.contact_set import DegeneratePoints, PossibleContacts, UnsupportedContact
 from kilter.contact.contact_tolerances import LOOSE_GAP, MEETS_EXACTLY, ONE_POINT
 from kilter.contact.curved.rims import coaxial_clear, rims_clear
 from kilter.contact.curved.unmodelled import (
@@ -36,8 +35,11 @@ from kilter.contact.curved.unmodelled import (
     no_round_contacts,
     round_contacts,
 )
+from kilter.contact.degenerate_points import DegeneratePoints
 from kilter.contact.face_patches import FacePatches, explained, on_patches
 from kilter.contact.gaps import RejectedPair
+from kilter.contact.kept_pairs import KeptPairs
+from kilter.contact.left_out import PossibleContacts, UnsupportedContact
 from kilter.contact.patches import Patches
 from kilter.contact.sharp.edges import Edges, find_edges
 from kilter.contact.sharp.feature_pairs import EDGE, FACE, Meetings, PairBlock, meetings
@@ -79,6 +81,12 @@ class NearContacts:
             Patches.join(block.patches.after(begin) for begin, block in blocks),
             DegeneratePoints.join([block.degenerate for _, block in blocks]),
             RoundContacts.join([block.rounds for _, block in blocks]),
+        )
+
+    def among(self, kept: KeptPairs) -> NearContacts:
+        """The contacts of some of the pairs, with new numbers."""
+        return NearContacts(
+            kept.patches(self.patches), kept.degenerate(self.degenerate)[0], self.rounds.among(kept)
         )
 
 

@@ -34,6 +34,7 @@ from kilter.contact.contact_tolerances import (
     SMOOTH_LEAST,
     SMOOTH_UNSURE,
 )
+from kilter.contact.kept_pairs import KeptPairs
 from kilter.contact.left_out import PossibleContacts, UnsupportedContact
 from kilter.contact.patches import Patches
 from kilter.contact.planar.facet_overlays import facet_frames, overlaps_of
@@ -104,6 +105,18 @@ class SmoothJoints:
                 replace(joint, pair=joint.pair + begin)
                 for begin, block in blocks
                 for joint in block.joints
+            ),
+        )
+
+    def among(self, kept: KeptPairs, search: ContactSearch) -> SmoothJoints:
+        """The joints of some of the pairs, with the numbers of their search."""
+        rows = kept.new_row[np.array([joint.pair for joint in self.joints], dtype=np.int64)]
+        return SmoothJoints(
+            search,
+            tuple(
+                replace(joint, pair=row)
+                for joint, row in zip(self.joints, rows.tolist(), strict=True)
+                if row >= 0
             ),
         )
 

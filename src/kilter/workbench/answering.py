@@ -1,0 +1,254 @@
+"""Answers of the workbench as JSON data for the page: scene, verdict, open pairs, tabs."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from kilter.analysis.check import check, check_equilibrium
+from kilter.analysis.everything import full_answer, only_given
+from kilter.arrays import Array
+from kilter.assembly import Assembly
+from kilter.contact.fits.suggestions import suggest_joints
+from kilter.errors import InputError
+from kilter.show.scene import build_orientation, build_things
+from kilter.show.sections import answer_html
+from kilter.tell.facts import facts
+from kilter.tell.levels import REQUIRE
+from kilter.tell.open_words import pair_words
+from kilter.workbench.bodies import Bodies
+from kilter.workbench.command_line import command
+from kilter.workbench.live_assembly import Prepared
+
+if TYPE_CHECKING:
+    from kilter.analysis.verdict.verdict import Verdict
+
+__all__ = ["PHASES", "TABS", "answer_data", "prepared_check", "scene_data", "tab_data"]
+
+Tell = Callable[[str], None]
+PHASES = ("equilibrium", "complete")
+"""Phases of an answer, in order: the first is quick, the second is the answer of `check`."""
+LISTED = 500
+"""Largest number of open pairs and of suggestions that are sent to the page."""
+NOT_LISTED = ("seconds", "level")
+"""Facts that the page shows elsewhere, or not at all."""
+
+
+def scene_data(prepared: Prepared, bodies: Bodies, *, shapes: bool = True) -> dict[str, Any]:
+    """Data of the picture: shapes, parts, contact patches, open pairs and loads.
+
+    Parameters
+    ----------
+    prepared : Prepared
+    bodies : Bodies
+        Parts of the file.
+    shapes : bool
+        Whether to include the shapes; without them the page keeps those that it has.
+    """
+    assembly = prepared.assembly
+    things = build_things(assembly, prepared.contacts)
+    if not shapes:
+        things["shapes"] = None
+    things["parts"]["held_by"] = [_held_by(assembly, k, bodies) for k in range(len(assembly.parts))]
+    things["parts"]["density"] = [_density(assembly, k) for k in range(len(assembly.parts))]
+    things["parts"]["full_names"] = list(assembly.names)
+    things["left_out"] = list(prepared.left_out)
+    nothing = ("given", "recommended", "region", "rays", "map", "change")
+    return {**things, **dict.fromkeys(nothing), "coincide": False, "notes": []}
+
+
+def _held_by(assembly: Assembly, k: int, bodies: Bodies) -> str:
+    """Reason why a part is held: "file", "floor" or "choice"; empty for a free part."""
+    part = assembly.parts[k]
+    if not part.grounded:
+        return ""
+    if part.table and part.name not in bodies.names:
+        return "floor"
+    return "file" if part.name in bodies.held else "choice"
+
+
+def _density(assembly: Assembly, k: int) -> float | None:
+    """Density of a part [kg/m^3]; None if its mass is given instead."""
+    part = assembly.parts[k]
+    return None if part.given_mass is not None else part.density
+
+
+def prepared_check(prepared: Prepared, phase: str, progress: Tell | None = None) -> Verdict:
+    """The verdict on the present choices, as `kilter check` computes it from the saved choices.
+
+    The phase "equilibrium" stops when equilibrium is decided.
+    """
+    if phase == "equilibrium":
+        return check_equilibrium(prepared.assembly, prepared.contacts)
+    return check(
+        prepared.assembly,
+        contacts=prepared.contacts,
+        tolerance=prepared.tolerance,
+        require=REQUIRE,
+        progress=progress,
+    )
+
+
+def answer_data(verdict: Verdict, phase: str, center: Array) -> dict[str, Any]:
+    """Data of a verdict for the page.
+
+    Parameters
+    ----------
+    verdict : Verdict
+    phase : str
+        One of `PHASES`.
+    center : ndarray, shape (3,)
+        Point to which the positions of the picture are relative, world frame [length unit].
+    """
+    answers = only_given(verdict)
+    data = answers.given.check
+    units = verdict.assembly.units
+    pairs = [
+        {
+            "parts": pair["parts"],
+            "kind": pair["kind"],
+            "words": pair_words(pair, units),
+            "decides": bool(pair.get("decides")),
+        }
+        for pair in data["open_pairs"][:LISTED]
+    ]
+    complete = phase == "complete"
+    suggestions = suggest_joints(verdict.assembly, verdict.contacts) if complete else []
+    return {
+        "phase": phase,
+        "given": build_orientation(answers, answers.given, center),
+        "facts": [[term, words] for term, words in facts(data) if term not in NOT_LISTED],
+        "warnings": list(data["warnings"]),
+        "open": pairs,
+        "suggestions": [
+            {"parts": list(one.parts), "kind": one.kind, "words": one.why, "fixed": one.fixed}
+            for one in suggestions[:LISTED]
+        ],
+        "remedies": [
+            {**remedy, "actions": _actions(remedy["option"])} for remedy in data["remedies"]
+        ],
+        "html": answer_html(data) if complete else "",
+        "check": {key: data[key] for key in ("verdict", "level", "why")},
+    }
+
+
+def _actions(option: str) -> list[dict[str, Any]]:
+    """The actions of the page that have the effect of options of the command line.
+
+    The list is empty if an option has no action.
+    """
+    words, actions = shlex.split(option), []
+    while words:
+        name = words.pop(0)
+        if name == "--fasten":
+            actions.append({"do": "fasten", "parts": [words.pop(0), words.pop(0)], "on": True})
+        elif name in ("--fasten-suggested", "--fasten-overlaps", "--loose"):
+            actions.append({"do": name[2:].replace("-", "_"), "on": True})
+        elif name == "--friction":
+            actions.append({"do": "friction", "mu": float(words.pop(0))})
+        elif name in ("--gap", "--clearance"):
+            actions.append({"do": "tolerance", name[2:]: float(words.pop(0))})
+        elif name == "--without":
+            actions.append({"do": "leave_out", "parts": [words.pop(0)], "on": True})
+        elif name == "--ground":
+            actions.append({"do": "hold", "parts": [words.pop(0)], "on": True})
+        else:
+            return []
+    return actions
+
+
+# tabs ----------------------------------------------------------------------------------
+
+
+def _orient(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple[Any, list[str]]:
+    from kilter.analysis.turning.orientation import orient
+
+    return orient(prepared.assembly, contacts=prepared.contacts, progress=tell), []
+
+
+def _margin(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple[Any, list[str]]:
+    from kilter.analysis.margins.margin import margin
+
+    loads = bool(options.get("loads"))
+    answer = margin(prepared.assembly, contacts=prepared.contacts, loads=loads, progress=tell)
+    return answer, ["--loads"] * loads
+
+
+def _plan(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple[Any, list[str]]:
+    from kilter.analysis.planning.order.plan import plan
+
+    return plan(prepared.assembly, contacts=prepared.contacts, progress=tell), []
+
+
+def _hold(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple[Any, list[str]]:
+    from kilter.analysis.planning.hold.hold import hold
+
+    return hold(prepared.assembly, contacts=prepared.contacts, progress=tell), []
+
+
+def _transport(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple[Any, list[str]]:
+    from kilter.analysis.transport.transport import transport
+
+    asked: dict[str, Any] = {}
+    words: list[str] = []
+    if options.get("code"):
+        asked["code"] = str(options["code"])
+        words = ["--code", asked["code"]]
+    elif options.get("accelerate"):
+        asked["accelerate"] = [float(x) for x in options["accelerate"]]
+        words = ["--accelerate", *(f"{x:.15g}" for x in asked["accelerate"])]
+    answer = transport(prepared.assembly, contacts=prepared.contacts, progress=tell, **asked)
+    return answer, words
+
+
+def _contacts(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple[Any, list[str]]:
+    return prepared.contacts, []
+
+
+TABS = {
+    "orient": _orient,
+    "margin": _margin,
+    "plan": _plan,
+    "hold": _hold,
+    "transport": _transport,
+    "contacts": _contacts,
+}
+"""Function of each tab: it returns the answer, and the further words of its command."""
+
+
+def tab_data(
+    name: str,
+    prepared: Prepared,
+    keys: Mapping[str, Any],
+    options: Mapping[str, Any],
+    *,
+    saved: str | None,
+    center: Array,
+    progress: Tell,
+) -> dict[str, Any]:
+    """Data of a tab: the answer of the command of the same name, with its command line.
+
+    Raises
+    ------
+    InputError
+        If there is no such tab, or the question cannot be asked about this assembly.
+    """
+    if name not in TABS:
+        raise InputError(f"there is no tab {name!r:.40}", hint=f"use {', '.join(TABS)}")
+    answer, words = TABS[name](prepared, options, progress)
+    data = answer.to_dict()
+    orientation = None
+    if name == "orient" and data["found"]:
+        turned = prepared.assembly.with_down(data["down"])
+        verdict = check(turned, contacts=prepared.contacts.of(turned))
+        answers = only_given(verdict)
+        orientation = build_orientation(answers, full_answer(verdict), center)
+    return {
+        "name": name,
+        "data": data,
+        "html": answer_html(data),
+        "sentence": data.get("sentence", ""),
+        "command": command(name, keys, saved, words),
+        "orientation": orientation,
+    }

@@ -1,0 +1,137 @@
+"""Files that the workbench exports: report, proof, answer, contacts, figure, film and plan."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from kilter import publish
+from kilter.analysis.check import check
+from kilter.errors import InputError
+from kilter.files.choices import Choices
+from kilter.files.writing import json_lines, write_text
+from kilter.workbench.live_assembly import Prepared
+
+__all__ = ["EXPORTS", "export"]
+
+Tell = Callable[[str], None]
+
+
+def export(
+    kind: str, prepared: Prepared, folder: Path, job: Mapping[str, Any], progress: Tell
+) -> Path:
+    """Write a file of some kind to a folder and return its path.
+
+    Parameters
+    ----------
+    kind : str
+        Key of `EXPORTS`.
+    prepared : Prepared
+    folder : Path
+        An empty folder.
+    job : mapping
+        `keys` of the choices, `title` of the page, and the command line `command`.
+    progress : callable
+        Called with the name of each stage.
+
+    Raises
+    ------
+    InputError
+        If there is no such kind, or this answer has no such file.
+    """
+    if kind not in EXPORTS:
+        raise InputError(f"there is no export {kind!r:.40}", hint=f"use {', '.join(EXPORTS)}")
+    path = folder / kind
+    EXPORTS[kind](prepared, path, job, progress)
+    return path
+
+
+def _report(prepared: Prepared, path: Path, job: Mapping[str, Any], progress: Tell) -> None:
+    publish.report(
+        prepared.assembly,
+        path,
+        title=job["title"],
+        contacts=prepared.contacts,
+        tolerance=prepared.tolerance,
+        command=job["command"],
+        progress=progress,
+    )
+
+
+def _answer(prepared: Prepared, path: Path, job: Mapping[str, Any], progress: Tell) -> None:
+    data = _verdict(prepared, progress).to_dict()
+    write_text(path, json.dumps(data, ensure_ascii=False, indent=1) + "\n")
+
+
+def _proof(prepared: Prepared, path: Path, job: Mapping[str, Any], progress: Tell) -> None:
+    verdict = _verdict(prepared, progress)
+    if verdict.certificate is None:
+        raise InputError("this answer has no proof", hint="decide the open pairs first")
+    proof = verdict.proof(options=prepared.reading.options())
+    write_text(path, json.dumps(proof, ensure_ascii=False) + "\n")
+
+
+def _choices(prepared: Prepared, path: Path, job: Mapping[str, Any], progress: Tell) -> None:
+    write_text(path, json_lines(Choices.from_dict(dict(job["keys"])).to_dict()))
+
+
+def _contacts(prepared: Prepared, path: Path, job: Mapping[str, Any], progress: Tell) -> None:
+    lines = io.StringIO()
+    table = csv.writer(lines)
+    table.writerow(["part_a", "part_b", "kind", "area", "gap", "mu", "nx", "ny", "nz"])
+    for patch in prepared.contacts.to_dict()["patches"]:
+        table.writerow(
+            [
+                *patch["parts"],
+                patch["kind"],
+                patch["area"],
+                patch["gap"],
+                patch["mu"],
+                *patch["normal"],
+            ]
+        )
+    write_text(path, lines.getvalue())
+
+
+def _figure(prepared: Prepared, path: Path, job: Mapping[str, Any], progress: Tell) -> None:
+    publish.require_figure(path, None)
+    publish.draw(_verdict(prepared, progress), path)
+
+
+def _film(prepared: Prepared, path: Path, job: Mapping[str, Any], progress: Tell) -> None:
+    publish.animate(_verdict(prepared, progress), path)
+
+
+def _plan(prepared: Prepared, path: Path, job: Mapping[str, Any], progress: Tell) -> None:
+    from kilter.analysis.planning.order.plan import plan
+
+    order = plan(prepared.assembly, contacts=prepared.contacts, progress=progress)
+    if not order.found:
+        raise InputError(order.to_dict()["sentence"], hint="see the tab 'plan'")
+    publish.report(order, path, title=job["title"], command=job["command"])
+
+
+def _verdict(prepared: Prepared, progress: Tell) -> Any:
+    return check(
+        prepared.assembly,
+        contacts=prepared.contacts,
+        tolerance=prepared.tolerance,
+        progress=progress,
+    )
+
+
+EXPORTS: dict[str, Callable[[Prepared, Path, Mapping[str, Any], Tell], None]] = {
+    "report.html": _report,
+    "answer.json": _answer,
+    "proof.json": _proof,
+    "choices.kilter.json": _choices,
+    "contacts.csv": _contacts,
+    "figure.svg": _figure,
+    "film.glb": _film,
+    "plan.html": _plan,
+}
+"""Function of each export, by the name of its file."""

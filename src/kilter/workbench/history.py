@@ -1,0 +1,206 @@
+"""The changes of a session: undo, redo, revert, and their file beside the assembly file.
+
+The state of a session is the choices with which it began, and a list of actions. The list is kept
+in a file after each change (autosave), so that no choice is lost if a process ends.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from kilter.errors import InputError
+from kilter.files.strict_json import parse_json
+from kilter.workbench.actions import apply, is_preview
+from kilter.workbench.bodies import Bodies
+
+__all__ = ["Change", "History", "autosave_path"]
+
+FORM = 1
+"""Version of the form of the autosave file."""
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """An action of the user, with its label in the list of changes."""
+
+    action: Mapping[str, Any]
+    label: str
+
+
+@dataclass(slots=True)
+class History:
+    """The choices with which a session began, and the changes since then.
+
+    Attributes
+    ----------
+    base : dict
+        JSON data of the first choices.
+    bodies : Bodies
+    changes : list of Change
+        The changes that count, in order.
+    undone : list of Change
+        Changes that were undone, the next one to redo last.
+
+    Examples
+    --------
+    >>> history = History({"kilter": 1, "file": "a.step"}, Bodies(("plate", "rod")))
+    >>> history.add({"do": "hold", "parts": ["plate"], "on": True})
+    >>> history.add({"do": "friction", "mu": 0.3})
+    >>> history.keys
+    {'kilter': 1, 'file': 'a.step', 'held': ['plate'], 'friction': 0.3}
+    >>> history.revert(0)
+    >>> history.keys
+    {'kilter': 1, 'file': 'a.step', 'friction': 0.3}
+    >>> history.undo(), history.keys
+    ('friction 0.3', {'kilter': 1, 'file': 'a.step'})
+    """
+
+    base: dict[str, Any]
+    bodies: Bodies
+    changes: list[Change] = field(default_factory=list)
+    undone: list[Change] = field(default_factory=list)
+    _states: list[dict[str, Any]] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self._states = [self.base]
+        changes, self.changes = self.changes, []
+        for change in changes:
+            self._append(change.action)
+
+    @property
+    def keys(self) -> dict[str, Any]:
+        """JSON data of the present choices."""
+        return self._states[-1]
+
+    def keys_after(self, count: int) -> dict[str, Any]:
+        """JSON data of the choices after the first `count` changes.
+
+        Raises
+        ------
+        InputError
+            If there are not so many changes.
+        """
+        if not 0 <= count < len(self._states):
+            raise InputError(f"there are {len(self.changes)} changes", hint="choose one of them")
+        return self._states[count]
+
+    def add(self, action: Mapping[str, Any]) -> None:
+        """Apply an action. A preview replaces the preview before it; undone changes are dropped.
+
+        Raises
+        ------
+        InputError
+            If the action is invalid; nothing changes then.
+        """
+        last = self.changes[-1] if self.changes else None
+        replaces = (
+            last is not None
+            and is_preview(action)
+            and is_preview(last.action)
+            and last.action["do"] == action["do"]
+        )
+        if replaces:
+            keys, label = apply(action, self._states[-2], self.bodies)
+            self.changes[-1] = Change(dict(action), label)
+            self._states[-1] = keys
+        else:
+            self._append(action)
+        self.undone.clear()
+
+    def undo(self) -> str:
+        """Undo the last change and return its label; empty if there is none."""
+        if not self.changes:
+            return ""
+        self.undone.append(self.changes.pop())
+        self._states.pop()
+        return self.undone[-1].label
+
+    def redo(self) -> str:
+        """Redo the change that was undone last and return its label; empty if there is none."""
+        if not self.undone:
+            return ""
+        change = self.undone.pop()
+        self._append(change.action)
+        return change.label
+
+    def revert(self, index: int) -> None:
+        """Take back a single change; the later changes are applied again without it.
+
+        The reverted change becomes the one that `redo` applies next.
+
+        Raises
+        ------
+        InputError
+            If there is no such change, or a later change needs it; nothing changes then.
+        """
+        self.keys_after(index + 1)
+        rest = [*self.changes[:index], *self.changes[index + 1 :]]
+        gone = self.changes[index]
+        try:
+            without = History(self.base, self.bodies, rest)
+        except InputError as error:
+            raise InputError(
+                f"a later change needs {gone.label!r}: {error.what}", hint="undo the later change"
+            ) from None
+        self.changes, self._states = without.changes, without._states
+        self.undone.append(gone)
+
+    def go(self, count: int) -> None:
+        """Undo or redo changes until `count` changes count.
+
+        Raises
+        ------
+        InputError
+            If there are not so many changes.
+        """
+        if not 0 <= count <= len(self.changes) + len(self.undone):
+            raise InputError(f"there are {len(self.changes)} changes", hint="choose one of them")
+        while len(self.changes) > count:
+            self.undo()
+        while len(self.changes) < count:
+            self.redo()
+
+    def _append(self, action: Mapping[str, Any]) -> None:
+        keys, label = apply(action, self._states[-1], self.bodies)
+        self.changes.append(Change(dict(action), label))
+        self._states.append(keys)
+
+    # file ------------------------------------------------------------------------------
+
+    def to_text(self) -> str:
+        """The text of the autosave file."""
+        data = {
+            "kilter_workbench": FORM,
+            "base": self.base,
+            "changes": [dict(change.action) for change in self.changes],
+            "undone": [dict(change.action) for change in self.undone],
+        }
+        return json.dumps(data, ensure_ascii=False, indent=1) + "\n"
+
+    @classmethod
+    def from_text(cls, data: bytes, bodies: Bodies) -> History:
+        """The history that an autosave file holds.
+
+        Raises
+        ------
+        InputError
+            If the file is no autosave file, or one of its actions is invalid now.
+        """
+        content = parse_json(data)
+        if not isinstance(content, dict) or content.get("kilter_workbench") != FORM:
+            raise InputError("is no saved list of changes", hint="remove the file")
+        try:
+            changes = [Change(dict(action), "") for action in content["changes"]]
+            undone = [Change(dict(action), str(action["do"])) for action in content["undone"]]
+            return cls(dict(content["base"]), bodies, changes, undone)
+        except (KeyError, TypeError, ValueError):
+            raise InputError("is a damaged list of changes", hint="remove the file") from None
+
+
+def autosave_path(path: Path) -> Path:
+    """Path of the autosave file of an assembly file: beside it, hidden."""
+    return path.parent / f".{path.name}.workbench.json"

@@ -1,0 +1,133 @@
+"""Jobs of the worker process of the workbench: open a file, answer, compute a tab, export.
+
+Each job is a mapping with the key `job`. A job reports its results through a callable, which sends
+them to the session.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from kilter.errors import InputError
+from kilter.files.choices import digest, find_choices
+from kilter.workbench.answering import (
+    PHASES,
+    answer_data,
+    prepared_check,
+    scene_data,
+    tab_data,
+)
+from kilter.workbench.bodies import Bodies
+from kilter.workbench.live_assembly import LiveAssembly, Prepared
+
+__all__ = ["Jobs"]
+
+Report = Callable[[str, Any], None]
+Job = Mapping[str, Any]
+
+
+class Jobs:
+    """The jobs, and what they keep for the next job: file, contacts, and the last scene."""
+
+    def __init__(self) -> None:
+        self.live: LiveAssembly | None = None
+        self.bodies = Bodies()
+        self._shapes: Any = None
+
+    def run(self, job: Job, report: Report) -> None:
+        """Run a job; `report` is called with the kind and the data of each result.
+
+        Raises
+        ------
+        InputError
+            If the job cannot be done for a reason that the user can change.
+        """
+        steps = {
+            "open": self._open,
+            "answer": self._answer,
+            "tab": self._tab,
+            "compare": self._compare,
+            "export": self._export,
+        }
+        steps[job["job"]](job, report)
+
+    def _open(self, job: Job, report: Report) -> None:
+        """Read a file, or the file that choices name, and report its parts and first choices."""
+        path, base = Path(job["file"]), job.get("keys")
+        choices = find_choices(path) if base is None else None
+        about = path if choices is None else choices.path
+        live = LiveAssembly(about, _teller(report))
+        if base is None:
+            base = {"kilter": 1, "file": about.name} if choices is None else choices.to_dict()
+            base["file"] = about.name
+        base = {**base, "sha256": digest(about)}
+        if job.get("down") is not None:
+            size = float(np.linalg.norm(live.gravity(base)))
+            unit = np.array(job["down"]) / np.linalg.norm(job["down"])
+            base = {**base, "gravity": (size * unit + 0.0).tolist()}
+        bodies = live.bodies(base)
+        self.live, self.bodies, self._shapes = live, bodies, None
+        report("opened", {"path": str(about), "keys": base, "bodies": bodies})
+
+    def _prepare(self, job: Job) -> Prepared:
+        assert self.live is not None
+        return self.live.prepare(job["keys"])
+
+    def _answer(self, job: Job, report: Report) -> None:
+        """Answer the present choices: the scene, then the verdict in two phases."""
+        assert self.live is not None
+        self.live.progress = _teller(report)
+        prepared = self._prepare(job)
+        scene = scene_data(prepared, self.bodies)
+        if scene["shapes"] == self._shapes:
+            scene["shapes"] = None
+        else:
+            self._shapes = scene["shapes"]
+        report("scene", scene)
+        if not any(part.grounded for part in prepared.assembly.parts):
+            raise InputError("nothing is held", hint="select a part and hold it, or add the floor")
+        center = np.array(scene["center"])
+        for phase in PHASES:
+            verdict = prepared_check(prepared, phase, _teller(report))
+            report("answer", answer_data(verdict, phase, center))
+
+    def _tab(self, job: Job, report: Report) -> None:
+        """Compute a tab for the present choices."""
+        prepared = self._prepare(job)
+        center = np.array(scene_data(prepared, self.bodies)["center"])
+        data = tab_data(
+            job["name"],
+            prepared,
+            job["keys"],
+            job.get("options") or {},
+            saved=job.get("saved"),
+            center=center,
+            progress=_teller(report),
+        )
+        report("tab", data)
+
+    def _compare(self, job: Job, report: Report) -> None:
+        """Compare the answers of two states of the session."""
+        from kilter.workbench.comparison import comparison_data
+
+        assert self.live is not None
+        report("tab", comparison_data(self.live, job["labels"], job["states"], _teller(report)))
+
+    def _export(self, job: Job, report: Report) -> None:
+        """Make a file for the user to download."""
+        from kilter.workbench.exports import export
+
+        prepared = self._prepare(job)
+        with tempfile.TemporaryDirectory() as folder:
+            path = export(job["kind"], prepared, Path(folder), job, _teller(report))
+            report("file", {"name": path.name, "data": path.read_bytes()})
+
+
+def _teller(report: Report) -> Callable[[str], None]:
+    """A progress callable that reports each stage."""
+    return lambda stage: report("progress", stage)

@@ -1,0 +1,147 @@
+"""A file that stays read while the choices about it change.
+
+The content of the file and the findings of the contact search are kept. A change of held parts,
+joints, friction, masses, loads or gravity needs neither, and neither do parts that are left out.
+The assembly and the contacts are equal to those that `kilter check` reads from the saved choices.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from kilter.arrays import Array
+from kilter.assembly import Assembly
+from kilter.contact import ContactSet, Tolerance
+from kilter.contact.fits.chosen import Chosen, chosen, tolerance_of
+from kilter.contact.fits.fastening import fasten_as_read
+from kilter.contact.kept_contacts import KeptContacts
+from kilter.files.choices import Choices
+from kilter.files.file_content import FileContent
+from kilter.files.reading import Reading
+from kilter.units import metres_per_unit
+from kilter.workbench.bodies import Bodies
+
+__all__ = ["LiveAssembly", "Prepared"]
+
+Tell = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Prepared:
+    """An assembly as the choices describe it, with its contacts.
+
+    Attributes
+    ----------
+    assembly : Assembly
+    contacts : ContactSet
+    tolerance : Tolerance
+    reading : Reading
+        The choices as options of a reading, for proofs.
+    left_out : tuple of str
+        Parts of the file that the choices leave out.
+    """
+
+    assembly: Assembly
+    contacts: ContactSet
+    tolerance: Tolerance
+    reading: Reading
+    left_out: tuple[str, ...]
+
+
+class LiveAssembly:
+    """A file whose content and contacts are kept for the next choices.
+
+    Parameters
+    ----------
+    path : Path
+        The file, which is not a file of choices.
+    progress : callable, optional
+        Called with the name of each stage.
+    """
+
+    def __init__(self, path: Path, progress: Tell | None = None) -> None:
+        self.path = path
+        self.progress = progress or (lambda stage: None)
+        self._content: tuple[Any, FileContent] | None = None
+        self._kept: list[KeptContacts] = []
+
+    def bodies(self, keys: dict[str, Any]) -> Bodies:
+        """The parts of the file, read with the options of choices.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read.
+        """
+        _, content = self._read(self._chosen(keys))
+        assembly = content.assembly
+        metre = metres_per_unit(assembly.units)
+        return Bodies(
+            assembly.names,
+            frozenset(part.name for part in assembly.parts if part.grounded),
+            tuple((assembly.geometry.volume * metre**3).tolist()),
+        )
+
+    def gravity(self, keys: dict[str, Any]) -> Array:
+        """Acceleration of gravity with the options of choices, shape (3,) [m/s^2]."""
+        both = self._chosen(keys)
+        return np.asarray(both.reading.read_content(self._read(both)[1]).gravity)
+
+    def prepare(self, keys: dict[str, Any]) -> Prepared:
+        """The assembly and the contacts for the given choices.
+
+        Raises
+        ------
+        InputError
+            If the choices are invalid, or the file cannot be read.
+        """
+        both = self._chosen(keys)
+        tolerance = tolerance_of(both.choices)
+        _, content = self._read(both)
+        assembly = both.reading.read_content(content)
+        notes = [*assembly.notes, *both.notes]
+        assembly = replace(assembly, notes=notes, tolerance=tolerance)
+
+        def find(changed: Assembly) -> ContactSet:
+            return self._contacts(changed, tolerance, content)
+
+        joined, contacts = fasten_as_read(assembly, both.reading, tolerance=tolerance, find=find)
+        if contacts is None:
+            contacts = find(joined)
+        here = set(joined.names)
+        left_out = tuple(name for name in content.assembly.names if name not in here)
+        return Prepared(joined, contacts, tolerance, both.reading, left_out)
+
+    def _chosen(self, keys: dict[str, Any]) -> Chosen:
+        return chosen(Choices.from_dict(keys, folder=self.path.parent))
+
+    def _read(self, both: Chosen) -> tuple[Any, FileContent]:
+        """The content of the file; it is read again if the file or the reading options changed."""
+        whole = replace(both.reading, without=())
+        key = (both.reading.entries["sha256"], whole.format_options)
+        if self._content is None or self._content[0] != key:
+            self._content = key, whole.content(self.path, progress=self.progress)
+            self._kept.clear()
+        return self._content
+
+    def _contacts(
+        self, assembly: Assembly, tolerance: Tolerance, content: FileContent
+    ) -> ContactSet:
+        """The contacts of an assembly, from kept findings if they serve it."""
+        for kept in self._kept:
+            if kept.serves(assembly, tolerance):
+                return kept.contacts(assembly)
+        held = {part.name for part in content.assembly.parts if part.grounded}
+        kept = KeptContacts.find(assembly, tolerance, held=held, progress=self.progress)
+        # findings of the latest searches, for undo: with and without a floor, other tolerances
+        self._kept = [kept, *self._kept[: KEPT - 1]]
+        return kept.contacts(assembly)
+
+
+KEPT = 3
+"""Number of contact searches whose findings are kept; more need more memory."""

@@ -1,0 +1,372 @@
+"""HTTP and WebSocket server of the workbench, for this machine only.
+
+The server listens on the loopback address. Each request needs the token of the session, a host name
+of this machine (or one that the user allows, for a proxy), and, if the browser sends an origin, the
+origin of this host. So no foreign web page can use the workbench.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import re
+import secrets
+import socket
+import tempfile
+import threading
+from collections.abc import AsyncIterator, Callable, Sequence
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+
+import uvicorn
+from starlette.applications import Starlette
+from starlette.requests import HTTPConnection, Request
+from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from kilter.errors import InputError
+from kilter.files.limits import MOST_BYTES
+from kilter.show.workbench_page import workbench_page
+from kilter.workbench.session import Session
+
+__all__ = ["Workbench"]
+
+LOOPBACK = "127.0.0.1"
+LOCAL = ("127.0.0.1", "localhost", "[::1]")
+"""Host names of this machine; the port may differ, for a port that SSH forwards."""
+HEADERS = {
+    "Cache-Control": "no-store",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
+WAITING = 64
+"""Messages that wait for a slow page; with more, the page is disconnected and connects again."""
+
+
+class _Guard:
+    """Decides which requests are answered: token, host name and origin."""
+
+    def __init__(self, token: str, hosts: Sequence[str]) -> None:
+        self.token = token
+        self.hosts = (*LOCAL, *hosts)
+
+    def refusal(self, connection: HTTPConnection) -> str:
+        """Reason for which a request is refused; empty if it is answered."""
+        host = connection.headers.get("host", "")
+        if _name_of(host) not in self.hosts or len(connection.headers.getlist("host")) != 1:
+            return "this page is served to this machine only"
+        origin = connection.headers.get("origin")
+        if origin is not None and urlsplit(origin).netloc != host:
+            return "requests from other pages are refused"
+        given = connection.query_params.get("token", "")
+        if not secrets.compare_digest(given.encode(), self.token.encode()):
+            return "the address has no valid token: use the address that 'kilter view' printed"
+        return ""
+
+
+def _name_of(host: str) -> str:
+    """Host name of a Host header, without its port; empty if the header is no name and port."""
+    found = re.fullmatch(r"(\[[0-9A-Fa-f:]+\]|[^:\[\]]+)(:[0-9]{1,5})?", host)
+    return found[1] if found else ""
+
+
+def build_app(session_of: Callable[[], Session], token: str, hosts: Sequence[str]) -> Starlette:
+    """The ASGI application of a session."""
+    guard = _Guard(token, hosts)
+
+    def guarded(answer: Callable[[Request], Any]) -> Callable[[Request], Any]:
+        async def endpoint(request: Request) -> Response:
+            refusal = guard.refusal(request)
+            if refusal:
+                return PlainTextResponse(refusal + "\n", 403, headers=HEADERS)
+            try:
+                response: Response = await answer(request)
+            except InputError as error:
+                words = {"error": error.what, "hint": error.hint or ""}
+                response = JSONResponse(words, 409)
+            response.headers.update(HEADERS)
+            return response
+
+        return endpoint
+
+    async def page(request: Request) -> Response:
+        return HTMLResponse(
+            workbench_page(token), headers={"Content-Security-Policy": "frame-ancestors 'self'"}
+        )
+
+    async def upload(request: Request) -> Response:
+        session = session_of()
+        path = _place(session.uploads, request.query_params)
+        await _receive_file(request, path)
+        folder = request.query_params.get("folder")
+        return JSONResponse({"file": folder or path.relative_to(session.uploads).as_posix()})
+
+    async def export(request: Request) -> Response:
+        made = await session_of().export(request.path_params["kind"])
+        name = made["name"]
+        return Response(
+            made["data"],
+            media_type="application/octet-stream",
+            headers={"Content-Disposition": f'attachment; filename="{name}"'},
+        )
+
+    async def live(socket: WebSocket) -> None:
+        if guard.refusal(socket):
+            await socket.close(4403)
+            return
+        await socket.accept()
+        await _talk(session_of(), socket)
+
+    return Starlette(
+        routes=[
+            Route("/", guarded(page)),
+            Route("/upload", guarded(upload), methods=["POST"]),
+            Route("/export/{kind}", guarded(export)),
+            WebSocketRoute("/live", live),
+        ]
+    )
+
+
+def _place(uploads: Path, given: Any) -> Path:
+    """Path for an uploaded file in the temporary folder.
+
+    Raises
+    ------
+    InputError
+        If the name is no plain file name.
+    """
+    name, folder = given.get("name", ""), given.get("folder", "")
+    for word in (name, folder):
+        if Path(word).name != word or "\\" in word or word.startswith("."):
+            raise InputError(f"the name {word!r:.60} is not usable", hint="rename the file")
+    if not name:
+        raise InputError("the uploaded file has no name", hint="rename the file")
+    path: Path = uploads / folder / name
+    return path
+
+
+async def _receive_file(request: Request, path: Path) -> None:
+    """Write the body of a request to a file, up to the largest size of a file.
+
+    Raises
+    ------
+    InputError
+        If the body is larger, or cannot be written.
+    """
+    partial = path.with_name(f"{path.name}.partial")
+    size = 0
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with partial.open("wb") as file:
+            async for piece in request.stream():
+                size += len(piece)
+                if size > MOST_BYTES:
+                    raise InputError(
+                        f"the file is larger than {MOST_BYTES // 10**6} MB",
+                        hint="open it with 'kilter view FILE'",
+                    )
+                file.write(piece)
+        partial.replace(path)
+    except OSError as error:
+        raise InputError(f"the file cannot be kept: {error.strerror}", hint="free space") from None
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+async def _talk(session: Session, socket: WebSocket) -> None:
+    """Pass messages between a page and the session until the page leaves."""
+    outgoing: asyncio.Queue[str | None] = asyncio.Queue(WAITING)
+
+    def send(text: str) -> None:
+        try:
+            outgoing.put_nowait(text)
+        except asyncio.QueueFull:
+            session.leave(send)
+            with contextlib.suppress(asyncio.QueueEmpty):
+                while True:
+                    outgoing.get_nowait()
+            outgoing.put_nowait(None)
+
+    async def write() -> None:
+        while (text := await outgoing.get()) is not None:
+            await socket.send_text(text)
+        await socket.close(1013)
+
+    writer = asyncio.create_task(write())
+    session.join(send)
+    tasks: set[asyncio.Task[None]] = set()
+    try:
+        while True:
+            text = await socket.receive_text()
+            task = asyncio.create_task(_reply(session, text, send))
+            tasks.add(task)
+            task.add_done_callback(tasks.discard)
+    except WebSocketDisconnect:
+        pass
+    finally:
+        session.leave(send)
+        writer.cancel()
+
+
+async def _reply(session: Session, text: str, send: Callable[[str], None]) -> None:
+    """Handle a message of a page, and answer it."""
+    number: Any = None
+    try:
+        message = json.loads(text)
+        number = message.get("id")
+        reply = {"re": number, "ok": True, **await session.handle(message)}
+    except InputError as error:
+        reply = {"re": number, "ok": False, "error": error.what, "hint": error.hint or ""}
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        reply = {"re": number, "ok": False, "error": f"wrong request: {error}", "hint": ""}
+    send(json.dumps(reply))
+
+
+class Workbench:
+    """A workbench with its server: `run` serves until an interruption, `with` serves in a thread.
+
+    Parameters
+    ----------
+    path : Path or None
+        The file to open; None: the start page.
+    first : dict, optional
+        The first choices about the file, as `Session.open` takes them.
+    folder : Path, optional
+        Folder whose files may be opened; by default that of the file, or the working folder.
+    port : int
+        Port on this machine; 0 selects a free port.
+    hosts : sequence of str
+        Further host names, for a proxy.
+    say : callable, optional
+        Called with each line for the user.
+
+    Raises
+    ------
+    InputError
+        If the port is not available.
+    """
+
+    def __init__(
+        self,
+        path: Path | None,
+        *,
+        first: dict[str, Any] | None = None,
+        folder: Path | None = None,
+        port: int = 0,
+        hosts: Sequence[str] = (),
+        say: Callable[[str], None] = lambda line: None,
+    ) -> None:
+        self.token = secrets.token_urlsafe(16)
+        self._path, self._first, self._say = path, first or {}, say
+        self._folder = folder or (Path.cwd() if path is None else path.absolute().parent)
+        self._listening = _listen(port)
+        self.session: Session | None = None
+        app = build_app(lambda: _present(self.session), self.token, hosts)
+        app.router.lifespan_context = self._life
+        self._server = uvicorn.Server(
+            uvicorn.Config(
+                app,
+                log_level="critical",
+                access_log=False,
+                lifespan="on",
+                ws="websockets-sansio",
+                ws_max_size=MOST_MESSAGE,
+                timeout_graceful_shutdown=1,
+            )
+        )
+        self._thread = threading.Thread(target=self._serve, daemon=True)
+        self._started = threading.Event()
+
+    @property
+    def port(self) -> int:
+        """Port on which the server listens."""
+        return int(self._listening.getsockname()[1])
+
+    @property
+    def url(self) -> str:
+        """Address of the page, with the token."""
+        return f"http://{LOOPBACK}:{self.port}/?token={self.token}"
+
+    def run(self, ready: Callable[[], None] = lambda: None) -> None:
+        """Serve until an interruption; `ready` is called when the server answers."""
+        with contextlib.suppress(KeyboardInterrupt), self:
+            ready()
+            while self._thread.is_alive():
+                self._thread.join(STARTS)
+
+    def __enter__(self) -> Workbench:
+        # in a thread, since the server would replace the handlers of signals in the main thread
+        self._thread.start()
+        self._started.wait(STARTS)
+        return self
+
+    def __exit__(self, *details: object) -> None:
+        self._server.should_exit = True
+        self._thread.join(STARTS)
+        self._listening.close()
+
+    def _serve(self) -> None:
+        self._server.run(sockets=[self._listening])
+
+    @contextlib.asynccontextmanager
+    async def _life(self, app: Starlette) -> AsyncIterator[None]:
+        """Life of the session: from the start of the server to its end."""
+        with tempfile.TemporaryDirectory(prefix="kilter-") as uploads:
+            session = self.session = Session(self._folder, Path(uploads))
+            opening = None
+            if self._path is not None:
+                opening = asyncio.create_task(self._open(session, self._path))
+            self._started.set()
+            try:
+                yield
+            finally:
+                if opening is not None:
+                    opening.cancel()
+                await session.end()
+
+    async def _open(self, session: Session, path: Path) -> None:
+        """Open the first file; a failure is shown by the page and in the terminal."""
+        try:
+            await session.open(path, **self._first)
+        except InputError as error:
+            session.tell(str(error))
+            self._say(f"kilter: {error}")
+
+
+STARTS = 20.0
+"""Time in which the server starts or ends [s]."""
+
+
+def _present(session: Session | None) -> Session:
+    """The session, which exists while the server answers."""
+    assert session is not None
+    return session
+
+
+MOST_MESSAGE = 1 << 20
+"""Largest message of a page [bytes]."""
+
+
+def _listen(port: int) -> socket.socket:
+    """A listening socket on the loopback address.
+
+    Raises
+    ------
+    InputError
+        If the port is not available.
+    """
+    listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listening.bind((LOOPBACK, port))
+        listening.listen()
+    except OSError as error:
+        listening.close()
+        raise InputError(
+            f"port {port} is not available ({error.strerror})", hint="give another --port"
+        ) from None
+    return listening

@@ -1,0 +1,610 @@
+"""A session of the workbench: the opened file, the changes of the user, and the open pages.
+
+All pages of a session show the same state. A message of a page changes the state or asks a
+question; the session computes nothing itself but gives jobs to the worker process. A new state ends
+the job about an older state, and messages about older states are dropped.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from kilter.errors import InputError
+from kilter.files.choices import Choices, digest
+from kilter.files.choices_writing import require_place, write_choices
+from kilter.files.fingerprint import fingerprint
+from kilter.files.writing import write_text
+from kilter.workbench.actions import ACTIONS, is_preview
+from kilter.workbench.bodies import Bodies
+from kilter.workbench.command_line import command, needs_file, saved_name
+from kilter.workbench.history import History, autosave_path
+from kilter.workbench.materials import MATERIALS
+from kilter.workbench.worker_process import LAST, WorkerProcess
+
+__all__ = ["Session"]
+
+Send = Callable[[str], None]
+WATCH = 1.0
+"""Interval at which the session looks for changes of the file [s]."""
+FAULT = "kilter failed in this computation"
+"""Sentence about a fault of kilter itself."""
+
+
+@dataclass(slots=True, eq=False)
+class _Job:
+    """A job with the state that it belongs to, and the future of its caller."""
+
+    number: int
+    state: int
+    job: dict[str, Any]
+    waiter: asyncio.Future[Any] | None = None
+    tab: str = ""
+
+
+@dataclass(slots=True, eq=False)
+class _Sent:
+    """The last messages of the present state, for pages that connect later."""
+
+    scene: dict[str, Any] | None = None
+    answer: dict[str, Any] | None = None
+    problem: dict[str, Any] | None = None
+    tabs: dict[str, dict[str, Any]] = field(default_factory=dict)
+
+
+class Session:
+    """The state that all pages of the workbench share.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder whose files may be opened.
+    uploads : Path
+        Temporary folder of uploaded files.
+    """
+
+    def __init__(self, folder: Path, uploads: Path) -> None:
+        self.folder = folder.resolve()
+        self.uploads = uploads.resolve()
+        self.pages: set[Send] = set()
+        self.state = 0
+        self.path: Path | None = None
+        self.history = History({}, Bodies())
+        self.saved: Path | None = None
+        self.saved_keys: dict[str, Any] | None = None
+        self.message = ""
+        self.worker = WorkerProcess(self._hear)
+        self._numbers = 0
+        self._present: _Job | None = None
+        self._waiting: list[_Job] = []
+        self._sent = _Sent()
+        self._busy = ""
+        self._stamp: Any = None
+        self._shapes: Any = None
+        self._watch: asyncio.Task[None] | None = None
+        self._autosaves = True
+        self._worker_has_file = False
+
+    # pages -----------------------------------------------------------------------------
+
+    def join(self, page: Send) -> None:
+        """Add a page, and send it everything that the other pages show."""
+        self.pages.add(page)
+        page(_json(self.session_data()))
+        sent = self._sent
+        if sent.scene is not None:
+            page(_json({**sent.scene, "page": {**sent.scene["page"], "shapes": self._shapes}}))
+        for message in (sent.answer, sent.problem, *sent.tabs.values()):
+            if message is not None:
+                page(_json(message))
+
+    def leave(self, page: Send) -> None:
+        """Remove a page."""
+        self.pages.discard(page)
+
+    def broadcast(self, message: Mapping[str, Any]) -> None:
+        """Send a message to all pages."""
+        text = _json(message)
+        for page in tuple(self.pages):
+            page(text)
+
+    def session_data(self) -> dict[str, Any]:
+        """The state of the session as the pages show it."""
+        keys = self.history.keys
+        opened = self.path is not None
+        return {
+            "is": "session",
+            "state": self.state,
+            "file": self.path.name if self.path is not None else None,
+            "folder": str(self.folder),
+            "title": self.path.name if self.path is not None else "",
+            "choices": keys,
+            "changes": [
+                {"label": change.label, "action": dict(change.action)}
+                for change in self.history.changes
+            ],
+            "redo": [{"label": change.label} for change in reversed(self.history.undone)],
+            "saved": None if self.saved is None else self.saved.name,
+            "dirty": opened and keys != self.saved_keys,
+            "command": self.command("check") if opened else "kilter view",
+            "command_needs_save": opened and needs_file(keys) and keys != self.saved_keys,
+            "held_by_file": sorted(self.history.bodies.held),
+            "materials": [
+                {"name": one.name, "density": one.density, "source": one.source}
+                for one in MATERIALS
+            ],
+            "files": self._files(),
+            "examples": _examples(),
+            "busy": self._busy or None,
+            "missing": _missing(),
+            "message": self.message,
+        }
+
+    def command(self, name: str, *further: str) -> str:
+        """The command line that answers a question about the present state."""
+        saved = self.saved.name if self.saved is not None else None
+        return command(name, self.history.keys, saved, further)
+
+    def _files(self) -> list[str]:
+        """Names of the files and folders of the folder that can be opened."""
+        from kilter.files.file_content import ENDINGS
+
+        names = []
+        with contextlib.suppress(OSError):
+            for entry in sorted(self.folder.iterdir()):
+                if entry.name.startswith(".") or entry.name.endswith(".workbench.json"):
+                    continue
+                if entry.suffix.lower() in ENDINGS and entry.is_file():
+                    names.append(entry.name)
+        return names[:MOST_FILES]
+
+    # messages of pages -----------------------------------------------------------------
+
+    async def handle(self, message: Mapping[str, Any]) -> dict[str, Any]:
+        """Do what a page asks for, and return the reply.
+
+        Raises
+        ------
+        InputError
+            If the request is invalid.
+        """
+        what = message.get("do")
+        if what in ACTIONS:
+            self._require_file()
+            self.history.add({k: v for k, v in message.items() if k != "id"})
+            self._changed(preview=is_preview(message))
+        elif what in ("undo", "redo", "revert", "go"):
+            self._require_file()
+            self._walk(str(what), message)
+        elif what == "open":
+            await self._open_asked(message)
+        elif what == "close":
+            self._close()
+        elif what == "ask":
+            self._ask(message)
+        elif what == "compare":
+            self._compare(message)
+        elif what == "stop":
+            self._stop()
+        elif what == "save":
+            return {"saved": self._save(message.get("file"))}
+        else:
+            raise InputError(f"unknown request {what!r:.40}", hint="reload the page")
+        return {}
+
+    def _require_file(self) -> None:
+        if self.path is None:
+            raise InputError("no file is open", hint="open a file first")
+
+    def _walk(self, what: str, message: Mapping[str, Any]) -> None:
+        """Undo, redo, revert, or go to a number of changes."""
+        if what == "undo":
+            self.history.undo()
+        elif what == "redo":
+            self.history.redo()
+        elif what == "revert":
+            self.history.revert(int(message["index"]))
+        else:
+            self.history.go(int(message["index"]))
+        self._changed()
+
+    def _changed(self, *, preview: bool = False) -> None:
+        """Answer the new state, and keep the changes beside the file."""
+        self.state += 1
+        self.message = ""
+        self._sent.answer = self._sent.problem = None
+        self._sent.tabs.clear()
+        self._autosave()
+        self.broadcast(self.session_data())
+        self._answer()
+
+    def _answer(self) -> None:
+        self._submit({"job": "answer", "keys": self.history.keys})
+
+    def _ask(self, message: Mapping[str, Any]) -> None:
+        self._require_file()
+        name = str(message.get("tab"))
+        job = {
+            "job": "tab",
+            "name": name,
+            "keys": self.history.keys,
+            "options": dict(message.get("options") or {}),
+            "saved": None if self.saved is None else self.saved.name,
+        }
+        self._submit(job, tab=name)
+
+    def _compare(self, message: Mapping[str, Any]) -> None:
+        self._require_file()
+        counts = [int(message[key]) for key in ("a", "b")]
+        labels = [
+            "as opened" if not count else self.history.changes[count - 1].label
+            for count in counts
+            if self.history.keys_after(count) is not None
+        ]
+        states = [self.history.keys_after(count) for count in counts]
+        self._submit({"job": "compare", "labels": labels, "states": states}, tab="compare")
+
+    def _stop(self) -> None:
+        """End the present job and forget the waiting jobs."""
+        self._waiting.clear()
+        self.worker.interrupt()
+
+    # files -----------------------------------------------------------------------------
+
+    async def _open_asked(self, message: Mapping[str, Any]) -> None:
+        """Open a file of the folder, an uploaded file, or an example."""
+        if message.get("example"):
+            path = self._write_example(str(message["example"]))
+        else:
+            path = self._inside(str(message.get("file", "")))
+        await self.open(path)
+
+    def _inside(self, name: str) -> Path:
+        """Path of a file in the folder or among the uploads.
+
+        Raises
+        ------
+        InputError
+            If the path leaves these folders, or does not exist.
+        """
+        for folder in (self.folder, self.uploads):
+            path = Path(os.path.realpath(folder / name))
+            if name and path != folder and path.is_relative_to(folder) and path.exists():
+                return path
+        raise InputError(
+            f"there is no file {name!r:.80} in the opened folder", hint="drop the file on the page"
+        )
+
+    def _write_example(self, name: str) -> Path:
+        from kilter.files.writing import dump
+        from kilter.scenes.registry import SCENES, scene
+
+        if name not in SCENES:
+            raise InputError(f"there is no example {name!r:.40}", hint="choose one of the list")
+        path = self.uploads / f"{name}.kilter.json"
+        dump(scene(name), path)
+        return path
+
+    def tell(self, message: str) -> None:
+        """Show a sentence to the user."""
+        self.message = message
+        self.broadcast(self.session_data())
+
+    async def open(
+        self,
+        path: Path,
+        keys: dict[str, Any] | None = None,
+        down: Sequence[float] | None = None,
+    ) -> None:
+        """Open a file and answer it; the state of an earlier session is restored.
+
+        Parameters
+        ----------
+        path : Path
+            An assembly file, or a file of choices.
+        keys : dict, optional
+            JSON data of the first choices, about this file.
+        down : sequence of 3 float, optional
+            Direction of gravity in these choices; its size is that of the file.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read; the file that was open stays open.
+        """
+        self._stop()
+        waiter = asyncio.get_running_loop().create_future()
+        self._submit({"job": "open", "file": str(path), "keys": keys, "down": down}, waiter=waiter)
+        opened = await waiter
+        self.path = Path(opened["path"])
+        bodies: Bodies = opened["bodies"]
+        self._stamp = fingerprint(str(self.path))
+        self.saved = self.saved_keys = None
+        base = opened["keys"]
+        if keys is None and path != self.path:  # a file of choices was opened
+            self.saved, self.saved_keys = path, base
+        elif not base.keys() - {"kilter", "file", "sha256"}:
+            self.saved_keys = base  # nothing to lose
+        self.history = History(base, bodies)
+        self.message = ""
+        self._restore(bodies, given=keys is not None)
+        self._sent = _Sent()
+        self.state += 1
+        self.broadcast(self.session_data())
+        self._answer()
+        if self._watch is None:
+            self._watch = asyncio.create_task(self._watch_file())
+
+    def _restore(self, bodies: Bodies, *, given: bool) -> None:
+        """Take over the changes of an earlier session that were not saved."""
+        assert self.path is not None
+        kept = autosave_path(self.path)
+        if given or not kept.is_file():
+            return
+        try:
+            earlier = History.from_text(kept.read_bytes(), bodies)
+        except (InputError, OSError) as error:
+            self.message = f"the changes of the earlier session could not be restored: {error}"
+            return
+        same = {k: v for k, v in earlier.base.items() if k != "sha256"}
+        now = {k: v for k, v in self.history.base.items() if k != "sha256"}
+        if same != now or not (earlier.changes or earlier.undone):
+            return
+        earlier.base["sha256"] = self.history.base["sha256"]
+        self.history = History(self.history.base, bodies, earlier.changes, earlier.undone)
+        count = len(self.history.changes)
+        if count:
+            changes = "1 change" if count == 1 else f"{count} changes"
+            self.message = f"{changes} of the earlier session restored; undo takes them back"
+
+    def _autosave(self) -> None:
+        """Keep the changes in a file beside the assembly file."""
+        assert self.path is not None
+        try:
+            write_text(autosave_path(self.path), self.history.to_text())
+            self._autosaves = True
+        except InputError as error:
+            if self._autosaves:
+                self.message = f"the changes are not kept beside the file: {error.what}"
+            self._autosaves = False
+
+    def _save(self, name: str | None) -> str:
+        """Write the choices to a file beside the assembly file; return its name."""
+        self._require_file()
+        assert self.path is not None
+        target = self.path.parent / (name or saved_name(self.path.name))
+        if target.parent != self.path.parent or "/" in (name or "") or "\\" in (name or ""):
+            raise InputError("choices lie beside their file", hint="give a name without a folder")
+        if name is None and self.saved is not None:
+            target = self.saved
+        require_place(target)
+        keys = self.history.keys
+        if target.parent != self.path.parent:
+            keys = {**keys, "file": self.path.relative_to(target.parent).as_posix()}
+        write_choices(Choices.from_dict(keys, folder=target.parent), target)
+        self.saved, self.saved_keys = target, self.history.keys
+        self.message = f"saved as {target.name}"
+        self.broadcast(self.session_data())
+        return target.name
+
+    def _close(self) -> None:
+        """Return to the start page."""
+        self._stop()
+        self.path, self.history, self.message = None, History({}, Bodies()), ""
+        self._sent = _Sent()
+        self.state += 1
+        self.broadcast(self.session_data())
+
+    async def export(self, kind: str) -> dict[str, Any]:
+        """Make a file for download; the result has its name and content.
+
+        Raises
+        ------
+        InputError
+            If no file is open, or this state has no such file.
+        """
+        self._require_file()
+        assert self.path is not None
+        waiter: asyncio.Future[dict[str, Any]] = asyncio.get_running_loop().create_future()
+        job = {
+            "job": "export",
+            "kind": kind,
+            "keys": self.history.keys,
+            "title": self.path.name,
+            "command": self.command("report", "-o", "report.html"),
+        }
+        self._submit(job, waiter=waiter)
+        return await waiter
+
+    async def _watch_file(self) -> None:
+        """Read the file again whenever it changes on the disk."""
+        while True:
+            await asyncio.sleep(WATCH)
+            if self.path is None or self._present is not None:
+                continue
+            now = fingerprint(str(self.path))
+            if now == self._stamp:
+                continue
+            self._stamp = now
+            if not self.path.exists():
+                self.message = f"{self.path.name} was removed; its last content is shown"
+                self.broadcast(self.session_data())
+                continue
+            history, saved = self.history, (self.saved, self.saved_keys)
+            try:
+                await self.open(self.path, {**history.base, "sha256": digest(self.path)})
+            except InputError as error:
+                self.message = f"{error.what}; the last valid content is shown"
+                self.broadcast(self.session_data())
+                continue
+            self.saved, self.saved_keys = saved
+            self._reapply(history)
+
+    def _reapply(self, history: History) -> None:
+        """Apply the changes of a history to the file as it is now; name those that do not fit."""
+        lost = []
+        for change in history.changes:
+            try:
+                self.history.add(change.action)
+            except InputError:
+                lost.append(change.label)
+        self._changed()
+        dropped = f"; these changes do not fit any more: {', '.join(lost)}" if lost else ""
+        self.message = f"the file changed and was read again{dropped}"
+        self.broadcast(self.session_data())
+
+    # jobs ------------------------------------------------------------------------------
+
+    def _submit(
+        self,
+        job: dict[str, Any],
+        *,
+        waiter: asyncio.Future[Any] | None = None,
+        tab: str = "",
+    ) -> None:
+        """Queue a job. A new answer replaces the waiting ones and ends the one that runs."""
+        self._numbers += 1
+        new = _Job(self._numbers, self.state, job, waiter, tab)
+        if job["job"] == "answer":
+            self._waiting = [one for one in self._waiting if one.waiter is not None]
+            if self._present is not None and self._present.waiter is None:
+                self.worker.interrupt()
+        elif tab:
+            self._waiting = [one for one in self._waiting if one.tab != tab]
+        self._waiting.append(new)
+        self._next()
+
+    def _next(self) -> None:
+        """Start the next job if none runs."""
+        if self._present is not None or not self._waiting:
+            return
+        if not self._worker_has_file and self._waiting[0].job["job"] != "open":
+            self._waiting.insert(0, self._reopening())
+        job = self._waiting.pop(0)
+        self._present = job
+        self._tell_progress("reading" if job.job["job"] == "open" else "")
+        self.worker.start(job.number, job.job)
+
+    def _reopening(self) -> _Job:
+        """The job that makes a new worker process read the open file."""
+        waiter: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
+        waiter.add_done_callback(lambda done: done.cancelled() or done.exception())
+        self._numbers += 1
+        job = {"job": "open", "file": str(self.path), "keys": self.history.base}
+        return _Job(self._numbers, self.state, job, waiter)
+
+    def _hear(self, number: int, kind: str, data: Any) -> None:
+        """Take a message of the worker process."""
+        if kind in ("killed", "lost"):
+            self._worker_has_file = False
+        job = self._present
+        if job is None or number != job.number:
+            return
+        if kind == "progress":
+            self._tell_progress(data)
+        elif kind in ("scene", "answer", "tab"):
+            if job.state == self.state:
+                self._pass_on(kind, data)
+        elif kind in ("opened", "file"):
+            assert job.waiter is not None
+            self._worker_has_file = self._worker_has_file or kind == "opened"
+            if not job.waiter.done():
+                job.waiter.set_result(data)
+        if kind in LAST or kind in ("killed", "lost"):
+            self._finish(job, kind, data)
+
+    def _pass_on(self, kind: str, data: dict[str, Any]) -> None:
+        """Send a result to the pages, and keep it for later pages."""
+        if kind == "scene":
+            self._shapes = data["shapes"] or self._shapes
+            self._sent.scene = message = {"is": "scene", "state": self.state, "page": data}
+        elif kind == "answer":
+            self._sent.answer = message = {"is": "answer", "state": self.state, **data}
+        else:
+            message = {"is": "tab", "state": self.state, "error": "", **data}
+            self._sent.tabs[data["name"]] = message
+        self.broadcast(message)
+
+    def _finish(self, job: _Job, kind: str, data: Any) -> None:
+        """End a job: report a failure to its caller or to the pages, and start the next job."""
+        self._present = None
+        self._tell_progress("")
+        error = _failure(kind, data)
+        if job.waiter is not None and not job.waiter.done():
+            job.waiter.set_exception(error or InputError("the computation was stopped"))
+        elif error is not None and job.state == self.state:
+            self._tell_problem(job, error)
+        self._next()
+
+    def _tell_problem(self, job: _Job, error: InputError) -> None:
+        """Tell the pages why the present state, or a tab, has no answer."""
+        words = {"error": error.what, "hint": error.hint or ""}
+        if job.tab:
+            message = {"is": "tab", "name": job.tab, "state": self.state, "html": "", **words}
+        else:
+            message = {"is": "problem", "state": self.state, **words}
+            self._sent.problem = message
+        self.broadcast(message)
+
+    def _tell_progress(self, words: str) -> None:
+        self._busy = words
+        job = self._present
+        what = "" if job is None else job.tab or job.job["job"]
+        self.broadcast(
+            {"is": "progress", "what": what, "words": words or None, "working": job is not None}
+        )
+
+    async def end(self) -> None:
+        """End the worker process and the watch."""
+        if self._watch is not None:
+            self._watch.cancel()
+        self.worker.end()
+
+
+MOST_FILES = 500
+"""Largest number of files that the start page lists."""
+
+
+def _failure(kind: str, data: Any) -> InputError | None:
+    """The error that ended a job; None if it ended without an error."""
+    if kind == "error":
+        return InputError(data["error"], hint=data["hint"])
+    if kind == "fault":
+        last = str(data).strip().splitlines()[-1] if data else ""
+        return InputError(f"{FAULT}: {last}"[:300], hint="run 'kilter check' on the saved choices")
+    if kind == "lost":
+        return InputError(
+            "the computing process ended unexpectedly; it was started again", hint="try again"
+        )
+    if kind in ("stopped", "killed"):
+        return InputError("the computation was stopped", hint="change something, or ask again")
+    return None
+
+
+def _examples() -> list[str]:
+    """Names of the built-in examples."""
+    from kilter.scenes.registry import SCENES
+
+    return sorted(SCENES)
+
+
+def _missing() -> list[str]:
+    """Sentences about extras that are not installed and that files or exports need."""
+    from importlib.util import find_spec
+
+    missing = []
+    if find_spec("OCP") is None:
+        missing.append('STEP files need the extra "step": pip install "kilter[step]"')
+    if find_spec("matplotlib") is None:
+        missing.append('figures need the extra "figures": pip install "kilter[figures]"')
+    return missing
+
+
+def _json(message: Mapping[str, Any]) -> str:
+    return json.dumps(message, ensure_ascii=False, separators=(",", ":"))

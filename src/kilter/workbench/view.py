@@ -1,0 +1,86 @@
+"""`kilter.view`: open the workbench in the browser."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from kilter.assembly import Assembly
+from kilter.errors import InputError
+
+__all__ = ["view"]
+
+
+def view(
+    source: Assembly | str | Path | None = None,
+    *,
+    port: int = 0,
+    browser: bool = True,
+    hosts: Sequence[str] = (),
+    keys: dict[str, Any] | None = None,
+    down: Sequence[float] | None = None,
+    say: Callable[[str], None] | None = None,
+) -> None:
+    """Open the workbench: the page on which an assembly is held, joined, loaded and judged.
+
+    The page is served to this machine only. The function returns after an interruption (Ctrl-C).
+    Files of the folder of `source` can be opened from the page.
+
+    Parameters
+    ----------
+    source : Assembly or path, optional
+        Assembly, or a file; without it, the page begins with a list of files and examples.
+    port : int
+        Port of the server; 0 selects a free port.
+    browser : bool
+        Open the page in a browser.
+    hosts : sequence of str
+        Further host names under which a proxy serves the page.
+    keys : dict, optional
+        First choices about the file, as JSON data.
+    down : sequence of 3 float, optional
+        Direction of gravity in these choices.
+    say : callable, optional
+        Function that is called with each line for the user; the first is the address.
+
+    Raises
+    ------
+    InputError
+        If the port is not available, or the file does not exist.
+    """
+    # imported late: the server libraries take longer to import than kilter
+    from kilter.workbench.server import Workbench
+
+    tell = say or (lambda line: None)
+    with tempfile.TemporaryDirectory(prefix="kilter-") as folder:
+        path = _path_of(source, Path(folder))
+        first = {"keys": keys, "down": down}
+        bench = Workbench(path, first=first, port=port, hosts=hosts, say=tell)
+
+        def ready() -> None:
+            tell(bench.url)
+            if browser:
+                import webbrowser
+
+                webbrowser.open(bench.url)
+
+        bench.run(ready)
+
+
+def _path_of(source: Any, folder: Path) -> Path | None:
+    """Path of the file to open; an assembly is written to a temporary folder first."""
+    if source is None:
+        return None
+    if isinstance(source, Assembly):
+        from kilter.files import dump
+
+        path = folder / f"{Path(source.source or 'assembly').stem or 'assembly'}.kilter.json"
+        dump(source, path)
+        return path
+    path = Path(os.fspath(source))
+    if not path.exists():
+        raise InputError("no such file", file=str(path), hint="check the path")
+    return path

@@ -1,0 +1,84 @@
+"""The worker process of the workbench: it does one job at a time, and an interruption ends the job.
+
+The process keeps the file and its contacts from job to job (`kilter.workbench.jobs`). Messages are
+pickled tuples through pipes: to the worker (number, job), from the worker (number, kind, data). The
+last message about a job has the kind "done", "stopped", "error" or "fault".
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import traceback
+from types import FrameType
+from typing import Any
+
+from kilter.errors import InputError, KilterError
+from kilter.pipes import end_with_parent, receive, send
+
+__all__ = ["serve"]
+
+
+class _Interruption:
+    """Turns SIGINT into KeyboardInterrupt while a job runs; between jobs it is ignored."""
+
+    def __init__(self) -> None:
+        self.working = False
+
+    def hear(self, number: int, frame: FrameType | None) -> None:
+        """Handle SIGINT."""
+        if self.working:
+            self.working = False  # a second signal must not interrupt the report about the first
+            raise KeyboardInterrupt
+
+
+def serve() -> None:
+    """Do the jobs that arrive at standard input until it is closed."""
+    interruption = _Interruption()
+    signal.signal(signal.SIGINT, interruption.hear)
+    incoming, outgoing = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # output printed by a solver must not mix with the answers
+    end_with_parent()
+    from kilter.workbench.jobs import Jobs
+
+    jobs = Jobs()
+    send(outgoing, (0, "ready", None))
+    while True:
+        try:
+            number, job = receive(incoming)
+        except EOFError:
+            return
+        send(outgoing, _run(jobs, number, job, outgoing, interruption))
+
+
+def _run(
+    jobs: Any, number: int, job: dict[str, Any], outgoing: Any, interruption: _Interruption
+) -> tuple[int, str, Any]:
+    """Run a job; return the last message about it."""
+
+    def report(kind: str, data: Any) -> None:
+        working, interruption.working = interruption.working, False  # a message is sent whole
+        send(outgoing, (number, kind, data))
+        interruption.working = working
+
+    interruption.working = True
+    try:
+        jobs.run(job, report)
+    except KeyboardInterrupt:
+        return number, "stopped", None
+    except InputError as error:
+        return number, "error", {"error": _sentence(error), "hint": error.option or error.hint}
+    except KilterError as error:
+        return number, "error", {"error": str(error), "hint": ""}
+    except MemoryError:
+        return number, "error", {"error": "the memory of this machine does not suffice", "hint": ""}
+    except Exception:
+        return number, "fault", traceback.format_exc()
+    finally:
+        interruption.working = False
+    return number, "done", None
+
+
+def _sentence(error: InputError) -> str:
+    """The error as one sentence, with file and part and without the remedy."""
+    return str(InputError(error.what, file=error.file, part=error.part))

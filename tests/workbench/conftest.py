@@ -1,0 +1,36 @@
+"""A workbench whose process serves all tests of a module, and a page with Figure 8 opened anew."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from driver import Page
+
+import kilter
+from kilter.scenes import scene
+from kilter.workbench.server import Workbench
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("workbench")
+
+
+@pytest.fixture(scope="module")
+def bench(folder: Path) -> Iterator[Workbench]:
+    with Workbench(None, folder=folder) as workbench:
+        yield workbench
+
+
+@pytest.fixture
+def page(bench: Workbench, folder: Path) -> Iterator[Page]:
+    for path in folder.iterdir():
+        path.unlink()
+    kilter.dump(scene("paper-figure-8"), folder / "f8.kilter.json")
+    link = Page(bench)
+    assert link.say(do="open", file="f8.kilter.json")["ok"]
+    link.answer()
+    yield link
+    link.close()

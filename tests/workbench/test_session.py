@@ -1,0 +1,233 @@
+"""A session through the WebSocket: answers equal those of `check`, tabs, save, files, faults."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import time
+import urllib.error
+import urllib.request
+from pathlib import Path
+
+import pytest
+from driver import Page
+
+import kilter
+from kilter.scenes import scene
+from kilter.workbench.server import Workbench
+
+
+def test_held_parts_change_the_verdict_and_undo_takes_it_back(page: Page) -> None:
+    assert page.last["answer"]["check"]["verdict"] == "unstable"
+    held = page.after(do="hold", parts=["C3"], on=True)
+    command = page.last["session"]["command"]
+    assert command == "kilter check f8.kilter.json --ground C3"
+    expected = kilter.check(scene("paper-figure-8").with_grounded(["C3"]))
+    assert held["check"]["verdict"] == expected.verdict
+    assert page.after(do="undo")["check"]["verdict"] == "unstable"
+    assert page.after(do="redo")["check"] == held["check"]
+
+
+def test_the_saved_choices_give_the_same_answer(page: Page, folder: Path) -> None:
+    page.after(do="friction", mu=0.4)
+    page.after(do="hold", parts=["C2"], on=True)
+    shown = page.after(do="load", part="C3", force=[0, 0, -2])
+    assert page.say(do="save")["saved"] == "f8.choices.kilter.json"
+    session = page.last["session"]
+    assert session["command"] == "kilter check f8.choices.kilter.json"
+    assert not session["dirty"]
+    verdict = kilter.check(folder / "f8.choices.kilter.json")
+    assert shown["check"] == {k: verdict.to_dict()[k] for k in ("verdict", "level", "why")}
+    assert shown["given"]["sentence"] == verdict.sentence
+
+
+def test_a_second_page_shows_the_same_state(page: Page, bench: Workbench) -> None:
+    page.after(do="hold", parts=["C2"], on=True)
+    other = Page(bench)
+    other.hear(lambda message: message.get("is") == "answer")
+    assert other.last["session"]["choices"] == page.last["session"]["choices"]
+    assert other.last["scene"]["page"]["shapes"] is not None
+    other.say(do="friction", mu=0.2)
+    page.hear(lambda message: message.get("is") == "session")
+    assert page.last["session"]["choices"]["friction"] == 0.2
+    other.close()
+
+
+def test_tabs_have_answer_and_command(page: Page) -> None:
+    page.after(do="hold", parts=["C2"], on=True)
+    for name in ("orient", "margin", "hold", "plan", "contacts", "transport"):
+        assert page.say(do="ask", tab=name)["ok"]
+        tab = page.hear(lambda message: message.get("is") == "tab")
+        assert (tab["name"], tab["error"]) == (name, "")
+        assert tab["command"] == f"kilter {name} f8.kilter.json --ground C2"
+        assert "<" in tab["html"]
+
+
+def test_two_states_are_compared(page: Page) -> None:
+    page.after(do="hold", parts=["C2"], on=True)
+    page.after(do="hold", parts=["C3"], on=True)
+    page.say(do="compare", a=0, b=2)
+    tab = page.hear(lambda message: message.get("is") == "tab")
+    assert tab["sentence"] == "The verdict changes from unstable to stable."
+
+
+def test_a_problem_is_a_sentence_and_the_scene_stays(page: Page, folder: Path) -> None:
+    data = json.loads((folder / "f8.kilter.json").read_text())
+    for part in data["parts"]:
+        part.pop("grounded", None)
+    (folder / "free.kilter.json").write_text(json.dumps(data))
+    assert page.say(do="open", file="free.kilter.json")["ok"]
+    problem = page.answer()
+    assert (problem["is"], problem["error"]) == ("problem", "nothing is held")
+    assert page.last["scene"]["state"] == problem["state"]
+    assert page.after(do="floor", on=True)["is"] == "answer"
+
+
+@pytest.mark.parametrize(
+    ("request_", "said"),
+    [
+        ({"do": "open", "file": "../../etc/passwd"}, "there is no file"),
+        ({"do": "open", "file": "gone.step"}, "there is no file"),
+        ({"do": "open", "example": "gone"}, "there is no example"),
+        ({"do": "save", "file": "../x.kilter.json"}, "beside their file"),
+        ({"do": "save", "file": "f8.kilter.json"}, "is not overwritten"),
+        ({"do": "revert", "index": 3}, "there are 0 changes"),
+        ({"do": "nothing"}, "unknown request"),
+        ({"do": "go"}, "wrong request"),
+    ],
+)
+def test_a_wrong_request_is_refused_in_a_sentence(page: Page, request_: dict, said: str) -> None:
+    reply = page.say(**request_)
+    assert not reply["ok"]
+    assert said in reply["error"]
+    assert page.after(do="hold", parts=["C2"], on=True)["is"] == "answer"
+
+
+def test_an_example_opens(page: Page) -> None:
+    assert page.say(do="open", example="tower")["ok"]
+    assert page.answer()["check"]["verdict"] == "stable"
+    assert page.last["session"]["file"] == "tower.kilter.json"
+
+
+@pytest.mark.slow
+def test_changes_survive_the_end_of_the_server(tmp_path: Path) -> None:
+    kilter.dump(scene("paper-figure-8"), tmp_path / "f8.kilter.json")
+    for count in (0, 1):
+        with Workbench(tmp_path / "f8.kilter.json") as bench:
+            page = Page(bench)
+            page.opened()
+            assert len(page.last["session"]["changes"]) == count
+            if not count:
+                page.after(do="hold", parts=["C3"], on=True)
+            else:
+                assert "1 change of the earlier session restored" in page.last["session"]["message"]
+            page.close()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name != "posix", reason="the process is killed with a POSIX signal")
+def test_a_killed_worker_is_started_again(page: Page, bench: Workbench) -> None:
+    assert bench.session is not None
+    before = bench.session.worker.pid
+    os.kill(before, signal.SIGKILL)
+    deadline = time.monotonic() + 20
+    while bench.session.worker.pid == before and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert page.after(do="hold", parts=["C2"], on=True)["is"] == "answer"
+    assert bench.session.worker.pid not in (0, before)
+
+
+def test_a_changed_file_is_read_again(page: Page, folder: Path) -> None:
+    page.after(do="hold", parts=["C2"], on=True)
+    data = json.loads((folder / "f8.kilter.json").read_text())
+    data["parts"] = [part for part in data["parts"] if part["name"] != "C3"]
+    (folder / "f8.kilter.json").write_text(json.dumps(data))
+    page.hear(lambda m: m.get("is") == "session" and "was read again" in m["message"])
+    assert page.last["session"]["choices"]["held"] == ["C2"]
+    (folder / "f8.kilter.json").unlink()
+    page.hear(lambda m: m.get("is") == "session" and "was removed" in m["message"])
+
+
+def fetched(bench: Workbench, path: str, **headers: str) -> tuple[int, bytes]:
+    request = urllib.request.Request(f"http://127.0.0.1:{bench.port}{path}", headers=headers)
+    try:
+        with urllib.request.urlopen(request, timeout=60) as answer:
+            return answer.status, answer.read()
+    except urllib.error.HTTPError as error:
+        with error:
+            return error.code, error.read()
+
+
+def test_exports_are_those_of_the_commands(page: Page, bench: Workbench, folder: Path) -> None:
+    page.after(do="hold", parts=["C3"], on=True)
+    query = f"?token={bench.token}"
+    code, proof = fetched(bench, f"/export/proof.json{query}")
+    assert code == 200
+    (folder / "p.json").write_bytes(proof)
+    held = kilter.load(folder / "f8.kilter.json", ground="C3")
+    assert kilter.verify(held, json.loads(proof)).holds
+    code, choices = fetched(bench, f"/export/choices.kilter.json{query}")
+    assert json.loads(choices)["held"] == ["C3"]
+    code, answer = fetched(bench, f"/export/answer.json{query}")
+    assert json.loads(answer)["verdict"] == kilter.check(held).verdict
+    code, rows = fetched(bench, f"/export/contacts.csv{query}")
+    assert rows.startswith(b"part_a,part_b,kind")
+    code, refused = fetched(bench, f"/export/gone.txt{query}")
+    assert (code, b"there is no export" in refused) == (409, True)
+
+
+def test_only_this_machine_with_the_token_is_answered(bench: Workbench) -> None:
+    query = f"/?token={bench.token}"
+    own = f"127.0.0.1:{bench.port}"
+    assert fetched(bench, query)[0] == 200
+    assert fetched(bench, query, Host="localhost:9")[0] == 200  # a port that SSH forwards
+    assert fetched(bench, query, Origin=f"http://{own}")[0] == 200
+    for path, headers in (
+        ("/", {}),
+        ("/?token=guess", {}),
+        (query, {"Host": "elsewhere.example"}),
+        (query, {"Host": f"127.0.0.1:{bench.port}.elsewhere.example"}),
+        (query, {"Origin": "https://elsewhere.example"}),
+        ("/export/answer.json", {}),
+    ):
+        code, body = fetched(bench, path, **headers)
+        assert code == 403, (path, headers)
+        assert bench.token.encode() not in body
+    assert fetched(bench, f"/../../etc/passwd?token={bench.token}")[0] == 404
+
+
+def uploaded(bench: Workbench, name: str, data: bytes) -> tuple[int, dict]:
+    path = f"/upload?token={bench.token}&name={name}"
+    request = urllib.request.Request(f"http://127.0.0.1:{bench.port}{path}", data, method="POST")
+    try:
+        with urllib.request.urlopen(request, timeout=60) as answer:
+            return answer.status, json.load(answer)
+    except urllib.error.HTTPError as error:
+        with error:
+            return error.code, json.load(error)
+
+
+def test_an_uploaded_file_opens(page: Page, bench: Workbench, folder: Path) -> None:
+    data = (folder / "f8.kilter.json").read_bytes()
+    assert uploaded(bench, "dropped.kilter.json", data) == (200, {"file": "dropped.kilter.json"})
+    assert page.say(do="open", file="dropped.kilter.json")["ok"]
+    assert page.answer()["check"]["verdict"] == "unstable"
+    for name in ("..%2Fx.step", ".hidden", "", "a%5Cb.step"):
+        code, reply = uploaded(bench, name, data)
+        assert code == 409, name
+        assert reply["error"]
+
+
+def test_a_wrong_file_leaves_the_open_file_open(page: Page, bench: Workbench) -> None:
+    assert uploaded(bench, "wrong.step", b"not a step file")[0] == 200
+    reply = page.say(do="open", file="wrong.step")
+    assert not reply["ok"]
+    assert reply["error"]
+    assert page.last["session"]["file"] == "f8.kilter.json"
+    assert page.after(do="hold", parts=["C3"], on=True)["is"] == "answer"
+
+
+def test_a_port_that_is_taken_is_named(bench: Workbench) -> None:
+    with pytest.raises(kilter.InputError, match=f"port {bench.port} is not available"):
+        Workbench(None, port=bench.port)
