@@ -36,6 +36,9 @@ NEEDED = (
     "pydantic",
     "typer",
     "threadpoolctl",
+    "starlette",
+    "uvicorn",
+    "websockets",
 )
 """Required packages."""
 EXTRAS = {
@@ -273,13 +276,11 @@ def _verify_proof(folder: Path, name: str, proof: dict[str, Any]) -> None:
 
 def _page() -> str:
     """Check that a page survives writing to a file and serving on this machine."""
-    import urllib.request
     import webbrowser
 
     from kilter.analysis.everything import everything
     from kilter.scenes import scene
     from kilter.show.page import render
-    from kilter.workbench.server import Workbench
 
     html = render(everything(scene("tower")), "tower")
     with tempfile.TemporaryDirectory() as folder:
@@ -287,15 +288,11 @@ def _page() -> str:
         files.write_text(path, html)
         if path.read_bytes().decode("utf-8") != html:
             raise _WrongAnswer("a page changed when it was written to a file")
-    direct = urllib.request.build_opener(urllib.request.ProxyHandler({}))
-    with Workbench(None) as bench, direct.open(bench.url, timeout=10) as answer:
-        if b"kilter" not in answer.read():
-            raise _WrongAnswer("the page of the workbench was not served")
     try:
         webbrowser.get()
     except webbrowser.Error:
-        return "can be written and served; no browser found: use kilter view --no-browser"
-    return "can be written and served"
+        return "can be written; no browser found: use kilter view --no-browser"
+    return "can be written"
 
 
 _CHECKS: dict[str, Callable[[], str]] = {

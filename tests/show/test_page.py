@@ -17,7 +17,8 @@ from kilter import Assembly, Box, Part, Pose
 from kilter.analysis.everything import everything
 from kilter.scenes import SCENES, scene
 from kilter.scenes.walls import wall_of
-from kilter.show.page import error_page, render
+from kilter.show.page import render
+from kilter.show.workbench_page import workbench_page
 from kilter.tell.numbers import force
 from sampled import sampled
 
@@ -120,7 +121,7 @@ def test_a_name_in_the_table_stands_apart_from_the_direction_of_its_line(bad: st
 @pytest.mark.slow
 @pytest.mark.parametrize("live", [False, True])
 def test_only_the_programs_of_the_page_may_run_and_nothing_may_be_asked_for(live: bool) -> None:
-    page = render(everything(scene("tower")), "tower", live=live)
+    page = workbench_page("t0") if live else render(everything(scene("tower")), "tower")
     policy = re.search(r'http-equiv="Content-Security-Policy" content="([^"]*)"', page)
     assert policy is not None
     rules = dict(rule.strip().split(" ", 1) for rule in policy[1].split(";"))
@@ -132,7 +133,7 @@ def test_only_the_programs_of_the_page_may_run_and_nothing_may_be_asked_for(live
         for p in programs
     ]
     assert rules["script-src"].split() == digests
-    assert len(programs) == (2 if live else 1)
+    assert len(programs) == 1
     style = re.findall(r"<style>(.*?)</style>", page, re.S)
     digest = base64.b64encode(hashlib.sha256(style[0].encode()).digest()).decode()
     assert rules["style-src"] == f"'sha256-{digest}'"
@@ -307,16 +308,6 @@ def test_nothing_touching_is_a_page_too() -> None:
 
 
 @pytest.mark.slow
-def test_the_page_of_a_fault_shows_it_as_text_above_the_last_page_and_waits() -> None:
-    last = render(everything(scene("tower")), "<main>", live=True)
-    page = error_page("part '<b>': is wrong", last)
-    assert page.count('<p class="problem"') == 1
-    assert "&lt;b&gt;" in page
-    assert "<b>': is wrong" not in page
-    assert "connect-src 'self'" in page
-    assert data_of(page) == data_of(last)
-
-
 def test_the_drawing_has_no_way_to_compute() -> None:
     source = Path(kilter.__file__).parent / "show"
     for path in source.glob("*.py"):

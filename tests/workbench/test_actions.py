@@ -8,10 +8,12 @@ import pytest
 
 from kilter.errors import InputError
 from kilter.workbench.actions import ACTIONS, apply
-from kilter.workbench.bodies import Bodies
 from kilter.workbench.history import Change, History
+from kilter.workbench.opened_parts import OpenedParts
 
-BODIES = Bodies(("plate", "rod", "nut_1", "nut_2"), frozenset({"rod"}), (2e-3, 1e-3, 1e-5, 0.0))
+BODIES = OpenedParts(
+    ("plate", "rod", "nut_1", "nut_2"), frozenset({"rod"}), (2e-3, 1e-3, 1e-5, 0.0)
+)
 START = {"kilter": 1, "file": "a.step"}
 
 EFFECTS = [

@@ -14,7 +14,7 @@ from typing import Any
 
 from kilter.errors import InputError
 from kilter.files.choices import Choices
-from kilter.workbench.bodies import Bodies
+from kilter.workbench.opened_parts import OpenedParts
 
 __all__ = ["ACTIONS", "apply", "is_preview"]
 
@@ -24,7 +24,7 @@ STATES = ("joined", "touching", "apart")
 """Decisions about a pair of parts."""
 
 
-def apply(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
+def apply(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     """Apply an action to the keys of choices; return the new keys and a label of the change.
 
     Parameters
@@ -33,7 +33,7 @@ def apply(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
         `do` names the action; its other keys depend on it.
     keys : dict
         JSON data of the choices (`Choices.to_dict`).
-    bodies : Bodies
+    bodies : OpenedParts
 
     Raises
     ------
@@ -42,7 +42,7 @@ def apply(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
 
     Examples
     --------
-    >>> bodies = Bodies(("plate", "rod"), frozenset(), (1.0, 1.0))
+    >>> bodies = OpenedParts(("plate", "rod"), frozenset(), (1.0, 1.0))
     >>> keys = {"kilter": 1, "file": "a.step"}
     >>> apply({"do": "hold", "parts": ["plate"], "on": True}, keys, bodies)
     ({'kilter': 1, 'file': 'a.step', 'held': ['plate']}, 'hold plate')
@@ -63,14 +63,14 @@ def apply(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
 
 
 def is_preview(action: Action) -> bool:
-    """Whether an action is one of a series, such as the positions of a dragged slider."""
+    """Whether an action belongs to a series, such as the positions of a dragged slider."""
     return bool(action.get("live"))
 
 
 # parts ---------------------------------------------------------------------------------
 
 
-def _hold(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
+def _hold(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     parts, on = _parts(action, bodies), bool(action["on"])
     fixed = [name for name in parts if name in bodies.held]
     if fixed and not on:
@@ -81,7 +81,7 @@ def _hold(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
     return {"held": held}, f"{'hold' if on else 'release'} {_named(parts)}"
 
 
-def _leave_out(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
+def _leave_out(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     parts, on = _parts(action, bodies), bool(action["on"])
     left_out = _toggled(keys.get("left_out", []), parts, on, bodies)
     if on and len(bodies.matching(left_out)) == len(bodies.names):
@@ -89,7 +89,7 @@ def _leave_out(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
     return {"left_out": left_out}, f"{'leave out' if on else 'bring back'} {_named(parts)}"
 
 
-def _floor(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
+def _floor(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     on = action["on"]
     if on is False or on is None:
         return {"floor": None}, "no floor"
@@ -99,7 +99,7 @@ def _floor(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
     return {"floor": height}, f"floor at height {height:g}"
 
 
-def _material(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
+def _material(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     parts, density = _parts(action, bodies), action.get("density")
     kept = [entry for entry in keys.get("materials", []) if entry["parts"] not in parts]
     if density is None:
@@ -111,7 +111,7 @@ def _material(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
     return {"materials": [*kept, *map(_plain, more)]}, f"{_named(parts)}: {words}"
 
 
-def _mass(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
+def _mass(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     part, mass = str(action["part"]), _positive(action["mass"], "the mass")
     volume = bodies.volume_of(part)
     if volume <= 0:
@@ -123,7 +123,7 @@ def _mass(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
 # pairs ---------------------------------------------------------------------------------
 
 
-def _fasten(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
+def _fasten(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     a, b = _pair(action["parts"], bodies)
     joined = [pair for pair in keys.get("joined", []) if set(pair) != {a, b}]
     if action["on"]:
@@ -136,17 +136,17 @@ def _fasten(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
     return {"joined": joined}, f"do not join {a} and {b}"
 
 
-def _switch(key: str, words: str) -> Callable[[Action, Keys, Bodies], tuple[Keys, str]]:
+def _switch(key: str, words: str) -> Callable[[Action, Keys, OpenedParts], tuple[Keys, str]]:
     """The action that sets a choice that is only true or false."""
 
-    def change(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
+    def change(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
         on = bool(action["on"])
         return {key: on or None}, words if on else f"not: {words}"
 
     return change
 
 
-def _decide(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
+def _decide(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     pairs, state = [_pair(pair, bodies) for pair in action["pairs"]], action["as"]
     if state is not None and state not in STATES:
         raise InputError(f"a pair is {state!r:.40}", hint=f"use {', '.join(STATES)}")
@@ -158,7 +158,7 @@ def _decide(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
     return {"open_pairs": [*kept, *new]}, f"{about}: {words}"
 
 
-def _pair_friction(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
+def _pair_friction(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     a, b = _pair(action["parts"], bodies, floor=True)
     kept = [entry for entry in keys.get("friction_pairs", []) if set(entry["parts"]) != {a, b}]
     if action.get("mu") is None:
@@ -168,7 +168,7 @@ def _pair_friction(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, st
     return {"friction_pairs": [*kept, entry]}, f"friction of {a} and {b}: {mu:g}"
 
 
-def _joint(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
+def _joint(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     a, b = _pair(action["parts"], bodies, floor=True, ground=True)
     entry = {
         "parts": [a, b],
@@ -182,17 +182,17 @@ def _joint(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
     )
 
 
-def _bond(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
+def _bond(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     a, b = _pair(action["parts"], bodies, floor=True)
     pull = _not_negative(action["pull"], "the strength of the bond")
     entry = {"parts": [a, b], "pull": pull, "shear": action.get("shear")}
     return {"bonds": [*keys.get("bonds", []), _plain(entry)]}, f"bond of {a} and {b}: {pull:g} N"
 
 
-def _removal(key: str, words: str) -> Callable[[Action, Keys, Bodies], tuple[Keys, str]]:
+def _removal(key: str, words: str) -> Callable[[Action, Keys, OpenedParts], tuple[Keys, str]]:
     """The action that removes an entry of a list by its index."""
 
-    def change(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
+    def change(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
         index, entries = int(action["index"]), list(keys.get(key, []))
         if not 0 <= index < len(entries):
             raise InputError(f"there is no {words} number {index + 1}", hint="reload the page")
@@ -205,7 +205,7 @@ def _removal(key: str, words: str) -> Callable[[Action, Keys, Bodies], tuple[Key
 # forces --------------------------------------------------------------------------------
 
 
-def _load(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
+def _load(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     part = str(action["part"])
     if part not in bodies.names:
         raise InputError(f"there is no part {part!r:.60}", hint="select a part")
@@ -226,7 +226,7 @@ def _load(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
     return {"loads": loads}, f"load {int(index) + 1}: {size:.3g} N on {part}"
 
 
-def _scale_loads(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
+def _scale_loads(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     factor = _not_negative(action["factor"], "the factor of the loads")
     loads = [
         {
@@ -238,14 +238,14 @@ def _scale_loads(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]
     return {"loads": loads}, f"loads times {factor:g}"
 
 
-def _friction(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
+def _friction(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     if action.get("mu") is None:
         return {"friction": None}, "friction as in the file"
     mu = _not_negative(action["mu"], "the friction coefficient")
     return {"friction": mu}, f"friction {mu:g}"
 
 
-def _gravity(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
+def _gravity(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     if action.get("up") is not None:
         return {"up": str(action["up"]), "gravity": None}, f"{action['up']} points up"
     if action.get("down") is None:
@@ -266,19 +266,19 @@ GRAVITY = 9.81
 # reading -------------------------------------------------------------------------------
 
 
-def _units(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
+def _units(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     units = action.get("value")
     return {"units": units}, f"units {units}" if units else "units as in the file"
 
 
-def _density(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
+def _density(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     if action.get("value") is None:
         return {"density": None}, "density as in the file"
     value = _positive(action["value"], "the density")
     return {"density": value}, f"density {value:g} kg/m3"
 
 
-def _tolerance(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
+def _tolerance(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     old = keys.get("tolerance") or {}
     names = ("gap", "angle_deg", "clearance")
     new = _plain({name: action.get(name, old.get(name)) for name in names})
@@ -286,12 +286,12 @@ def _tolerance(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
     return {"tolerance": new}, f"tolerance: {words or 'default'}"
 
 
-def _contacts(action: Action, keys: Keys, bodies: Bodies) -> tuple[Keys, str]:
+def _contacts(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     source = action.get("value")
     return {"contacts": source}, f"contacts of the {source}" if source else "contacts: default"
 
 
-ACTIONS: dict[str, Callable[[Action, Keys, Bodies], tuple[Keys, str]]] = {
+ACTIONS: dict[str, Callable[[Action, Keys, OpenedParts], tuple[Keys, str]]] = {
     "hold": _hold,
     "floor": _floor,
     "leave_out": _leave_out,
@@ -323,8 +323,8 @@ ACTIONS: dict[str, Callable[[Action, Keys, Bodies], tuple[Keys, str]]] = {
 # values --------------------------------------------------------------------------------
 
 
-def _parts(action: Action, bodies: Bodies) -> list[str]:
-    """Names of the parts of an action, of which at least one must exist."""
+def _parts(action: Action, bodies: OpenedParts) -> list[str]:
+    """Names of the parts of an action; at least a single part must exist."""
     parts = [str(name) for name in action["parts"]]
     known = bodies.matching(parts)
     if not known:
@@ -333,7 +333,7 @@ def _parts(action: Action, bodies: Bodies) -> list[str]:
 
 
 def _pair(
-    parts: Sequence[str], bodies: Bodies, *, floor: bool = False, ground: bool = False
+    parts: Sequence[str], bodies: OpenedParts, *, floor: bool = False, ground: bool = False
 ) -> tuple[str, str]:
     a, b = (str(name) for name in parts)
     further = [*["floor"] * floor, *["ground"] * ground]
@@ -345,7 +345,7 @@ def _pair(
     return a, b
 
 
-def _toggled(patterns: Sequence[str], parts: list[str], on: bool, bodies: Bodies) -> list[str]:
+def _toggled(patterns: Sequence[str], parts: list[str], on: bool, bodies: OpenedParts) -> list[str]:
     """Patterns of names that include, or do not include, the given parts.
 
     Patterns with wildcards are replaced by names if they match a part that is not included.

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from kilter.analysis.check import check, check_equilibrium
 from kilter.analysis.everything import full_answer, only_given
+from kilter.analysis.margins.margin import margin
+from kilter.analysis.planning.hold.hold import hold
+from kilter.analysis.planning.order.plan import plan
+from kilter.analysis.transport.transport import transport
+from kilter.analysis.turning.orientation import orient
+from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact.fits.suggestions import suggest_joints
@@ -17,12 +23,9 @@ from kilter.show.sections import answer_html
 from kilter.tell.facts import facts
 from kilter.tell.levels import REQUIRE
 from kilter.tell.open_words import pair_words
-from kilter.workbench.bodies import Bodies
 from kilter.workbench.command_line import command
 from kilter.workbench.live_assembly import Prepared
-
-if TYPE_CHECKING:
-    from kilter.analysis.verdict.verdict import Verdict
+from kilter.workbench.opened_parts import OpenedParts
 
 __all__ = ["PHASES", "TABS", "answer_data", "prepared_check", "scene_data", "tab_data"]
 
@@ -35,13 +38,13 @@ NOT_LISTED = ("seconds", "level")
 """Facts that the page shows elsewhere, or not at all."""
 
 
-def scene_data(prepared: Prepared, bodies: Bodies, *, shapes: bool = True) -> dict[str, Any]:
+def scene_data(prepared: Prepared, bodies: OpenedParts, *, shapes: bool = True) -> dict[str, Any]:
     """Data of the picture: shapes, parts, contact patches, open pairs and loads.
 
     Parameters
     ----------
     prepared : Prepared
-    bodies : Bodies
+    bodies : OpenedParts
         Parts of the file.
     shapes : bool
         Whether to include the shapes; without them the page keeps those that it has.
@@ -58,7 +61,7 @@ def scene_data(prepared: Prepared, bodies: Bodies, *, shapes: bool = True) -> di
     return {**things, **dict.fromkeys(nothing), "coincide": False, "notes": []}
 
 
-def _held_by(assembly: Assembly, k: int, bodies: Bodies) -> str:
+def _held_by(assembly: Assembly, k: int, bodies: OpenedParts) -> str:
     """Reason why a part is held: "file", "floor" or "choice"; empty for a free part."""
     part = assembly.parts[k]
     if not part.grounded:
@@ -162,34 +165,24 @@ def _actions(option: str) -> list[dict[str, Any]]:
 
 
 def _orient(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple[Any, list[str]]:
-    from kilter.analysis.turning.orientation import orient
-
     return orient(prepared.assembly, contacts=prepared.contacts, progress=tell), []
 
 
 def _margin(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple[Any, list[str]]:
-    from kilter.analysis.margins.margin import margin
-
     loads = bool(options.get("loads"))
     answer = margin(prepared.assembly, contacts=prepared.contacts, loads=loads, progress=tell)
     return answer, ["--loads"] * loads
 
 
 def _plan(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple[Any, list[str]]:
-    from kilter.analysis.planning.order.plan import plan
-
     return plan(prepared.assembly, contacts=prepared.contacts, progress=tell), []
 
 
 def _hold(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple[Any, list[str]]:
-    from kilter.analysis.planning.hold.hold import hold
-
     return hold(prepared.assembly, contacts=prepared.contacts, progress=tell), []
 
 
 def _transport(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple[Any, list[str]]:
-    from kilter.analysis.transport.transport import transport
-
     asked: dict[str, Any] = {}
     words: list[str] = []
     if options.get("code"):
@@ -232,7 +225,7 @@ def tab_data(
     Raises
     ------
     InputError
-        If there is no such tab, or the question cannot be asked about this assembly.
+        If there is no such tab, or this assembly does not admit the question.
     """
     if name not in TABS:
         raise InputError(f"there is no tab {name!r:.40}", hint=f"use {', '.join(TABS)}")

@@ -11,6 +11,7 @@ from typing import Any
 
 from kilter import publish
 from kilter.analysis.check import check
+from kilter.analysis.planning.order.plan import plan
 from kilter.errors import InputError
 from kilter.files.choices import Choices
 from kilter.files.writing import json_lines, write_text
@@ -107,8 +108,6 @@ def _film(prepared: Prepared, path: Path, job: Mapping[str, Any], progress: Tell
 
 
 def _plan(prepared: Prepared, path: Path, job: Mapping[str, Any], progress: Tell) -> None:
-    from kilter.analysis.planning.order.plan import plan
-
     order = plan(prepared.assembly, contacts=prepared.contacts, progress=progress)
     if not order.found:
         raise InputError(order.to_dict()["sentence"], hint="see the tab 'plan'")

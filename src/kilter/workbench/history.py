@@ -15,7 +15,7 @@ from typing import Any
 from kilter.errors import InputError
 from kilter.files.strict_json import parse_json
 from kilter.workbench.actions import apply, is_preview
-from kilter.workbench.bodies import Bodies
+from kilter.workbench.opened_parts import OpenedParts
 
 __all__ = ["Change", "History", "autosave_path"]
 
@@ -39,15 +39,15 @@ class History:
     ----------
     base : dict
         JSON data of the first choices.
-    bodies : Bodies
+    bodies : OpenedParts
     changes : list of Change
         The changes that count, in order.
     undone : list of Change
-        Changes that were undone, the next one to redo last.
+        Changes that were undone; `redo` applies the last of them.
 
     Examples
     --------
-    >>> history = History({"kilter": 1, "file": "a.step"}, Bodies(("plate", "rod")))
+    >>> history = History({"kilter": 1, "file": "a.step"}, OpenedParts(("plate", "rod")))
     >>> history.add({"do": "hold", "parts": ["plate"], "on": True})
     >>> history.add({"do": "friction", "mu": 0.3})
     >>> history.keys
@@ -60,7 +60,7 @@ class History:
     """
 
     base: dict[str, Any]
-    bodies: Bodies
+    bodies: OpenedParts
     changes: list[Change] = field(default_factory=list)
     undone: list[Change] = field(default_factory=list)
     _states: list[dict[str, Any]] = field(default_factory=list)
@@ -130,7 +130,7 @@ class History:
     def revert(self, index: int) -> None:
         """Take back a single change; the later changes are applied again without it.
 
-        The reverted change becomes the one that `redo` applies next.
+        `redo` applies the reverted change again.
 
         Raises
         ------
@@ -182,13 +182,13 @@ class History:
         return json.dumps(data, ensure_ascii=False, indent=1) + "\n"
 
     @classmethod
-    def from_text(cls, data: bytes, bodies: Bodies) -> History:
+    def from_text(cls, data: bytes, bodies: OpenedParts) -> History:
         """The history that an autosave file holds.
 
         Raises
         ------
         InputError
-            If the file is no autosave file, or one of its actions is invalid now.
+            If the file is no autosave file, or an action in it is invalid now.
         """
         content = parse_json(data)
         if not isinstance(content, dict) or content.get("kilter_workbench") != FORM:

@@ -22,8 +22,10 @@ from kilter.workbench.answering import (
     scene_data,
     tab_data,
 )
-from kilter.workbench.bodies import Bodies
+from kilter.workbench.comparison import comparison_data
+from kilter.workbench.exports import export
 from kilter.workbench.live_assembly import LiveAssembly, Prepared
+from kilter.workbench.opened_parts import OpenedParts
 
 __all__ = ["Jobs"]
 
@@ -36,7 +38,7 @@ class Jobs:
 
     def __init__(self) -> None:
         self.live: LiveAssembly | None = None
-        self.bodies = Bodies()
+        self.bodies = OpenedParts()
         self._shapes: Any = None
 
     def run(self, job: Job, report: Report) -> None:
@@ -113,15 +115,11 @@ class Jobs:
 
     def _compare(self, job: Job, report: Report) -> None:
         """Compare the answers of two states of the session."""
-        from kilter.workbench.comparison import comparison_data
-
         assert self.live is not None
         report("tab", comparison_data(self.live, job["labels"], job["states"], _teller(report)))
 
     def _export(self, job: Job, report: Report) -> None:
         """Make a file for the user to download."""
-        from kilter.workbench.exports import export
-
         prepared = self._prepare(job)
         with tempfile.TemporaryDirectory() as folder:
             path = export(job["kind"], prepared, Path(folder), job, _teller(report))

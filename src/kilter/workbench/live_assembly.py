@@ -24,7 +24,7 @@ from kilter.files.choices import Choices
 from kilter.files.file_content import FileContent
 from kilter.files.reading import Reading
 from kilter.units import metres_per_unit
-from kilter.workbench.bodies import Bodies
+from kilter.workbench.opened_parts import OpenedParts
 
 __all__ = ["LiveAssembly", "Prepared"]
 
@@ -70,7 +70,7 @@ class LiveAssembly:
         self._content: tuple[Any, FileContent] | None = None
         self._kept: list[KeptContacts] = []
 
-    def bodies(self, keys: dict[str, Any]) -> Bodies:
+    def bodies(self, keys: dict[str, Any]) -> OpenedParts:
         """The parts of the file, read with the options of choices.
 
         Raises
@@ -81,7 +81,7 @@ class LiveAssembly:
         _, content = self._read(self._chosen(keys))
         assembly = content.assembly
         metre = metres_per_unit(assembly.units)
-        return Bodies(
+        return OpenedParts(
             assembly.names,
             frozenset(part.name for part in assembly.parts if part.grounded),
             tuple((assembly.geometry.volume * metre**3).tolist()),

@@ -1,8 +1,8 @@
 """HTTP and WebSocket server of the workbench, for this machine only.
 
-The server listens on the loopback address. Each request needs the token of the session, a host name
-of this machine (or one that the user allows, for a proxy), and, if the browser sends an origin, the
-origin of this host. So no foreign web page can use the workbench.
+The server listens on the loopback address. Each request needs the token of the session and a host
+name of this machine, or a name that the user allows, for a proxy. If the browser sends an origin,
+it must be that of this host. So no foreign web page can use the workbench.
 """
 
 from __future__ import annotations

@@ -13,19 +13,22 @@ import json
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from kilter.errors import InputError
 from kilter.files.choices import Choices, digest
 from kilter.files.choices_writing import require_place, write_choices
+from kilter.files.file_content import ENDINGS
 from kilter.files.fingerprint import fingerprint
-from kilter.files.writing import write_text
+from kilter.files.writing import dump, write_text
+from kilter.scenes.registry import SCENES, scene
 from kilter.workbench.actions import ACTIONS, is_preview
-from kilter.workbench.bodies import Bodies
 from kilter.workbench.command_line import command, needs_file, saved_name
 from kilter.workbench.history import History, autosave_path
 from kilter.workbench.materials import MATERIALS
+from kilter.workbench.opened_parts import OpenedParts
 from kilter.workbench.worker_process import LAST, WorkerProcess
 
 __all__ = ["Session"]
@@ -75,7 +78,7 @@ class Session:
         self.pages: set[Send] = set()
         self.state = 0
         self.path: Path | None = None
-        self.history = History({}, Bodies())
+        self.history = History({}, OpenedParts())
         self.saved: Path | None = None
         self.saved_keys: dict[str, Any] | None = None
         self.message = ""
@@ -153,8 +156,6 @@ class Session:
 
     def _files(self) -> list[str]:
         """Names of the files and folders of the folder that can be opened."""
-        from kilter.files.file_content import ENDINGS
-
         names = []
         with contextlib.suppress(OSError):
             for entry in sorted(self.folder.iterdir()):
@@ -282,8 +283,6 @@ class Session:
         )
 
     def _write_example(self, name: str) -> Path:
-        from kilter.files.writing import dump
-        from kilter.scenes.registry import SCENES, scene
 
         if name not in SCENES:
             raise InputError(f"there is no example {name!r:.40}", hint="choose one of the list")
@@ -323,7 +322,7 @@ class Session:
         self._submit({"job": "open", "file": str(path), "keys": keys, "down": down}, waiter=waiter)
         opened = await waiter
         self.path = Path(opened["path"])
-        bodies: Bodies = opened["bodies"]
+        bodies: OpenedParts = opened["bodies"]
         self._stamp = fingerprint(str(self.path))
         self.saved = self.saved_keys = None
         base = opened["keys"]
@@ -341,7 +340,7 @@ class Session:
         if self._watch is None:
             self._watch = asyncio.create_task(self._watch_file())
 
-    def _restore(self, bodies: Bodies, *, given: bool) -> None:
+    def _restore(self, bodies: OpenedParts, *, given: bool) -> None:
         """Take over the changes of an earlier session that were not saved."""
         assert self.path is not None
         kept = autosave_path(self.path)
@@ -396,7 +395,7 @@ class Session:
     def _close(self) -> None:
         """Return to the start page."""
         self._stop()
-        self.path, self.history, self.message = None, History({}, Bodies()), ""
+        self.path, self.history, self.message = None, History({}, OpenedParts()), ""
         self._sent = _Sent()
         self.state += 1
         self.broadcast(self.session_data())
@@ -468,7 +467,7 @@ class Session:
         waiter: asyncio.Future[Any] | None = None,
         tab: str = "",
     ) -> None:
-        """Queue a job. A new answer replaces the waiting ones and ends the one that runs."""
+        """Queue a job. A new answer replaces the waiting answers and ends the job that runs."""
         self._numbers += 1
         new = _Job(self._numbers, self.state, job, waiter, tab)
         if job["job"] == "answer":
@@ -589,15 +588,11 @@ def _failure(kind: str, data: Any) -> InputError | None:
 
 def _examples() -> list[str]:
     """Names of the built-in examples."""
-    from kilter.scenes.registry import SCENES
-
     return sorted(SCENES)
 
 
 def _missing() -> list[str]:
     """Sentences about extras that are not installed and that files or exports need."""
-    from importlib.util import find_spec
-
     missing = []
     if find_spec("OCP") is None:
         missing.append('STEP files need the extra "step": pip install "kilter[step]"')

@@ -10,6 +10,7 @@ from typing import Any
 
 from kilter.assembly import Assembly
 from kilter.errors import InputError
+from kilter.files.writing import dump
 
 __all__ = ["view"]
 
@@ -75,8 +76,6 @@ def _path_of(source: Any, folder: Path) -> Path | None:
     if source is None:
         return None
     if isinstance(source, Assembly):
-        from kilter.files import dump
-
         path = folder / f"{Path(source.source or 'assembly').stem or 'assembly'}.kilter.json"
         dump(source, path)
         return path

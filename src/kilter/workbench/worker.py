@@ -1,4 +1,6 @@
-"""The worker process of the workbench: it does one job at a time, and an interruption ends the job.
+"""The worker process of the workbench: it does a single job at a time.
+
+An interruption ends the job.
 
 The process keeps the file and its contacts from job to job (`kilter.workbench.jobs`). Messages are
 pickled tuples through pipes: to the worker (number, job), from the worker (number, kind, data). The
@@ -80,5 +82,5 @@ def _run(
 
 
 def _sentence(error: InputError) -> str:
-    """The error as one sentence, with file and part and without the remedy."""
+    """The error as a sentence, with file and part and without the remedy."""
     return str(InputError(error.what, file=error.file, part=error.part))

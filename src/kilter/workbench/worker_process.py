@@ -28,13 +28,13 @@ Hear = Callable[[int, str, Any], None]
 
 
 class WorkerProcess:
-    """A process that does one job at a time.
+    """A process that does a single job at a time.
 
     Parameters
     ----------
     hear : callable
         Called in the event loop with each message: number of the job, kind, data. The kind "lost"
-        says that the process ended without being asked to.
+        means that the process ended unexpectedly.
     """
 
     def __init__(self, hear: Hear) -> None:

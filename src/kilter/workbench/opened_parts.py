@@ -1,4 +1,4 @@
-"""The bodies of an opened file, as far as the actions of a user need them."""
+"""The parts of an opened file, as far as the actions of a user need them."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import fnmatch
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-__all__ = ["Bodies"]
+__all__ = ["OpenedParts"]
 
 
 @dataclass(frozen=True, slots=True)
-class Bodies:
+class OpenedParts:
     """Names of the parts of a file, and properties of each part.
 
     Attributes
