@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kilter.arrays import Array
-from kilter.contact.triangle_distance import surface_distance, within_distance
+from kilter.contact.triangle_distance import TriangleTrees, surface_distance
 
 
 def _scene(seed: int) -> tuple[Array, Array]:
@@ -45,12 +45,12 @@ def test_the_distance_from_a_triangle_agrees_with_a_search_over_its_points() -> 
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_within_distance_agrees_with_the_distances(seed: int) -> None:
+def test_points_within_a_distance_agree_with_the_distances(seed: int) -> None:
     points, triangles = _scene(seed)
     distance = surface_distance(points, triangles)
     for reach in np.quantile(distance, [0.0, 0.3, 0.8]).tolist():
         clear = np.abs(distance - reach) > 1e-12
-        within = within_distance(points, triangles, reach)
+        within = TriangleTrees(triangles).within(points, reach)
         assert (within == (distance <= reach))[clear].all()
 
 

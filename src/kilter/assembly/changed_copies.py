@@ -67,8 +67,14 @@ class ChangedCopies(Value):
         def matching(self, patterns: str | Iterable[str]) -> set[str]: ...  # noqa: D102
 
     def _replace(self, **changes: Any) -> Self:
-        """A copy of the assembly with other values of the given fields."""
-        return cast("Self", dataclasses.replace(cast("Any", self), **changes))
+        """A copy of the assembly with other values of the given fields.
+
+        A copy with the same parts and units shares the geometry, if it is already computed.
+        """
+        copy = cast("Self", dataclasses.replace(cast("Any", self), **changes))
+        if "geometry" in vars(self) and not {"parts", "units"} & set(changes):
+            vars(copy)["geometry"] = self.geometry
+        return copy
 
     # parts ---------------------------------------------------------------------------
 

@@ -258,7 +258,7 @@ def _recognise_curved(vertices: Array, triangles: Index, accuracy: float) -> Par
     # imported late: only meshes need these modules
     from kilter.shape.recognition import recognise
 
-    surfaces, label, _ = recognise(vertices, triangles, accuracy=accuracy)
+    surfaces, label, _ = recognise(vertices, triangles, accuracy, planes=False)
     result = _curved_only(surfaces, label, 0.0, exact=False)
     if len(_RECENT) >= RECENT_MESHES:
         _RECENT.clear()

@@ -200,6 +200,9 @@ SMOOTH_DOUBT = 1e-5
 """A corner whose triangles bend by less lies in a plane, and its normal is exact [rad]."""
 FIT_CUT = 1e-9
 """Singular values below this fraction of the largest are treated as zero in a fit [-]."""
+FIT_REGULAR = 1e-5
+"""Least diagonal entry of the triangular factor of a fit that is solved without singular values, as
+a fraction of the largest entry [-]. A larger value sends more fits to singular values."""
 SMOOTH_FACING = 0.35
 """Largest angle between a normal and the reverse of the opposite face's normal if two smooth faces
 face each other [rad]."""

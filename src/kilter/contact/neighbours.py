@@ -122,8 +122,8 @@ def _gap(solids: PartSolids, a: int, b: int, most: float) -> float:
         return float(solid_a.min_gap(shifted_b, bound))
     # a part bounds no body: distances of the corners from the triangles bound the gap
     for points, part in ((corners[0], b), (corners[1], a)):
-        distance = surface_distance(points, geometry.corners_of(part))
-        bound = min(bound, float(distance.min()))
+        limit = np.full(len(points), bound)
+        bound = float(surface_distance(points, geometry.corners_of(part), limit).min())
     return bound
 
 

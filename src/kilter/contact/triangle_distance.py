@@ -11,13 +11,20 @@ C. Ericson, Real-Time Collision Detection, 2005, chapter 5.1.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, cross, nearest, ratio, unit_rows
 from kilter.contact.contact_tolerances import DISTANCE_ROUNDING, FREE_PARALLEL
 from kilter.contact.sharp.edges import segment_distance
 
-__all__ = ["at_most", "near_triangles", "surface_distance", "within_distance"]
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
+
+__all__ = ["TriangleTrees", "at_most", "near_triangles", "surface_distance"]
 
 
 NEAR = 2
@@ -48,35 +55,69 @@ def surface_distance(points: Array, triangles: Array, most: Array | None = None)
     >>> surface_distance(np.array([[0.2, 0.2, 3], [-2, 0, 0], [1, 1, 0]]), corners).round(3)
     array([3.   , 2.   , 0.707])
     """
-    least = at_most(points, triangles) if most is None else most.copy()
-    middle = triangles.mean(axis=1)
-    radius = np.linalg.norm(triangles - middle[:, None], axis=2).max(axis=1, initial=0.0)
-    for rows in _size_classes(radius):
-        _reduce_to_nearest(least, points, triangles[rows], middle[rows], float(radius[rows].max()))
-    return least
+    return TriangleTrees(triangles).distance(points, most)
 
 
-def within_distance(points: Array, triangles: Array, reach: float) -> Mask:
-    """Mask of the points, shape (n,), at most `reach` from the nearest of m triangles.
+@dataclass(frozen=True, eq=False)
+class TriangleTrees:
+    """Triangles, shape (m, 3, 3), with the search trees for several questions about distances."""
 
-    The middle of a triangle is a point of it, so a point near a middle needs no exact distance.
+    triangles: Array
 
-    Examples
-    --------
-    >>> corners = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
-    >>> within_distance(np.array([[0.2, 0.2, 3], [-2, 0, 0], [1, 1, 0]]), corners, 2.0)
-    array([False,  True,  True])
-    """
-    from scipy.spatial import cKDTree
+    @cached_property
+    def _middle(self) -> Array:
+        """Middles of the triangles, shape (m, 3)."""
+        middle: Array = self.triangles.mean(axis=1)
+        return middle
 
-    if not len(points) or not len(triangles):
-        return np.zeros(len(points), dtype=bool)
-    distance, _ = cKDTree(triangles.mean(axis=1)).query(points, distance_upper_bound=reach)
-    is_within: Mask = distance <= reach
-    rest = np.flatnonzero(~is_within)
-    bound = np.full(len(rest), 2 * reach)
-    is_within[rest] = surface_distance(points[rest], triangles, bound) <= reach
-    return is_within
+    @cached_property
+    def _tree(self) -> cKDTree:
+        """Search tree of all middles."""
+        from scipy.spatial import cKDTree
+
+        return cKDTree(self._middle)
+
+    @cached_property
+    def _classes(self) -> list[_SizeClass]:
+        """The triangles by size; no triangle of a class is much larger than another."""
+        radius = np.linalg.norm(self.triangles - self._middle[:, None], axis=2).max(
+            axis=1, initial=0.0
+        )
+        return [
+            _SizeClass(self.triangles[rows], self._middle[rows], float(radius[rows].max()))
+            for rows in _size_classes(radius)
+        ]
+
+    def distance(self, points: Array, most: Array | None = None) -> Array:
+        """Distance of each point from the nearest triangle, as `surface_distance`."""
+        least = at_most(points, self.triangles) if most is None else most.copy()
+        for some in self._classes:
+            some.reduce_to_nearest(least, points)
+        return least
+
+    def within(self, points: Array, reach: float) -> Mask:
+        """Mask of the points, shape (n,), at most `reach` from the nearest triangle.
+
+        The middle of a triangle is a point of it, so a point near a middle needs no exact distance.
+
+        Examples
+        --------
+        >>> corners = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
+        >>> points = np.array([[0.2, 0.2, 3], [-2, 0, 0], [1, 1, 0]])
+        >>> TriangleTrees(corners).within(points, 2.0)
+        array([False,  True,  True])
+        """
+        if not len(points) or not len(self.triangles):
+            return np.zeros(len(points), dtype=bool)
+        low, high = self.triangles.min(axis=(0, 1)) - reach, self.triangles.max(axis=(0, 1)) + reach
+        is_within: Mask = ((low <= points) & (points <= high)).all(axis=1)
+        near = np.flatnonzero(is_within)
+        if len(near):
+            distance, _ = self._tree.query(points[near], distance_upper_bound=reach)
+            rest = near[distance > reach]
+            bound = np.full(len(rest), 2 * reach)
+            is_within[rest] = self.distance(points[rest], bound) <= reach
+        return is_within
 
 
 def _size_classes(radius: Array) -> list[Index]:
@@ -89,40 +130,50 @@ def _size_classes(radius: Array) -> list[Index]:
     return [np.flatnonzero(number == k) for k in np.unique(number).tolist()]
 
 
-def _reduce_to_nearest(
-    least: Array, points: Array, triangles: Array, middle: Array, radius: float
-) -> None:
-    """Reduce distances to those of the nearest triangle, in place.
+@dataclass(frozen=True, eq=False)
+class _SizeClass:
+    """Triangles of similar size, their middles, and the largest distance of a corner from its."""
 
-    No point of a triangle is farther than `radius` from its middle. So a triangle whose middle is
-    farther than the least distance plus `radius` changes nothing. Each round examines the next
-    nearest middles of the points whose rest may still be closer.
-    """
-    from scipy.spatial import cKDTree
+    triangles: Array
+    middle: Array
+    radius: float
 
-    low, high = middle.min(axis=0), middle.max(axis=0)
-    from_box = np.linalg.norm(points - np.clip(points, low, high), axis=1)
-    rest = np.flatnonzero(from_box <= (least + radius) * (1 + DISTANCE_ROUNDING))
-    if not len(rest):
-        return
-    tree = cKDTree(middle)
-    begin, count = 0, min(FIRST_MIDDLES, len(middle))
-    while len(rest) and begin < len(middle):
-        still = []
-        for batch in np.array_split(rest, 1 + len(rest) * count // BATCH):
-            within = (least[batch] + radius) * (1 + DISTANCE_ROUNDING)
-            farther = float(within.max()) * (1 + DISTANCE_ROUNDING)  # the tree excludes its bound
-            number = np.arange(begin + 1, count + 1)
-            distance, row = tree.query(points[batch], k=number, distance_upper_bound=farther)
-            k, column = np.nonzero(distance <= within[:, None])
-            near = points[batch[k]]
-            off = np.linalg.norm(near - _nearest_point(near, triangles[row[k, column]]), axis=1)
-            np.minimum.at(least, batch[k], off)
-            still.append(
-                batch[distance[:, -1] <= (least[batch] + radius) * (1 + DISTANCE_ROUNDING)]
-            )
-        rest = np.concatenate(still)
-        begin, count = count, min(4 * count, len(middle))
+    @cached_property
+    def _tree(self) -> cKDTree:
+        from scipy.spatial import cKDTree
+
+        return cKDTree(self.middle)
+
+    def reduce_to_nearest(self, least: Array, points: Array) -> None:
+        """Reduce distances of points to those of the nearest triangle, in place.
+
+        No point of a triangle is farther than `radius` from its middle. So a triangle whose
+        middle is farther than the least distance plus `radius` changes nothing. Each round examines
+        the next nearest middles of the points whose rest may still be closer.
+        """
+        middle, radius = self.middle, self.radius
+        low, high = middle.min(axis=0), middle.max(axis=0)
+        from_box = np.linalg.norm(points - np.clip(points, low, high), axis=1)
+        rest = np.flatnonzero(from_box <= (least + radius) * (1 + DISTANCE_ROUNDING))
+        begin, count = 0, min(FIRST_MIDDLES, len(middle))
+        while len(rest) and begin < len(middle):
+            still = []
+            for batch in np.array_split(rest, 1 + len(rest) * count // BATCH):
+                within = (least[batch] + radius) * (1 + DISTANCE_ROUNDING)
+                farther = float(within.max()) * (1 + DISTANCE_ROUNDING)  # the bound is excluded
+                number = np.arange(begin + 1, count + 1)
+                distance, row = self._tree.query(
+                    points[batch], k=number, distance_upper_bound=farther
+                )
+                k, column = np.nonzero(distance <= within[:, None])
+                near = points[batch[k]]
+                foot = _nearest_point(near, self.triangles[row[k, column]])
+                np.minimum.at(least, batch[k], np.linalg.norm(near - foot, axis=1))
+                still.append(
+                    batch[distance[:, -1] <= (least[batch] + radius) * (1 + DISTANCE_ROUNDING)]
+                )
+            rest = np.concatenate(still)
+            begin, count = count, min(4 * count, len(middle))
 
 
 def at_most(points: Array, triangles: Array) -> Array:

@@ -24,10 +24,13 @@ first is chosen. All other facets are planes.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kilter.arrays import Array, Index, Mask, cross, ragged, starts, unit_rows
+from kilter.arrays import Array, Index, Mask, ragged, starts
+from kilter.shape.first_fits import FirstFits
 from kilter.shape.fitting import FITS
 from kilter.shape.round_region import (
     FEWEST_FACETS,
@@ -52,12 +55,12 @@ PATIENCE = 60
 """Number of failed seeds after which the rest of a region counts as flat; more take longer."""
 SAMPLE = 1000
 """Largest number of facets of a region for the first fit."""
-MOST_NEIGHBOURS = 12
-"""Largest number of neighbours of a seed that are tried."""
+AHEAD = PATIENCE + 1
+"""Number of seeds of a region whose first fits are computed together."""
 
 
 def recognise(
-    vertices: ArrayLike, triangles: ArrayLike, accuracy: float = 0.0
+    vertices: ArrayLike, triangles: ArrayLike, accuracy: float = 0.0, *, planes: bool = True
 ) -> tuple[tuple[Surface, ...], Index, Array]:
     """Recognise the exact surfaces (cylinders, spheres and so on) that a mesh approximates.
 
@@ -68,13 +71,16 @@ def recognise(
         Triangles, counterclockwise seen from outside.
     accuracy : float
         Largest error of a coordinate [length unit].
+    planes : bool
+        Whether the result contains planes; a mesh without round faces may have one per triangle.
 
     Returns
     -------
     surfaces : tuple of Surface
         Round surfaces in the order of their first triangle, then planes.
     triangle_surface : ndarray of int, shape (T,)
-        Surface of each triangle; -1 for triangles without area that lie in no facet.
+        Surface of each triangle; -1 for triangles without area that lie in no facet, and for
+        triangles in planes if the result contains no planes.
     sagitta : ndarray, shape (S,)
         Largest distance of the triangles from each surface, measured at middles of triangles and
         edges [length unit].
@@ -91,7 +97,7 @@ def recognise(
     if not len(triangles):
         return (), np.empty(0, dtype=np.int64), np.empty(0)
     mesh = FacetMesh(vertices, triangles, facet_graph(vertices, triangles, accuracy))
-    return _with_planes(mesh, _round_surfaces(mesh))
+    return _with_planes(mesh, _round_surfaces(mesh), planes)
 
 
 _FacetSurfaces = list[tuple[Surface, Index]]
@@ -105,11 +111,15 @@ def _round_surfaces(mesh: FacetMesh) -> _FacetSurfaces:
     count = np.bincount(region)
     start = starts(count)
     surfaces: _FacetSurfaces = []
+    divided = []
     for k in np.flatnonzero(count >= FEWEST_FACETS).tolist():
         facets = order[start[k] : start[k + 1]]
         whole = _common_surface(mesh, facets)
-        surfaces += [(whole, facets)] if whole is not None else _grow_surfaces(mesh, facets)
-    return surfaces
+        if whole is not None:
+            surfaces.append((whole, facets))
+        else:
+            divided.append(facets)
+    return surfaces + _grow_surfaces(mesh, divided)
 
 
 def _common_surface(mesh: FacetMesh, facets: Index) -> Surface | None:
@@ -129,27 +139,42 @@ def _common_surface(mesh: FacetMesh, facets: Index) -> Surface | None:
 # growing --------------------------------------------------------------------------------
 
 
-def _grow_surfaces(mesh: FacetMesh, facets: Index) -> _FacetSurfaces:
-    """Divide a region into round surfaces, each grown from a seed facet by adding neighbours."""
+def _grow_surfaces(mesh: FacetMesh, regions: Sequence[Index]) -> _FacetSurfaces:
+    """Divide regions into round surfaces, each grown from a seed facet by adding neighbours."""
     free = np.zeros(len(mesh.graph.area), dtype=bool)
-    free[facets] = True
+    if not regions:
+        return []
+    free[np.concatenate(regions)] = True
+    seeds = [_seeds(mesh, facets) for facets in regions]
+    first_fits = FirstFits(mesh)
+    first_fits.compute(np.concatenate([some[:AHEAD] for some in seeds]), free)
+    return [found for some in seeds for found in _grow_region(mesh, some, free, first_fits)]
+
+
+def _grow_region(
+    mesh: FacetMesh, seeds: Index, free: Mask, first_fits: FirstFits
+) -> Iterator[tuple[Surface, Index]]:
+    """Yield the round surfaces that grow from seeds of a region; mark their facets as not free."""
     fresh = free.copy()
-    surfaces: _FacetSurfaces = []
     misses = 0
-    for seed in _seeds(mesh, facets).tolist():
+    for k, seed in enumerate(seeds.tolist()):
         if misses > PATIENCE:
             break
         if not free[seed] or not fresh[seed]:
             continue
-        surface, grown = _grow_from_seed(mesh, seed, free)
+        if not first_fits.is_known[seed]:
+            later = seeds[k:]
+            open_seeds = later[free[later] & fresh[later] & ~first_fits.is_known[later]]
+            first_fits.compute(open_seeds[:AHEAD], free)
+        surface, grown = _grow_from_seed(mesh, first_fits.of(seed), free)
         fresh[grown] = False
         if surface is None:
             misses += 1
             continue
         misses = 0
         free[grown] = False
-        surfaces.append((surface, grown))
-    return surfaces
+        first_fits.forget(grown)
+        yield surface, grown
 
 
 def _seeds(mesh: FacetMesh, facets: Index) -> Index:
@@ -165,14 +190,24 @@ def _seeds(mesh: FacetMesh, facets: Index) -> Index:
     return facets[np.argsort(-np.minimum(alike, 2), kind="stable")]
 
 
-def _grow_from_seed(mesh: FacetMesh, seed: int, free: Mask) -> tuple[Surface | None, Index]:
+def _grow_from_seed(
+    mesh: FacetMesh, starts: Sequence[tuple[str, Index]], free: Mask
+) -> tuple[Surface | None, Index]:
     """A round surface that grows from a seed facet, and its facets; None without a surface.
 
     Without a round surface, the result is None with the facets of the largest surface that grew;
-    they serve as seeds no more. `free`: the facets that no surface has taken.
+    they serve as seeds no more.
+
+    Parameters
+    ----------
+    mesh : FacetMesh
+    starts : sequence of (str, ndarray of int)
+        Kinds of surface to try at the seed, each with the facets for its first fit.
+    free : ndarray of bool, shape (F,)
+        Facets that no surface has taken.
     """
     rejected = np.empty(0, dtype=np.int64)
-    for kind, start in _starts(mesh, seed, free):
+    for kind, start in starts:
         surface, grown = _grow(mesh, start, kind, free)
         if surface is None:
             continue
@@ -181,30 +216,6 @@ def _grow_from_seed(mesh: FacetMesh, seed: int, free: Mask) -> tuple[Surface | N
         if len(grown) > len(rejected):
             rejected = grown
     return None, rejected
-
-
-def _starts(mesh: FacetMesh, seed: int, free: Mask) -> list[tuple[str, Index]]:
-    """Kinds of surface to try at a seed facet, each with the facets for its first fit.
-
-    The first facets are the seed and two neighbours on opposite sides; a sphere needs a third
-    neighbour.
-    """
-    graph = mesh.graph
-    near = graph.neighbours[graph.first[seed] : graph.first[seed + 1]]
-    near = near[free[near]][:MOST_NEIGHBOURS]
-    bend = unit_rows(graph.normal[near] - graph.normal[seed])
-    # the normals of the two neighbours along a band differ from the seed's in opposite senses,
-    # and the three normals are coplanar
-    out_of_plane = np.abs(cross(bend[:, None], bend[None]) @ graph.normal[seed])
-    a, b = np.nonzero(np.triu(bend @ bend.T < 0, 1))
-    order = np.argsort(out_of_plane[a, b], kind="stable")[:2]
-    starts = []
-    for g, h in zip(a[order].tolist(), b[order].tolist(), strict=True):
-        three = np.array([seed, near[g], near[h]])
-        starts += [("cylinder", three), ("cone", three)]
-        others = [k for k in range(len(near)) if k not in (g, h)][:2]
-        starts += [("sphere", np.append(three, near[k])) for k in others]
-    return starts
 
 
 def _grow(mesh: FacetMesh, start: Index, kind: str, free: Mask) -> tuple[Surface | None, Index]:
@@ -242,7 +253,8 @@ def _grow(mesh: FacetMesh, start: Index, kind: str, free: Mask) -> tuple[Surface
             surface, chosen, front = _refit(mesh, chosen, front, kind, surface)
             last_fit = max(len(chosen), 1)
             box = _box(mesh.points(chosen)) if len(chosen) else box
-    surface, chosen, _ = _refit(mesh, chosen, front, kind, surface)
+    if len(chosen) >= FEWEST_FACETS:  # a fit only drops facets
+        surface, chosen, _ = _refit(mesh, chosen, front, kind, surface)
     if len(chosen) < FEWEST_FACETS:
         return None, no_facets
     sagitta = facet_sagitta(mesh, chosen, surface)
@@ -285,9 +297,9 @@ def _refit(
 
 
 def _with_planes(
-    mesh: FacetMesh, round_surfaces: _FacetSurfaces
+    mesh: FacetMesh, round_surfaces: _FacetSurfaces, planes: bool
 ) -> tuple[tuple[Surface, ...], Index, Array]:
-    """Result of `recognise`: round surfaces, then a plane for each other facet."""
+    """Result of `recognise`: round surfaces, then, with `planes`, a plane for each other facet."""
     graph = mesh.graph
     round_surfaces = sorted(round_surfaces, key=lambda row: int(graph.start[row[1].min()]))
     of_facet = np.full(len(graph.area), -1)
@@ -297,7 +309,7 @@ def _with_planes(
         rows, _ = mesh.corners(facets)
         surfaces.append(facing(surface, mesh.vertices, mesh.triangles[rows]))
         sagitta.append(float(triangle_sagitta(mesh, rows, surface).max()))
-    flat = np.flatnonzero((of_facet < 0) & graph.normal.any(axis=1))
+    flat = np.flatnonzero((of_facet < 0) & graph.normal.any(axis=1) & planes)
     of_facet[flat] = len(surfaces) + np.arange(len(flat))
     points = mesh.vertices[mesh.triangles[graph.triangles_of[graph.start[flat]], 0]]
     surfaces += _planes(points, graph.normal[flat])

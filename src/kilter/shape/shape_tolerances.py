@@ -63,6 +63,9 @@ EVIDENCE = 20.0
 """Least deviation of a round region from its best plane [tolerances]."""
 GROWING = 30.0
 """Largest distance of corners from a surface while it grows from a few facets [tolerances]."""
+ROUGHLY = 1.1
+"""Factor of the tolerances of a first fit that only rules out hopeless starts [-]. A larger value
+leaves more starts to the exact fit, and changes no result."""
 ONE_STRIP = 1e-3
 """Largest difference in direction of facets of the same strip [differences between strips]."""
 

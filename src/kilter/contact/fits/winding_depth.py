@@ -13,7 +13,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from kilter.arrays import Array, Mask, cross
+from kilter.arrays import Array, Mask, cross, distinct_rows
 from kilter.assembly.geometry import Geometry
 from kilter.contact.triangle_distance import surface_distance
 
@@ -22,8 +22,8 @@ __all__ = ["depth_by_winding"]
 
 PROBES = 300
 """Largest number of points of a part that are tested."""
-BATCH = 4_000_000
-"""Largest number of pairs (point, triangle) computed at once; a larger value needs more memory."""
+BATCH = 100_000
+"""Largest number of pairs (point, triangle) computed at once; more leave the processor's cache."""
 
 
 def depth_by_winding(
@@ -47,12 +47,10 @@ def _depth_inside(
     """Largest depth of points of part a inside part b [length unit]; 0: none."""
     corners, triangles = geometry.corners_of(a), geometry.corners_of(b)
     sides = (corners + np.roll(corners, -1, axis=1)).reshape(-1, 3) / 2
-    probes = np.unique(
-        np.concatenate([corners.reshape(-1, 3), corners.mean(axis=1), sides]), axis=0
-    )
+    probes = np.concatenate([corners.reshape(-1, 3), corners.mean(axis=1), sides])
     low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
     probes = probes[((probes > low + tolerance) & (probes < high - tolerance)).all(axis=1)]
-    probes = _some_without(probes, without)
+    probes = _some_without(distinct_rows(probes)[0], without)
     if not len(probes):
         return 0.0
     inside = np.concatenate(

@@ -8,13 +8,14 @@ has a corner; the normals there are interpolated between the ends of the two edg
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Rows, columns, cross, ratio, unit_rows
+from kilter.arrays import Array, Index, Mask, Rows, columns, cross, ratio, unit_rows
 from kilter.contact.broad import joins
-from kilter.contact.contact_tolerances import SMOOTH_ASIDE, SMOOTH_FACING
+from kilter.contact.contact_tolerances import DISTANCE_ROUNDING, SMOOTH_ASIDE, SMOOTH_FACING
 from kilter.contact.sharp.edges import segment_distance
 from kilter.contact.smooth.smooth_faces import SmoothFace
 
@@ -64,17 +65,14 @@ def _project_corners(
     first: SmoothFace, second: SmoothFace, reach: float, lateral: float
 ) -> Matches:
     """Project the corners of a smooth face on another; return the contact points."""
-    corners = second.points[second.triangles]
-    corner_owner, triangle_owner = (
-        np.zeros(len(rows), dtype=np.int64) for rows in (first.points, corners)
-    )
     # a match lies within `lateral` of the piece of the line that is at most `reach` long
     half = np.abs(first.normals) * reach + lateral
-    reach_boxes = first.points - half, first.points + half
-    boxes = corners.min(axis=1), corners.max(axis=1)
+    low, high = first.points - half, first.points + half
     blocks: list[tuple[Array, Index, Index, Array]] = []
-    for _, k, m in joins(corner_owner, reach_boxes, triangle_owner, boxes, np.zeros(1)):
-        share, height, miss = _line_hits(first.points[k], first.normals[k], corners[m])
+    for corner, triangle in _meeting_boxes((low, high), second.triangle_boxes, 0.0):
+        k, m = _near_lines(first, second, corner, triangle, lateral)
+        corners = second.points[second.triangles[m]]
+        share, height, miss = _line_hits(first.points[k], first.normals[k], corners)
         keep = (np.abs(height) <= reach) & (miss <= lateral)
         blocks.append((share[keep], k[keep], m[keep], (np.abs(height) + miss)[keep]))
     if not blocks:
@@ -86,6 +84,45 @@ def _project_corners(
     share, k, m = share[order], k[order], m[order]
     corner_points = _SurfacePoints(first.points, first.normals, first.doubt).take(k)
     return _match_sides(corner_points, _surface_points(second, m, share))
+
+
+def _near_lines(
+    first: SmoothFace, second: SmoothFace, k: Index, m: Index, lateral: float
+) -> tuple[Index, Index]:
+    """The pairs (corner, triangle) whose line through the corner may come near the triangle."""
+    middle, radius = second.triangle_balls
+    relative = middle[m] - first.points[k]
+    off = cross(relative, first.normals[k])
+    most = (radius[m] + lateral) * (1 + DISTANCE_ROUNDING)
+    near = np.einsum("ij,ij->i", off, off) <= most**2
+    return k[near], m[near]
+
+
+_Boxes = tuple[Array, Array]
+"""Lower and upper corners of boxes, shape (n, 3)."""
+
+
+def _meeting_boxes(first: _Boxes, second: _Boxes, margin: float) -> Iterator[tuple[Index, Index]]:
+    """Yield the pairs (row of first, row of second) of boxes at most `margin` apart, in blocks.
+
+    Only boxes near the common box of the other boxes are compared with each other.
+    """
+    rows_a = _meeting_common(first, second, margin)
+    first = first[0][rows_a], first[1][rows_a]
+    rows_b = _meeting_common(second, first, margin)
+    second = second[0][rows_b], second[1][rows_b]
+    owners = [np.zeros(len(rows), dtype=np.int64) for rows in (rows_a, rows_b)]
+    for _, x, y in joins(owners[0], first, owners[1], second, np.array([margin])):
+        yield rows_a[x], rows_b[y]
+
+
+def _meeting_common(boxes: _Boxes, others: _Boxes, margin: float) -> Index:
+    """Rows of boxes at most `margin` from the common box of all other boxes."""
+    if not len(others[0]):
+        return np.empty(0, dtype=np.int64)
+    low, high = others[0].min(axis=0) - margin, others[1].max(axis=0) + margin
+    rows: Index = np.flatnonzero(((boxes[0] <= high) & (low <= boxes[1])).all(axis=1))
+    return rows
 
 
 def _line_hits(points: Array, normal: Array, corners: Array) -> tuple[Array, Array, Array]:
@@ -149,20 +186,23 @@ def _match_sides(first: _SurfacePoints, second: _SurfacePoints) -> Matches:
 
 def _rim_crossings(first: SmoothFace, second: SmoothFace, reach: float) -> Matches:
     """Contact points at which the outlines of two smooth faces cross."""
-    ends = [face.points[face.rim] for face in (first, second)]
-    boxes = [(end.min(axis=1), end.max(axis=1)) for end in ends]
-    owners = [np.zeros(len(end), dtype=np.int64) for end in ends]
     blocks = [Matches.none()]
-    for _, k, m in joins(owners[0], boxes[0], owners[1], boxes[1], np.array([reach])):
-        (p, q), (r, s) = ends[0][k].transpose(1, 0, 2), ends[1][m].transpose(1, 0, 2)
+    for k, m in _meeting_boxes(first.rim_boxes, second.rim_boxes, reach):
+        (p, q) = first.points[first.rim[k]].transpose(1, 0, 2)
+        (r, s) = second.points[second.rim[m]].transpose(1, 0, 2)
         size = np.linalg.norm(q - p, axis=1) * np.linalg.norm(s - r, axis=1)
         is_crossing = np.linalg.norm(cross(q - p, s - r), axis=1) > SMOOTH_ASIDE * size
         k, m = k[is_crossing], m[is_crossing]
         p, q, r, s = p[is_crossing], q[is_crossing], r[is_crossing], s[is_crossing]
-        distance, x, y = segment_distance(p, q, r, s)
+        inner = _cross_inside(p, q, r, s)
+        k, m, p, q, r, s = k[inner], m[inner], p[inner], q[inner], r[inner], s[inner]
+        distance, on_first, on_second = segment_distance(p, q, r, s)
         sides = []
         inside = distance <= reach
-        for face, rim, crossing, start, end in ((first, k, x, p, q), (second, m, y, r, s)):
+        for face, rim, crossing, start, end in (
+            (first, k, on_first, p, q),
+            (second, m, on_second, r, s),
+        ):
             t = ratio(np.linalg.norm(crossing - start, axis=1), np.linalg.norm(end - start, axis=1))
             inside &= (t > SMOOTH_ASIDE) & (t < 1 - SMOOTH_ASIDE)
             low, high = face.rim[rim].T
@@ -171,3 +211,26 @@ def _rim_crossings(first: SmoothFace, second: SmoothFace, reach: float) -> Match
             sides.append(_SurfacePoints(crossing, unit_rows(normal), doubt))
         blocks.append(_match_sides(sides[0].take(inside), sides[1].take(inside)))
     return Matches.join(blocks)
+
+
+def _cross_inside(p: Array, q: Array, r: Array, s: Array) -> Mask:
+    """Mask of edges p q and r s whose lines come nearest to each other inside both edges.
+
+    Otherwise the nearest points of the edges themselves include an end. The lines are far from
+    parallel.
+    """
+    along, other, gap = q - p, s - r, r - p
+    a, e, b, c, f = (
+        np.einsum("ij,ij->i", x, y)
+        for x, y in (
+            (along, along),
+            (other, other),
+            (along, other),
+            (along, gap),
+            (other, gap),
+        )
+    )
+    determinant = a * e - b * b
+    t, u = c * e - b * f, b * c - a * f
+    inside: Mask = (t > 0) & (t < determinant) & (u > 0) & (u < determinant)
+    return inside

@@ -22,6 +22,7 @@ of osculating jets, 2005. The quadratic patch: T. Boubekeur, M. Alexa, Phong tes
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -40,6 +41,7 @@ from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import FREE
 from kilter.contact.contact_tolerances import (
     FIT_CUT,
+    FIT_REGULAR,
     SMOOTH_BEND,
     SMOOTH_DOUBT,
     SMOOTH_EDGE,
@@ -61,9 +63,9 @@ CUBIC = 13
 """Least number of corners for a fit of third order; a fit of second order needs 6."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class SmoothFace:
-    """A smooth face of a meshed part with fitted normals; world frame.
+    """A smooth face of a meshed part; world frame. Its normals are fitted when they are needed.
 
     Attributes
     ----------
@@ -72,24 +74,73 @@ class SmoothFace:
         Corners, as rows of `points`.
     rows : ndarray of int, shape (m,)
         Rows of the geometry's triangles.
-    points, normals : ndarray, shape (n, 3)
-        Corners, and fitted unit normals there, out of the material.
-    doubt : ndarray, shape (n,)
-        Error of the normals [rad].
+    points : ndarray, shape (n, 3)
+        Corners.
+    triangle_normals : ndarray, shape (m, 3)
+        Unit normals of the triangles.
     rim : ndarray of int, shape (k, 2)
         Corners of the edges that have a triangle of the face on one side only.
-    sagitta : float
-        Largest distance of a triangle from the surface [length unit].
     """
 
     part: int
     triangles: Index
     rows: Index
     points: Array
-    normals: Array
-    doubt: Array
+    triangle_normals: Array
     rim: Index
-    sagitta: float
+
+    @cached_property
+    def box(self) -> tuple[Array, Array]:
+        """Lower and upper corner of the bounding box of the corners, shape (3,)."""
+        return self.points.min(axis=0), self.points.max(axis=0)
+
+    @cached_property
+    def triangle_boxes(self) -> tuple[Array, Array]:
+        """Lower and upper corners of the bounding boxes of the triangles, shape (m, 3)."""
+        corners = self.points[self.triangles]
+        return corners.min(axis=1), corners.max(axis=1)
+
+    @cached_property
+    def triangle_balls(self) -> tuple[Array, Array]:
+        """Middles of the triangles, shape (m, 3), and distances of their farthest corners, (m,)."""
+        corners = self.points[self.triangles]
+        middle = corners.mean(axis=1)
+        return middle, np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
+
+    @cached_property
+    def rim_boxes(self) -> tuple[Array, Array]:
+        """Lower and upper corners of the bounding boxes of the edges of the rim, shape (k, 3)."""
+        ends = self.points[self.rim]
+        return ends.min(axis=1), ends.max(axis=1)
+
+    @cached_property
+    def _fitted(self) -> tuple[Array, Array]:
+        near, is_entry = _neighbourhoods(self.points, self.triangles)
+        mean = _mean_normals(self.points, self.triangles, self.triangle_normals)
+        return _fit_normals(self.points, near, is_entry, *mean)
+
+    @property
+    def normals(self) -> Array:
+        """Fitted unit normals at the corners, out of the material, shape (n, 3)."""
+        return self._fitted[0]
+
+    @property
+    def doubt(self) -> Array:
+        """Error of the normals [rad], shape (n,)."""
+        return self._fitted[1]
+
+    @cached_property
+    def sagitta(self) -> float:
+        """Largest distance of a triangle from the surface [length unit]."""
+        step = np.roll(self.points[self.triangles], -1, axis=1) - self.points[self.triangles]
+        turn = np.roll(self.normals[self.triangles], -1, axis=1) - self.normals[self.triangles]
+        return float(np.abs(np.einsum("nki,nki->nk", step, turn)).max() / 6)
+
+    @cached_property
+    def most_sagitta(self) -> float:
+        """Upper bound on `sagitta` that needs no fit: two unit normals differ by 2 at most."""
+        step = np.roll(self.points[self.triangles], -1, axis=1) - self.points[self.triangles]
+        return float(np.linalg.norm(step, axis=2).max() / 3)
 
 
 def smooth_faces(geometry: Geometry, part: int, *, mesh: bool) -> list[SmoothFace]:
@@ -134,22 +185,8 @@ def _build_face(
     """Build a smooth face of the given triangles; `inner` marks half-edges inside the face."""
     vertices, local = np.unique(geometry.triangles[rows], return_inverse=True)
     triangles = local.reshape(-1, 3)
-    points = geometry.vertices[vertices]
-    near, is_entry = _neighbourhoods(points, triangles)
-    normals, doubt = _fit_normals(points, near, is_entry, *_mean_normals(points, triangles, normal))
     half = np.stack([triangles, triangles[:, [1, 2, 0]]], axis=2)
-    step = np.roll(points[triangles], -1, axis=1) - points[triangles]
-    turn = np.roll(normals[triangles], -1, axis=1) - normals[triangles]
-    return SmoothFace(
-        part=part,
-        triangles=triangles,
-        rows=rows,
-        points=points,
-        normals=normals,
-        doubt=doubt,
-        rim=half[~inner],
-        sagitta=float(np.abs(np.einsum("nki,nki->nk", step, turn)).max() / 6),
-    )
+    return SmoothFace(part, triangles, rows, geometry.vertices[vertices], normal, half[~inner])
 
 
 def _mean_normals(points: Array, triangles: Index, normal: Array) -> tuple[Array, Array]:
@@ -222,8 +259,7 @@ def _fit_normals(
     second = np.stack([x, y, x * x, two * x * y, y * y], axis=2)
     third = np.stack([x**3, three * x * x * y, three * x * y * y, y**3], axis=2)
     third[alike.sum(axis=1) < CUBIC] = 0.0
-    rough = _slopes(second, z, weight)
-    fine = _slopes(np.concatenate([second, third], axis=2), z, weight)
+    rough, fine = _slopes(np.concatenate([second, third], axis=2), z, weight, (5, 9))
     normals = unit_rows(mean - fine[:, :1] * u - fine[:, 1:] * v)
     doubt = np.linalg.norm(fine - rough, axis=1)
     is_planar = bend <= SMOOTH_DOUBT  # the normal of a corner in a plane is exact
@@ -231,8 +267,25 @@ def _fit_normals(
     return normals, doubt
 
 
-def _slopes(terms: Array, z: Array, weight: Array) -> Array:
-    """Slopes a and b of weighted least-squares fits of the heights z, shape (n, 2)."""
-    inverse = np.linalg.pinv(terms * weight[..., None], rcond=FIT_CUT)
-    slopes: Array = np.einsum("nik,nk->ni", inverse[:, :2], z * weight)
-    return slopes
+def _slopes(terms: Array, z: Array, weight: Array, counts: tuple[int, ...]) -> list[Array]:
+    """Slopes a and b of weighted least-squares fits of the heights z, shape (n, 2) each.
+
+    There is a fit with the first `count` terms for each count. A single QR factorisation serves
+    all fits, since the triangle of the first terms is the corner of the triangle of all terms. A
+    fit whose terms are nearly dependent needs the least-norm solution from singular values.
+    """
+    matrix, right = terms * weight[..., None], z * weight
+    rows = np.concatenate([matrix, right[..., None]], axis=2)
+    triangle = np.asarray(np.linalg.qr(rows, mode="r"))
+    diagonal = np.abs(np.diagonal(triangle, axis1=1, axis2=2))
+    fits = []
+    for count in counts:
+        sizes = diagonal[:, :count]
+        is_regular = sizes.min(axis=1) > FIT_REGULAR * sizes.max(axis=1)
+        slopes = np.empty((len(terms), 2))
+        corner = triangle[is_regular, :count]
+        slopes[is_regular] = np.linalg.solve(corner[..., :count], corner[..., -1:])[:, :2, 0]
+        inverse = np.linalg.pinv(matrix[~is_regular, :, :count], rcond=FIT_CUT)
+        slopes[~is_regular] = np.einsum("nik,nk->ni", inverse[:, :2], right[~is_regular])
+        fits.append(slopes)
+    return fits

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 
@@ -26,6 +27,7 @@ from kilter.arrays import Array, Index, Mask, across, starts, unit_rows
 from kilter.contact.broad import joins
 from kilter.contact.contact_search import ContactSearch
 from kilter.contact.contact_tolerances import (
+    DISTANCE_ROUNDING,
     GAP,
     ONE_DIRECTION,
     PATCH_ANGLE,
@@ -40,7 +42,7 @@ from kilter.contact.patches import Patches
 from kilter.contact.planar.facet_overlays import facet_frames, overlaps_of
 from kilter.contact.smooth.matching import Matches, matches
 from kilter.contact.smooth.smooth_faces import SmoothFace, smooth_faces
-from kilter.contact.triangle_distance import within_distance
+from kilter.contact.triangle_distance import TriangleTrees
 from kilter.work import stop_if_late
 
 __all__ = ["SmoothJoint", "SmoothJoints", "find_smooth"]
@@ -66,7 +68,7 @@ class SmoothJoint:
     ----------
     pair : int
         Row of the pair of parts.
-    corners : pair of ndarray, shape (n, 3, 3)
+    surfaces : pair of TriangleTrees
         Triangles of the face of part a, and of part b.
     facets : pair of ndarray of int
         Facets of both faces.
@@ -81,7 +83,7 @@ class SmoothJoint:
     """
 
     pair: int
-    corners: tuple[Array, Array]
+    surfaces: tuple[TriangleTrees, TriangleTrees]
     facets: tuple[Index, Index]
     matches: Matches
     area: float
@@ -215,8 +217,8 @@ class SmoothJoints:
         is_explained = np.zeros(len(points), dtype=bool)
         for joint in self.joints:
             rows = np.flatnonzero((pair == joint.pair) & ~is_explained)
-            for corners in joint.corners:
-                rows = rows[within_distance(points[rows], corners, joint.reach)]
+            for surface in joint.surfaces:
+                rows = rows[surface.within(points[rows], joint.reach)]
             is_explained[rows] = True
         return is_explained
 
@@ -249,10 +251,14 @@ def _joint(
     """
     face_a, face_b = faces
     gap, closed = float(search.limits.gap[row]), float(search.limits.closed[row])
+    low = np.maximum(face_a.box[0], face_b.box[0])
+    apart = float((low - np.minimum(face_a.box[1], face_b.box[1])).max())
+    # most pairs of faces are apart, and need no fitted normals
+    if apart > max(gap, closed) + face_a.most_sagitta + face_b.most_sagitta:
+        return []
     sagitta = face_a.sagitta + face_b.sagitta
     reach = max(gap, closed) + sagitta
-    low = np.maximum(face_a.points.min(axis=0), face_b.points.min(axis=0))
-    if (low > np.minimum(face_a.points.max(axis=0), face_b.points.max(axis=0)) + reach).any():
+    if apart > reach:
         return []
     matched = matches(face_a, face_b, reach, gap)
     is_near = (matched.gap >= -gap - SMOOTH_GAP * sagitta) & (
@@ -271,9 +277,12 @@ def _joint(
     points = matched.take(np.flatnonzero(is_sure))
     # `apart` is half the angle between the normals of both sides
     tilt = 2 * float(np.sqrt((points.apart**2).mean()))
-    corners = (face_a.points[face_a.triangles], face_b.points[face_b.triangles])
+    surfaces = (
+        TriangleTrees(face_a.points[face_a.triangles]),
+        TriangleTrees(face_b.points[face_b.triangles]),
+    )
     points = _spread_subset(_free_sliding_directions(points, faces, tilt), reach)
-    return [SmoothJoint(row, corners, facets, points, area, reach, max(tilt, SMOOTH_LEAST))]
+    return [SmoothJoint(row, surfaces, facets, points, area, reach, max(tilt, SMOOTH_LEAST))]
 
 
 def _facets_of(search: ContactSearch, face: SmoothFace) -> Index:
@@ -297,15 +306,16 @@ def _common_area(
     Flush means within the default gap tolerance: a wider tolerance does not show whether the flat
     faces are real.
     """
-    geometry, boxes = search.geometry, search.boxes
-    i, j = facets
-    owner = [np.zeros(len(rows), dtype=np.int64) for rows in facets]
-    facet_boxes = [(boxes.facet_low[rows], boxes.facet_high[rows]) for rows in facets]
+    geometry, boxes, normal = search.geometry, search.boxes, search.facets.normal
+    # facets are compared only if their normals lie in neighbouring cells of directions
+    (i, owner_i), (j, owner_j), cells = _facing_cells(facets, normal)
+    box_i, box_j = ((boxes.facet_low[rows], boxes.facet_high[rows]) for rows in (i, j))
+    margin = np.full(cells, reach)
     size = float(geometry.size[search.pairs[row]].min())
     gap = max(GAP * size, float(search.limits.rounding[row]))
     area = flush = 0.0
-    for _, x, y in joins(owner[0], facet_boxes[0], owner[1], facet_boxes[1], np.array([reach])):
-        opposed = np.einsum("ij,ij->i", search.facets.normal[i[x]], search.facets.normal[j[y]])
+    for _, x, y in joins(owner_i, box_i, owner_j, box_j, margin):
+        opposed = np.einsum("ij,ij->i", normal[i[x]], normal[j[y]])
         keep = opposed <= -np.cos(SMOOTH_FACING)
         x, y = x[keep], y[keep]
         pair = np.full(len(x), row)
@@ -316,6 +326,34 @@ def _common_area(
             area += float(block.area[near].sum())
             flush += float(block.area[near & level].sum())
     return area, flush
+
+
+def _facing_cells(
+    facets: tuple[Index, Index], normal: Array
+) -> tuple[tuple[Index, Index], tuple[Index, Index], int]:
+    """Facets of both faces by cells of directions, so that facing facets share a cell.
+
+    Returns
+    -------
+    first, second : pair of ndarray of int
+        Facets, and the cell of each, ascending. A facet of the second face is in the cells
+        around the reverse of its normal.
+    cells : int
+        Number of cells.
+    """
+    i, j = facets
+    # the difference of facing unit vectors is at most a side of a cell along each axis
+    side = 2 * np.sin(SMOOTH_FACING / 2) * (1 + DISTANCE_ROUNDING)
+    most = int(np.ceil(1 / side)) + 2
+    weights = np.array([(2 * most) ** 2, 2 * most, 1])
+    cell_i = (np.floor(normal[i] / side) + most).astype(np.int64) @ weights
+    around = np.array(list(product((-1, 0, 1), repeat=3))) @ weights
+    near_j = ((np.floor(-normal[j] / side) + most).astype(np.int64) @ weights)[:, None] + around
+    used = np.unique(cell_i)
+    row, column = np.nonzero(np.isin(near_j, used))
+    owner_i, owner_j = np.searchsorted(used, cell_i), np.searchsorted(used, near_j[row, column])
+    order_i, order_j = (np.argsort(owner, kind="stable") for owner in (owner_i, owner_j))
+    return (i[order_i], owner_i[order_i]), (j[row][order_j], owner_j[order_j]), len(used)
 
 
 def _free_sliding_directions(points: Matches, faces: Iterable[SmoothFace], tilt: float) -> Matches:
@@ -333,6 +371,8 @@ def _free_sliding_directions(points: Matches, faces: Iterable[SmoothFace], tilt:
 
 def _straight_directions(faces: Iterable[SmoothFace]) -> list[Array]:
     """Unit directions of the edges at the rim of faces, the greatest total length first."""
+    from scipy.spatial import cKDTree
+
     step = np.concatenate(
         [face.points[face.rim[:, 1]] - face.points[face.rim[:, 0]] for face in faces]
     )
@@ -342,11 +382,11 @@ def _straight_directions(faces: Iterable[SmoothFace]) -> list[Array]:
     along = along * np.sign(leading)
     groups: list[Array] = []
     remaining = np.ones(len(along), dtype=bool)
-    for k in np.argsort(-length, kind="stable"):
+    parallel = cKDTree(along).query_ball_point(along, ONE_DIRECTION, return_sorted=True)
+    for k in np.argsort(-length, kind="stable").tolist():
         if remaining[k]:
-            is_parallel = np.linalg.norm(along - along[k], axis=1) <= ONE_DIRECTION
-            remaining &= ~is_parallel
-            groups.append(length[is_parallel] @ along[is_parallel])
+            remaining[parallel[k]] = False
+            groups.append(length[parallel[k]] @ along[parallel[k]])
     groups.sort(key=lambda total: -float(np.linalg.norm(total)))
     return [unit_rows(total) for total in groups[:DIRECTIONS]]
 
