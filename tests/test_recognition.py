@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from kilter.shape import first_fits
 from kilter.shape.primitives import Box, Cylinder, Sphere, surface
 from kilter.shape.recognition import recognise
 from kilter.shape.round_region import FacetMesh
@@ -275,3 +276,29 @@ def test_the_growth_of_a_surface_reads_each_corner_a_few_times(
         assert [s.kind for s in surfaces].count("cylinder") == 1
         shares.append(counted[-1] / len(triangles))
     assert shares[1] < 1.5 * shares[0]
+
+
+def test_starts_that_are_left_out_change_no_surface(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    vertices, triangles = moved(capsule(4, 16), 0)
+    dented = vertices.copy()
+    dented[2] *= 1.02  # its region is no longer round as a whole
+    for corners in (vertices, dented):
+        found = recognise(corners, triangles)
+        monkeypatch.setattr(
+            first_fits, "_may_grow", lambda mesh, middles, tried, free: np.full(len(tried), True)
+        )
+        every = recognise(corners, triangles)
+        monkeypatch.undo()
+        assert [(s.kind, s.radius) for s in found[0]] == [(s.kind, s.radius) for s in every[0]]
+        assert found[1].tolist() == every[1].tolist()
+        assert {"sphere", "cylinder"} & {s.kind for s in found[0]}
+
+
+def test_planes_can_be_left_out() -> None:
+    vertices, triangles = surface(Cylinder(2, 5))
+    surfaces, which, sagitta = recognise(vertices, triangles, planes=False)
+    assert [s.kind for s in surfaces] == ["cylinder"]
+    assert len(sagitta) == 1
+    assert which.tolist() == np.where(recognise(vertices, triangles)[1] == 0, 0, -1).tolist()

@@ -266,3 +266,12 @@ def test_a_part_can_be_changed_by_replace() -> None:
     held = dataclasses.replace(CUBE, grounded=True)
     assert held.grounded
     assert held.pose is CUBE.pose
+
+
+def test_a_copy_with_the_same_parts_shares_the_geometry() -> None:
+    tower = scene("tower")
+    geometry = tower.geometry
+    assert tower.with_joints([Joint(("cube-1", "cube-2"))]).geometry is geometry
+    assert tower.with_friction(0.5).geometry is geometry
+    assert tower.with_grounded("cube-1").geometry.grounded.sum() == geometry.grounded.sum() + 1
+    assert dataclasses.replace(tower, units="mm").geometry is not geometry
