@@ -29,6 +29,6 @@ export function unpacked(value) {
 /** The data of this page; null if the page has no picture. */
 export function pageData(text) {
   const data = unpacked(JSON.parse(text));
-  if (data) data.parts.tails = tailsOf(data.parts.names);
+  if (data && data.parts) data.parts.tails = tailsOf(data.parts.names);
   return data;
 }

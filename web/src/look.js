@@ -60,8 +60,7 @@ export class Look {
       page.parts.names.forEach((name, k) => (parts.visible[k] = gone.has(name) ? 0 : 1));
       parts.selected = this.selection;
       parts.patches.visible = id("show-contacts").checked;
-      this.seeThrough();
-      this.section();
+      this.cut();
       this.measure.clear();
       this.stage.spread(this.spreading());
       this.theme();
@@ -69,8 +68,12 @@ export class Look {
     this.offer();
     this.label();
     this.tree.set(page);
+    this.renewed();
     this.showSelection();
   }
+
+  /** Answer the data after a replacement; called before the selection is shown again. */
+  renewed() {}
 
   // controls --------------------------------------------------------------------------
 
@@ -224,13 +227,17 @@ export class Look {
 
   /** Cut away one side of a plane: that of +x, −x and so on. */
   section() {
+    this.cut();
+    this.repose();
+  }
+
+  cut() {
     const side = id("section-axis").value;
     const axis = "xyz".indexOf(side.charAt(side.length - 1) || " ");
     const sign = side.startsWith("-") ? -1 : 1;
     id("section").hidden = axis < 0;
     const normal = axis < 0 ? null : [0, 1, 2].map((k) => (k === axis ? sign : 0));
     this.stage.parts.section(normal, sign * this.page.radius * Number(id("section").value));
-    this.repose();
   }
 
   picking() {

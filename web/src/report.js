@@ -10,7 +10,6 @@ import { id, on } from "./dom.js";
 import { Look } from "./look.js";
 import { deepest } from "./map.js";
 import { bondUse, forceArrows, motionArrows, thrustRods } from "./overlay.js";
-import { keepPlace } from "./place.js";
 import { reachOf } from "./pose.js";
 import { clearAmount } from "./sweep.js";
 import { angleBetween, unit } from "./vector.js";
@@ -59,19 +58,20 @@ export class Report extends Look {
       this.stage.begun = () => this.reveal();
       if (this.stage.size) this.reveal();
     }
-    if (location.protocol === "http:") keepPlace(this);
   }
 
   /** Show other data; gravity stays where the user turned it, else it follows the given direction. */
   replace(page) {
-    const given = angleBetween(this.down, this.page.given.down) < 1e-9;
-    this.found = null;
+    if (angleBetween(this.down, this.page.given.down) < 1e-9) this.down = page.given.down;
     this.painted = undefined;
     this.changed = false;
     this.added = null;
     this.ball.replace(page);
     super.replace(page);
-    this.turn(given ? page.given.down : this.down);
+  }
+
+  renewed() {
+    this.turn(this.down);
   }
 
   /**

@@ -46,7 +46,7 @@ export const direction = (u, digits = 4) =>
 /** Words for the tilt margin inside the stable region, or for the angle to it outside. */
 export function marginWords(page, found) {
   const { region } = page;
-  if (!region) return "the stable region of this assembly was not computed";
+  if (!region) return page.left_out ? "" : "the stable region of this assembly was not computed";
   if (region.kind === "none") {
     return region.words.none;
   }

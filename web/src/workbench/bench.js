@@ -1,0 +1,262 @@
+// The workbench: the page of `kilter view`, which shows a session of the server.
+//
+// The server sends the state of the session, the scene, and answers. Each answer belongs to a state;
+// an answer to an older state is dropped.
+
+import { copyText } from "../clipboard.js";
+import { unpacked } from "../data.js";
+import { id, on } from "../dom.js";
+import { printWell } from "../paper.js";
+import { scrollPast } from "../scrolling.js";
+import { readTables } from "../tables.js";
+import { Decide } from "./decide.js";
+import { Forces } from "./forces.js";
+import { Link } from "./link.js";
+import { LiveReport, pending, prepareParts } from "./live_report.js";
+import { PartActions } from "./part_actions.js";
+import { Start, sentence } from "./start.js";
+import { Tabs } from "./tabs.js";
+
+const SHOWN = 6000; // a message of success is shown for this time [ms]
+
+export class Workbench {
+  constructor(token) {
+    this.session = null;
+    this.answer = null;
+    document.body.classList.add("bench");
+    this.start = new Start(this);
+    this.forces = new Forces(this);
+    this.parts = new PartActions(this);
+    this.decide = new Decide(this);
+    this.tabs = new Tabs(this);
+    on("undo", "click", () => this.act({ do: "undo" }));
+    on("redo", "click", () => this.act({ do: "redo" }));
+    on("save", "click", () => this.act({ do: "save", file: null }));
+    on("end-trouble", "click", () => (id("trouble").hidden = true));
+    on("end-message", "click", () => (id("message").hidden = true));
+    on("stop", "click", () => this.act({ do: "stop" }));
+    on("copy-command", "click", () => copyText(id("command").textContent, id("copy-command")));
+    on("export", "change", () => {
+      const name = id("export").value;
+      id("export").value = "";
+      if (name) this.export(name);
+    });
+    document.addEventListener("keydown", (e) => this.key(e));
+    this.link = new Link(token, (message) => this.hear(message), (connected) => this.connected(connected));
+  }
+
+  /** Keys of the whole page: undo, redo, save. */
+  key(event) {
+    if (!(event.ctrlKey || event.metaKey) || event.altKey || !this.session?.file) return;
+    const writing = event.target.matches?.("input:not([type=range], [type=checkbox]), textarea");
+    const name = event.key.toLowerCase();
+    if (name === "s") this.act({ do: "save", file: null });
+    else if (name === "z" && !writing) this.act({ do: event.shiftKey ? "redo" : "undo" });
+    else if (name === "y" && !writing) this.act({ do: "redo" });
+    else return;
+    event.preventDefault();
+  }
+
+  /** Send an action; a refusal is shown as a sentence. */
+  async act(action) {
+    const reply = await this.link.send(action);
+    if (reply.ok) id("trouble").hidden = true;
+    else this.complain(sentence(reply));
+    return reply;
+  }
+
+  complain(words) {
+    id("trouble").hidden = false;
+    id("trouble-words").textContent = words.charAt(0).toUpperCase() + words.slice(1);
+  }
+
+  connected(connected) {
+    id("connection").hidden = connected;
+    if (!connected) {
+      id("connection").textContent =
+        "The connection to kilter is lost, and the page tries to connect again. Changes until now are kept; if kilter has ended, start it again with kilter view.";
+    }
+  }
+
+  // messages --------------------------------------------------------------------------
+
+  hear(message) {
+    const act = { session: "tellSession", scene: "showScene", answer: "showAnswer", problem: "tellProblem", progress: "tellProgress", tab: "showTab" }[message.is];
+    if (act) this[act](message);
+  }
+
+  tellSession(session) {
+    const before = this.session;
+    this.session = session;
+    const open = Boolean(session.file);
+    for (const name of ["save", "export", "command-line"]) id(name).hidden = !open;
+    id("undo").hidden = !open || !session.changes.length;
+    id("redo").hidden = !open || !session.redo.length;
+    id("undo").title = session.changes.length ? `undo: ${session.changes.at(-1).label} (Ctrl+Z)` : "";
+    id("title").textContent = session.title;
+    document.title = session.title ? `${session.title} – kilter` : "kilter";
+    id("saved").textContent = !open ? "" : session.dirty ? "not saved" : session.saved ? `saved: ${session.saved}` : "";
+    id("command").textContent = session.command;
+    id("command-note").textContent = session.command_needs_save ? "needs the saved choices" : "";
+    if (!before || session.message !== before.message) this.note(session.message, /^saved/.test(session.message));
+    this.start.tell(session);
+    this.forces.tell(session);
+    if (!before || before.state !== session.state) this.stale();
+    if (!open) id("show").hidden = true;
+    else if (this.report && before && before.file === session.file) id("show").hidden = false;
+    if (this.report) this.parts.tell();
+    keepFocus();
+    if (before && before.file !== session.file) {
+      id("show").hidden = true; // until the parts of the other file arrive
+      this.other = true;
+    }
+  }
+
+  /** Mark the answer as one of an older state. */
+  stale() {
+    this.answer = null;
+    this.tabs.renew();
+    if (!this.report) return;
+    const banner = id("banner");
+    banner.dataset.stale = "true";
+    banner.dataset.phase = "";
+    banner.setAttribute("aria-busy", "true");
+    id("level").textContent = "is being computed anew";
+  }
+
+  /** Show a sentence; `brief`: it disappears by itself. */
+  note(words, brief = true) {
+    id("message").hidden = !words;
+    id("message-words").textContent = words ? words.charAt(0).toUpperCase() + words.slice(1) : "";
+    clearTimeout(this.noted);
+    if (words && brief) this.noted = setTimeout(() => (id("message").hidden = true), SHOWN);
+  }
+
+  showScene({ page: data }) {
+    const page = unpacked(data);
+    page.shapes ??= this.shapes;
+    this.shapes = page.shapes;
+    prepareParts(page.parts);
+    const down = this.report && !this.other ? this.report.page.given.down : [0, 0, -1];
+    page.given = pending(page.parts.names.length, down);
+    id("show").hidden = false;
+    if (!this.report) this.begin(page);
+    else if (this.other) this.report.restart(page);
+    else this.report.replace(page);
+    this.other = false;
+    this.parts.tellLeftOut(page.left_out ?? []);
+    this.forces.lists(this.session.choices);
+    this.parts.tell();
+    this.stale();
+  }
+
+  /** Make the picture with the first scene. */
+  begin(page) {
+    this.report = new LiveReport(page);
+    this.report.told = () => this.tellPhase();
+    this.report.selected_ = () => this.parts.tell();
+    window.kilter = this.report;
+    printWell(this.report, id("printed"));
+    if (this.report.stage) scrollPast(this.report.stage, id("picture"));
+  }
+
+  showAnswer(message) {
+    if (!this.report || message.state !== this.session.state) return;
+    const given = unpacked(message.given);
+    if (given.moves.length !== this.report.page.parts.names.length) return; // of another scene
+    const first = !this.shown;
+    this.shown = true;
+    this.answer = message;
+    const banner = id("banner");
+    banner.dataset.stale = "false";
+    banner.dataset.phase = message.phase;
+    banner.dataset.state = String(message.state);
+    banner.setAttribute("aria-busy", String(message.phase !== "complete"));
+    this.report.answered(given);
+    if (first) this.report.reveal();
+    this.decide.tell(message);
+    id("answer-html").innerHTML = message.html ?? ""; // escaped by the server
+    readTables(this.report.page, id("answer-section"));
+    id("answer-section").hidden = !message.html;
+  }
+
+  /** State in the banner which phase the answer has. */
+  tellPhase() {
+    const { phase } = this.answer ?? {};
+    if (phase === "equilibrium" && this.report.found.from === "given") {
+      id("level").textContent = "equilibrium; the complete answer is being computed";
+    } else if (!phase && this.report.found.from === "given") {
+      id("verdict").textContent = "…";
+      id("level").textContent = "is being computed";
+      id("moving").textContent = "";
+    }
+  }
+
+  tellProblem({ state, ...problem }) {
+    if (state !== this.session.state) return;
+    const banner = id("banner");
+    banner.dataset.stale = "false";
+    banner.dataset.phase = "problem";
+    banner.dataset.verdict = "unknown";
+    banner.dataset.state = String(state);
+    banner.setAttribute("aria-busy", "false");
+    id("sign").textContent = "?";
+    id("verdict").textContent = "No answer";
+    for (const name of ["level", "figure", "moving"]) id(name).textContent = "";
+    id("sentence").textContent = sentence(problem);
+    if (!this.report || id("show").hidden) this.complain(sentence(problem));
+  }
+
+  tellProgress({ what, words, working }) {
+    id("progress").hidden = !working;
+    id("progress-words").textContent = words || (what === "answer" ? "The answer is being computed." : "Being computed.");
+    this.tabs.progress(what, words);
+    if (!this.report && working) this.note(words ? `reading: ${words}` : "");
+  }
+
+  showTab(message) {
+    if (message.state === this.session.state) this.tabs.take(message);
+  }
+
+  // helpers ---------------------------------------------------------------------------
+
+  /** The short name of a part on this page. */
+  shortName(name) {
+    if (!this.report) return name;
+    const { full_names: names, tails } = this.report.page.parts;
+    const k = names.indexOf(name);
+    return k < 0 ? name : tails[k];
+  }
+
+  zoomToNames(names) {
+    const { full_names: all } = this.report.page.parts;
+    const pair = names.map((name) => all.indexOf(name)).filter((k) => k >= 0);
+    if (pair.length) this.report.zoomToPair(pair);
+  }
+
+  /** Download a file that the server makes. */
+  async export(name) {
+    this.note(`${name} is being made`);
+    try {
+      const response = await fetch(this.link.address(`export/${name}`));
+      if (!response.ok) throw new Error(sentence(await response.json()));
+      const anchor = document.createElement("a");
+      anchor.href = URL.createObjectURL(await response.blob());
+      anchor.download = name;
+      anchor.click();
+      setTimeout(() => URL.revokeObjectURL(anchor.href), SHOWN);
+      this.note(`${name} is downloaded`);
+    } catch (error) {
+      this.note("");
+      this.complain(`${name} was not made: ${error.message}`);
+    }
+  }
+}
+
+/** If the focused button has disappeared, move the focus to another button of the bar. */
+function keepFocus() {
+  const { activeElement: element } = document;
+  if (!element?.closest(".bar") || !element.hidden) return;
+  const next = [...document.querySelectorAll(".bar button")].find((one) => !one.hidden);
+  if (next) next.focus();
+}

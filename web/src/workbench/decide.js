@@ -1,0 +1,70 @@
+// What the answer leaves to the user: remedies, pairs that look fastened, and open pairs.
+
+import { id } from "../dom.js";
+import { button, entry, fill } from "./entries.js";
+
+const LISTED = 60; // entries of a list; a button settles all of them
+
+export class Decide {
+  constructor(bench) {
+    this.bench = bench;
+  }
+
+  tell({ open, suggestions, remedies }) {
+    const { bench } = this;
+    const decides = open.filter((pair) => pair.decides);
+    const left = suggestions.filter((one) => !one.joined);
+    id("decide").hidden = !open.length && !left.length && !remedies.length;
+    id("decide").classList.toggle("urgent", decides.length > 0);
+    fill(
+      id("remedies"),
+      "This changes the verdict",
+      remedies.filter(({ actions }) => actions.length).map((one) => {
+        const words = `${one.option}${one.leads_to ? `: ${one.leads_to}` : ""}`;
+        return entry(words, button("Do it", () => this.all(one.actions)));
+      }),
+    );
+    const fixed = left.filter((one) => one.fixed);
+    fill(
+      id("suggestions"),
+      `Pairs that look fastened (${left.length})`,
+      left.slice(0, LISTED).map((one) => this.pair(one, [["Join", () => bench.act({ do: "fasten", parts: one.parts, on: true })]])),
+      ...(fixed.length ? [button("Join all of them", () => bench.act({ do: "fasten_suggested", on: true }), "joins the pairs that are suggested as fixed")] : []),
+    );
+    const list = [...decides, ...open.filter((pair) => !pair.decides)];
+    const settle = (pairs, as) => bench.act({ do: "pair", pairs: pairs.map(({ parts }) => parts), as });
+    fill(
+      id("open-pairs"),
+      `Open pairs (${list.length})`,
+      list.slice(0, LISTED).map((one) =>
+        this.pair(one, [
+          ["Touch", () => settle([one], "touching")],
+          ["Apart", () => settle([one], "apart")],
+          ["Join", () => settle([one], "joined")],
+        ]),
+      ),
+      ...(list.length > 1
+        ? [["All of them touch", "touching"], ["are apart", "apart"], ["are joined", "joined"]].map(([words, as]) => button(words, () => settle(list, as)))
+        : []),
+    );
+  }
+
+  /** An entry of a pair: its words zoom to it, its buttons settle it. */
+  pair(one, actions) {
+    const { bench } = this;
+    const names = one.parts.map((name) => bench.shortName(name)).join(" – ");
+    const show = button(`${names}: ${one.words}`, () => bench.zoomToNames(one.parts), "show this pair");
+    show.className = "link";
+    const item = entry("", ...actions.map(([label, action]) => button(label, action)));
+    item.firstChild.append(show);
+    return item;
+  }
+
+  /** Do several actions, one after the other. */
+  async all(actions) {
+    for (const action of actions) {
+      const reply = await this.bench.act(action);
+      if (!reply.ok) return;
+    }
+  }
+}

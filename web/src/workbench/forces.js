@@ -1,0 +1,113 @@
+// Friction of all contacts, loads, floor and gravity; and the lists of joints, bonds and pairs.
+
+import { id, on } from "../dom.js";
+import { direction, force, number } from "../words.js";
+import { button, entry, refill } from "./entries.js";
+
+const PAUSE = 120; // least time between two messages of a dragged slider [ms]
+
+export class Forces {
+  constructor(bench) {
+    this.bench = bench;
+    on("friction", "input", () => this.drag(Number(id("friction").value)));
+    on("friction-number", "change", () => {
+      const text = id("friction-number").value.trim();
+      bench.act({ do: "friction", mu: text === "" ? null : Number(text) });
+    });
+    on("friction-file", "click", () => bench.act({ do: "friction", mu: null }));
+    on("scale-loads", "input", () => (id("scale-words").textContent = number(this.factor(), 3)));
+    on("scale-loads", "change", async () => {
+      const factor = this.factor();
+      id("scale-loads").value = "0";
+      id("scale-words").textContent = "1";
+      if (factor !== 1) await bench.act({ do: "scale_loads", factor });
+    });
+    on("floor", "change", () => bench.act({ do: "floor", on: id("floor").checked }));
+    on("up", "change", () => bench.act({ do: "gravity", ...(id("up").value ? { up: id("up").value } : { down: null }) }));
+    on("use-gravity", "click", () => {
+      const down = [...bench.report.down];
+      bench.act({ do: "gravity", down });
+    });
+  }
+
+  factor() {
+    return Number((10 ** Number(id("scale-loads").value)).toPrecision(3));
+  }
+
+  /** Send the position of the friction slider, at most once in a while. */
+  drag(mu) {
+    id("friction-number").value = String(mu);
+    this.wanted = mu;
+    if (this.sending) return;
+    this.sending = true;
+    const next = async () => {
+      const mu_ = this.wanted;
+      this.wanted = null;
+      await this.bench.act({ do: "friction", mu: mu_, live: true });
+      setTimeout(() => {
+        if (this.wanted !== null) next();
+        else this.sending = false;
+      }, PAUSE);
+    };
+    next();
+  }
+
+  tell({ choices }) {
+    const { friction, floor, up } = choices;
+    const given = friction !== undefined;
+    if (!this.sending && document.activeElement !== id("friction-number")) {
+      id("friction").value = String(friction ?? 0);
+      id("friction-number").value = given ? String(friction) : "";
+      id("friction-number").placeholder = "file";
+    }
+    id("friction-file").hidden = !given;
+    id("floor").checked = Boolean(floor);
+    id("up").value = up ?? "";
+    this.lists(choices);
+  }
+
+  /** List the loads, joints, bonds and decided pairs of the choices. */
+  lists(choices) {
+    const { bench } = this;
+    const short = (name) => bench.shortName(name);
+    const loads = choices.loads ?? [];
+    id("scale-row").hidden = !loads.length;
+    refill(
+      id("loads"),
+      ...loads.map((load, index) => {
+        const size = Math.hypot(...load.force);
+        const words = `load ${index + 1}: ${force(size)} along ${direction(load.force.map((c) => c / (size || 1)), 3)} on ${short(load.part)}`;
+        const edit = button("Edit", () => bench.parts.editLoad(load, index));
+        return entry(words, edit, button("Remove", () => bench.act({ do: "load_off", index })));
+      }),
+    );
+    const pair = ({ parts }) => parts.map(short).join(" and ");
+    const items = [
+      ...(choices.joined ?? []).map((parts) =>
+        entry(`joined: ${parts.map(short).join(" and ")}`, button("Remove", () => bench.act({ do: "fasten", parts, on: false }))),
+      ),
+      ...(choices.open_pairs ?? []).map((one) =>
+        entry(`${one.as}: ${pair(one)}`, button("Remove", () => bench.act({ do: "pair", pairs: [one.parts], as: null }))),
+      ),
+      ...(choices.joints ?? []).map((one, index) =>
+        entry(`${one.kind} joint: ${pair(one)}`, button("Remove", () => bench.act({ do: "joint_off", index }))),
+      ),
+      ...(choices.bonds ?? []).map((one, index) =>
+        entry(`bond of ${force(one.pull)} per point: ${pair(one)}`, button("Remove", () => bench.act({ do: "bond_off", index }))),
+      ),
+      ...(choices.friction_pairs ?? []).map((one) =>
+        entry(`friction ${one.mu}: ${pair(one)}`, button("Remove", () => bench.act({ do: "pair_friction", parts: one.parts, mu: null }))),
+      ),
+      ...["fasten_suggested", "fasten_overlaps", "loose"]
+        .filter((name) => choices[name])
+        .map((name) => entry(SWITCHES[name], button("Remove", () => bench.act({ do: name, on: false })))),
+    ];
+    refill(id("joined"), ...items);
+  }
+}
+
+const SWITCHES = {
+  fasten_suggested: "joined: all pairs that look fastened",
+  fasten_overlaps: "joined: all pairs that overlap",
+  loose: "loose tolerances",
+};

@@ -1,0 +1,212 @@
+// Analyses as tabs under the picture, with progress, stop and command line; and the changes.
+
+import { copyText } from "../clipboard.js";
+import { id, on } from "../dom.js";
+import { readTables } from "../tables.js";
+import { button, entry, numbersOf, refill } from "./entries.js";
+import { sentence } from "./start.js";
+
+const TABS = {
+  changes: "Changes",
+  orient: "Which way up",
+  margin: "Margins",
+  plan: "Order",
+  hold: "What to hold",
+  transport: "Transport",
+  contacts: "Contacts",
+  compare: "Compare",
+};
+const AT_ONCE = ["orient", "margin", "plan", "hold", "contacts"]; // computed when they are opened
+
+export class Tabs {
+  constructor(bench) {
+    this.bench = bench;
+    this.results = new Map();
+    this.asked = new Set();
+    this.now = null;
+    this.buttons = Object.entries(TABS).map(([name, label], k) => {
+      const element = button(label, () => this.show(this.now === name ? null : name));
+      element.id = `tab-${name}`;
+      element.setAttribute("role", "tab");
+      element.setAttribute("aria-controls", "sheet");
+      element.tabIndex = k ? -1 : 0;
+      element.dataset.name = name;
+      return element;
+    });
+    id("tablist").replaceChildren(...this.buttons);
+    on("tablist", "keydown", (e) => this.key(e));
+    on("copy-tab-command", "click", () => copyText(id("tab-command").textContent, id("copy-tab-command")));
+    this.mark();
+  }
+
+  key(event) {
+    const k = this.buttons.indexOf(event.target);
+    const last = this.buttons.length - 1;
+    const next = { ArrowRight: k === last ? 0 : k + 1, ArrowLeft: k ? k - 1 : last, Home: 0, End: last }[event.key];
+    if (k < 0 || next === undefined) return;
+    event.preventDefault();
+    this.buttons.forEach((element, j) => (element.tabIndex = j === next ? 0 : -1));
+    this.buttons[next].focus();
+  }
+
+  /** Open a tab, or close the open one; some are computed at once. */
+  show(name) {
+    this.now = name;
+    if (name && AT_ONCE.includes(name) && !this.results.has(name) && !this.asked.has(name)) this.ask({});
+    this.draw();
+  }
+
+  mark() {
+    for (const element of this.buttons) {
+      element.setAttribute("aria-selected", String(element.dataset.name === this.now));
+    }
+    id("sheet").hidden = !this.now;
+    if (this.now) id("sheet").setAttribute("aria-labelledby", `tab-${this.now}`);
+  }
+
+  ask(options) {
+    this.asked.add(this.now);
+    this.results.delete(this.now);
+    this.bench.act({ do: "ask", tab: this.now, options });
+    this.draw();
+  }
+
+  /** Take the result of an analysis. */
+  take(message) {
+    this.asked.delete(message.name);
+    this.results.set(message.name, message);
+    if (message.name === this.now) this.draw();
+  }
+
+  /** Drop the results of an older state. */
+  renew() {
+    this.results.clear();
+    this.asked.clear();
+    this.draw();
+  }
+
+  /** Show the words of the progress of an analysis. */
+  progress(what, words) {
+    this.running = { what, words };
+    if (what && what === this.now && this.asked.has(what)) this.tellProgress();
+  }
+
+  tellProgress() {
+    const words = this.running?.what === this.now ? this.running.words : "";
+    id("sheet-body").textContent = `Being computed${words ? `: ${words}` : ""} …`;
+  }
+
+  draw() {
+    this.mark();
+    const { session } = this.bench;
+    const count = session?.changes.length ?? 0;
+    id("tab-changes").textContent = count ? `Changes (${count})` : "Changes";
+    if (!this.now || !session) return;
+    const result = this.results.get(this.now);
+    const body = id("sheet-body");
+    refill(id("sheet-controls"), ...this.controls(result));
+    id("sheet-error").hidden = !(result && result.error);
+    if (result && result.error) id("sheet-error").textContent = sentence(result);
+    id("sheet-command").hidden = !(result && result.command);
+    if (result) id("tab-command").textContent = result.command ?? "";
+    if (this.now === "changes") {
+      refill(body, this.changes(session));
+      return;
+    }
+    body.replaceChildren();
+    if (result) {
+      // the server escapes all words of this text, and the policy of the page allows no program
+      body.innerHTML = result.html;
+      if (this.bench.report) readTables(this.bench.report.page, id("sheet"));
+    } else if (this.asked.has(this.now)) this.tellProgress();
+  }
+
+  /** Buttons of the open tab. */
+  controls(result) {
+    const { bench } = this;
+    const { report } = bench;
+    const again = (label, options) => button(label, () => this.ask(options()));
+    const busy = this.asked.has(this.now);
+    if (busy) return [button("Stop", () => bench.act({ do: "stop" }))];
+    if (this.now === "changes") return [];
+    if (this.now === "compare") return this.comparison();
+    if (this.now === "margin") return [again("With the capacity of each part", () => ({ loads: true }))];
+    if (this.now === "transport") return this.transport();
+    const list = AT_ONCE.includes(this.now) && !result ? [again("Compute", () => ({}))] : [];
+    if (this.now === "orient" && result && result.orientation) {
+      list.push(
+        button("Show this direction", () => report.recommend(result.orientation)),
+        button("Use this direction", () => bench.act({ do: "gravity", down: result.data.down })),
+      );
+    }
+    const grips = this.now === "hold" ? gripped(result) : [];
+    if (grips.length) list.push(button(`Hold ${grips.map((name) => bench.shortName(name)).join(", ")}`, () => bench.act({ do: "hold", parts: grips, on: true })));
+    if (this.now === "plan" && result && result.data && result.data.found) {
+      list.push(button("Save the page of the plan", () => bench.export("plan.html")));
+    }
+    return list;
+  }
+
+  transport() {
+    const field = document.createElement("input");
+    field.placeholder = "5 0 0";
+    field.setAttribute("aria-label", "acceleration of the carrier x y z [m/s²]");
+    const code = document.createElement("select");
+    code.setAttribute("aria-label", "rule of load securing");
+    for (const name of ["", "en12195", "en12195:tipping", "gdv", "vdi2700:3.5t"]) code.add(new Option(name || "no rule", name));
+    const limits = button("Limits of all axes", () => this.ask({}));
+    const at = button("At this acceleration [m/s²]", () => {
+      const accelerate = numbersOf(field.value, 3);
+      if (accelerate) this.ask({ accelerate });
+      else this.bench.complain("Give the acceleration: 3 numbers, separated by spaces.");
+    });
+    const rule = button("By this rule", () => (code.value ? this.ask({ code: code.value }) : this.bench.complain("Choose a rule.")));
+    return [limits, field, at, code, rule];
+  }
+
+  comparison() {
+    const { session } = this.bench;
+    const labels = ["as opened", ...session.changes.map(({ label }, k) => `${k + 1}: ${label}`)];
+    const choice = (name, value) => {
+      const select = document.createElement("select");
+      select.setAttribute("aria-label", name);
+      labels.forEach((label, k) => select.add(new Option(label, String(k))));
+      select.value = String(value);
+      return select;
+    };
+    if (labels.length < 2) {
+      const words = document.createElement("span");
+      words.textContent = "There is no change yet, so there is nothing to compare.";
+      return [words];
+    }
+    const [a, b] = [choice("first state", 0), choice("second state", labels.length - 1)];
+    return [a, b, button("Compare", () => {
+      this.asked.add("compare");
+      this.bench.act({ do: "compare", a: Number(a.value), b: Number(b.value) });
+      this.draw();
+    })];
+  }
+
+  /** The list of changes: each can be reverted; undone changes can be done again. */
+  changes({ changes, redo }) {
+    const { bench } = this;
+    const list = document.createElement("ol");
+    list.className = "entries";
+    list.append(
+      entry("as opened", ...(changes.length ? [button("Go back to here", () => bench.act({ do: "go", index: 0 }))] : [])),
+      ...changes.map(({ label }, index) => {
+        const buttons = [button("Revert", () => bench.act({ do: "revert", index }), "drops this change and keeps the later ones")];
+        if (index + 1 < changes.length) buttons.push(button("Go back to here", () => bench.act({ do: "go", index: index + 1 })));
+        return entry(`${index + 1}. ${label}`, ...buttons);
+      }),
+      ...redo.map(({ label }, k) => entry(`undone: ${label}`, ...(k ? [] : [button("Redo", () => bench.act({ do: "redo" }))]))),
+    );
+    return list;
+  }
+}
+
+/** Names of the parts that an answer of hold grips. */
+function gripped(result) {
+  const supports = result?.data?.supports ?? [];
+  return supports.filter(({ kind }) => kind === "grip").map(({ part }) => part);
+}
