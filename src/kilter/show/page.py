@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 
 __all__ = ["fill_template", "render", "render_plan"]
 
-SLOTS = ("bar", "above", "panels", "actions", "motion", "player", "side")
-"""Slots of the template that hold the asset file of one kind of page."""
+SLOTS = ("bar", "above", "panels", "side", "actions", "later", "motion", "player", "body")
+"""Slots of the template that hold asset files of one kind of page."""
 REPORT = {"motion": "motion.html", "player": "fall.html", "side": "ball.html"}
 """Asset files of a report, by the slot of the template."""
 PLAN = {"player": "player.html", "side": "step.html"}
@@ -91,7 +91,8 @@ def fill_template(
     margins : str
         HTML of the cards below the picture.
     pieces : dict, optional
-        Slots of the template and their asset files, by default `REPORT`.
+        Slots of the template and the names of their asset files, separated by spaces; by default
+        `REPORT`.
     """
     style, program = as_css() + _asset("page.css"), _asset("page.js")
     scripts = [program]
@@ -107,15 +108,15 @@ def fill_template(
     )
     chosen = {**dict.fromkeys(SLOTS, ""), **(pieces or REPORT)}
     values = {
-        **{place: _asset(name) if name else "" for place, name in chosen.items()},
+        **{slot: "".join(map(_asset, names.split())) for slot, names in chosen.items()},
         "policy": policy,
         "title": text(title),
         "style": style,
-        "body": body,
         "margins": margins,
         "data": data,
         "program": "".join(f"<script>{script}</script>\n" for script in scripts),
     }
+    values["body"] += body
     # one pass, so that a slot name inside a filled-in value is not replaced
     return re.sub(r"\{\{(\w+)\}\}", lambda match: values[match[1]], _asset("page.html"))
 

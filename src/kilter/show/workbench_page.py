@@ -7,6 +7,18 @@ from kilter.show.page import fill_template
 
 __all__ = ["workbench_page"]
 
+WORKBENCH = {
+    "bar": "bench_bar.html",
+    "above": "bench_start.html",
+    "panels": "bench_decide.html",
+    "actions": "bench_actions.html",
+    "later": "bench_forces.html ball.html",
+    "motion": "motion.html",
+    "player": "bench_tabs.html fall.html",
+    "body": "bench_body.html",
+}
+"""Asset files of the workbench, by the slot of the template."""
+
 
 def workbench_page(token: str) -> str:
     """HTML of the page of the workbench.
@@ -16,4 +28,5 @@ def workbench_page(token: str) -> str:
     token : str
         Token that each request of the page sends.
     """
-    return fill_template("workbench", "", as_json({"workbench": {"token": token}}), live=True)
+    data = as_json({"workbench": {"token": token}})
+    return fill_template("", "", data, live=True, pieces=WORKBENCH)
