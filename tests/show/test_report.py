@@ -176,3 +176,6 @@ def test_a_change_of_a_file_or_of_a_mesh_that_it_names_is_seen(tmp_path: Path) -
     Path("new.stl").write_text("solid")
     assert fingerprint(".") != folder
     assert fingerprint("gone.json") == ()
+    data["parts"][0] = {"name": "base", "mesh": {"vertices": [], "faces": []}}
+    Path("inline.kilter.json").write_text(json.dumps(data))
+    assert [name for name, _, _ in fingerprint("inline.kilter.json")] == ["inline.kilter.json"]

@@ -45,6 +45,7 @@ def _named_in(path: Path) -> list[Path]:
         return []
     parts = data.get("parts") if isinstance(data, dict) else None
     listed = [part for part in parts if isinstance(part, dict)] if isinstance(parts, list) else []
-    named = {part.get(key) for part in listed for key in ("mesh", "step")}
-    named.add(data.get("file") if isinstance(data, dict) else None)  # the file of choices
-    return [path.parent / name for name in sorted(n for n in named if isinstance(n, str))]
+    named = [part.get(key) for part in listed for key in ("mesh", "step")]
+    named.append(data.get("file") if isinstance(data, dict) else None)  # the file of choices
+    # an inline mesh is no name
+    return [path.parent / name for name in sorted({n for n in named if isinstance(n, str)})]

@@ -72,7 +72,7 @@ class Jobs:
             size = float(np.linalg.norm(live.gravity(base)))
             unit = np.array(job["down"]) / np.linalg.norm(job["down"])
             base = {**base, "gravity": (size * unit + 0.0).tolist()}
-        bodies = live.bodies(base)
+        bodies = live.opened_parts(base)
         self.live, self.bodies, self._shapes = live, bodies, None
         report("opened", {"path": str(about), "keys": base, "bodies": bodies})
 

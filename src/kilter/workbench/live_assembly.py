@@ -70,7 +70,7 @@ class LiveAssembly:
         self._content: tuple[Any, FileContent] | None = None
         self._kept: list[KeptContacts] = []
 
-    def bodies(self, keys: dict[str, Any]) -> OpenedParts:
+    def opened_parts(self, keys: dict[str, Any]) -> OpenedParts:
         """The parts of the file, read with the options of choices.
 
         Raises
