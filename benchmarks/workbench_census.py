@@ -75,7 +75,7 @@ def main() -> int:
             for line in found:
                 print(f"seed {seed} {file.name}: {line}", flush=True)
         assert bench.session is not None
-        worker = bench.session.worker.pid
+        worker = bench.session.jobs.worker.pid
         memory = [resident(pid) for pid in ("self", worker)]
         page.close()
     time.sleep(1.0)

@@ -129,13 +129,13 @@ def test_changes_survive_the_end_of_the_server(tmp_path: Path) -> None:
 @pytest.mark.skipif(os.name != "posix", reason="the process is killed with a POSIX signal")
 def test_a_killed_worker_is_started_again(page: Page, bench: Workbench) -> None:
     assert bench.session is not None
-    before = bench.session.worker.pid
+    before = bench.session.jobs.worker.pid
     os.kill(before, signal.SIGKILL)
     deadline = time.monotonic() + 20
-    while bench.session.worker.pid == before and time.monotonic() < deadline:
+    while bench.session.jobs.worker.pid == before and time.monotonic() < deadline:
         time.sleep(0.05)
     assert page.after(do="hold", parts=["C2"], on=True)["is"] == "answer"
-    assert bench.session.worker.pid not in (0, before)
+    assert bench.session.jobs.worker.pid not in (0, before)
 
 
 def test_a_changed_file_is_read_again(page: Page, folder: Path) -> None:

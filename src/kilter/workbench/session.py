@@ -27,28 +27,15 @@ from kilter.scenes.registry import SCENES, scene
 from kilter.workbench.actions import ACTIONS, is_preview
 from kilter.workbench.command_line import command, needs_file, saved_name
 from kilter.workbench.history import History, autosave_path
+from kilter.workbench.job_queue import JobQueue, QueuedJob
 from kilter.workbench.materials import MATERIALS
 from kilter.workbench.opened_parts import OpenedParts
-from kilter.workbench.worker_process import LAST, WorkerProcess
 
 __all__ = ["Session"]
 
 Send = Callable[[str], None]
 WATCH = 1.0
 """Interval at which the session looks for changes of the file [s]."""
-FAULT = "kilter failed in this computation"
-"""Sentence about a fault of kilter itself."""
-
-
-@dataclass(slots=True, eq=False)
-class _Job:
-    """A job with the state that it belongs to, and the future of its caller."""
-
-    number: int
-    state: int
-    job: dict[str, Any]
-    waiter: asyncio.Future[Any] | None = None
-    tab: str = ""
 
 
 @dataclass(slots=True, eq=False)
@@ -82,17 +69,13 @@ class Session:
         self.saved: Path | None = None
         self.saved_keys: dict[str, Any] | None = None
         self.message = ""
-        self.worker = WorkerProcess(self._hear)
-        self._numbers = 0
-        self._present: _Job | None = None
-        self._waiting: list[_Job] = []
+        self.jobs = JobQueue(self._open_job, self._pass_on, self._tell_problem, self._tell_progress)
         self._sent = _Sent()
         self._busy = ""
         self._stamp: Any = None
         self._shapes: Any = None
         self._watch: asyncio.Task[None] | None = None
         self._autosaves = True
-        self._worker_has_file = False
 
     # pages -----------------------------------------------------------------------------
 
@@ -192,7 +175,7 @@ class Session:
         elif what == "compare":
             self._compare(message)
         elif what == "stop":
-            self._stop()
+            self.jobs.stop()
         elif what == "save":
             return {"saved": self._save(message.get("file"))}
         else:
@@ -226,7 +209,7 @@ class Session:
         self._answer()
 
     def _answer(self) -> None:
-        self._submit({"job": "answer", "keys": self.history.keys})
+        self.jobs.add(self.state, {"job": "answer", "keys": self.history.keys})
 
     def _ask(self, message: Mapping[str, Any]) -> None:
         self._require_file()
@@ -238,7 +221,7 @@ class Session:
             "options": dict(message.get("options") or {}),
             "saved": None if self.saved is None else self.saved.name,
         }
-        self._submit(job, tab=name)
+        self.jobs.add(self.state, job, tab=name)
 
     def _compare(self, message: Mapping[str, Any]) -> None:
         self._require_file()
@@ -249,12 +232,8 @@ class Session:
             if self.history.keys_after(count) is not None
         ]
         states = [self.history.keys_after(count) for count in counts]
-        self._submit({"job": "compare", "labels": labels, "states": states}, tab="compare")
-
-    def _stop(self) -> None:
-        """End the present job and forget the waiting jobs."""
-        self._waiting.clear()
-        self.worker.interrupt()
+        job = {"job": "compare", "labels": labels, "states": states}
+        self.jobs.add(self.state, job, tab="compare")
 
     # files -----------------------------------------------------------------------------
 
@@ -317,10 +296,14 @@ class Session:
         InputError
             If the file cannot be read; the file that was open stays open.
         """
-        self._stop()
-        waiter = asyncio.get_running_loop().create_future()
-        self._submit({"job": "open", "file": str(path), "keys": keys, "down": down}, waiter=waiter)
-        opened = await waiter
+        self.jobs.stop()
+        try:
+            job = {"job": "open", "file": str(path), "keys": keys, "down": down}
+            opened = await self.jobs.result_of(self.state, job)
+        except InputError:
+            if self.path is not None:
+                self._answer()  # the present file stays open, and its answer was stopped
+            raise
         self.path = Path(opened["path"])
         bodies: OpenedParts = opened["bodies"]
         self._stamp = fingerprint(str(self.path))
@@ -339,6 +322,10 @@ class Session:
         self._answer()
         if self._watch is None:
             self._watch = asyncio.create_task(self._watch_file())
+
+    def _open_job(self) -> dict[str, Any]:
+        """The job that makes a new worker process read the open file."""
+        return {"job": "open", "file": str(self.path), "keys": self.history.base}
 
     def _restore(self, bodies: OpenedParts, *, given: bool) -> None:
         """Take over the changes of an earlier session that were not saved."""
@@ -394,7 +381,7 @@ class Session:
 
     def _close(self) -> None:
         """Return to the start page."""
-        self._stop()
+        self.jobs.stop()
         self.path, self.history, self.message = None, History({}, OpenedParts()), ""
         self._sent = _Sent()
         self.state += 1
@@ -410,7 +397,6 @@ class Session:
         """
         self._require_file()
         assert self.path is not None
-        waiter: asyncio.Future[dict[str, Any]] = asyncio.get_running_loop().create_future()
         job = {
             "job": "export",
             "kind": kind,
@@ -418,14 +404,14 @@ class Session:
             "title": self.path.name,
             "command": self.command("report", "-o", "report.html"),
         }
-        self._submit(job, waiter=waiter)
-        return await waiter
+        made: dict[str, Any] = await self.jobs.result_of(self.state, job)
+        return made
 
     async def _watch_file(self) -> None:
         """Read the file again whenever it changes on the disk."""
         while True:
             await asyncio.sleep(WATCH)
-            if self.path is None or self._present is not None:
+            if self.path is None or not self.jobs.is_idle:
                 continue
             now = fingerprint(str(self.path))
             if now == self._stamp:
@@ -458,68 +444,12 @@ class Session:
         self.message = f"the file changed and was read again{dropped}"
         self.broadcast(self.session_data())
 
-    # jobs ------------------------------------------------------------------------------
+    # results of jobs -------------------------------------------------------------------
 
-    def _submit(
-        self,
-        job: dict[str, Any],
-        *,
-        waiter: asyncio.Future[Any] | None = None,
-        tab: str = "",
-    ) -> None:
-        """Queue a job. A new answer replaces the waiting answers and ends the job that runs."""
-        self._numbers += 1
-        new = _Job(self._numbers, self.state, job, waiter, tab)
-        if job["job"] == "answer":
-            self._waiting = [one for one in self._waiting if one.waiter is not None]
-            if self._present is not None and self._present.waiter is None:
-                self.worker.interrupt()
-        elif tab:
-            self._waiting = [one for one in self._waiting if one.tab != tab]
-        self._waiting.append(new)
-        self._next()
-
-    def _next(self) -> None:
-        """Start the next job if none runs."""
-        if self._present is not None or not self._waiting:
+    def _pass_on(self, job: QueuedJob, kind: str, data: Any) -> None:
+        """Send a result of the present state to the pages, and keep it for later pages."""
+        if job.state != self.state or kind not in ("scene", "answer", "tab"):
             return
-        if not self._worker_has_file and self._waiting[0].job["job"] != "open":
-            self._waiting.insert(0, self._reopening())
-        job = self._waiting.pop(0)
-        self._present = job
-        self._tell_progress("reading" if job.job["job"] == "open" else "")
-        self.worker.start(job.number, job.job)
-
-    def _reopening(self) -> _Job:
-        """The job that makes a new worker process read the open file."""
-        waiter: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
-        waiter.add_done_callback(lambda done: done.cancelled() or done.exception())
-        self._numbers += 1
-        job = {"job": "open", "file": str(self.path), "keys": self.history.base}
-        return _Job(self._numbers, self.state, job, waiter)
-
-    def _hear(self, number: int, kind: str, data: Any) -> None:
-        """Take a message of the worker process."""
-        if kind in ("killed", "lost"):
-            self._worker_has_file = False
-        job = self._present
-        if job is None or number != job.number:
-            return
-        if kind == "progress":
-            self._tell_progress(data)
-        elif kind in ("scene", "answer", "tab"):
-            if job.state == self.state:
-                self._pass_on(kind, data)
-        elif kind in ("opened", "file"):
-            assert job.waiter is not None
-            self._worker_has_file = self._worker_has_file or kind == "opened"
-            if not job.waiter.done():
-                job.waiter.set_result(data)
-        if kind in LAST or kind in ("killed", "lost"):
-            self._finish(job, kind, data)
-
-    def _pass_on(self, kind: str, data: dict[str, Any]) -> None:
-        """Send a result to the pages, and keep it for later pages."""
         if kind == "scene":
             self._shapes = data["shapes"] or self._shapes
             self._sent.scene = message = {"is": "scene", "state": self.state, "page": data}
@@ -530,19 +460,10 @@ class Session:
             self._sent.tabs[data["name"]] = message
         self.broadcast(message)
 
-    def _finish(self, job: _Job, kind: str, data: Any) -> None:
-        """End a job: report a failure to its caller or to the pages, and start the next job."""
-        self._present = None
-        self._tell_progress("")
-        error = _failure(kind, data)
-        if job.waiter is not None and not job.waiter.done():
-            job.waiter.set_exception(error or InputError("the computation was stopped"))
-        elif error is not None and job.state == self.state:
-            self._tell_problem(job, error)
-        self._next()
-
-    def _tell_problem(self, job: _Job, error: InputError) -> None:
+    def _tell_problem(self, job: QueuedJob, error: InputError) -> None:
         """Tell the pages why the present state, or a tab, has no answer."""
+        if job.state != self.state:
+            return
         words = {"error": error.what, "hint": error.hint or ""}
         if job.tab:
             message = {"is": "tab", "name": job.tab, "state": self.state, "html": "", **words}
@@ -551,39 +472,22 @@ class Session:
             self._sent.problem = message
         self.broadcast(message)
 
-    def _tell_progress(self, words: str) -> None:
+    def _tell_progress(self, job: QueuedJob | None, words: str) -> None:
+        """Tell the pages the stage of the running job."""
         self._busy = words
-        job = self._present
-        what = "" if job is None else job.tab or job.job["job"]
-        self.broadcast(
-            {"is": "progress", "what": what, "words": words or None, "working": job is not None}
-        )
+        about = "" if job is None else job.about
+        working = {"what": about, "words": words or None, "working": job is not None}
+        self.broadcast({"is": "progress", **working})
 
     async def end(self) -> None:
         """End the worker process and the watch."""
         if self._watch is not None:
             self._watch.cancel()
-        self.worker.end()
+        self.jobs.worker.end()
 
 
 MOST_FILES = 500
 """Largest number of files that the start page lists."""
-
-
-def _failure(kind: str, data: Any) -> InputError | None:
-    """The error that ended a job; None if it ended without an error."""
-    if kind == "error":
-        return InputError(data["error"], hint=data["hint"])
-    if kind == "fault":
-        last = str(data).strip().splitlines()[-1] if data else ""
-        return InputError(f"{FAULT}: {last}"[:300], hint="run 'kilter check' on the saved choices")
-    if kind == "lost":
-        return InputError(
-            "the computing process ended unexpectedly; it was started again", hint="try again"
-        )
-    if kind in ("stopped", "killed"):
-        return InputError("the computation was stopped", hint="change something, or ask again")
-    return None
 
 
 def _examples() -> list[str]:

@@ -16,10 +16,12 @@ from typing import Any
 
 from kilter.pipes import end_process, receive, send, start_process
 
-__all__ = ["LAST", "WorkerProcess"]
+__all__ = ["ENDED", "LAST", "WorkerProcess"]
 
 LAST = ("done", "stopped", "error", "fault")
 """Kinds of the last message about a job."""
+ENDED = ("killed", "lost")
+"""Kinds of the message that the process itself has ended."""
 GRACE = 3.0
 """Time that an interrupted job has to stop; then the process is ended [s]."""
 MODULE = "kilter.workbench.worker"
