@@ -19,8 +19,9 @@ PATIENCE = 60.0
 class Page:
     """A connected page, with the last message of each kind."""
 
-    def __init__(self, bench: Workbench) -> None:
-        url = f"ws://127.0.0.1:{bench.port}/live?token={bench.token}"
+    def __init__(self, bench: Workbench | str) -> None:
+        address = bench if isinstance(bench, str) else bench.url
+        url = address.replace("http://", "ws://").replace("/?", "/live?")
         self._open = ExitStack()
         self._link = self._open.enter_context(connect(url, max_size=None))
         self._number = 0
