@@ -33,11 +33,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-
-sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "files"))
-
-from cad_assemblies import Drawn, draw
-from step_maker import write_step
+from cad_assemblies import Drawn, draw, write_drawn
 
 import kilter
 from kilter.cli import main as run_kilter
@@ -62,8 +58,12 @@ class Case:
         """Whether the verdict of an answer is the known outcome."""
         if not self.drawn.falls:
             return answer["verdict"] in HOLDS
-        moving = {part["name"].split("/")[-1] for part in answer["parts"] if part["moves"]}
-        return answer["verdict"] == "unstable" and self.drawn.falls <= moving
+        moving = [part["name"] for part in answer["parts"] if part["moves"]]
+        fallen = all(
+            fall in moving or any(name.endswith(f"/{fall}") for name in moving)
+            for fall in self.drawn.falls
+        )
+        return answer["verdict"] == "unstable" and fallen
 
     def judgement(self) -> str:
         """One of fault, right, wrong, open."""
@@ -103,7 +103,7 @@ def _ask(words: list[str]) -> tuple[dict[str, Any] | None, str]:
 def examine(seed: int, folder: Path) -> Case:
     """Ask kilter about the assembly of a seed, and follow its proposals."""
     case = Case(draw(seed))
-    file = write_step(folder / f"{seed}.step", case.drawn.tree, units=case.drawn.units)
+    file = write_drawn(case.drawn, folder / f"{seed}.step")
     started = time.process_time()
     kilter.load(file)
     read = time.process_time() - started

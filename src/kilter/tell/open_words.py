@@ -20,6 +20,7 @@ __all__ = [
     "open_options",
     "pair_words",
     "remedy_facts",
+    "rounded_up",
     "settling_options",
     "undecided_sentence",
 ]
@@ -133,15 +134,15 @@ def open_options(open_pairs: Sequence[Pair]) -> list[OpenOption]:
     for kind in dict.fromkeys(pair["kind"] for pair in decides):
         alike = [pair for pair in decides if pair["kind"] == kind]
         if kind == "clearance":
-            above = _rounded_gap(alike)
-            options.append(OpenOption(f"--clearance {above}", clearance=float(above)))
+            above = _widest_gap(alike)
+            options.append(OpenOption(f"--clearance {above:.6g}", clearance=above))
         elif kind == "near":
             loose = any(not pair["gap"] or TILT in pair["why"] for pair in alike)
             if loose:
                 options.append(OpenOption("--loose", loose=True))
             else:
-                above = _rounded_gap(alike)
-                options.append(OpenOption(f"--gap {above}", gap=float(above)))
+                above = _widest_gap(alike)
+                options.append(OpenOption(f"--gap {above:.6g}", gap=above))
         elif kind == "overlap" and len(alike) > FEW:
             options.append(OpenOption("--fasten-overlaps", overlaps=True))
         elif kind != "unexamined":  # no option of the assembly decides what a longer search finds
@@ -152,11 +153,22 @@ def open_options(open_pairs: Sequence[Pair]) -> list[OpenOption]:
     return options
 
 
-def _rounded_gap(pairs: Sequence[Pair]) -> str:
-    """Return a gap tolerance as text: three digits, just above the widest gap of the pairs."""
-    widest = ABOVE * max(abs(pair["gap"]) for pair in pairs)
-    step = 10.0 ** (math.floor(math.log10(widest)) - 2)
-    return f"{math.ceil(widest / step - 1e-9) * step:.3g}"
+def _widest_gap(pairs: Sequence[Pair]) -> float:
+    """Return a gap tolerance of three digits, just above the widest gap of the pairs."""
+    return rounded_up(max(abs(pair["gap"]) for pair in pairs))
+
+
+def rounded_up(gap: float) -> float:
+    """Return a tolerance of three digits just above a gap.
+
+    Examples
+    --------
+    >>> rounded_up(0.2), rounded_up(0.0123456)
+    (0.202, 0.0125)
+    """
+    above = ABOVE * gap
+    step = 10.0 ** (math.floor(math.log10(above)) - 2)
+    return float(f"{math.ceil(above / step - 1e-9) * step:.3g}")
 
 
 def remedy_facts(answer: Mapping[str, Any]) -> list[tuple[str, str]]:

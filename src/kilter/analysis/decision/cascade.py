@@ -171,10 +171,10 @@ def _deciding_pairs(
     """
     work.stage("open pairs")
 
-    def verdict_of(joined: Assembly) -> str:
-        return _first_order(joined, contacts, require, work, None, True).verdict
+    def decide_joined(joined: Assembly) -> Decision:
+        return _first_order(joined, contacts, require, work, None, True)
 
-    return ask_open(assembly, contacts, program, verdict_of, work=work)
+    return ask_open(assembly, contacts, program, decide_joined, work=work)
 
 
 def _with_friction(

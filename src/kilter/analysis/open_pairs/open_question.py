@@ -19,6 +19,7 @@ from kilter.mechanics.program import Program
 from kilter.work import Work
 
 if TYPE_CHECKING:
+    from kilter.analysis.decision.decision import Decision
     from kilter.analysis.open_pairs.deciding_pairs import DecidingPairs
     from kilter.tell.answer_data.check_data import JoinedData
     from kilter.tell.answer_data.common_data import OpenPairData
@@ -28,10 +29,11 @@ __all__ = ["OpenQuestion", "ask_open", "open_pair_names", "open_pairs_answer"]
 
 @dataclass(frozen=True, slots=True)
 class OpenQuestion:
-    """The open pairs that decide, and the verdict if the parts of these pairs are joined."""
+    """The open pairs that decide, with verdict and level if the parts of these pairs are joined."""
 
     deciding: DecidingPairs
     verdict: str
+    level: str | None
 
     def to_dict(self, names: tuple[str, ...]) -> JoinedData:
         """JSON data for the key `if_joined` of an answer; `names` are the names of all parts."""
@@ -47,7 +49,7 @@ def ask_open(
     assembly: Assembly,
     contacts: ContactSet,
     program: Program,
-    verdict_of: Callable[[Assembly], str],
+    decide: Callable[[Assembly], Decision],
     *,
     work: Work | None = None,
 ) -> OpenQuestion | None:
@@ -59,8 +61,8 @@ def ask_open(
     contacts : ContactSet
     program : Program
         Program of the certain contacts, which do not hold the assembly.
-    verdict_of : callable
-        Function that returns the verdict of an assembly with the same parts and contacts.
+    decide : callable
+        Function that returns the decision on an assembly with the same parts and contacts.
     work : Work, optional
         The time limit applies.
 
@@ -79,7 +81,8 @@ def ask_open(
         return None
     names = assembly.names
     joints = [Joint((names[p.parts[0]], names[p.parts[1]])) for p in deciding.pairs]
-    return OpenQuestion(deciding, verdict_of(assembly.with_joints(joints)))
+    decision = decide(assembly.with_joints(joints))
+    return OpenQuestion(deciding, decision.verdict, decision.level)
 
 
 def open_pair_names(assembly: Assembly, contacts: ContactSet) -> str:

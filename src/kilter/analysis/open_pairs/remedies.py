@@ -27,7 +27,7 @@ from kilter.contact.fits.suggestions import suggest_joints
 from kilter.contact.sub_contacts import contacts_among
 from kilter.errors import InputError, shell_words
 from kilter.tell.levels import LEVELS
-from kilter.tell.open_words import OpenOption, open_options
+from kilter.tell.open_words import OpenOption, open_options, rounded_up
 from kilter.work import Work
 
 if TYPE_CHECKING:
@@ -59,6 +59,10 @@ FRICTION = 0.3
 LITTLE_FRICTION = 0.01
 """Friction coefficient that stops motions due to rounding errors of a drawing, such as slopes of
 1e-4; it is tried before `FRICTION` [-]."""
+
+PLAY = 0.02
+"""Largest gap below a part that touches nothing if a tolerance that closes the gap is tried, as a
+fraction of the size of the smaller part [-]; a larger value tries wider gaps."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,6 +221,11 @@ def find_remedies(
     remedies = tuple(tries.at_the_level())
     if not any(remedy.level for remedy in remedies) and tries.likely is not None:
         remedies = (*remedies[: MOST - 1], tries.likely.remedy(True))
+    if not remedies and decision.question is not None:
+        # no tolerance closes these pairs, such as threads with play; the user may join them
+        names, question = assembly.names, decision.question
+        pairs = tuple((names[p.parts[0]], names[p.parts[1]]) for p in question.deciding.pairs)
+        return (Remedy(_Change(fasten=pairs).option, question.verdict, question.level),)
     return remedies
 
 
@@ -354,11 +363,28 @@ def _changes(assembly: Assembly, contacts: ContactSet, decision: Decision) -> It
         if options and (left_out or joined):
             settling = _settling_change(options)
             yield replace(settling, without=left_out, suggested=bool(joined))
+    gap = _closing_gap(contacts)
+    if gap is not None:
+        yield replace(likely, gap=gap)
     if smooth and len(contacts):
         yield _Change(friction=LITTLE_FRICTION)
         yield _Change(friction=FRICTION)
     if smooth and joined:
         yield replace(likely, friction=FRICTION)
+
+
+def _closing_gap(contacts: ContactSet) -> float | None:
+    """Gap tolerance by which parts that touch nothing reach their nearest part, if it is a play.
+
+    Parts farther than `PLAY` from all others are left out; None if no part is nearer.
+    """
+    size = contacts.assembly.geometry.size
+    gaps = [
+        near.gap + near.accuracy
+        for near in contacts.neighbours
+        if near.gap <= PLAY * size[[near.part, near.other]].min()
+    ]
+    return rounded_up(max(gaps)) if gaps else None
 
 
 def _settling_change(options: Sequence[OpenOption]) -> _Change:

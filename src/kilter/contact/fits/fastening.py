@@ -176,9 +176,24 @@ def _touching_matches(
         for a, b in ((x, y), (y, x))
         if a in first and b in second
     ]
+    if not matching and tuple(pair) in _pairs_with_play(assembly, contacts):
+        return [tuple(pair)]
     if not matching:
         raise _no_contact_error(assembly, contacts, pair, first, second)
     return matching
+
+
+def _pairs_with_play(assembly: Assembly, contacts: ContactSet) -> set[Pair]:
+    """Names, in both orders, of shafts in holes with clearance: threads drawn with their play.
+
+    They do not touch as drawn, so only their full names join them.
+    """
+    pairs = {
+        tuple(assembly.names[k] for k in pair.parts)
+        for pair in contacts.open_pairs
+        if pair.kind == "clearance"
+    }
+    return pairs | {pair[::-1] for pair in pairs}
 
 
 def _parts_matching(assembly: Assembly, pattern: str) -> set[str]:
