@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +13,14 @@ pytest.importorskip("OCP")
 from OCP.BRepBuilderAPI import BRepBuilderAPI_NurbsConvert, BRepBuilderAPI_Transform
 from OCP.gp import gp_Quaternion, gp_Trsf, gp_Vec
 from OCP.Interface import Interface_Static
+from OCP.Quantity import Quantity_Color, Quantity_TypeOfColor
 from OCP.STEPCAFControl import STEPCAFControl_Writer
 from OCP.STEPControl import STEPControl_StepModelType
-from OCP.TCollection import TCollection_ExtendedString
+from OCP.TCollection import TCollection_ExtendedString, TCollection_HAsciiString
 from OCP.TDataStd import TDataStd_Name
 from OCP.TDocStd import TDocStd_Document
 from OCP.TopLoc import TopLoc_Location
-from OCP.XCAFDoc import XCAFDoc_DocumentTool
+from OCP.XCAFDoc import XCAFDoc_ColorType, XCAFDoc_DocumentTool
 
 from kilter.files.occt import quiet
 from kilter.units import metres_per_unit
@@ -58,11 +59,24 @@ def moved(shape: Any, move: Any) -> Any:
     return BRepBuilderAPI_Transform(shape, move, True).Shape()
 
 
-def write_step(path: Path, roots: Sequence[Node], units: str = "mm", apart: str = "") -> Path:
-    """Write a STEP file; equal shape objects are shared products. `apart`: prefix of part files."""
+def write_step(
+    path: Path,
+    roots: Sequence[Node],
+    units: str = "mm",
+    apart: str = "",
+    *,
+    colors: Mapping[str, tuple[float, float, float]] | None = None,
+    densities: Mapping[str, float] | None = None,
+) -> Path:
+    """Write a STEP file; equal shape objects are shared products. `apart`: prefix of part files.
+
+    `colors` (linear red, green and blue) and `densities` (g/cm^3) are those of named products.
+    """
     document = TDocStd_Document(TCollection_ExtendedString("MDTV-XCAF"))
     XCAFDoc_DocumentTool.SetLengthUnit_s(document, metres_per_unit(units))
     tool = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
+    color_tool = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
+    material_tool = XCAFDoc_DocumentTool.MaterialTool_s(document.Main())
     known: dict[int, Any] = {}
 
     def label(node: Node) -> Any:
@@ -77,6 +91,13 @@ def write_step(path: Path, roots: Sequence[Node], units: str = "mm", apart: str 
         else:
             made = tool.AddShape(content, False)
         TDataStd_Name.Set_s(made, TCollection_ExtendedString(name, True))
+        if name in (colors or {}):
+            color = Quantity_Color(*colors[name], Quantity_TypeOfColor.Quantity_TOC_RGB)
+            color_tool.SetColor(made, color, XCAFDoc_ColorType.XCAFDoc_ColorSurf)
+        if name in (densities or {}):
+            words = (f"material of {name}", "", "density measure", "POSITIVE_RATIO_MEASURE")
+            title, about, measure, kind = (TCollection_HAsciiString(word) for word in words)
+            material_tool.SetMaterial(made, title, about, densities[name], measure, kind)
         known[id(content)] = made
         return made
 
@@ -88,6 +109,8 @@ def write_step(path: Path, roots: Sequence[Node], units: str = "mm", apart: str 
         tool.UpdateAssemblies()
         writer = STEPCAFControl_Writer()
         writer.SetNameMode(True)
+        writer.SetColorMode(True)
+        writer.SetMaterialMode(True)
         kind = STEPControl_StepModelType.STEPControl_AsIs
         done = writer.Transfer(document, kind, apart) if apart else writer.Transfer(document, kind)
         assert done

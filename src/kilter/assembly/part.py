@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -51,6 +52,8 @@ class Part(Value):
         Whether the part is the table of `Assembly.with_floor`; no part counts as fastened to it.
     brick : Brick, optional
         Toy brick, drawn with studs and in its colour; the shape must be a box.
+    color : str, optional
+        Colour in drawings, as "#rrggbb" in lower case.
     given_mass : float, optional
         The same as `mass`, for `dataclasses.replace`.
     units : {"m", "cm", "mm", "in"}
@@ -93,6 +96,7 @@ class Part(Value):
     center_of_mass: Any = None
     table: bool = False
     brick: Brick | None = None
+    color: str | None = None
     units: str = field(default="m", compare=False)
 
     # The generated initialiser would lack the keyword `mass`, which is also a property.
@@ -108,6 +112,7 @@ class Part(Value):
         table: bool = False,
         brick: Brick | None = None,
         *,
+        color: str | None = None,
         given_mass: float | None = None,
         units: str = "m",
     ) -> None:
@@ -121,6 +126,7 @@ class Part(Value):
             "center_of_mass": center_of_mass,
             "table": table,
             "brick": brick,
+            "color": color,
             "units": units,
         }
         for key, value in values.items():
@@ -142,6 +148,8 @@ class Part(Value):
             raise _shape_error(self.shape)
         if self.brick is not None and not isinstance(self.shape, Box):
             raise InputError("the shape of the brick is not a box", hint="give a box, or no brick")
+        if self.color is not None and not re.fullmatch("#[0-9a-f]{6}", str(self.color)):
+            raise InputError(f"the colour is {self.color!r}", hint='give "#rrggbb", or no colour')
         object.__setattr__(self, "pose", Pose.of(self.pose))
         object.__setattr__(self, "grounded", _flag(self.grounded, "grounded"))
         object.__setattr__(self, "table", _flag(self.table, "table"))

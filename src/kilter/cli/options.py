@@ -181,7 +181,8 @@ Density = Annotated[
     Option(
         "--density",
         metavar="KG/M3",
-        help="Density of the parts without a density in the file [kg/m^3]; 1000 by default.",
+        help="Density of the parts without a density in the file, or of all parts of a STEP file "
+        "[kg/m^3]; 1000 by default.",
         rich_help_panel=HELD,
         show_default=False,
     ),

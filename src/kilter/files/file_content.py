@@ -36,12 +36,14 @@ class FileContent(NamedTuple):
     """An assembly as read from its file, before the user's options are applied.
 
     `states_gravity`: whether the format fixes the direction of gravity; `left_out`: names of
-    parts that the reader has left out already.
+    parts that the reader has left out already; `from_cad`: whether the densities are those of the
+    materials of CAD files, which an option replaces.
     """
 
     assembly: Assembly
     states_gravity: bool = False
     left_out: tuple[str, ...] = ()
+    from_cad: bool = False
 
 
 def read_path(
@@ -58,10 +60,10 @@ def read_path(
     path, units = Path(source), options.units
     suffix = path.suffix.lower()
     if _is_folder(path):
-        return FileContent(load_folder(path, units=units))
+        return FileContent(load_folder(path, units=units), from_cad=True)
     if suffix in FORMATS:
         assembly, left_out = load_bodies(path, units=units, without=without, progress=progress)
-        return FileContent(assembly, left_out=left_out)
+        return FileContent(assembly, left_out=left_out, from_cad=True)
     if suffix in XML:
         # imported late: other files do not need these modules
         from kilter.files.xml_scenes import load_xml

@@ -70,8 +70,8 @@ def _parts(path: Path, files: list[Path], solids: list[FileBodies], target: str)
         several = len(bodies.names) > 1
         names = [f"{stem}/{name}" for name in fill_names(bodies.names, stem)] if several else [stem]
         try:
-            for name, (shape, pose) in zip(names, bodies.in_units(target), strict=True):
-                parts.append(Part(name, shape, pose))
+            rows = zip(names, bodies.in_units(target), bodies.stated, strict=True)
+            parts += [Part(name, shape, pose, **stated) for name, (shape, pose), stated in rows]
         except InputError as error:
             raise error.located(file=str(file)) from None
     return parts

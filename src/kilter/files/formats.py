@@ -178,8 +178,9 @@ def assembly_of(
     if bodies.names == (None,) and isinstance(only, Mesh):
         pieces = tuple(split_bodies(only))
         bodies = replace(bodies, names=(None,) * len(pieces), shapes=pieces)
-    rows = zip(fill_names(bodies.names, stem), bodies.shapes, bodies.places, strict=True)
-    parts = [Part(name, shape, pose) for name, shape, pose in rows]
+    names = fill_names(bodies.names, stem)
+    rows = zip(names, bodies.shapes, bodies.places, bodies.stated, strict=True)
+    parts = [Part(name, shape, pose, **stated) for name, shape, pose, stated in rows]
     return Assembly(parts, units=agreed, source=source, notes=notes)
 
 

@@ -161,6 +161,7 @@ def _part(entry: PartEntry, named: NamedFiles, tally: Tally) -> Part:
             mass=entry.mass,
             center_of_mass=entry.center_of_mass,
             brick=None if entry.brick is None else _brick(entry.brick),
+            color=entry.color,
         )
     except InputError as error:
         raise error.located(part=entry.name) from None
@@ -380,6 +381,7 @@ def _part_dict(part: Part) -> dict[str, Any]:
             mass=part.given_mass,
             center_of_mass=part.center_of_mass,
             brick=None if part.brick is None else _brick_dict(part.brick),
+            color=part.color,
         ),
     }
 

@@ -189,6 +189,9 @@ class PartEntry(Entry):
     mass: Positive | None = Field(None, description="[kg]")
     center_of_mass: Vector | None = Field(None, description="in the part's own frame")
     brick: BrickEntry | None = None
+    color: str | None = Field(
+        None, pattern="^#[0-9a-f]{6}$", description='colour in drawings, as "#rrggbb"'
+    )
 
 
 class FrictionPairEntry(Entry):

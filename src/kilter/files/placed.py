@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -35,6 +36,10 @@ class FileBodies:
     notes : tuple of str
     left_out : tuple of str
         Names of the bodies that the options leave out.
+    densities : tuple of float or None
+        Density that the file states for each body [kg/m^3]; empty if it states none.
+    colors : tuple of str or None
+        Colour of each body ("#rrggbb"); empty if the file states none.
     """
 
     names: tuple[str | None, ...]
@@ -44,6 +49,8 @@ class FileBodies:
     by_standard: bool = False
     notes: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
+    densities: tuple[float | None, ...] = ()
+    colors: tuple[str | None, ...] = ()
 
     def make_read_only(self) -> FileBodies:
         """Make all arrays of the bodies read-only."""
@@ -58,6 +65,13 @@ class FileBodies:
     def places(self) -> tuple[Pose, ...]:
         """Pose of each shape in the frame of the file, also if `poses` is empty."""
         return self.poses or (Pose(),) * len(self.shapes)
+
+    @property
+    def stated(self) -> list[dict[str, Any]]:
+        """Density and colour of each body, as keyword arguments of `Part`."""
+        none = (None,) * len(self.shapes)
+        rows = zip(self.densities or none, self.colors or none, strict=True)
+        return [{"density": density, "color": color} for density, color in rows]
 
     def in_units(self, units: str) -> list[tuple[Mesh | Solid, Pose]]:
         """Shapes and poses converted to the length unit `units`."""

@@ -273,9 +273,9 @@ class Reading:
         """Apply these options to an assembly as read, except the options that join parts."""
         bodies = self.for_parts(content.assembly.names)[0].entries
         assembly = with_contacts_of(content.assembly, self.contacts, floor=self.floor is not None)
-        assembly = with_bodies(assembly, bodies)
         if self.density is not None:
-            assembly = with_density(assembly, self.density)
+            assembly = with_density(assembly, self.density, replaces=content.from_cad)
+        assembly = with_bodies(assembly, bodies)
         remaining = [p for p in self.without if not fnmatch.filter(content.left_out, p)]
         if remaining:  # the reader of STEP has left out the others
             assembly = assembly.without(remaining)
@@ -342,7 +342,7 @@ def load(
     units : {"m", "cm", "mm", "in"}, optional
         Length unit of a format that states none; default metres.
     density : float, optional
-        Density of parts without density and mass [kg/m^3].
+        Density of parts without density and mass [kg/m^3]; of all parts of STEP files.
     ground, without : str or iterable of str
         Names of the parts to hold, and of the parts to leave out; ``*`` and ``?`` are globs.
     floor : bool or float, optional

@@ -50,11 +50,15 @@ def with_contacts_of(assembly: Assembly, source: str | None, *, floor: bool) -> 
     return dataclasses.replace(assembly, detect=False)
 
 
-def with_density(assembly: Assembly, density: float) -> Assembly:
-    """The assembly with a density for parts that state neither density nor mass [kg/m^3]."""
+def with_density(assembly: Assembly, density: float, *, replaces: bool = False) -> Assembly:
+    """The assembly with a density for parts that state neither density nor mass [kg/m^3].
+
+    `replaces`: whether the density also replaces stated densities.
+    """
 
     def with_default(part: Part) -> Any:
-        if part.density is not None or part.given_mass is not None:
+        stated = part.density is not None and not replaces
+        if stated or part.given_mass is not None:
             return part
         return dataclasses.replace(part, density=density)
 

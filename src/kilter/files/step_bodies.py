@@ -82,6 +82,8 @@ def bodies_of(
         names=tuple(row.name for row, _ in bodies),
         shapes=tuple(solids[row.key] for row, _ in bodies),
         poses=tuple(row.pose for row, _ in bodies),
+        densities=tuple(row.stated.density for row, _ in bodies),
+        colors=tuple(row.stated.color for row, _ in bodies),
         units=document.units,
         notes=tuple(notes),
         left_out=tuple(row.name for row in document.solids if _matches(row.name, without)),

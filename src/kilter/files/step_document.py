@@ -18,6 +18,8 @@ from kilter.errors import InputError
 from kilter.files.file_tolerances import RIGID
 from kilter.files.naming import distinct, tails
 from kilter.files.occt import asciis, inside, labels, quiet, shape_map
+from kilter.files.step_densities import stated_densities
+from kilter.files.step_statements import UNSTATED, Stated, StepStatements
 from kilter.rigid import Pose
 from kilter.units import METRES
 
@@ -60,6 +62,8 @@ class Occurrence:
         Transform from the frame of the solid to that of the file.
     skin : bool
         Whether the file has a shell instead of a solid; it counts only if it closes.
+    stated : Stated
+        Density and colour that the file states.
     """
 
     name: str
@@ -67,6 +71,7 @@ class Occurrence:
     key: int
     pose: Pose
     skin: bool = False
+    stated: Stated = UNSTATED
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,7 +129,9 @@ def read_document(path: Path) -> StepDocument:
         reader, units = _open_reader(path)
         document = _transfer(reader, units)
         files = [path, *(path.parent / name for name in _external(reader))]
-        solids, passed = _solids(document, reader.ChangeReader().WS().TransferReader(), path.stem)
+        session = reader.ChangeReader().WS()
+        stated = StepStatements(document, session, stated_densities(path))
+        solids, passed = _solids(document, session.TransferReader(), path.stem, stated)
     return StepDocument(tuple(solids), units, tuple(passed), tuple(files))
 
 
@@ -135,7 +142,8 @@ def _open_reader(path: Path) -> tuple[Any, str]:
 
     reader = STEPCAFControl_Reader()
     reader.SetNameMode(True)
-    for mode in ("Color", "Layer", "Props", "GDT", "Mat", "View", "Meta", "SHUO"):
+    reader.SetColorMode(True)
+    for mode in ("Layer", "Props", "GDT", "Mat", "View", "Meta", "SHUO"):
         getattr(reader, f"Set{mode}Mode")(False)
     if reader.ReadFile(str(path.absolute())) != IFSelect_ReturnStatus.IFSelect_RetDone:
         raise InputError("damaged STEP: its text violates the format", hint=_DAMAGED)
@@ -181,14 +189,16 @@ def _external(reader: Any) -> list[str]:
 # the tree ------------------------------------------------------------------------------
 
 
-def _solids(document: Any, transfer: Any, stem: str) -> tuple[list[Occurrence], list[str]]:
+def _solids(
+    document: Any, transfer: Any, stem: str, stated: StepStatements
+) -> tuple[list[Occurrence], list[str]]:
     """Placed solids in the order of the file, and descriptions of shapes that are no solids."""
     from OCP.TopLoc import TopLoc_Location
     from OCP.XCAFDoc import XCAFDoc_DocumentTool
 
     roots = labels()
     XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).GetFreeShapes(roots)
-    walk = _TreeWalk(transfer)
+    walk = _TreeWalk(transfer, stated)
     leaves = walk.below(list(roots), (), TopLoc_Location(), stem)
     return occurrences(leaves, walk.shapes), walk.passed
 
@@ -207,12 +217,16 @@ def occurrences(leaves: Sequence[TreeSolid], shapes: Any) -> list[Occurrence]:
 
 
 class TreeSolid(NamedTuple):
-    """A solid in the product tree: names, shape, place, and `skin`: its shells are open."""
+    """A solid in the product tree: names, shape, place, stated properties.
+
+    `skin`: whether its shells are open.
+    """
 
     path: tuple[str, ...]
     shape: Any
     location: Any
     skin: bool
+    stated: Stated = UNSTATED
 
 
 class _TreeWalk:
@@ -221,6 +235,7 @@ class _TreeWalk:
     Attributes
     ----------
     transfer : OCCT transfer reader
+    stated : StepStatements
     shapes : OCCT map
         Numbers of the shapes met.
     skins : dict
@@ -229,8 +244,9 @@ class _TreeWalk:
         Descriptions of shapes that are not solids.
     """
 
-    def __init__(self, transfer: Any) -> None:
+    def __init__(self, transfer: Any, stated: StepStatements) -> None:
         self.transfer = transfer
+        self.stated = stated
         self.shapes = shape_map()
         self.skins: dict[int, Any] = {}
         self.passed: list[str] = []
@@ -291,7 +307,13 @@ class _TreeWalk:
             pairs.append((self._solid_of(shells, False), TopLoc_Location()))
         names = number_repeats([path[-1]] * len(pairs))
         return [
-            TreeSolid((*path[:-1], name), solid, place.Multiplied(location), skin)
+            TreeSolid(
+                (*path[:-1], name),
+                solid,
+                place.Multiplied(location),
+                skin,
+                self.stated.about(solid, product),
+            )
             for name, (solid, location) in zip(names, pairs, strict=True)
         ]
 
@@ -338,7 +360,7 @@ def _occurrence(name: str, leaf: TreeSolid, shapes: Any) -> Occurrence:
     else:
         turn, step = move.GetRotation(), move.TranslationPart()
         pose = Pose([step.X(), step.Y(), step.Z()], [turn.W(), turn.X(), turn.Y(), turn.Z()])
-    return Occurrence(name, shape, shapes.Add(shape), pose, leaf.skin)
+    return Occurrence(name, shape, shapes.Add(shape), pose, leaf.skin, leaf.stated)
 
 
 def _components(product: Any) -> list[Any]:

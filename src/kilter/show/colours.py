@@ -22,11 +22,15 @@ SHADES = (0.0, 0.10, -0.08, 0.05, -0.04, 0.13, -0.11)
 def assembly_colours(assembly: Assembly, shape: ArrayLike) -> NDArray[np.uint8]:
     """Colours of the parts of an assembly, shape (N, 3), from 0 to 255; grey for held parts.
 
-    `shape` (N,): index of the shape of each part. A brick with a stated colour keeps that colour.
+    `shape` (N,): index of the shape of each part. A brick or part with a stated colour keeps that
+    colour, unless all parts state the same: many CAD programs colour each part grey.
     """
     colours = part_colours(shape, assembly.geometry.grounded)
+    tells_apart = len({part.color for part in assembly.parts}) > 1
     for k, part in enumerate(assembly.parts):
         stated = brick_rgb(part.brick)
+        if stated is None and part.color is not None and tells_apart:
+            stated = rgb(part.color)
         if stated is not None:
             colours[k] = stated
     return colours

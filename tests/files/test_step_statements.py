@@ -1,0 +1,143 @@
+"""Densities and colours that STEP files state, and their use for masses and drawings."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("OCP")
+
+from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox
+from OCP.gp import gp_Pnt
+from step_maker import write_step
+
+import kilter
+from kilter import Box, Part
+from kilter.errors import InputError
+from kilter.files.formats import assembly_of
+from kilter.files.kilter_json import from_dict, to_dict
+from kilter.files.step_bodies import step_bodies
+from kilter.files.step_densities import stated_densities
+from kilter.show.colours import assembly_colours
+
+GRAM = "( MASS_UNIT() NAMED_UNIT(*) SI_UNIT($,.GRAM.) )"
+KILOGRAM = "(MASS_UNIT()NAMED_UNIT(*)SI_UNIT(.KILO.,.GRAM.))"
+METRE = "(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT($,.METRE.))"
+MILLIMETRE = "(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))"
+INCH = "(CONVERSION_BASED_UNIT('INCH',#95)LENGTH_UNIT()NAMED_UNIT(#96))"
+POUND = "(CONVERSION_BASED_UNIT('POUND',#93)MASS_UNIT()NAMED_UNIT(#96))"
+SHAPES = """
+#1=PRODUCT_DEFINITION('design','',#70,#71);
+#2=PRODUCT_DEFINITION_SHAPE('','',#1);
+#3=SHAPE_DEFINITION_REPRESENTATION(#2,#4);
+#4=SHAPE_REPRESENTATION('',(#72),#73);
+#5=SHAPE_REPRESENTATION_RELATIONSHIP('','',#4,#6);
+#6=ADVANCED_BREP_SHAPE_REPRESENTATION('',(#7,#72),#73);
+#7=MANIFOLD_SOLID_BREP('body; one',#74);
+"""
+PROPERTY = """
+#10=PROPERTY_DEFINITION('material property','density of part',#1);
+#11=PROPERTY_DEFINITION_REPRESENTATION(#10,#12);
+"""
+DESIGNATION = """
+#10=MATERIAL_DESIGNATION('Steel',(#2));
+#13=MATERIAL_DESIGNATION_CHARACTERIZATION('','',#10,#11);
+#14=MATERIAL_PROPERTY('density','',#10);
+#11=MATERIAL_PROPERTY_REPRESENTATION(#14,#12,#15);
+"""
+MEASURE = "#20=MEASURE_REPRESENTATION_ITEM('density measure',POSITIVE_RATIO_MEASURE({value}),#90);"
+COMPLEX = (
+    "#20=(MEASURE_REPRESENTATION_ITEM()MEASURE_WITH_UNIT(NUMERIC_MEASURE({value}),#90)"
+    "QUALIFIED_REPRESENTATION_ITEM((#74))REPRESENTATION_ITEM('density'));"
+)
+
+
+def step_text(mass, length, value, *, owner=PROPERTY, measure=MEASURE, powers=("1.", "-3.")):
+    units = f"""
+#12=REPRESENTATION('density',(#20),#73);
+{measure.format(value=value)}
+#90=DERIVED_UNIT((#91,#92));
+#91=DERIVED_UNIT_ELEMENT(#94,{powers[0]});
+#92=DERIVED_UNIT_ELEMENT(#97,{powers[1]});
+#94={mass};
+#97={length};
+#95=LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(25.4),#98);
+#98={MILLIMETRE};
+#93=MASS_MEASURE_WITH_UNIT(MASS_MEASURE(0.45359237),#99);
+#99={KILOGRAM};
+"""
+    return SHAPES + owner + units
+
+
+def densities_of(tmp_path: Path, text: str) -> list[float]:
+    path = tmp_path / "part.step"
+    path.write_text(text)
+    return list(stated_densities(path).values())
+
+
+@pytest.mark.parametrize(
+    ("mass", "length", "value", "density"),
+    [
+        (KILOGRAM, METRE, "7850.", 7850.0),
+        (GRAM, MILLIMETRE, "7.85E-3", 7850.0),
+        (KILOGRAM, INCH, "0.1", 0.1 / 0.0254**3),
+        (POUND, INCH, "0.284", 0.284 * 0.45359237 / 0.0254**3),
+    ],
+)
+def test_a_density_is_read_in_its_unit(tmp_path, mass, length, value, density):
+    for owner in (PROPERTY, DESIGNATION):
+        for measure in (MEASURE, COMPLEX):
+            text = step_text(mass, length, value, owner=owner, measure=measure)
+            assert densities_of(tmp_path, text) == pytest.approx([density], rel=1e-12)
+
+
+def test_a_measure_of_another_kind_or_sign_is_no_density(tmp_path):
+    assert densities_of(tmp_path, step_text(KILOGRAM, METRE, "7850.", powers=("1.", "-2."))) == []
+    assert densities_of(tmp_path, step_text(KILOGRAM, METRE, "-7850.")) == []
+    assert densities_of(tmp_path, step_text(KILOGRAM, METRE, "0.")) == []
+    assert densities_of(tmp_path, step_text(KILOGRAM, "(LENGTH_UNIT())", "7850.")) == []
+
+
+def cubes() -> list:
+    base = BRepPrimAPI_MakeBox(gp_Pnt(0, 0, 0), gp_Pnt(10, 10, 10)).Solid()
+    top = BRepPrimAPI_MakeBox(gp_Pnt(0, 0, 10), gp_Pnt(5, 5, 20)).Solid()
+    return [("product", [("base", base, None), ("top", top, None)], None)]
+
+
+def test_densities_and_colours_of_a_step_file_are_those_of_its_parts(tmp_path):
+    path = write_step(
+        tmp_path / "cubes.step",
+        cubes(),
+        colors={"base": (1, 0, 0), "top": (0, 0, 1)},
+        densities={"top": 8.4},
+    )
+    base, top = assembly_of(step_bodies(path, (), lambda stage, key: None)).parts
+    assert (base.density, base.color) == (None, "#ff0000")
+    assert (top.density, top.color) == (pytest.approx(8400.0), "#0000ff")
+    assert top.mass == pytest.approx(8400 * 0.005**2 * 0.01)
+
+
+@pytest.mark.slow
+def test_the_option_density_replaces_the_densities_of_a_step_file(tmp_path):
+    path = write_step(tmp_path / "cubes.step", cubes(), densities={"top": 8.4})
+    assert [part.density for part in kilter.load(path).parts] == [None, pytest.approx(8400.0)]
+    base, top = kilter.load(path, density=500).parts
+    assert base.density == top.density == 500
+    verdict = kilter.check(kilter.load(path, ground="base"))
+    assert verdict.to_dict()["density"]["given"] == pytest.approx([8400.0, 8400.0])
+
+
+def test_parts_are_drawn_in_the_colours_that_they_state():
+    red, blue = (
+        Part(name, Box([1, 1, 1]), [k, 0, 0], color=color)
+        for k, (name, color) in enumerate([("a", "#ff0000"), ("b", "#0000ff")])
+    )
+    assembly = kilter.Assembly([red, blue])
+    assert assembly_colours(assembly, [0, 0]).tolist() == [[255, 0, 0], [0, 0, 255]]
+    assert from_dict(to_dict(assembly)) == assembly
+    # a colour that all parts share tells none of them apart
+    grey = kilter.Assembly([Part(p.name, p.shape, p.pose, color="#888888") for p in (red, blue)])
+    assert len(set(map(tuple, assembly_colours(grey, [0, 0]).tolist()))) == 2
+    with pytest.raises(InputError, match=r"colour is 'red'; give .#rrggbb"):
+        Part("a", Box([1, 1, 1]), color="red")
