@@ -551,3 +551,10 @@ def test_a_shaft_and_a_ring_that_clamp_plates_are_a_bolt_and_its_nut():
 def test_a_ring_that_presses_no_part_is_no_nut():
     assembly = clamped_plates(nut_gap=0.5)
     assert not [s for s in suggest_joints(assembly, detect.contacts(assembly)) if s.fixed]
+
+
+def test_full_names_join_a_pin_with_play_and_wildcards_do_not():
+    loose = Assembly([tube("plate", 1.1, 3.0, 1.0, [0, 0, 0]), pin("pin", 1.0, 3.0, [0, 0, 0])])
+    assert [j.parts for j in fastened(loose, [("pin", "plate")]).joints] == [("pin", "plate")]
+    with pytest.raises(InputError, match="nothing to fasten"):
+        fastened(loose, [("p?n", "plate")])

@@ -52,6 +52,14 @@ def test_a_gap_between_faces_edges_and_corners_is_their_distance(factor: float) 
             assert found["accuracy"] < 1e-9 * factor
 
 
+def test_a_play_below_a_floating_part_is_a_remedy_and_a_wide_gap_is_none() -> None:
+    for gap, options in ((0.03, ["--gap 0.0303"]), (0.3, [])):
+        hook = block("hook", [-1, -1, gap], [1, 1, 1 + gap])
+        remedies = check(Assembly([BASE, hook])).remedies
+        assert [remedy.option for remedy in remedies] == options
+        assert all(remedy.leads_to == "stable" for remedy in remedies)
+
+
 def test_a_gap_of_round_faces_is_right_within_what_is_told() -> None:
     ball = Part("ball", Sphere(2.0), Pose([0, 0, 2.75]))
     found = only(Assembly([BASE, ball]))
