@@ -31,7 +31,7 @@ export class Workbench {
     this.tabs = new Tabs(this);
     on("undo", "click", () => this.act({ do: "undo" }));
     on("redo", "click", () => this.act({ do: "redo" }));
-    on("save", "click", () => this.act({ do: "save", file: null }));
+    on("save", "click", () => this.save());
     on("end-trouble", "click", () => (id("trouble").hidden = true));
     on("end-message", "click", () => (id("message").hidden = true));
     on("stop", "click", () => this.act({ do: "stop" }));
@@ -50,7 +50,7 @@ export class Workbench {
     if (!(event.ctrlKey || event.metaKey) || event.altKey || !this.session?.file) return;
     const writing = event.target.matches?.("input:not([type=range], [type=checkbox]), textarea");
     const name = event.key.toLowerCase();
-    if (name === "s") this.act({ do: "save", file: null });
+    if (name === "s") this.save();
     else if (name === "z" && !writing) this.act({ do: event.shiftKey ? "redo" : "undo" });
     else if (name === "y" && !writing) this.act({ do: "redo" });
     else return;
@@ -78,6 +78,17 @@ export class Workbench {
     }
   }
 
+  /** Whether the open file is a copy that kilter keeps only while it runs. */
+  get temporary() {
+    return Boolean(this.session.file) && !this.session.files.includes(this.session.file);
+  }
+
+  /** Save the choices beside the file; without the user's folder they are downloaded, too. */
+  async save() {
+    const reply = await this.act({ do: "save", file: null });
+    if (reply.ok && this.temporary) await this.export("choices.kilter.json", reply.saved);
+  }
+
   // messages --------------------------------------------------------------------------
 
   hear(message) {
@@ -96,6 +107,7 @@ export class Workbench {
     id("title").textContent = session.title;
     document.title = session.title ? `${session.title} – kilter` : "kilter";
     id("saved").textContent = !open ? "" : session.dirty ? "not saved" : session.saved ? `saved: ${session.saved}` : "";
+    id("saved").title = open && this.temporary ? "The file was dropped on the page. Saved choices are downloaded: put them beside the file." : "";
     id("command").textContent = session.command;
     id("command-note").textContent = session.command_needs_save ? "needs the saved choices" : "";
     if (!before || session.message !== before.message) this.note(session.message, /^saved/.test(session.message));
@@ -140,6 +152,7 @@ export class Workbench {
     const down = this.report && !this.other ? this.report.page.given.down : [0, 0, -1];
     page.given = pending(page.parts.names.length, down);
     id("show").hidden = false;
+    if (/^Reading/.test(id("message-words").textContent)) this.note("");
     if (!this.report) this.begin(page);
     else if (this.other) this.report.restart(page);
     else this.report.replace(page);
@@ -168,6 +181,7 @@ export class Workbench {
     this.shown = true;
     this.answer = message;
     const banner = id("banner");
+    banner.scrollTop = 0;
     banner.dataset.stale = "false";
     banner.dataset.phase = message.phase;
     banner.dataset.state = String(message.state);
@@ -211,7 +225,7 @@ export class Workbench {
     id("progress").hidden = !working;
     id("progress-words").textContent = words || (what === "answer" ? "The answer is being computed." : "Being computed.");
     this.tabs.progress(what, words);
-    if (!this.report && working) this.note(words ? `reading: ${words}` : "");
+    if (!this.report && working) this.note(words && words !== "reading" ? `reading: ${words}` : "reading");
   }
 
   showTab(message) {
@@ -234,18 +248,18 @@ export class Workbench {
     if (pair.length) this.report.zoomToPair(pair);
   }
 
-  /** Download a file that the server makes. */
-  async export(name) {
-    this.note(`${name} is being made`);
+  /** Download a file that the server makes; `as`: the name of the download. */
+  async export(name, as = name) {
+    this.note(`${as} is being made`);
     try {
       const response = await fetch(this.link.address(`export/${name}`));
       if (!response.ok) throw new Error(sentence(await response.json()));
       const anchor = document.createElement("a");
       anchor.href = URL.createObjectURL(await response.blob());
-      anchor.download = name;
+      anchor.download = as;
       anchor.click();
       setTimeout(() => URL.revokeObjectURL(anchor.href), SHOWN);
-      this.note(`${name} is downloaded`);
+      this.note(`${as} is downloaded`);
     } catch (error) {
       this.note("");
       this.complain(`${name} was not made: ${error.message}`);

@@ -16,12 +16,14 @@ export class Decide {
     const left = suggestions.filter((one) => !one.joined);
     id("decide").hidden = !open.length && !left.length && !remedies.length;
     id("decide").classList.toggle("urgent", decides.length > 0);
+    const verdicts = bench.report.page.words;
     fill(
       id("remedies"),
-      "This changes the verdict",
+      "Remedies",
       remedies.filter(({ actions }) => actions.length).map((one) => {
-        const words = `${one.option}${one.leads_to ? `: ${one.leads_to}` : ""}`;
-        return entry(words, button("Do it", () => this.all(one.actions)));
+        const words = one.actions.map((action) => this.words(action)).join(", ");
+        const end = verdicts[one.leads_to] ?? one.leads_to;
+        return entry(end ? `${words}: then ${end.toLowerCase()}` : words, button("Do it", () => this.all(one.actions)));
       }),
     );
     const fixed = left.filter((one) => one.fixed);
@@ -58,6 +60,22 @@ export class Decide {
     const item = entry("", ...actions.map(([label, action]) => button(label, action)));
     item.firstChild.append(show);
     return item;
+  }
+
+  /** Words for the action of a remedy. */
+  words({ do: name, parts = [], mu, ...rest }) {
+    const names = parts.map((part) => this.bench.shortName(part)).join(" and ");
+    const words = {
+      fasten_suggested: "join the pairs that look fastened",
+      fasten_overlaps: "join the pairs that overlap",
+      loose: "loose tolerances",
+      friction: `friction ${mu}`,
+      fasten: `join ${names}`,
+      leave_out: `leave out ${names}`,
+      hold: `hold ${names}`,
+      tolerance: `tolerance: ${Object.entries(rest).map(([key, value]) => `${key} ${value}`).join(", ")}`,
+    };
+    return words[name] ?? name;
   }
 
   /** Do several actions, one after the other. */

@@ -1,6 +1,7 @@
 // Analyses as tabs under the picture, with progress, stop and command line; and the changes.
 
 import { copyText } from "../clipboard.js";
+import { unpacked } from "../data.js";
 import { id, on } from "../dom.js";
 import { readTables } from "../tables.js";
 import { button, entry, numbersOf, refill } from "./entries.js";
@@ -135,7 +136,7 @@ export class Tabs {
     const list = AT_ONCE.includes(this.now) && !result ? [again("Compute", () => ({}))] : [];
     if (this.now === "orient" && result && result.orientation) {
       list.push(
-        button("Show this direction", () => report.recommend(result.orientation)),
+        button("Show this direction", () => report.recommend(unpacked(result.orientation))),
         button("Use this direction", () => bench.act({ do: "gravity", down: result.data.down })),
       );
     }

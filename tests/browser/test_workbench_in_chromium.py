@@ -1,0 +1,536 @@
+"""The workbench in a real browser: each control does its action, and the command repeats it."""
+
+from __future__ import annotations
+
+import base64
+import json
+import shlex
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from opened_page import Opened
+from test_tools_in_chromium import AXE, spot, violations
+
+import kilter
+from kilter import Assembly, Box, Part, Pose
+from kilter.cli import main
+from kilter.scenes import scene
+from kilter.tell.words import VERDICTS
+from kilter.workbench import server
+from kilter.workbench.server import Workbench
+
+pytestmark = pytest.mark.browser
+
+AS1 = Path(__file__).resolve().parents[3] / "shared" / "data" / "cax-if" / "as1-oc-214.stp"
+ANSWERED = (
+    "(() => { const d = document.getElementById('banner').dataset; const s = window.bench.session;"
+    " return d.stale === 'false' && ['complete', 'problem'].includes(d.phase)"
+    " && d.state === String(s.state); })()"
+)
+HOSTILE = "<img src=x onerror=window.hit=1>"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("bench")
+
+
+@pytest.fixture(scope="module")
+def bench(folder: Path) -> Iterator[Workbench]:
+    with Workbench(None, folder=folder) as workbench:
+        yield workbench
+
+
+class Page(Opened):
+    """A page of the workbench with a user who clicks."""
+
+    def __init__(self, page: Any, bench: Workbench, folder: Path) -> None:
+        super().__init__(page)
+        self.bench, self.folder = bench, folder
+
+    def begin(self) -> Page:
+        self.page.goto(self.bench.url)
+        self.until("Boolean(window.bench && window.bench.session)")
+        return self
+
+    def answered(self) -> Page:
+        """Wait for the complete answer of the present state."""
+        self.until(ANSWERED, 60)
+        return self
+
+    def after(self, act: Callable[[], Any]) -> Page:
+        """Act, wait until the server has taken the change, and wait for its complete answer."""
+        state = self.js("window.bench.session.state")
+        act()
+        self.until(f"window.bench.session.state > {state}")
+        return self.answered()
+
+    def click(self, selector: str) -> Page:
+        return self.after(lambda: self.page.click(selector))
+
+    def enter(self, field: str, text: str) -> Page:
+        """Write into a field and press Enter."""
+        self.page.fill(f"#{field}", text)
+        return self.after(lambda: self.page.press(f"#{field}", "Enter"))
+
+    def choose(self, *names: str) -> Page:
+        self.js(
+            "names => { const all = window.kilter.page.parts.full_names;"
+            " window.kilter.choose(names.map(n => all.indexOf(n))); }",
+            list(names),
+        )
+        return self
+
+    def tab_to(self, selector: str) -> Page:
+        """Press the tab key until an element has the focus."""
+        for _ in range(160):
+            if self.js("s => document.activeElement.matches(s)", selector):
+                return self
+            self.page.keyboard.press("Tab")
+        raise AssertionError(f"the tab key does not reach {selector}")
+
+    def press(self, *keys: str) -> Page:
+        for key in keys:
+            self.page.keyboard.press(key)
+        return self
+
+    def choices(self) -> dict[str, Any]:
+        return self.js("window.bench.session.choices")
+
+    def command_agrees(self, capsys: Any, monkeypatch: Any) -> dict[str, Any]:
+        """Run the shown command, and compare its answer with the page; returns the answer."""
+        session = self.js("window.bench.session")
+        if session["command_needs_save"]:
+            self.page.click("#save")
+            self.until("!window.bench.session.dirty")
+        words = shlex.split(self.text("command"))
+        assert words[0] == "kilter"
+        monkeypatch.chdir(self.folder)
+        capsys.readouterr()
+        main([*words[1:], "--json"])
+        answer: dict[str, Any] = json.loads(capsys.readouterr().out)
+        assert self.text("verdict") == VERDICTS[answer["verdict"]]
+        moving = self.js(
+            "(window.kilter.found.moving || []).map(k => window.kilter.page.parts.full_names[k])"
+        )
+        assert moving == [part["name"] for part in answer["parts"] if part["moves"]]
+        return answer
+
+
+@pytest.fixture
+def user(chromium: Any, bench: Workbench, folder: Path) -> Iterator[Callable[..., Page]]:
+    """Function that opens a file of the folder on a page; page errors fail the test."""
+    pages: list[Page] = []
+
+    def open_(what: Assembly | str | None, **options: Any) -> Page:
+        options.setdefault("viewport", {"width": 1360, "height": 900})
+        context = chromium.new_context(**options)
+        page = Page(context.new_page(), bench, folder)
+        pages.append(page)
+        page.begin()
+        if page.js("Boolean(window.bench.session.file)"):
+            page.js("window.bench.act({do: 'close'})")
+            page.until("!window.bench.session.file")
+        for path in folder.iterdir():
+            path.unlink()
+        if isinstance(what, str):
+            what = scene(what)
+        if what is not None:
+            kilter.dump(what, folder / "file.kilter.json")
+        page.page.reload()
+        page.begin()
+        if what is not None:
+            page.after(lambda: page.page.click("#listed button"))
+        return page
+
+    yield open_
+    for page in pages:
+        # the browser itself reports a refused upload or export
+        assert [fault for fault in page.faults if "status of 409" not in fault] == []
+        assert all(url.startswith(("http://127.0.0.1", "blob:http://127")) for url in page.asked)
+        page.page.context.close()
+
+
+def loaded() -> Assembly:
+    """A block on a block, and a block beside them at a gap that is open."""
+    base = Part("base", Box([6, 2, 1]), Pose([0, 0, -0.5]), grounded=True)
+    low = Part("low", Box([1, 1, 1]), Pose([0, 0, 0.5]))
+    high = Part("high", Box([1, 1, 1]), Pose([0.2, 0, 1.5]))
+    side = Part("side", Box([1, 1, 1]), Pose([2, 0, 0.5]))
+    return Assembly([base, low, high, side], friction=0.5)
+
+
+def test_figure_8_is_decided_by_clicks_and_by_keys(
+    user: Callable, capsys: Any, monkeypatch: Any
+) -> None:
+    page = user("paper-figure-8")
+    assert page.text("verdict") == "Unstable"
+    box = page.page.locator("#picture")
+    box.click(position={"x": 5, "y": 5})
+    page.page.mouse.click(*spot(page, 2, [0.2, -0.5, 0.2]))
+    assert page.text("part-name") == "C3"
+    page.click("#do-hold")
+    assert page.choices()["held"] == ["C3"]
+    assert (
+        page.command_agrees(capsys, monkeypatch)["verdict"]
+        == kilter.check(scene("paper-figure-8").with_grounded(["C3"])).verdict
+    )
+    # the same with keys alone
+    page.after(lambda: page.press("Control+z"))
+    assert "held" not in page.choices()
+    page.page.focus("body")
+    page.tab_to("#find")
+    page.page.keyboard.type("C2")
+    page.press("Enter")
+    page.tab_to("#do-hold")
+    page.after(lambda: page.press("Enter"))
+    assert page.choices()["held"] == ["C2"]
+    page.command_agrees(capsys, monkeypatch)
+    assert page.text("do-hold") == "Release"
+
+
+def test_as1_from_the_drop_to_a_saved_stable_state(
+    user: Callable, folder: Path, capsys: Any
+) -> None:
+    if not AS1.is_file():
+        pytest.skip("real data is not here: ../shared/data beside the checkout")
+    pytest.importorskip("OCP", reason="pip install 'kilter[step]'")
+    page = user(None)
+    drop = (
+        "([name, text]) => { const bytes = Uint8Array.from(atob(text), c => c.charCodeAt(0));"
+        " const data = new DataTransfer(); data.items.add(new File([bytes], name));"
+        " document.getElementById('drop').dispatchEvent("
+        "new DragEvent('drop', {dataTransfer: data, bubbles: true})); }"
+    )
+    text = base64.b64encode(AS1.read_bytes()).decode()
+    page.after(lambda: page.js(drop, [AS1.name, text]))
+    assert page.text("verdict") == "No answer"
+    assert "nothing is held" in page.text("sentence")
+    page.page.fill("#find", "plate")
+    page.page.press("#find", "Enter")
+    page.click("#do-hold")
+    assert page.text("verdict") == "Unstable"
+    page.click("text=Join all of them")
+    page.enter("friction-number", "0.3")
+    assert page.text("verdict") == "Stable"
+    with page.page.expect_download() as download:
+        page.page.click("#save")
+    download.value.save_as(folder / "as1-oc-214.kilter.json")
+    shutil.copy(AS1, folder / AS1.name)
+    capsys.readouterr()
+    main(["check", str(folder / "as1-oc-214.kilter.json"), "--json"])
+    by_file = json.loads(capsys.readouterr().out)
+    options = ["--ground", "plate", "--fasten-suggested", "--friction", "0.3", "--json"]
+    main(["check", str(folder / AS1.name), *options])
+    by_options = json.loads(capsys.readouterr().out)
+    for answer in (by_file, by_options):
+        answer.pop("seconds", None)
+    assert by_file["verdict"] == "stable"
+    assert by_file["parts"] == by_options["parts"]
+    # opened again from the folder: all choices are there
+    page.page.reload()
+    page.begin().answered()
+    page.page.click("#open-file")
+    page.until("document.querySelectorAll('#listed button').length > 1")
+    page.after(lambda: page.page.click("#listed button:has-text('as1-oc-214.kilter.json')"))
+    choices = page.choices()
+    assert (choices["held"], choices["friction"]) == (["plate"], 0.3)
+    assert choices["fasten_suggested"] is True
+    assert page.text("verdict") == "Stable"
+
+
+def test_the_friction_slider_changes_the_verdict_of_the_arch_at_its_limit(user: Callable) -> None:
+    page = user("arch")
+    page.page.focus("#friction")
+    for mu, held in ((0.7, True), (0.36, True), (0.35, False), (0.3, False)):
+        page.after(lambda mu=mu: page.slide("friction", mu))  # type: ignore[misc]
+        page.until(f"window.bench.session.choices.friction === {mu}")
+        page.answered()
+        assert (page.text("verdict") in ("Stable", "Settles", "Potentially stable")) == held, mu
+    # a drag is a single change
+    assert page.js("window.bench.session.changes.length") == 1
+    for mu, held in (("0.3514", True), ("0.3512", False)):
+        page.enter("friction-number", mu)
+        assert (page.text("verdict") != "Unstable") == held
+    page.click("#friction-file")
+    assert "friction" not in page.choices()
+
+
+def test_each_action_on_parts_is_done_and_repeated_by_the_command(
+    user: Callable, capsys: Any, monkeypatch: Any
+) -> None:
+    page = user(loaded())
+    agrees = lambda: page.command_agrees(capsys, monkeypatch)  # noqa: E731
+    page.choose("high").click("#do-leave-out")
+    assert page.choices()["left_out"] == ["high"]
+    assert [part["name"] for part in agrees()["parts"]] == ["base", "low", "side"]
+    page.click("#left-out button")
+    assert "left_out" not in page.choices()
+    page.choose("low")
+    page.after(lambda: page.page.select_option("#do-material", "steel"))
+    assert page.choices()["materials"][0]["density"] == 7850
+    assert agrees()["parts"][1]["mass"] == pytest.approx(7850)
+    page.choose("low").enter("do-density", "1200")
+    assert "1200 kg" in page.text("part-facts")
+    page.choose("low").enter("do-mass", "55")
+    assert "55 kg" in page.text("part-facts")
+    page.choose("high").enter("do-load", "200 0 0")
+    assert page.choices()["loads"] == [{"part": "high", "force": [200, 0, 0]}]
+    assert agrees()["verdict"] == "stable"
+    assert page.page.is_visible("#load-key")
+    page.page.click("#loads button:has-text('Edit')")
+    page.enter("do-load", "9000 0 0")
+    assert page.choices()["loads"] == [{"part": "high", "force": [9000, 0, 0]}]
+    assert agrees()["verdict"] == "unstable"
+    page.after(
+        lambda: page.page.locator("#scale-loads").evaluate(
+            "e => { e.value = -1; e.dispatchEvent(new Event('change')); }"
+        )
+    )
+    assert page.choices()["loads"][0]["force"] == [900, 0, 0]
+    page.click("#loads button:has-text('Remove')")
+    assert "loads" not in page.choices()
+
+
+def test_each_action_on_a_pair_is_done_and_repeated_by_the_command(
+    user: Callable, capsys: Any, monkeypatch: Any
+) -> None:
+    page = user(loaded())
+    agrees = lambda: page.command_agrees(capsys, monkeypatch)  # noqa: E731
+    page.choose("low").tab_to("#tree [tabindex='0']")
+    assert not page.page.is_visible("#pair-actions")
+    pair = ("low", "high")
+    page.choose(*pair).click("#do-join")
+    assert page.choices()["joined"] == [list(pair)]
+    assert agrees()["verdict"] == "stable"
+    page.click("#joined button")
+    page.choose(*pair).enter("do-pair-friction", "0.1")
+    assert page.choices()["friction_pairs"] == [{"parts": list(pair), "mu": 0.1}]
+    agrees()
+    page.click("#joined button")
+    page.choose(*pair).enter("do-bond", "50")
+    assert page.choices()["bonds"][0]["pull"] == 50
+    agrees()
+    page.click("#joined button")
+    page.choose(*pair)
+    page.page.select_option("#do-joint", "revolute")
+    assert len(page.page.input_value("#joint-point").split()) == 3  # middle of the contact
+    page.page.fill("#joint-axis", "0 1 0")
+    page.click("#joint-form button")
+    assert page.choices()["joints"][0]["axis"] == [0, 1, 0]
+    agrees()
+    page.click("#joined button")
+    for button, state in (("#do-touching", "touching"), ("#do-apart", "apart")):
+        page.choose(*pair).click(button)
+        assert page.choices()["open_pairs"] == [{"parts": list(pair), "as": state}]
+    agrees()
+    page.choose(*pair).click("#do-undecided")
+    assert "open_pairs" not in page.choices()
+    # a wrong number is a sentence, and no change
+    page.page.fill("#do-bond", "much")
+    page.page.press("#do-bond", "Enter")
+    assert page.text("trouble-words") == "Give a number."
+
+
+def test_open_pairs_are_shown_and_settled(user: Callable, capsys: Any, monkeypatch: Any) -> None:
+    base = Part("base", Box([6, 6, 1]), Pose([0, 0, -0.5]), grounded=True)
+    leg = Part("leg", Box([1, 1, 2]), Pose([2, 0, 1]))
+    lid = Part("lid", Box([1, 1, 1]), Pose([2, 0, 2.4]))  # overlaps the leg by 0.1
+    page = user(Assembly([base, leg, lid]))
+    assert "leg" in page.text("open-pairs")
+    page.page.click("#open-pairs button.link")
+    assert page.js("[...window.kilter.selection]") == [1, 2]
+    page.click("#open-pairs button:has-text('Join')")
+    assert page.choices()["open_pairs"] == [{"parts": ["leg", "lid"], "as": "joined"}]
+    assert page.command_agrees(capsys, monkeypatch)["verdict"] == "stable"
+    assert not page.page.is_visible("#decide")
+
+
+def test_undo_redo_revert_go_back_and_compare(user: Callable) -> None:
+    page = user(loaded())
+    assert not page.page.is_visible("#undo")
+    page.enter("friction-number", "0.2")
+    page.choose("side").click("#do-hold")
+    page.page.click("#tab-changes")
+    assert "2. hold side" in page.text("sheet-body")
+    page.click("#undo")
+    assert "held" not in page.choices()
+    page.click("#redo")
+    assert page.choices()["held"] == ["side"]
+    page.click("#sheet-body button:has-text('Revert')")
+    assert "friction" not in page.choices()
+    assert page.choices()["held"] == ["side"]
+    page.click("#sheet-body button:has-text('Go back to here')")
+    assert "held" not in page.choices()
+    page.enter("friction-number", "0.4")
+    page.page.click("#tab-compare")
+    page.page.click("#sheet-controls button:has-text('Compare')")
+    page.until("window.bench.tabs.results.has('compare')")
+    assert "Both states are" in page.text("sheet-body")
+
+
+def test_analyses_are_tabs_with_their_command(
+    user: Callable, capsys: Any, monkeypatch: Any
+) -> None:
+    page = user(loaded())
+    monkeypatch.chdir(page.folder)
+    for name in ("orient", "margin", "plan", "hold", "contacts"):
+        page.page.click(f"#tab-{name}")
+        page.until(f"window.bench.tabs.results.has('{name}')", 60)
+        words = shlex.split(page.text("tab-command"))
+        capsys.readouterr()
+        main([*words[1:], "--json"])
+        data = page.js("n => window.bench.tabs.results.get(n).data", name)
+        told = json.loads(capsys.readouterr().out)
+        for key in ("verdict", "sentence", "down", "tilt_deg", "steps", "supports", "patches"):
+            assert data.get(key) == told.get(key), (name, key)
+    page.page.click("#tab-transport")
+    page.page.fill("#sheet-controls input", "20 0 0")
+    page.page.click("text=At this acceleration")
+    page.until("window.bench.tabs.results.has('transport')", 60)
+    assert "--accelerate 20 0 0" in page.text("tab-command")
+    # a change makes the results old: they disappear
+    page.enter("friction-number", "0.3")
+    assert page.js("window.bench.tabs.results.size") == 0
+    page.page.click("#tab-orient")
+    page.until("window.bench.tabs.results.has('orient')", 60)
+    page.page.click("text=Show this direction")
+    page.click("text=Use this direction")
+    assert len(page.choices()["gravity"]) == 3
+
+
+def test_floor_axis_and_gravity(user: Callable, capsys: Any, monkeypatch: Any) -> None:
+    page = user(loaded())
+    page.click("#floor")
+    assert page.choices()["floor"] is True
+    page.command_agrees(capsys, monkeypatch)
+    page.click("#floor")
+    page.after(lambda: page.page.select_option("#up", "x"))
+    assert page.choices()["up"] == "x"
+    assert page.down() == pytest.approx([-1, 0, 0])
+    page.command_agrees(capsys, monkeypatch)
+    page.after(lambda: page.page.select_option("#up", ""))
+    page.js("window.kilter.ask([0.6, 0, -0.8])")
+    assert page.text("verdict") == "Not analysed"
+    page.click("#use-gravity")
+    assert page.down() == pytest.approx([0.6, 0, -0.8])
+    page.command_agrees(capsys, monkeypatch)
+
+
+def test_an_old_answer_is_dropped_and_a_lost_connection_returns(user: Callable) -> None:
+    page = user(loaded())
+    before = page.page.inner_text("#banner")
+    page.js(
+        "(() => { const b = window.bench; b.hear({...b.answer, state: b.answer.state - 1,"
+        " given: {...b.answer.given, verdict: 'unstable'}}); })()"
+    )
+    assert page.page.inner_text("#banner") == before
+    page.page.evaluate("window.bench.link.socket.close()")
+    page.until("!document.getElementById('connection').hidden")
+    assert "is lost" in page.text("connection")
+    page.until("document.getElementById('connection').hidden")
+    page.choose("low").click("#do-hold")
+    # a page that is loaded again, and a second page, show the same state
+    page.page.reload()
+    page.begin().answered()
+    assert page.choices()["held"] == ["low"]
+
+
+def test_the_view_and_the_selection_stay_when_the_assembly_changes(user: Callable) -> None:
+    page = user(loaded())
+    page.choose("high")
+    page.page.click("#hide")
+    page.choose("side")
+    page.js("window.kilter.stage.orbit(0.4, 0.1, 0.8)")
+    view = "window.kilter.stage.camera.position.clone().sub(window.kilter.stage.controls.target)"
+    before = page.js(f"{view}.normalize().toArray()")
+    page.click("#do-hold")
+    page.choose("low").click("#do-leave-out")
+    assert page.js(f"{view}.normalize().toArray()") == pytest.approx(before, abs=1e-6)
+    parts = "window.kilter.page.parts.full_names"
+    gone = f"{parts}.filter((_, k) => !window.kilter.stage.parts.visible[k])"
+    assert page.js(gone) == ["high"]
+
+
+def test_wrong_huge_changed_and_removed_files_are_sentences(
+    user: Callable, folder: Path, monkeypatch: Any
+) -> None:
+    page = user(loaded())
+    (folder / "wrong.kilter.json").write_text('{"kilter": 1, "parts": 3}')
+    files = [{"name": "text.stp", "mimeType": "text/plain", "buffer": b"no STEP"}]
+    page.page.click("#open-file")
+    page.page.set_input_files("#files", files=files)
+    page.until("!document.getElementById('trouble').hidden")
+    assert "text.stp" in page.text("trouble-words") or "STEP" in page.text("trouble-words")
+    page.page.click("#end-trouble")
+    monkeypatch.setattr(server, "MOST_BYTES", 3)
+    page.page.set_input_files("#files", files=files)
+    page.until("!document.getElementById('trouble').hidden")
+    assert "larger than" in page.text("trouble-words")
+    page.page.click("#end-start")
+    assert page.js("window.bench.session.file") == "file.kilter.json"
+    page.choose("side").click("#do-hold")
+    higher = Assembly([*loaded().parts, Part("new", Box([1, 1, 1]), Pose([-2, 0, 0.5]))])
+    page.after(lambda: kilter.dump(higher, folder / "file.kilter.json"))
+    page.until("window.kilter.page.parts.full_names.includes('new')")
+    page.until("!document.getElementById('message').hidden")
+    assert page.choices()["held"] == ["side"]
+    (folder / "file.kilter.json").unlink()
+    page.until("/removed/.test(document.getElementById('message').textContent)")
+    assert page.js("document.getElementById('show').hidden") is False
+
+
+def test_a_name_with_markup_is_text(user: Callable, capsys: Any, monkeypatch: Any) -> None:
+    base = Part("base", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
+    page = user(Assembly([base, Part(HOSTILE, Box([1, 1, 1]), Pose([0, 0, 0.5]))]))
+    page.choose(HOSTILE).click("#do-hold")
+    assert page.choices()["held"] == [HOSTILE]
+    page.command_agrees(capsys, monkeypatch)
+    page.page.click("#tab-changes")
+    assert HOSTILE in page.text("sheet-body")
+    page.page.click("#tab-contacts")
+    page.until("window.bench.tabs.results.has('contacts')")
+    assert page.js("document.querySelectorAll('img').length") == 0
+    assert page.js("window.hit") is None
+
+
+def test_exports_are_downloaded_and_a_refusal_is_a_sentence(user: Callable, tmp_path: Path) -> None:
+    page = user(loaded())
+    for name in ("report.html", "answer.json", "contacts.csv", "choices.kilter.json"):
+        with page.page.expect_download() as download:
+            page.page.select_option("#export", name)
+        assert download.value.suggested_filename == name
+        download.value.save_as(tmp_path / name)
+    assert "Stable" in (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert json.loads((tmp_path / "answer.json").read_text())["verdict"] == "stable"
+
+
+def test_two_pages_of_a_session_agree(user: Callable, chromium: Any, bench: Workbench) -> None:
+    page = user(loaded())
+    other = Page(chromium.new_page(), bench, page.folder).begin().answered()
+    page.choose("low").click("#do-hold")
+    other.until("(window.bench.session.choices.held || []).includes('low')")
+    other.answered()
+    assert other.page.inner_text("#banner") == page.page.inner_text("#banner")
+    other.page.close()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [400, 1360])
+def test_axe_finds_no_serious_violation(width: int, scheme: str, user: Callable) -> None:
+    if not AXE.is_file():
+        pytest.skip("axe-core is not here: npm ci in web/")
+    page = user(None, color_scheme=scheme, viewport={"width": width, "height": 900})
+    assert violations(page.page) == []
+    kilter.dump(loaded(), page.folder / "file.kilter.json")
+    page.page.reload()
+    page.begin()
+    page.after(lambda: page.page.click("#listed button"))
+    page.choose("low", "high")
+    page.js("document.getElementById('tab-margin').click()")
+    page.until("window.bench.tabs.results.has('margin')", 60)
+    assert violations(page.page) == []
+    assert page.js("document.documentElement.scrollWidth") <= width
