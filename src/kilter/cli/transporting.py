@@ -103,6 +103,24 @@ def transport(
             show_default=False,
         ),
     ] = None,
+    collapse: Annotated[
+        bool,
+        Option(
+            "--collapse",
+            help="Also the collapse multipliers of horizontal forces: mechanism, participating "
+            "mass, and spectral acceleration.",
+            rich_help_panel=QUESTION,
+        ),
+    ] = False,
+    fc: Annotated[
+        float,
+        Option(
+            "--fc",
+            metavar="FC",
+            help="Confidence factor of the spectral accelerations of --collapse.",
+            rich_help_panel=QUESTION,
+        ),
+    ] = 1.35,
     mu_range: Annotated[
         tuple[float, float] | None,
         Option(
@@ -150,6 +168,8 @@ def transport(
             code=code,
             forward=forward,
             path=None if path is None else read_path(path, units=assembly.units),
+            collapse=collapse,
+            fc=fc,
             mu_range=mu_range,
             contacts=contacts,
             require=require,

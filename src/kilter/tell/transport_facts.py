@@ -16,6 +16,8 @@ UNKNOWN = {
     "none": "none is carried",
 }
 """Words of a limit without a value."""
+SAME_A0 = 1 - 1e-6
+"""Share of a spectral acceleration above which a second one is not named [-]."""
 NAMED = 2
 """Largest number of parts whose first motion is described."""
 
@@ -54,6 +56,8 @@ def transport_facts(answer: Answer) -> list[Fact]:
         facts.append(("first", motions(first["motion"])))
     for limit in answer["accelerations"]:
         facts.append((limit["name"], _limit(limit)))
+    for entry in answer["alpha"]:
+        facts.append((f"alpha0 {entry['name']}", _collapse(entry, answer["fc"])))
     for name, why in answer["missing"].items():
         facts.append((name, UNKNOWN[why]))
     for case in answer["cases"]:
@@ -85,6 +89,20 @@ def _limit(limit: Answer) -> str:
         return "unlimited (100 g were tried)"
     words = f"{number(limit['g'])} g ({number(limit['m_s2'])} m/s^2)"
     return f"{words}; then {motions(limit['motion'])}" if limit["motion"] else words
+
+
+def _collapse(entry: Answer, fc: float) -> str:
+    """Return a collapse multiplier with its participating mass, in words."""
+    if entry["alpha0"] is None:
+        return "unlimited (100 was tried)"
+    if entry["a0"] is None:
+        return f"{number(entry['alpha0'])}; its mechanism is not known"
+    words = f"{number(entry['alpha0'])}, M* {number(entry['participating_mass'])} kg"
+    words += "" if entry["unique"] else " (not unique: the largest)"
+    words += f", e* {number(entry['e'])}, a0* {number(entry['a0'])} m/s^2 at FC {number(fc)}"
+    if entry["a0_moving"] < SAME_A0 * entry["a0"]:
+        words += f" ({number(entry['a0_moving'])} m/s^2 with the mass of moving parts alone)"
+    return words
 
 
 def _case(case: Answer) -> str:

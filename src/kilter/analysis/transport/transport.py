@@ -29,8 +29,14 @@ from kilter.analysis.transport.carried_set import CarriedSet, LeastAcceleration,
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
 from kilter.analysis.transport.carrier_path import CarrierPath
 from kilter.analysis.transport.codes import code_cases, travel_direction
+from kilter.analysis.transport.collapse import (
+    CONFIDENCE_FACTOR,
+    CollapseMultiplier,
+    find_collapse,
+)
 from kilter.analysis.transport.path import PathLimit, find_path_limit
 from kilter.analysis.transport.transport_proofs import transport_proofs
+from kilter.analysis.turning_tolerances import ACROSS_GRAVITY
 from kilter.analysis.verdict.answers import joints_answer
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
@@ -47,6 +53,7 @@ from kilter.tell.transport_facts import transport_sentence
 from kilter.tell.words import motion_words
 from kilter.threads import on_one_thread
 from kilter.units import metres_per_unit
+from kilter.validate import number
 from kilter.work import EFFORT, Work, stop_after, units_of
 
 if TYPE_CHECKING:
@@ -162,6 +169,10 @@ class Transport(Answer):
         Name of the rule whose accelerations are the cases.
     path : PathLimit or None
         Speed factor of a path.
+    collapse : tuple of CollapseMultiplier
+        Multipliers of horizontal forces; empty if they were not requested.
+    fc : float or None
+        Confidence factor of the spectral accelerations; None if they were not requested.
     mu_range : (float, float) or None
         Factors between which every friction coefficient varies. The limits are those of the least
         friction, and the level of a motion is the lower of those at both ends.
@@ -185,6 +196,8 @@ class Transport(Answer):
     cases: tuple[CarriedCase, ...]
     code: str | None
     path: PathLimit | None
+    collapse: tuple[CollapseMultiplier, ...]
+    fc: float | None
     mu_range: tuple[float, float] | None
     require: str
     missing: dict[str, Why]
@@ -242,6 +255,8 @@ class Transport(Answer):
             "accelerations": [limit.to_dict(program) for limit in self.limits],
             "least": None if self.least is None else self.least.to_dict(program),
             "polar": None if self.polar is None else _polar_answer(self.polar),
+            "alpha": [entry.to_dict(program, self.fc or 1.0) for entry in self.collapse],
+            "fc": self.fc,
             "code": self.code,
             "cases": [case.to_dict(program) for case in self.cases],
             "path": None if self.path is None else self.path.to_dict(program),
@@ -337,6 +352,8 @@ def transport(
     forward: ArrayLike = (1.0, 0.0, 0.0),
     path: CarrierPath | None = None,
     polar: bool = True,
+    collapse: bool = False,
+    fc: float = CONFIDENCE_FACTOR,
     mu_range: tuple[float, float] | None = None,
     contacts: ContactSet | None = None,
     require: str = REQUIRE,
@@ -367,6 +384,11 @@ def transport(
         How many times as fast may the carrier follow this path?
     polar : bool
         Without a question: also the boundary of all horizontal accelerations.
+    collapse : bool
+        Without a question: also the collapse multipliers of horizontal forces, with participating
+        mass and spectral acceleration (`kilter.analysis.transport.collapse`).
+    fc : float
+        Confidence factor FC of the spectral accelerations, at least 1 [-].
     mu_range : (float, float), optional
         Factors between which every friction coefficient varies. The least friction is the worst
         case of every limit, exactly; a level above "equilibrium" is decided at both ends.
@@ -379,7 +401,8 @@ def transport(
     ------
     InputError
         If several questions are given, a vector is invalid or leaves the plane of a planar
-        assembly, the rule does not exist, or the interval of friction is empty or negative.
+        assembly, the rule does not exist, the interval of friction is empty or negative, or the
+        confidence factor is below 1.
 
     Examples
     --------
@@ -398,6 +421,12 @@ def transport(
     )
     require = require_level(require)
     motions = _questions(assembly, accelerate, turn, code, forward, path)
+    fc = number(fc, "confidence factor", lowest=1.0)
+    if collapse and (motions or path is not None):
+        raise InputError(
+            "collapse multipliers are those of all horizontal directions",
+            hint="ask for them without another question",
+        )
     ends = [1.0] if mu_range is None else sorted(set(Ranges(mu=mu_range).mu))
     work = Work(units_of(effort), progress, time_limit=time_limit)
     rest = check(
@@ -453,6 +482,16 @@ def transport(
             tell("all horizontal accelerations")
             axes = _horizontal(assembly)
             section = in_time("polar", lambda: carried.slice(axes))
+    multipliers: list[CollapseMultiplier] = []
+    if collapse:
+        tell("mechanisms of collapse")
+        for entry in (*limits, *([] if least is None else [least])):
+            if abs(entry.direction @ assembly.down) <= ACROSS_GRAVITY and entry.direction.any():
+                found = in_time(
+                    f"alpha {entry.name}",
+                    lambda entry=entry: _multiplier(program, entry),  # type: ignore[misc]
+                )
+                multipliers += [] if found is None else [found]
     if path is not None:
         tell("path")
         speed = in_time("path", lambda: find_path_limit(program, path, tell))
@@ -471,6 +510,8 @@ def transport(
         cases=cases,
         code=code,
         path=speed,
+        collapse=tuple(multipliers),
+        fc=fc if collapse else None,
         mu_range=mu_range,
         require=require,
         missing=missing,
@@ -564,6 +605,12 @@ def _horizontal(assembly: Assembly) -> Array:
 
 def _least_limit(weakest: LeastAcceleration) -> DirectionLimit:
     return DirectionLimit("least", weakest.direction, weakest.value, weakest.lower, weakest.limit)
+
+
+def _multiplier(program: Program, limit: DirectionLimit) -> CollapseMultiplier:
+    """Collapse multiplier of the forces that an acceleration limit of the ground causes."""
+    name = limit.name.translate(str.maketrans("+-", "-+"))  # the ground moves against the forces
+    return find_collapse(program, name, -limit.direction, limit.limit)
 
 
 def _polar_answer(polar: Slice) -> PolarData:

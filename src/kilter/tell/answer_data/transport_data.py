@@ -76,6 +76,26 @@ class PolarData(TypedDict):
     gap: float | None
 
 
+class CollapseData(TypedDict):
+    """Multiplier of horizontal forces at which a mechanism starts, with its participating mass."""
+
+    name: str
+    direction: Annotated[Vector, Field(description="of the forces, unit")]
+    alpha0: Annotated[float | None, Field(description="[-]; null: unlimited")]
+    upper: Annotated[float | None, Field(description="multiplier proved not to be carried [-]")]
+    participating_mass: Annotated[float | None, Field(description="M* [kg]")]
+    e: Annotated[float | None, Field(description="M* over the mass of all free parts [-]")]
+    a0: Annotated[float | None, Field(description="spectral acceleration a0* for e [m/s^2]")]
+    e_moving: Annotated[float | None, Field(description="M* over the mass of moving parts [-]")]
+    a0_moving: Annotated[
+        float | None, Field(description="spectral acceleration a0* for e_moving [m/s^2]")
+    ]
+    unique: Annotated[
+        bool | None, Field(description="false: other mechanisms at alpha0 have a smaller M*")
+    ]
+    moves: list[str]
+
+
 class PathData(TypedDict):
     """Largest factor on the speed along a path at which contact forces can hold the parts."""
 
@@ -112,6 +132,8 @@ class TransportData(TypedDict):
     accelerations: list[DirectionLimitData]
     least: DirectionLimitData | None
     polar: PolarData | None
+    alpha: list[CollapseData]
+    fc: Annotated[float | None, Field(description="confidence factor FC [-]")]
     code: str | None
     cases: list[CaseData]
     path: PathData | None
