@@ -310,7 +310,8 @@ def common_frame(normals: Array, areas: Array) -> Array:
 def common_frames(normals: Array, areas: Array, start: Index) -> Array:
     """For each of M groups of normals, the frame (rotation matrix) of its most common normals.
 
-    Normals that agree to about five digits count as equal.
+    Normals that agree to about five digits count as equal. If all normals of all groups are along
+    the axes, every frame is that of the axes.
 
     Parameters
     ----------
@@ -321,11 +322,15 @@ def common_frames(normals: Array, areas: Array, start: Index) -> Array:
 
     Examples
     --------
-    >>> common_frames(np.eye(3), np.array([1.0, 1.0, 2.0]), np.array([0, 1, 3]))[:, 0]
-    array([[1., 0., 0.],
-           [0., 0., 1.]])
+    >>> normals = np.array([[0.6, 0.8, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    >>> common_frames(normals, np.array([1.0, 1.0, 2.0]), np.array([0, 1, 3]))[:, 0]
+    array([[0.6, 0.8, 0. ],
+           [0. , 0. , 1. ]])
     """
     count = len(start) - 1
+    x, y, z = np.abs(normals).T
+    if bool((np.maximum(np.maximum(x, y), z) == 1.0).all()):
+        return np.tile(np.eye(3), (count, 1, 1))
     run = np.repeat(np.arange(count), np.diff(start))
     sound = np.linalg.norm(normals, axis=1) > 0.5
     normals, areas, run = normals[sound], areas[sound], run[sound]

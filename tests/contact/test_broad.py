@@ -8,6 +8,7 @@ import pytest
 import kilter
 from kilter.contact import broad
 from kilter.contact.broad import make_boxes, part_pairs
+from kilter.contact.planar import facets as planar_facets
 from kilter.contact.planar.facets import find_facets
 from kilter.contact.triangle_distance import near_triangles, surface_distance
 from kilter.errors import InputError
@@ -121,3 +122,28 @@ def test_parts_that_all_lie_in_one_another_are_refused() -> None:
 @pytest.mark.slow
 def test_a_floor_under_many_parts_is_no_crowd() -> None:
     assert pairs_of(piled(20_000, 2.0, floor=True)) == 20_000
+
+
+def test_sides_of_boxes_are_the_facets_that_their_triangles_give(monkeypatch):
+    rng = np.random.default_rng(3)
+    parts = [
+        kilter.Part(
+            f"box-{k}",
+            kilter.Box(10.0 ** rng.uniform(-2, 2, 3)),
+            kilter.Pose(rng.normal(size=3) * 10, rng.normal(size=4)),
+            grounded=k == 0,
+        )
+        for k in range(30)
+    ]
+    geometry = kilter.Assembly(parts).geometry
+    closed = find_facets(geometry)
+    blocks = [planar_facets._convex_block(closed.part, closed.corners.reshape(-1, 4))]
+    general = planar_facets._assemble_facets(geometry, blocks, geometry.is_box.copy())
+    for name in planar_facets.Facets.__slots__:
+        one, other = getattr(closed, name), getattr(general, name)
+        assert one.dtype == other.dtype
+        assert np.allclose(one, other, rtol=1e-12, atol=1e-12), name
+    wedge = kilter.Part("wedge", kilter.Prism([(0, 0), (1, 0), (0, 1)], 1), [50, 0, 0])
+    both = find_facets(kilter.Assembly([*parts, wedge]).geometry)
+    assert np.array_equal(both.normal[:180], closed.normal)
+    assert np.array_equal(both.origin[:180], closed.origin)

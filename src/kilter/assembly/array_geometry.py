@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross, distinct_rows, ragged, starts
+from kilter.arrays import Array, Index, Mask, cross, distinct_rows, ragged, squares, starts
 from kilter.assembly.assembly_arrays import AssemblyArrays
 from kilter.assembly.assembly_tolerances import FLAT_PART, INSIDE_OUT, LARGEST, RESOLVED
 from kilter.assembly.geometry import Geometry
-from kilter.assembly.hexahedra import box_moments, box_orders
+from kilter.assembly.hexahedra import box_moments, box_orders, closed_octets
 from kilter.assembly.masses import DEFAULT_DENSITY
 from kilter.assembly.part import Part
 from kilter.assembly.polyhedra import polyhedron_moments
@@ -48,10 +48,13 @@ def arrays_side_by_side(arrays: AssemblyArrays) -> tuple[SideBySide | None, Inde
         Positions of these assemblies.
     """
     with np.errstate(all="ignore"):
-        which = np.flatnonzero(_usable(arrays))
+        chosen, ordered = arrays, _boxes_in_order(arrays)
+        which = np.flatnonzero(_usable(arrays, ordered[2]))
         while len(which):
-            chosen = arrays if len(which) == len(arrays) else arrays.among(which)
-            geometry, sound = _geometry(*_boxes_in_order(chosen))
+            if len(which) < len(chosen):
+                chosen = arrays.among(which)
+                ordered = _boxes_in_order(chosen)
+            geometry, sound = _geometry(chosen, *ordered)
             sound = np.logical_and.reduceat(sound, chosen.part_start[:-1])
             if sound.all():
                 parts = (SOME_MESH,) * len(chosen.held)
@@ -61,12 +64,16 @@ def arrays_side_by_side(arrays: AssemblyArrays) -> tuple[SideBySide | None, Inde
     return None, which
 
 
-def _usable(arrays: AssemblyArrays) -> Mask:
-    """Mask of assemblies with plain meshes only, a held part, and valid gravity, shape (M,)."""
+def _usable(arrays: AssemblyArrays, is_box: Mask) -> Mask:
+    """Mask of assemblies with plain meshes only, a held part, and valid gravity, shape (M,).
+
+    `is_box` marks the parts that are known to be boxes, shape (N,).
+    """
     size = np.abs(arrays.gravity).max(axis=1)
     usable = (size > 1 / HUGE) & (size < HUGE)
     usable &= np.logical_or.reduceat(arrays.held, arrays.part_start[:-1])
-    usable &= np.logical_and.reduceat(_plain(arrays), arrays.part_start[:-1])
+    plain = is_box if is_box.all() else _plain(arrays) | is_box
+    usable &= np.logical_and.reduceat(plain, arrays.part_start[:-1])
     result: Mask = usable
     return result
 
@@ -125,13 +132,13 @@ def _is_distinct(vertices: Array, start: Index) -> Mask:
     return distinct
 
 
-def _boxes_in_order(arrays: AssemblyArrays) -> tuple[AssemblyArrays, Array, Index, Mask]:
+def _boxes_in_order(arrays: AssemblyArrays) -> tuple[Array, Index, Mask]:
     """Find the parts that are boxes, and bring the corners of each into standard order.
+
+    A box is a plain mesh: its triangles lie in its sides and form a closed surface.
 
     Returns
     -------
-    arrays : AssemblyArrays
-        The argument.
     vertices, faces : ndarray, shape (V, 3), (F, 3)
         Those of the arrays, with the corners of boxes in the order of `BOX_CORNERS`.
     is_box : ndarray of bool, shape (N,)
@@ -140,16 +147,19 @@ def _boxes_in_order(arrays: AssemblyArrays) -> tuple[AssemblyArrays, Array, Inde
     first = arrays.vertex_start[:-1]
     is_box = (np.diff(arrays.vertex_start) == 8) & (np.diff(arrays.face_start) == 12)
     candidates = np.flatnonzero(is_box)
-    rows = first[candidates][:, None] + np.arange(8)
     face_rows = arrays.face_start[candidates][:, None] + np.arange(12)
     local = faces[face_rows] - first[candidates][:, None, None]
+    is_closed = closed_octets(local)
+    is_box[candidates] = is_closed
+    candidates, local = candidates[is_closed], local[is_closed]
+    rows = first[candidates][:, None] + np.arange(8)
     order, confirmed = box_orders(vertices[rows], local, _accuracy(arrays)[candidates])
     is_box[candidates] = confirmed
     source = np.arange(len(vertices))
     source[rows[confirmed]] = first[candidates[confirmed]][:, None] + order[confirmed]
     place = np.empty_like(source)
     place[source] = np.arange(len(source))
-    return arrays, vertices[source], place[faces], is_box
+    return vertices[source], place[faces], is_box
 
 
 def _moments(
@@ -177,13 +187,29 @@ def _moments(
     return volume, center, second, middle
 
 
+def _largest_coordinate(vertices: Array) -> Array:
+    """Largest absolute coordinate of each vertex, shape (V,); by columns, which is faster."""
+    x, y, z = np.abs(vertices).T
+    largest: Array = np.maximum(np.maximum(x, y), z)
+    return largest
+
+
 def _accuracy(arrays: AssemblyArrays) -> Array:
     """Largest error of a coordinate of each part [length unit], shape (N,)."""
-    size = np.abs(arrays.vertices).max(axis=1).astype(np.float64)
+    size = _largest_coordinate(arrays.vertices).astype(np.float64)
     single = arrays.vertices.dtype == np.float32
     largest = np.maximum.reduceat(size, arrays.vertex_start[:-1])
     accuracy: Array = largest * (2.0**-24 if single else 2.0**-52)
     return accuracy
+
+
+def _farthest(arrays: AssemblyArrays, vertices: Array, points: Array) -> Array:
+    """Largest distance of a vertex of each part from the part's row of `points`, shape (N,)."""
+    owner = np.repeat(np.arange(len(points)), np.diff(arrays.vertex_start))
+    distance: Array = np.sqrt(
+        np.maximum.reduceat(squares(vertices - points[owner]), arrays.vertex_start[:-1])
+    )
+    return distance
 
 
 def _geometry(
@@ -191,11 +217,10 @@ def _geometry(
 ) -> tuple[Geometry, Mask]:
     """Geometry of plain meshes, and a mask of parts that pass the checks of `build_geometry`."""
     first, count = arrays.vertex_start[:-1], len(arrays.held)
-    owner = np.repeat(np.arange(count), np.diff(arrays.vertex_start))
     volume, center, second, middle = _moments(arrays, vertices, faces, is_box)
-    reach = np.maximum.reduceat(np.linalg.norm(vertices - middle[owner], axis=1), first)
+    reach = _farthest(arrays, vertices, middle)
     sound = (reach > 1 / LARGEST) & (reach < LARGEST) & (volume > FLAT_PART * reach**3)
-    sound &= reach >= RESOLVED * np.maximum.reduceat(np.abs(vertices).max(axis=1), first)
+    sound &= reach >= RESOLVED * np.maximum.reduceat(_largest_coordinate(vertices), first)
     others = np.flatnonzero(~is_box)
     spread = np.linalg.eigvalsh(np.where(np.isfinite(second), second, 0.0)[others])
     sound[others] &= spread[:, 0] >= -INSIDE_OUT * np.abs(spread).max(axis=1, initial=0.0)
@@ -217,7 +242,7 @@ def _geometry(
         center=center,
         inertia=inertia,
         volume=volume,
-        radius=np.maximum.reduceat(np.linalg.norm(vertices - center[owner], axis=1), first),
+        radius=reach if is_box.all() else _farthest(arrays, vertices, center),
         size=2 * reach,
         accuracy=accuracy,
         single=np.full(count, arrays.vertices.dtype == np.float32),

@@ -11,14 +11,56 @@ import numpy as np
 
 from kilter.arrays import Array, Index, Mask, cross
 
-__all__ = ["box_moments", "box_orders"]
+__all__ = ["box_moments", "box_orders", "closed_octets"]
 
 PLACES: Index = np.array([1, 2, 4])
 """Weight of each edge direction in the index (0 to 7) of a corner of a box."""
 TURNED: Index = np.array([1, 0, 2])
 """Order of the edges of a mirrored box: the first two are exchanged."""
+PATTERNS = 8
+"""Number of orders of faces that are examined; meshes with another order do not count as boxes."""
 ROUNDINGS = 8.0
 """Largest offset of a corner of a box [multiples of the accuracy of the coordinates]."""
+
+
+def closed_octets(faces: Index) -> Mask:
+    """Mask of the meshes with eight vertices whose faces form a closed surface, shape (n,).
+
+    All eight vertices must be used, and each edge must have two faces in opposite senses. Meshes of
+    the same origin list their faces in the same order, so few orders are examined.
+
+    Parameters
+    ----------
+    faces : ndarray of int, shape (n, 12, 3)
+        Indices of vertices; an index outside of 0 to 7 is not valid.
+
+    Examples
+    --------
+    >>> from kilter.shape.primitives import BOX_TRIANGLES
+    >>> closed_octets(np.array([BOX_TRIANGLES, BOX_TRIANGLES[::-1], BOX_TRIANGLES % 7]))
+    array([ True,  True, False])
+    """
+    is_closed = np.zeros(len(faces), dtype=bool)
+    left = np.arange(len(faces))
+    for _ in range(PATTERNS):
+        if not len(left):
+            break
+        pattern = faces[left[0]]
+        same = (faces[left] == pattern).all(axis=(1, 2))
+        is_closed[left[same]] = _is_closed(pattern)
+        left = left[~same]
+    return is_closed
+
+
+def _is_closed(faces: Index) -> bool:
+    """Whether the triangles of a mesh with the vertices 0 to 7 form a closed surface."""
+    start, end = faces.ravel(), faces[:, [1, 2, 0]].ravel()
+    edges = set(zip(start.tolist(), end.tolist(), strict=True))
+    return (
+        set(start.tolist()) == set(range(8))
+        and len(edges) == len(start)
+        and all(p != q and (q, p) in edges for p, q in edges)
+    )
 
 
 def box_orders(corners: Array, faces: Index, accuracy: Array) -> tuple[Index, Mask]:

@@ -72,10 +72,12 @@ def make_boxes(geometry: Geometry, facets: Facets, start: Index | None = None) -
     else:
         frame = np.eye(3)
         frames = common_frames(facets.normal, facets.area, facets.start[start])
-        assembly_of_vertex = np.repeat(
-            np.arange(len(frames)), np.diff(geometry.vertex_start[start])
-        )
-        turned = np.einsum("vij,vj->vi", frames[assembly_of_vertex], geometry.vertices)
+        turned = geometry.vertices
+        if (frames != frame).any():
+            assembly_of_vertex = np.repeat(
+                np.arange(len(frames)), np.diff(geometry.vertex_start[start])
+            )
+            turned = np.einsum("vij,vj->vi", frames[assembly_of_vertex], geometry.vertices)
     corners = turned[facets.corners]
     part_low, part_high = _extremes(turned, geometry.vertex_start)
     facet_low, facet_high = _extremes(corners, facets.corner_start)

@@ -24,6 +24,7 @@ from kilter.arrays import (
     counted,
     cross,
     ragged,
+    squares,
     starts,
     unit_rows,
 )
@@ -96,9 +97,11 @@ class Facets:
 
 
 def find_facets(geometry: Geometry) -> Facets:
-    """Find the flat facets of every part."""
+    """Find the flat facets of every part; those of boxes have closed forms."""
     blocks: list[Block] = []
     boxes = np.flatnonzero(geometry.is_box)
+    if len(boxes) == len(geometry.mass):
+        return _facets_of_boxes(geometry)
     if len(boxes):
         quads = BOX_QUADS + geometry.vertex_start[boxes][:, None, None]
         blocks.append(_convex_block(np.repeat(boxes, 6), quads.reshape(-1, 4)))
@@ -110,7 +113,56 @@ def find_facets(geometry: Geometry) -> Facets:
         blocks.extend(
             _facets_from_triangles(geometry, by_triangles[chunk == chunk_number], convex_part)
         )
-    return _assemble_facets(geometry, blocks, convex_part)
+    facets = _assemble_facets(geometry, blocks, convex_part)
+    if len(boxes):
+        rows = facets.start[boxes][:, None] + np.arange(6)
+        planes = facets.normal, facets.origin, facets.area, facets.reach
+        for values, of_boxes in zip(planes, _planes_of_boxes(geometry, boxes), strict=True):
+            values[rows] = of_boxes
+    return facets
+
+
+def _facets_of_boxes(geometry: Geometry) -> Facets:
+    """The facets of parts that are all boxes."""
+    count = len(geometry.mass)
+    part = np.repeat(np.arange(count), 6)
+    normal, origin, area, reach = _planes_of_boxes(geometry, np.arange(count))
+    return Facets(
+        part=part,
+        start=6 * np.arange(count + 1),
+        normal=normal.reshape(-1, 3),
+        origin=origin.reshape(-1, 3),
+        area=area.reshape(-1),
+        reach=reach.reshape(-1),
+        convex=np.ones(len(part), dtype=bool),
+        surface=np.full(len(part), -1),
+        curved=np.zeros(len(part), dtype=bool),
+        corner_start=4 * np.arange(len(part) + 1),
+        corners=(BOX_QUADS + geometry.vertex_start[:-1, None, None]).reshape(-1),
+        convex_part=np.ones(count, dtype=bool),
+    )
+
+
+def _planes_of_boxes(geometry: Geometry, boxes: Index) -> tuple[Array, Array, Array, Array]:
+    """Unit normals, centroids, areas and reaches of the sides of boxes, in the order `BOX_QUADS`.
+
+    Opposite sides have opposite normals, and the centroid is the middle of a diagonal. Shapes:
+    (n, 6, 3), (n, 6, 3), (n, 6), (n, 6).
+    """
+    corners = geometry.vertices[geometry.vertex_start[boxes][:, None] + np.arange(8)]
+    u, v, w = (corners[:, k] - corners[:, 0] for k in (1, 2, 4))
+    pairs = (u, v), (w, u), (v, w)  # the edges of the sides -z and +z, then y, then x
+    normal, area, reach = np.empty((len(boxes), 6, 3)), *np.empty((2, len(boxes), 6))
+    for k, (a, b) in enumerate(pairs):
+        turn = cross(a, b)
+        size = np.maximum(np.sqrt(squares(turn)), TINY)
+        normal[:, 2 * k + 1] = turn / size[:, None]
+        normal[:, 2 * k] = -normal[:, 2 * k + 1]
+        area[:, 2 * k] = area[:, 2 * k + 1] = size
+        diagonal = np.maximum(squares(a + b), squares(a - b))
+        reach[:, 2 * k] = reach[:, 2 * k + 1] = np.sqrt(diagonal) / 2
+    origin = (corners[:, BOX_QUADS[:, 0]] + corners[:, BOX_QUADS[:, 2]]) / 2
+    return normal, origin, area, reach
 
 
 def _convex_block(part: Index, loops: Index, surface: Index | None = None) -> Block:
