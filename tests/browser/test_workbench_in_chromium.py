@@ -18,6 +18,7 @@ import kilter
 from kilter import Assembly, Box, Part, Pose
 from kilter.cli import main
 from kilter.scenes import scene
+from kilter.scenes.walls import wall_of
 from kilter.tell.words import VERDICTS
 from kilter.workbench import server
 from kilter.workbench.server import Workbench
@@ -240,6 +241,46 @@ def test_as1_from_the_drop_to_a_saved_stable_state(
     assert (choices["held"], choices["friction"]) == (["plate"], 0.3)
     assert choices["fasten_suggested"] is True
     assert page.text("verdict") == "Stable"
+
+
+def test_as1_with_keys_alone(user: Callable, folder: Path) -> None:
+    if not AS1.is_file():
+        pytest.skip("real data is not here: ../shared/data beside the checkout")
+    pytest.importorskip("OCP", reason="pip install 'kilter[step]'")
+    page = user(None)
+    shutil.copy(AS1, folder / AS1.name)
+    page.page.reload()
+    page.begin().tab_to("#listed button")
+    page.after(lambda: page.press("Enter"))
+    page.tab_to("#find")
+    page.page.keyboard.type("plate")
+    page.press("Enter")
+    page.tab_to("#do-hold")
+    page.after(lambda: page.press("Enter"))
+    page.page.focus("#banner")
+    page.tab_to("#suggestions button:not(.link)")
+    page.after(lambda: page.press(" "))
+    page.tab_to("#friction-number")
+    page.page.keyboard.type("0.3")
+    page.after(lambda: page.press("Enter"))
+    assert page.text("verdict") == "Stable"
+    page.press("Control+s")
+    page.until("!window.bench.session.dirty")
+    assert kilter.check(kilter.load(folder / "as1-oc-214.kilter.json")).verdict == "stable"
+
+
+def test_the_phase_is_stated_and_an_analysis_is_stopped(user: Callable) -> None:
+    page = user(wall_of(300))
+    page.js("(() => { const b = window.bench; b.hear({...b.answer, phase: 'equilibrium'}); })()")
+    assert page.text("level") == "equilibrium; the complete answer is being computed"
+    assert page.page.get_attribute("#banner", "aria-busy") == "true"
+    page.page.click("#tab-plan")
+    page.until("!document.getElementById('progress').hidden")
+    page.page.click("#sheet-controls button:has-text('Stop')")
+    page.until("!window.bench.tabs.asked.size")
+    assert "stopped" in page.text("sheet-error")
+    page.js("window.kilter.select(5)")
+    page.click("#do-hold")
 
 
 def test_the_friction_slider_changes_the_verdict_of_the_arch_at_its_limit(user: Callable) -> None:

@@ -6,6 +6,7 @@ import { button, entry, numbersOf, refill } from "./entries.js";
 import { number } from "../words.js";
 
 const POINT = ["revolute", "cylindrical", "spherical"]; // joints that need a point
+const ROUNDING = 1e-6; // relative rounding error of the coordinates of a page [-]
 const AXIS = ["revolute", "cylindrical", "prismatic"]; // joints that need an axis
 
 export class PartActions {
@@ -133,9 +134,11 @@ export class PartActions {
     if (this.suggested === key) return;
     this.suggested = key;
     const found = roundAxis(this.bench.report.page, list);
-    const write = (v) => (v ? v.map((c) => number(c, 6)).join(" ") : "");
-    id("joint-point").value = write(found.point);
-    id("joint-axis").value = write(found.axis);
+    const { radius } = this.bench.report.page;
+    // coordinates below the rounding error of the arrays are written as 0
+    const write = (v, size) => (v ? v.map((c) => (Math.abs(c) < ROUNDING * size ? "0" : number(c, 6))).join(" ") : "");
+    id("joint-point").value = write(found.point, radius);
+    id("joint-axis").value = write(found.axis, 1);
     if (found.axis) id("do-joint").value = "revolute";
   }
 
