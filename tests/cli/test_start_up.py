@@ -128,3 +128,15 @@ def test_numpy_lists_all_its_submodules_after_the_import_of_scipy() -> None:
         "import numpy.f2py, numpy.testing\n"
     )
     assert {"scipy.sparse", "numpy.f2py"} <= loaded_by(code)
+
+
+@pytest.mark.parametrize("own", [True, False], ids=["own process", "process of a caller"])
+def test_a_command_leaves_no_objects_to_the_collections_at_the_end_of_its_process(
+    own: bool,
+) -> None:
+    code = (
+        "import gc, sys\nfrom kilter.cli import main\nsys.argv = ['kilter', '--version']\n"
+        f"main({'' if own else 'sys.argv[1:]'})\n"
+        "print('frozen' if gc.get_freeze_count() else 'free', file=sys.stderr)\n"
+    )
+    assert ("frozen" in loaded_by(code)) == own

@@ -297,9 +297,10 @@ def joins(
 def _bundles(many: Mask, count: Index) -> Iterator[Mask]:
     """Group the owners with many rows so that a group has about `TREE` rows; yield masks."""
     rows = np.flatnonzero(many)
-    for bundle_number in np.unique(bundle := np.cumsum(count[rows]) // TREE):
+    bundle = np.cumsum(count[rows]) // TREE  # ascending
+    for part in np.split(rows, np.flatnonzero(np.diff(bundle)) + 1) if len(rows) else ():
         owners = np.zeros(len(many), dtype=bool)
-        owners[rows[bundle == bundle_number]] = True
+        owners[part] = True
         yield owners
 
 
