@@ -1,14 +1,16 @@
-"""Census of straps: compares the needed share of tension with an independent program.
+"""Census of straps: compares the needed share of their strength with an independent program.
 
     python benchmarks/straps_census.py          200 random lashed loads
     python benchmarks/straps_census.py 20 --first 500
+    python benchmarks/straps_census.py --direct   straps with a capacity (direct lashing)
 
 Each load is a row or a stack of boxes under one to three straps with friction at their corners, in
-an inclined gravity (`tests/scenes/lashings.py`). `find_bond_factor` computes the least common share
-of the tension of all straps. A linear program written for this comparison (`strap_program.py`)
-gives a bound on each side: friction in pyramids inside and around Coulomb's cones. `kilter.check`
-must hold with `NEAR` more of the tension than the share and must not hold with `NEAR` less. Exit
-code 1 if there is a contradiction.
+an inclined gravity (`tests/scenes/lashings.py`). With `--direct`, up to eight straps with a
+capacity hold them, and tensioned straps in some loads. `find_bond_factor` computes the least common
+share of the tension and capacity of all straps. A linear program written for this comparison
+(`strap_program.py`) gives a bound on each side: friction in pyramids inside and around Coulomb's
+cones. `kilter.check` must hold with `NEAR` more of the tension than the share and must not hold
+with `NEAR` less. Exit code 1 if there is a contradiction.
 """
 
 from __future__ import annotations
@@ -25,7 +27,7 @@ from pathlib import Path
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))
 
-from lashings import random_lashing
+from lashings import random_direct, random_lashing
 from strap_program import least_share
 
 import kilter
@@ -41,9 +43,10 @@ AGREES = 1e-6
 """Rounding by which a share may lie outside the bounds of the other program [-]."""
 
 
-def judge_lashing(seed: int) -> tuple[str, list[str]]:
-    """Kind of a random lashed load ("none", "no strap", "share"), and its contradictions."""
-    assembly = random_lashing(seed)
+def judge_lashing(assembly: kilter.Assembly) -> tuple[str, list[str]]:
+    """Kind of a lashed load ("none", "no strap", "share", "failed"), and its contradictions."""
+    if not assembly.straps:
+        return "without straps", []
     touching = contacts(assembly)
     inside = least_share(assembly, around=False)
     around = least_share(assembly, around=True)
@@ -60,9 +63,11 @@ def judge_lashing(seed: int) -> tuple[str, list[str]]:
         if share > 0:
             straps = [strap.with_strength(share) for strap in assembly.straps]
             other = dataclasses.replace(assembly, straps=straps)
-            level = kilter.check(other, require="equilibrium").level
-            if (level is not None) != holds:
-                wrong.append(f"check at share {share:.9g}: level {level}")
+            verdict = kilter.check(other, require="equilibrium")
+            if (verdict.level is not None) != holds:
+                wrong.append(f"check at share {share:.9g}: level {verdict.level}")
+            elif not kilter.verify(other, verdict.proof()).holds:
+                wrong.append(f"the proof at share {share:.9g} does not hold")
     return "share" if value else "no strap", wrong
 
 
@@ -71,12 +76,13 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("count", type=int, nargs="?", default=200)
     parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--direct", action="store_true", help="straps with a capacity")
     given = parser.parse_args()
     kinds: collections.Counter[str] = collections.Counter()
     contradictions = 0
     started = time.process_time()
     for seed in range(given.first, given.first + given.count):
-        kind, wrong = judge_lashing(seed)
+        kind, wrong = judge_lashing((random_direct if given.direct else random_lashing)(seed))
         kinds[kind] += 1
         contradictions += len(wrong)
         for reason in wrong:

@@ -7,9 +7,10 @@ import itertools
 import numpy as np
 
 import kilter
+from kilter.assembly.strap_wrenches import strap_wrenches
 from kilter.scenes.pieces import block
 
-__all__ = ["DEPTH", "lashed", "over", "random_lashing"]
+__all__ = ["DEPTH", "direct", "lashed", "over", "random_direct", "random_lashing"]
 
 DEPTH = 1.0
 """Depth of all boxes along y."""
@@ -94,3 +95,47 @@ def random_lashing(seed: int) -> kilter.Assembly:
     return kilter.Assembly(
         parts, friction=float(rng.uniform(0.2, 0.7)), gravity=gravity, straps=straps
     )
+
+
+def direct(angle: float, capacity: float, *, braking: float = 0.6) -> kilter.Assembly:
+    """A box .8 x 2, mu .3, with a strap of known capacity from its upper corner to the deck.
+
+    `braking` [g] inclines the gravity that the box feels away from the strap.
+    """
+    wide, high = 0.8, 2.0
+    run = high / np.tan(np.radians(angle))
+    strap = kilter.Strap(
+        [("ground", [wide / 2 + run, 0, 0]), ("box-0", [wide / 2, 0, high])], capacity=capacity
+    )
+    load = lashed([([-wide / 2, 0], [wide / 2, high])], 1000, strap, 0.3)
+    return kilter.Assembly(
+        load.parts, friction=0.3, straps=[strap], gravity=[-9.81 * braking, 0, -9.81]
+    )
+
+
+def random_direct(seed: int) -> kilter.Assembly:
+    """Two to four boxes with two to eight straps of known capacity, and perhaps a tensioned strap.
+
+    The straps run from upper corners to the deck. Straps that pass through a box are left out.
+    """
+    rng = np.random.default_rng([383838, seed])
+    base = random_lashing(seed)
+    names = [part.name for part in base.parts if not part.grounded]
+    low, high = base.geometry.part_boxes
+    straps = [strap for strap in base.straps if rng.random() < 0.3]
+    for _ in range(int(rng.integers(2, 9))):
+        name = str(rng.choice(names))
+        k = base.index_of(name)
+        sign = rng.choice([-1.0, 1.0], 2)
+        corner = np.where(sign > 0, high[k, :2], low[k, :2])
+        # the deck point lies outside the load, so that the strap passes through no part
+        out = np.where(sign > 0, high[1:, :2].max(axis=0), low[1:, :2].min(axis=0))
+        foot = [*(out + sign * rng.uniform(0.2, 2.0, 2)), 0.0]
+        capacity = float(10 ** rng.uniform(2.0, 4.5))
+        strap = kilter.Strap([("ground", foot), (name, [*corner, high[k, 2]])], capacity=capacity)
+        try:
+            strap_wrenches(kilter.Assembly(base.parts, straps=[strap]))
+        except kilter.InputError:  # another box is in its way
+            continue
+        straps.append(strap)
+    return kilter.Assembly(base.parts, friction=base.friction, gravity=base.gravity, straps=straps)

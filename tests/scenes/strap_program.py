@@ -1,4 +1,4 @@
-"""Least share of the tension of straps by a program of its own, in numpy and scipy.linprog.
+"""Least share of the strength of straps by a program of its own, in numpy and scipy.linprog.
 
 The program takes only contact points, normals and coefficients from kilter. The forces of straps
 are computed here from their paths, piece by piece. Friction is in a pyramid inside Coulomb's cone,
@@ -37,8 +37,15 @@ def strap_forces(strap: kilter.Strap) -> list[tuple[str, np.ndarray, np.ndarray]
     return result
 
 
+def unit_pull(strap: kilter.Strap) -> list[tuple[str, np.ndarray, np.ndarray]]:
+    """Part, point and force at both ends of a strap of two points that pulls with 1 N."""
+    (first, a), (last, b) = [(name, np.asarray(p, float)) for name, p in strap.to_dict()["path"]]
+    along = (b - a) / math.dist(a, b)
+    return [(first, a, along), (last, b, -along)]
+
+
 def least_share(assembly: kilter.Assembly, *, around: bool, sides: int = 48) -> float:
-    """Least factor of all tensions with which forces in pyramids balance; infinite for none."""
+    """Least factor of all tensions and capacities at which forces balance; infinite for none."""
     touching = kilter.contacts(assembly)
     names = [part.name for part in assembly if not part.grounded]
     place = {name: 6 * k for k, name in enumerate(names)}
@@ -69,11 +76,19 @@ def least_share(assembly: kilter.Assembly, *, around: bool, sides: int = 48) -> 
             force = normal + size * (math.cos(t) * first + math.sin(t) * second)
             point = touching.points[k]
             columns.append(column([(b, point, force), (a, point, -force)]))
-    straps = sum(column(strap_forces(strap)) for strap in assembly.straps)
+    tensioned = [strap for strap in assembly.straps if strap.tension is not None]
+    direct = [strap for strap in assembly.straps if strap.tension is None]
+    straps = sum((column(strap_forces(strap)) for strap in tensioned), np.zeros(6 * len(names)))
     weight = column([(name, centers[name], masses[name] * assembly.gravity) for name in names])
     unit = np.abs(weight).max()
-    matrix = np.column_stack([*columns, straps / np.abs(straps).max()])
+    pulls = [column(unit_pull(strap)) for strap in direct]
+    # s is in units of `scale`: all forces are then over the weight
+    scale = unit / max([*np.abs(straps), *(strap.capacity for strap in direct)])
+    matrix = np.column_stack([*columns, *pulls, straps * scale / unit])
+    limits = np.zeros((len(pulls), matrix.shape[1]))  # each pull is at most s LC
+    limits[:, len(columns) : -1] = np.eye(len(pulls))
+    limits[:, -1] = [-strap.capacity * scale / unit for strap in direct]
     cost = np.zeros(matrix.shape[1])
     cost[-1] = 1.0
-    answer = linprog(cost, A_eq=matrix, b_eq=-weight / unit, method="highs")
-    return float(answer.fun * unit / np.abs(straps).max()) if answer.status == 0 else math.inf
+    answer = linprog(cost, limits, np.zeros(len(pulls)), matrix, -weight / unit, method="highs")
+    return float(answer.fun * scale) if answer.status == 0 else math.inf

@@ -261,10 +261,12 @@ def _warnings(assembly: Assembly, contacts: ContactSet, decision: Decision) -> l
     """Warnings about the input, about open pairs and about parts that touch nothing."""
     warnings = remarks(assembly, contacts)
     friction, program = decision.friction, decision.program
-    if friction is not None and program.cohesion.any():
+    if friction is not None and program.has_limits:
+        limits = {"bonds with limited shear": program.cohesion.any(),
+                  "straps with a capacity": len(program.bounded)}  # fmt: skip
         warnings.append(
-            "for bonds with limited shear, kilter proves only that equilibrium forces exist, not "
-            "that friction excludes every motion"
+            f"for {' and '.join(name for name, there in limits.items() if there)}, kilter proves "
+            "only that equilibrium forces exist, not that friction excludes every motion"
         )
     left_open = still_open(contacts.open_pairs, assembly)
     if decision.trial is not None and left_open:

@@ -221,7 +221,7 @@ class Assembly(ChangedCopies):
         for name in strap.parts:
             if name != GROUND:
                 self.index_of(name)
-        if self.planar and strap.forces[:, 1].any():
+        if self.planar and np.diff(strap.points[:, 1]).any():
             raise InputError(
                 "a strap leaves the x-z plane of a planar assembly",
                 hint="give all points of its path the same y",

@@ -246,7 +246,7 @@ def require_no_bonds(assembly: _HasBonds, verb: str, why: str) -> None:
     """
     if assembly.straps:
         raise InputError(
-            f"{verb} does not support straps: their tension is fixed",
+            f"{verb} does not support straps: their forces are those of one position",
             file=assembly.source or None,
             hint="remove the straps, or use check, margin or transport",
         )

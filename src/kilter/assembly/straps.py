@@ -1,4 +1,4 @@
-"""Straps: belts under a known tension that run over parts and press them together.
+"""Straps: belts that run over parts and press them together, or that hold them back.
 
 A strap runs along straight pieces between points of its path, from one end to the other. It pulls
 with its tension at its ends, and at each corner it pushes with the sum of the pulls of both pieces:
@@ -8,6 +8,9 @@ with its tension at its ends, and at each corner it pushes with the sum of the p
 
 At corners with friction mu the strap slips over the corner while it is tensioned. The tension falls
 by exp(-mu angle) at each corner, from the tensioned end on; the angle is that between the pieces.
+
+A strap with a capacity LC instead (direct lashing) pulls only if its load moves away: its pull is
+unknown, between 0 and LC. It has one piece between two parts (`kilter.mechanics.rows`).
 """
 
 from __future__ import annotations
@@ -31,25 +34,29 @@ StrapEnd = Literal["first", "last"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Strap(Value):
-    """A belt under a known tension along a path over parts, such as a lashing strap.
+    """A belt along a path over parts, such as a lashing strap: of known tension, or of capacity.
 
     Parameters
     ----------
     path : sequence of (str, array_like of shape (3,))
         Part and point of each end and corner, world frame [length unit]. The part "ground" is the
         world.
-    tension : float
+    tension : float, optional
         Tension at the tensioned end [N].
     mu : float
         Friction coefficient at the corners [-].
     tensioned : {"first", "last"}, optional
         End of the path at which the strap was tensioned; required with friction.
+    capacity : float, optional
+        Largest pull LC [N] of a strap that is not tensioned, instead of `tension`. The pull is
+        unknown, from 0 to LC.
 
     Raises
     ------
     InputError
-        If the path has fewer than two points or two equal neighbours, the tension is not above 0,
-        or friction comes without the tensioned end.
+        If the path has fewer than two points or two equal neighbours, tension or capacity is not
+        above 0 or not given alone, friction comes without the tensioned end, or a strap with a
+        capacity has friction or several pieces between different parts.
 
     Examples
     --------
@@ -59,9 +66,10 @@ class Strap(Value):
     """
 
     path: Any
-    tension: float
+    tension: float | None = None
     mu: float = 0.0
     tensioned: StrapEnd | None = None
+    capacity: float | None = None
 
     def __post_init__(self) -> None:
         entries = list(self.path) if isinstance(self.path, list | tuple) else []
@@ -84,13 +92,19 @@ class Strap(Value):
                 f"two successive points of the strap over {some(self)} are equal",
                 hint="leave one of them out",
             )
-        tension = number(self.tension, f"tension of the strap over {some(self)}", lowest=0)
-        if tension == 0:
+        if (self.tension is None) == (self.capacity is None):
+            given = "neither" if self.tension is None else "both"
             raise InputError(
-                f"tension of the strap over {some(self)} is 0", hint="give newtons above 0"
+                f"the strap over {some(self)} has {given} of tension and capacity",
+                hint="give a tension, or the capacity of a strap that is not tensioned",
             )
-        in_range(tension, f"tension of the strap over {some(self)}")
-        object.__setattr__(self, "tension", tension)
+        name = "capacity" if self.tension is None else "tension"
+        what = f"{name} of the strap over {some(self)}"
+        size = number(getattr(self, name), what, lowest=0)
+        if size == 0:
+            raise InputError(f"{what} is 0", hint="give newtons above 0")
+        in_range(size, what)
+        object.__setattr__(self, name, size)
         object.__setattr__(self, "mu", number(self.mu, "mu of a strap", lowest=0))
         if self.tensioned not in (None, *get_args(StrapEnd)):
             raise InputError(
@@ -100,6 +114,22 @@ class Strap(Value):
             raise InputError(
                 f"the strap over {some(self)} has friction, but its tensioned end is not named",
                 hint='give "tensioned": "first" or "last"',
+            )
+        if self.capacity is not None:
+            self._require_direct()
+
+    def _require_direct(self) -> None:
+        """Reject friction, and more than one piece between two parts, of a strap with capacity."""
+        if self.mu or self.tensioned is not None:
+            raise InputError(
+                f"the strap over {some(self)} has a capacity, and friction or a tensioned end",
+                hint="leave out mu and tensioned, or give its tension",
+            )
+        if len(self.pulling) != 1:
+            raise InputError(
+                f"the strap over {some(self)} has a capacity and {len(self.pulling)} pieces "
+                "between different parts",
+                hint="give one strap for each piece that pulls, or give its tension",
             )
 
     @property
@@ -113,8 +143,14 @@ class Strap(Value):
         return np.array([point for _, point in self.path])
 
     @property
+    def pulling(self) -> list[int]:
+        """Indices of the straight pieces that connect two different parts."""
+        names = self.parts
+        return [k for k in range(len(names) - 1) if names[k] != names[k + 1]]
+
+    @property
     def tensions(self) -> Array:
-        """Tension of each straight piece of the path, shape (n - 1,) [N].
+        """Known tension of each straight piece, (n - 1,) [N]; 0 for a strap with a capacity.
 
         Examples
         --------
@@ -131,11 +167,11 @@ class Strap(Value):
         backwards = self.tensioned == "last"
         passed = np.cumsum(np.append(0.0, turn[::-1] if backwards else turn))
         share: Array = np.exp(-self.mu * passed)
-        return self.tension * (share[::-1] if backwards else share)
+        return (self.tension or 0.0) * (share[::-1] if backwards else share)
 
     @property
     def forces(self) -> Array:
-        """Force of the strap on the part at each point of the path, world frame, (n, 3) [N]."""
+        """Known force on the part at each point of the path, world frame, shape (n, 3) [N]."""
         pieces = np.diff(self.points, axis=0)
         pulls = self.tensions[:, None] * pieces / np.linalg.norm(pieces, axis=1)[:, None]
         total = np.zeros((len(pulls) + 1, 3))
@@ -144,15 +180,19 @@ class Strap(Value):
         return total
 
     def with_strength(self, share: float) -> Strap:
-        """The strap with its tension multiplied by `share`, which is above 0."""
+        """The strap with its tension or capacity multiplied by `share`, which is above 0."""
+        if self.tension is None:
+            return dataclasses.replace(self, capacity=share * (self.capacity or 0.0))
         return dataclasses.replace(self, tension=share * self.tension)
 
     def to_dict(self) -> dict[str, Any]:
         """JSON data of the strap, as an assembly file has it."""
         data: dict[str, Any] = {
             "path": [[name, point.tolist()] for name, point in self.path],
-            "tension": self.tension,
         }
+        for name in ("tension", "capacity"):
+            if getattr(self, name) is not None:
+                data[name] = getattr(self, name)
         if self.mu:
             data["mu"] = self.mu
         if self.tensioned is not None:
@@ -160,7 +200,8 @@ class Strap(Value):
         return data
 
     def __repr__(self) -> str:
-        return f"Strap({' - '.join(self.parts)}, tension={self.tension:g})"
+        name = "capacity" if self.tension is None else "tension"
+        return f"Strap({' - '.join(self.parts)}, {name}={getattr(self, name):g})"
 
 
 def some(strap: Strap) -> str:

@@ -281,15 +281,18 @@ class BondEntry(Entry):
 
 
 class StrapEntry(Entry):
-    """A belt under a known tension that runs over parts along straight pieces."""
+    """A belt that runs over parts along straight pieces, of known tension or of capacity."""
 
     path: Annotated[list[tuple[Name, Vector]], Field(min_length=2)] = Field(
         description='part and point of each end and corner, world frame; "ground" is the world'
     )
-    tension: Positive = Field(description="at the tensioned end [N]")
+    tension: Positive | None = Field(None, description="at the tensioned end [N]")
     mu: NotNegative = Field(0.0, description="friction coefficient at the corners")
     tensioned: Literal["first", "last"] | None = Field(
         None, description="tensioned end of the path; required if there is friction at a corner"
+    )
+    capacity: Positive | None = Field(
+        None, description="largest pull of a strap that is not tensioned, instead of tension [N]"
     )
 
 

@@ -10,10 +10,10 @@ contact normals, such as 1e-13 at the rim of a hemisphere.
 A motion dp proves that no equilibrium exists. It is normalised so that the fastest part moves by 1
 (translations, and radius x rotations). Its power P = w.dp must exceed the tolerance times the
 weight of the moving parts, and P / v must be at least 1e6 times that weight, where v is the worst
-violation of J dp >= 0: by weak duality, an equilibrium would then need contact forces of at least
-P / v. With friction the motion lies in the dual cone, u_n >= mu |u_t|, and v is the worst mu |u_t|
-- u_n. (Without the ratio a motion proves nothing: every box at rest has a motion that violates by
-1e-9 and gains 1e-9.)
+violation of J dp >= 0: by weak duality, an equilibrium would then need contact forces of at least P
+/ v. With friction the motion lies in the dual cone, u_n >= mu |u_t|, and v is the worst mu |u_t| -
+u_n. A strap of capacity LC takes up the power LC times the rate at which it lengthens. (Without the
+ratio a motion proves nothing: every box at rest has a motion that violates by 1e-9 and gains 1e-9.)
 
 If the data are coarser than float64 the tolerance follows their accuracy (`BLUR` of the program),
 and a motion needs a quarter of it. On 270 scenes, rotated at random, moved 100 sizes away and
@@ -156,10 +156,12 @@ def balanced_parts(
 def _clip_to_cones(program: Program, forces: Array, friction: Array | None) -> tuple[Array, Array]:
     """Move forces into their cones: one-sided rows push, friction is at most mu f_n + cohesion.
 
+    The pull of a strap is at most its capacity.
+
     Returns both, shapes (K,) and (K, 3); values that are not finite become 0.
     """
     forces = np.where(np.isfinite(forces), forces, 0.0)
-    forces = np.where(program.two_sided, forces, np.maximum(forces, 0.0))
+    forces = np.where(program.two_sided, forces, np.clip(forces, 0.0, program.capacity))
     clipped = np.zeros((len(forces), 3))
     rough = program.gripping
     if friction is not None and len(rough):
@@ -200,7 +202,8 @@ def check_motion(program: Program, motion: Array) -> MotionProof:
 def violations(program: Program, motion: Array) -> Array:
     """Violation of each row by a motion: min(u_n - mu |u_t|, 0), shape (K,); 0 if admissible.
 
-    The value of a row that may also pull is -|u_n|. The unit is that of the motion's translations.
+    The value of a row that may also pull is -|u_n|. A strap may lengthen, since its pull is
+    limited (`Program.power`). The unit is that of the motion's translations.
     """
     opening = program.velocities(motion) * program.arm
     rows = program.rough
@@ -208,6 +211,7 @@ def violations(program: Program, motion: Array) -> Array:
         slip = np.linalg.norm(program.slips(motion, rows), axis=1)
         opening[rows] -= program.mu[rows] * slip
     violation: Array = np.where(program.two_sided, -np.abs(opening), np.minimum(opening, 0.0))
+    violation[program.bounded] = 0.0
     return violation
 
 

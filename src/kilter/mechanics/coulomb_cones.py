@@ -90,8 +90,8 @@ class ConeProblem:
     def cone_rows(self) -> tuple[csc_array, int, Index]:
         """Cone constraints of the forces: matrix, number of inequalities, and sizes of the cones.
 
-        G f + h lies in the product of the half lines (first rows) and second-order cones; h is
-        `heads`.
+        G f + h lies in the product of the half lines (first rows; then the capacities of straps)
+        and second-order cones; h is `heads`.
         """
         program, total = self.program, self.problem.matrix.shape[1]
         count, rough = len(program.part_a), len(self.rough)
@@ -103,19 +103,23 @@ class ConeProblem:
         values[:, 0] = program.mu[self.rough]
         for k in range(1, size):
             columns[:, k] = count + (k - 1) * rough + np.arange(rough)
-        index = np.concatenate([half_lines, columns.ravel()])
-        data = np.concatenate([np.ones(len(half_lines)), values.ravel()])
+        bounded = program.bounded
+        index = np.concatenate([half_lines, bounded, columns.ravel()])
+        data = np.concatenate([np.ones(len(half_lines)), -np.ones(len(bounded)), values.ravel()])
         rows = np.arange(len(index))
         matrix = csc_array((data, (rows, index)), shape=(len(index), total))
-        return matrix, len(half_lines), np.full(rough, size)
+        return matrix, len(half_lines) + len(bounded), np.full(rough, size)
 
     @property
     def heads(self) -> Array:
-        """Constant term of each cone constraint: the limit of a bond in its first entry, else 0."""
+        """Constant term of each cone constraint: the limit of a bond or of a strap, else 0."""
+        bounded = self.program.bounded
         half_lines = int((~self.program.two_sided & (self.program.mu <= 0)).sum())
         size = 1 + self.directions.shape[1]
-        heads = np.zeros(half_lines + size * len(self.rough))
-        heads[half_lines::size] = self.program.cohesion[self.rough] / self.problem.unit
+        positive = half_lines + len(bounded)
+        heads = np.zeros(positive + size * len(self.rough))
+        heads[half_lines:positive] = self.program.capacity[bounded] / self.problem.unit
+        heads[positive::size] = self.program.cohesion[self.rough] / self.problem.unit
         return heads
 
 

@@ -151,15 +151,15 @@ def _over_weight(program: Program, frame: Array, wrench: Array) -> Array:
     return -(turned.reshape(-1, 6)[:, program.freedoms] / weight).reshape(-1)
 
 
-def _force_bounds(program: Program) -> tuple[Array, Array]:
-    """Bounds of each row's scaled force: 0 and infinity for one-sided rows, else unbounded."""
-    lower = np.where(program.two_sided, -np.inf, 0.0)
-    return lower, np.full(len(lower), np.inf)
+def _force_bounds(problem: ScaledProblem) -> tuple[Array, Array]:
+    """Bounds of each row's scaled force: 0 and its capacity for one-sided rows, else unbounded."""
+    lower = np.where(problem.program.two_sided, -np.inf, 0.0)
+    return lower, problem.program.capacity / problem.unit
 
 
 def equilibrium(problem: ScaledProblem) -> LinearProgram:
     """Linear program for contact forces that balance the load: A f = b. x = f."""
-    lower, upper = _force_bounds(problem.program)
+    lower, upper = _force_bounds(problem)
     cost = np.zeros(len(lower))
     return LinearProgram(cost, problem.matrix, problem.right, problem.right, lower, upper)
 
@@ -169,7 +169,7 @@ def load_factor(problem: ScaledProblem) -> LinearProgram:
 
     If it is 0, the multipliers y of the rows give a motion: -y has J dp >= 0 and w.dp >= 1.
     """
-    lower, upper = _force_bounds(problem.program)
+    lower, upper = _force_bounds(problem)
     count = len(lower)
     matrix = hstack([problem.matrix, csc_array(-problem.right[:, None])], format="csc")
     cost = np.concatenate([np.zeros(count), [-1.0]])
@@ -182,7 +182,7 @@ def largest_share(problem: ScaledProblem, wrench: Array, most: float) -> LinearP
 
     Minus the multipliers of the rows are the motion that starts at the limit.
     """
-    lower, upper = _force_bounds(problem.program)
+    lower, upper = _force_bounds(problem)
     along = problem.scaled_load(wrench)
     matrix = hstack([problem.matrix, csc_array(-along[:, None])], format="csc")
     cost = np.append(np.zeros(len(lower)), -1.0)
@@ -198,7 +198,7 @@ def least_imbalance(problem: ScaledProblem) -> LinearProgram:
     The multipliers give the motion of greatest power among those whose weighted absolute components
     sum to 1, so both possible proofs are as strong as possible.
     """
-    lower, upper = _force_bounds(problem.program)
+    lower, upper = _force_bounds(problem)
     rows = len(problem.right)
     slack = csc_array(np.ones((rows, 1)))
     matrix = vstack(
@@ -223,7 +223,7 @@ def total_imbalance(problem: ScaledProblem) -> LinearProgram:
     the power of that motion. The program has nearly as few entries as `equilibrium`, and a solution
     for every load.
     """
-    lower, upper = _force_bounds(problem.program)
+    lower, upper = _force_bounds(problem)
     rows = len(problem.right)
     identity = eye_array(rows, format="csc")
     matrix = csc_array(hstack([problem.matrix, identity, -identity], format="csc"))

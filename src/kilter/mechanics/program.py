@@ -40,6 +40,7 @@ from kilter.mechanics.rows import (
     joint_rows,
     possible_rows,
     sticking_rows,
+    strap_rows,
 )
 from kilter.rigid import unit
 
@@ -79,7 +80,7 @@ class Program:
     clamp : ndarray, shape (N, 6)
         Clamping loads of the bonds (`kilter.mechanics.bond_rows`) and straps, in the same form.
     part_a, part_b, point, normal, kind, two_sided, angular : ndarray
-    mu, source, doubt, pull, tied, shear : ndarray
+    mu, source, doubt, pull, tied, shear, capacity : ndarray
         Arrays of the K rows, as in `kilter.mechanics.rows.ForceRows`.
     tolerance : ndarray, shape (N,)
         Relative tolerance of a verdict for each part [-].
@@ -111,6 +112,7 @@ class Program:
     pull: Array
     tied: Mask
     shear: Array
+    capacity: Array
     tolerance: Array
     planar: bool
     units: str
@@ -215,7 +217,26 @@ class Program:
     @property
     def has_strength(self) -> bool:
         """True if the program has bonds or straps, whose strength does not grow with the load."""
-        return bool(self.pull.any() or self.cohesion.any() or self.clamp.any())
+        return bool(self.pull.any() or self.clamp.any() or self.has_limits)
+
+    @property
+    def bounded(self) -> Index:
+        """Indices of the rows whose force is at most a capacity: straps, shape (S,)."""
+        return np.flatnonzero(np.isfinite(self.capacity))
+
+    @property
+    def has_limits(self) -> bool:
+        """True if a force has a limit of its own: the shear of a bond, or the pull of a strap.
+
+        Only conic programs model these limits.
+        """
+        return bool(self.cohesion.any() or len(self.bounded))
+
+    @property
+    def strength(self) -> float:
+        """Sum of all limits of bonds, and of straps with a capacity [N]."""
+        limits = self.pull.sum() + self.cohesion.sum() + self.capacity[self.bounded].sum()
+        return float(limits)
 
     @property
     def force_rows(self) -> ForceRows:
@@ -271,10 +292,17 @@ class Program:
         return slip
 
     def power(self, motion: Array) -> float:
-        """Power of the load in a motion, shape (N, 6), minus the dissipation of slipping bonds."""
+        """Power of the load in a motion, shape (N, 6), minus that of bonds and straps.
+
+        Bonds that slip, and straps that lengthen, take up the most that their limits permit.
+        """
         rows = np.flatnonzero(self.cohesion > 0)
         slips = np.linalg.norm(self.slips(motion, rows), axis=1)
-        return float((self.load * motion).sum() - self.cohesion[rows] @ slips)
+        taken = float(self.cohesion[rows] @ slips)
+        if len(self.bounded):
+            lengthening = np.maximum(-self.velocities(motion)[self.bounded], 0.0)
+            taken += float(self.capacity[self.bounded] @ lengthening)
+        return float((self.load * motion).sum()) - taken
 
     def wrenches(self, forces: Array, friction: Array | None = None) -> Array:
         """Total wrench of all row forces on each part, shape (N, 6).
@@ -351,8 +379,13 @@ class Program:
 
     def with_strength(self, share: float) -> Program:
         """The program with the strength of every bond and strap multiplied by `share`."""
+        capacity = self.capacity.copy()
+        capacity[self.bounded] *= share  # a share of 0 times infinity is no number
         return self.with_rows(
-            clamp=share * self.clamp, pull=share * self.pull, shear=share * self.shear
+            clamp=share * self.clamp,
+            pull=share * self.pull,
+            shear=share * self.shear,
+            capacity=capacity,
         )
 
     def turned(self, down: Array) -> Program:
@@ -401,7 +434,7 @@ def build_program(
         blocks.append(possible_rows(contacts.possible, geometry))
     if sticking:
         blocks.append(sticking_rows(contacts, geometry))
-    blocks.append(joint_rows(assembly, geometry))
+    blocks += [joint_rows(assembly, geometry), strap_rows(assembly, geometry)]
     rows = ForceRows.join(blocks)
     return Program(
         names=assembly.names,

@@ -181,10 +181,13 @@ PROOF = keys(
     joints=list_of(keys(parts=PAIR, kind=WORD, point=VECTOR, axis=nullable(VECTOR))),
 )
 """Keys of every proof."""
-FORCES = keys(
-    forces=list_of(VECTOR),
-    joints=list_of(keys(wrench=SIX)),
-    certificate=keys(residual=NUMBER),
+FORCES = every(
+    keys(
+        forces=list_of(VECTOR),
+        joints=list_of(keys(wrench=SIX)),
+        certificate=keys(residual=NUMBER),
+    ),
+    optional_keys(pulls=list_of(NUMBER)),
 )
 """Further keys of a proof by forces."""
 MOTION = keys(

@@ -28,7 +28,7 @@ from kilter.mechanics.proof import (
     open_pairs_of,
     rows_of,
 )
-from kilter.mechanics.rows import BONDED, CONTACT, JOINT
+from kilter.mechanics.rows import BONDED, CONTACT, JOINT, STRAP
 
 __all__ = ["RecheckResult", "recheck"]
 
@@ -206,8 +206,12 @@ def _same_shear(program: Program, rows: Index, given: list[float | None]) -> boo
     return _agree([limit or 0.0 for limit in given], np.nan_to_num(limits), strongest)
 
 
-def _given_forces(program: Program, given: Any, joints: Any) -> tuple[Array, Array, list[str]]:
-    """Normal and friction forces of the rows from a proof's point and joint forces, and objections.
+def _given_forces(
+    program: Program, given: Any, joints: Any, pulls: Any = ()
+) -> tuple[Array, Array, list[str]]:
+    """Normal and friction forces of the rows from the forces in a proof, and objections.
+
+    The proof has forces of contact points, of joints, and the pulls of straps with a capacity.
 
     Returns forces, shape (K,), friction, shape (K, 3), and the objections to them.
     """
@@ -224,6 +228,15 @@ def _given_forces(program: Program, given: Any, joints: Any) -> tuple[Array, Arr
     if len(joints) != int((program.kind == JOINT).sum()):
         return forces, friction, ["the proof does not have a force for each row of a joint"]
     forces[np.flatnonzero(program.kind == JOINT)] = joints
+    straps = np.flatnonzero(program.kind == STRAP)
+    if len(pulls) != len(straps):
+        return forces, friction, ["the proof does not have a pull for each strap with a capacity"]
+    forces[straps] = pulls
+    capacity = program.capacity[straps]
+    if (forces[straps] < -AGREES * capacity).any():
+        return forces, friction, ["a strap pushes"]
+    if (forces[straps] > (1 + AGREES) * capacity).any():
+        return forces, friction, ["a strap pulls more than its capacity"]
     tangential = np.linalg.norm(friction[rows], axis=1)
     bond = np.maximum(program.pull[rows], program.tied[rows] * np.linalg.norm(vectors, axis=1))
     push = np.maximum(np.abs(forces[rows]), float(program.weight.min()) * AGREES)
@@ -273,7 +286,9 @@ def _recheck_forces(program: Program, proof: dict[str, Any]) -> tuple[float, lis
         joints[rows_of(program, number)], objections = _joint_forces(program, entry, number)
         joint_objections += objections
     joints = joints[program.kind == JOINT]
-    forces, friction, reasons = _given_forces(program, proof["forces"], joints)
+    forces, friction, reasons = _given_forces(
+        program, proof["forces"], joints, proof.get("pulls", [])
+    )
     reasons += joint_objections
     judged = check_forces(program, forces, friction)
     if not _agree(judged.residual, proof["certificate"]["residual"], 1.0):

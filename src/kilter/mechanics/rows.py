@@ -10,6 +10,7 @@ force or joint that it comes from. Code finds rows by their labels, never by the
     JOINT       a force or (`angular`) a torque that a joint carries; `source` is the joint
     STICKING    a tangential force of any size at a contact point; `source` is its patch
     BONDED      the same at a point whose bond carries any shear; `source` is its patch
+    STRAP       the pull of a strap up to its capacity; `source` is the strap
 """
 
 from __future__ import annotations
@@ -19,11 +20,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, Rows, across, columns
-from kilter.assembly import Assembly
+from kilter.assembly import GROUND, Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.contact_set import ContactSet, PossibleContacts
 from kilter.mechanics.bond_rows import bonded_points
 from kilter.mechanics.joints import joint_constraints
+from kilter.rigid import unit
 
 __all__ = [
     "BONDED",
@@ -32,6 +34,7 @@ __all__ = [
     "KINDS",
     "POSSIBLE",
     "STICKING",
+    "STRAP",
     "ForceRows",
     "bonded_rows",
     "contact_rows",
@@ -39,11 +42,12 @@ __all__ = [
     "possible_rows",
     "pushing_rows",
     "sticking_rows",
+    "strap_rows",
 ]
 
-CONTACT, POSSIBLE, JOINT, STICKING, BONDED = 0, 1, 2, 3, 4
+CONTACT, POSSIBLE, JOINT, STICKING, BONDED, STRAP = 0, 1, 2, 3, 4, 5
 """Kinds of rows."""
-KINDS = ("contact", "possible", "joint", "sticking", "bonded")
+KINDS = ("contact", "possible", "joint", "sticking", "bonded", "strap")
 """Names of the kinds of rows."""
 
 
@@ -60,7 +64,7 @@ class ForceRows(Rows):
     normal : ndarray, shape (K, 3)
         Unit directions from part a to part b.
     kind : ndarray of int, shape (K,)
-        CONTACT, POSSIBLE, JOINT, STICKING or BONDED.
+        CONTACT, POSSIBLE, JOINT, STICKING, BONDED or STRAP.
     two_sided : ndarray of bool, shape (K,)
         True for forces of both signs.
     angular : ndarray of bool, shape (K,)
@@ -68,7 +72,7 @@ class ForceRows(Rows):
     mu : ndarray, shape (K,)
         Friction coefficient of each contact row [-]; 0 for the other kinds.
     source : ndarray of int, shape (K,)
-        Number of the patch, possible force or joint.
+        Number of the patch, possible force, joint or strap.
     doubt : ndarray, shape (K,)
         Uncertainty of a fitted contact normal [rad]; else 0.
     pull : ndarray, shape (K,)
@@ -79,6 +83,8 @@ class ForceRows(Rows):
     shear : ndarray, shape (K,)
         Largest shear force of the bond of a contact row [N], instead of friction; NaN without such
         a limit.
+    capacity : ndarray, shape (K,)
+        Largest force of the row of a strap [N]; infinite for the other kinds.
     """
 
     part_a: Index
@@ -94,6 +100,7 @@ class ForceRows(Rows):
     pull: Array = columns()
     tied: Mask = columns()
     shear: Array = columns()
+    capacity: Array = columns()
 
     @property
     def certain(self) -> Mask:
@@ -112,7 +119,7 @@ def _frictionless_rows(
     count, zeros = len(a), np.zeros(len(a))
     return ForceRows(
         a, b, point, normal, np.full(count, kind), two_sided, zeros > 0, zeros, source, zeros,
-        zeros, zeros > 0, np.full(count, np.nan),
+        zeros, zeros > 0, np.full(count, np.nan), np.full(count, np.inf),
     )  # fmt: skip
 
 
@@ -221,4 +228,27 @@ def joint_rows(assembly: Assembly, geometry: Geometry) -> ForceRows:
             np.concatenate([linear, angular]), np.ones(count, dtype=bool), np.full(count, number),
         )  # fmt: skip
         blocks.append(replace(rows, angular=np.arange(count) >= len(linear)))
+    return ForceRows.join(blocks)
+
+
+def strap_rows(assembly: Assembly, geometry: Geometry) -> ForceRows:
+    """Rows of the straps with a capacity that pull on a free part.
+
+    The force on part b is along its normal, towards part a: the pull of the strap. The opening of
+    the row is therefore the rate at which the strap shortens.
+    """
+    blocks = []
+    for number, strap in enumerate(assembly.straps):
+        if strap.capacity is None:
+            continue
+        (piece,) = strap.pulling
+        ends = [-1 if n == GROUND else assembly.index_of(n) for n in strap.parts[piece : piece + 2]]
+        if not any(k >= 0 and not geometry.grounded[k] for k in ends):
+            continue
+        first, last = strap.points[piece], strap.points[piece + 1]
+        rows = _frictionless_rows(
+            STRAP, np.array(ends[:1]), np.array(ends[1:]), last[None], unit(first - last)[None],
+            np.zeros(1, dtype=bool), np.array([number]),
+        )  # fmt: skip
+        blocks.append(replace(rows, capacity=np.array([strap.capacity])))
     return ForceRows.join(blocks)

@@ -196,7 +196,7 @@ def _with_friction(
         answer = ask_friction(program, work=work.beside(0.0))
         answer = dataclasses.replace(answer, guarantee="open", tries=())
         return Decision("potentially-stable", program, judgement, answer)
-    if require == "equilibrium" or program.cohesion.any():
+    if require == "equilibrium" or program.has_limits:
         return Decision("potentially-stable", program, judgement, not_asked(program))
     left_open = still_open(contacts.open_pairs, assembly)
     if not can_be_tried(left_open):

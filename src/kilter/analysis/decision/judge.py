@@ -29,8 +29,8 @@ With friction the order is:
    Inner pyramids give forces, outer pyramids give a motion. They are solved by simplex, which
    is exact even if the set of equilibria has an empty interior.
 
-If the shear of a bond is limited by a force, planar or not, the order is: the least share of the
-bonds' strength that suffices, then 3 and 4.
+If the shear of a bond or the pull of a strap is limited by a force, planar or not, the order is:
+the least share of the strength of bonds and straps that suffices, then 3 and 4.
 """
 
 from __future__ import annotations
@@ -193,8 +193,8 @@ def _is_better(first: MotionProof, other: MotionProof) -> bool:
 def _candidates(program: Program, work: Work, solver: Solver | None) -> Iterator[_Candidate]:
     """Yield candidate proofs, the cheapest first, from all solvers or from `solver` alone."""
     rough = bool(program.mu.any())
-    if program.cohesion.any():
-        yield from _candidates_with_limited_shear(program, work)
+    if program.has_limits:
+        yield from _candidates_with_limits(program, work)
     elif rough and program.planar:
         yield _by_pyramid(program, 2, work, solver=solver)
     elif solver == "kilter":
@@ -212,8 +212,8 @@ def _candidates(program: Program, work: Work, solver: Solver | None) -> Iterator
         yield from _candidates_in_cones(program, work)
 
 
-def _candidates_with_limited_shear(program: Program, work: Work) -> Iterator[_Candidate]:
-    """Yield candidate proofs for bonds whose shear force is limited."""
+def _candidates_with_limits(program: Program, work: Work) -> Iterator[_Candidate]:
+    """Yield candidate proofs for bonds of limited shear, or straps with a capacity."""
     wide = cone_problem(program)
     yield _by_strength(wide, work)
     yield _by_cones(wide, work)

@@ -1,8 +1,9 @@
-"""Least fraction of the strength of all bonds with which contact forces balance the parts.
+"""Least fraction of the strength of bonds and straps with which contact forces balance the parts.
 
     s = min s:  J^T f + w - (1 - s) c = 0,  f_n >= 0,  |f_t| <= mu f_n + s S      c: the clamps
 
-c are the clamping wrenches of the bonds, S their shear strengths. One conic program computes s. Its
+c are the clamping wrenches of bonds and straps, S shear strengths. The pull of a strap with a
+capacity LC is at most s LC. One conic program computes s. Its
 feasible set has a nonempty interior for every s. If s is at most 1, its forces are within the
 strength of the bonds. If s is above 1, its motion gains more power than the bonds absorb.
 """
@@ -79,8 +80,7 @@ def find_strength(wide: ConeProblem, *, work: Work | None = None) -> Strength | 
     from kilter.solvers.clarabel import solve_conic
 
     program = wide.program
-    strength = float(program.pull.sum() + program.cohesion.sum())
-    unit = float(program.weight[program.free].sum()) / strength  # keeps s / unit near 1
+    unit = float(program.weight[program.free].sum()) / program.strength  # keeps s / unit near 1
     answer = solve_conic(least_strength(wide, unit), work=work)
     none = answer.proves_none
     if not (answer.found or none):

@@ -96,7 +96,7 @@ def find_bond_factor(program: Program, contacts: ContactSet) -> BondFactor | NoL
     >>> round(find_bond_factor(build_program(hung, touching), touching).value, 8)
     0.25
     """
-    if program.cohesion.any():
+    if program.has_limits:
         return _by_strength(program, contacts)
     # the program contains the full strength, of which the limit removes the largest share
     limit = find_limit(program, -program.clamp, most=1.0)
@@ -161,7 +161,7 @@ def _by_strength(program: Program, contacts: ContactSet) -> BondFactor | NoLimit
         program.with_strength(strength.share), strength.forces, strength.friction
     )
     limit, share = Limit(strength.share, balance, None, np.inf), strength.share
-    used = share * float(program.pull.sum() + program.cohesion.sum())
+    used = share * program.strength
     if balance.holds and used <= NEEDLESS * float(program.weight[program.free].sum()):
         return BondFactor(0.0, limit, ())
     # the motion gains power only below the limit; the nearest share with a proof sets the gap

@@ -149,7 +149,7 @@ def find_least_friction(
         balances = _balances_without_slip(program)
         if not balances:
             return NoLimit("failed" if balances is None else "none")
-    if failing is None and not program.cohesion.any():
+    if failing is None and not program.has_limits:
         squeezed = held_by_squeeze(program)
         if squeezed is not None:
             return LeastFriction(0.0, 0.0, False, squeezed, sides.motion, 4)

@@ -223,7 +223,7 @@ def find_limit(
 
 def _best_sides(program: Program, opening: Opening, wrench: Array, most: float) -> LimitSides:
     """Bounds of a load limit from the conic program, or from finer programs if the gap is large."""
-    limited = bool(program.cohesion.any())  # only the conic program models a shear strength
+    limited = program.has_limits  # only the conic program models limits of single forces
     conic = _in_cones(program, opening, wrench, most)
     large = len(program.part_a) > EXACT
     enough = conic.sides.gap <= SIDES_NEAR and large

@@ -112,7 +112,7 @@ class MarginSteps:
         """
         fitted = build_program(self.question.assembly, self.verdict.contacts, fitted=True)
         contacts, failing, most = fitted.kind == CONTACT, None, np.inf
-        if self._large and self._falls is not None and not fitted.cohesion.any():
+        if self._large and self._falls is not None and not fitted.has_limits:
             mu = fitted.mu[contacts]
             if len(mu) and mu.min() == mu.max() > 0.0:
                 proof = check_motion(fitted, self._falls.motion)

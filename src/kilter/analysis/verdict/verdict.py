@@ -284,6 +284,8 @@ class Verdict(InCells, Answer):
         """The impending motion, by the method for this verdict and these contacts."""
         if self.verdict in ("stable", "settles", "balanced"):
             return still(self.program)
+        if len(self.modelled.bounded):
+            return unknown(self.program)  # no method for straps that give way
         if self.modelled.cohesion.any():
             rubs = self.modelled.mu.any()  # no method for slipping bonds together with friction
             return unknown(self.program) if rubs else find_slipping_motion(self.modelled)
@@ -301,7 +303,8 @@ class Verdict(InCells, Answer):
     def measured(self) -> bool:
         """Whether z, kappa and displacements are reported: without friction, or on request."""
         rubs = self.friction is not None or bool(len(self.program.gripping))
-        return self.measures or not rubs
+        # the displacement program does not model the limit of a strap
+        return (self.measures or not rubs) and not len(self.modelled.bounded)
 
     @property
     def instability(self) -> float | None:

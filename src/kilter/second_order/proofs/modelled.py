@@ -50,10 +50,10 @@ def why_unmodelled(assembly: Assembly, contacts: ContactSet) -> str:
 
 def why_beyond(program: Program) -> str:
     """Reason why second order cannot model a cluster's joints, bonds or loads; else empty."""
-    if not np.isin(program.kind, (CONTACT, POSSIBLE)).all():
-        return "second order does not model joints"
     if program.has_strength:
         return "second order does not model bonds and straps"
+    if not np.isin(program.kind, (CONTACT, POSSIBLE)).all():
+        return "second order does not model joints"
     if np.abs(program.applied[program.free, 3:]).max(initial=0.0) > 0:
         return OFF_CENTRE
     return ""
