@@ -41,6 +41,7 @@ def bare(rng, parts, points, *, planar):
         applied=np.zeros((count, 6)), clamp=np.zeros((count, 6)), part_a=ints, part_b=ints,
         point=empty, normal=empty, kind=ints, two_sided=mask, angular=mask, mu=np.zeros(0),
         source=ints, doubt=np.zeros(0), pull=np.zeros(0), tied=mask, shear=np.zeros(0),
+            capacity=np.zeros(0),
         tolerance=np.full(count, 1e-9), planar=planar, units="m",
     )  # fmt: skip
 
