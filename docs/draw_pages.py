@@ -54,6 +54,7 @@ def shot(page: Any) -> Image.Image:
 
 
 def save(image: Image.Image, name: str) -> None:
+    """Write a picture to the folder of the pictures."""
     image.save(FOLDER / f"{name}.webp", quality=80, method=6)
 
 

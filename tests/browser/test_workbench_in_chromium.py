@@ -332,6 +332,23 @@ def test_each_action_on_parts_is_done_and_repeated_by_the_command(
         )
     )
     assert page.choices()["loads"][0]["force"] == [900, 0, 0]
+    # the tip of the arrow is dragged, in the plane of the screen
+    page.js("window.kilter.stage.view([0, -1, 0])")
+    page.js("window.kilter.stage.render()")
+    x, y = page.js(
+        "(() => { const k = window.kilter; const at = k.stage.parts.placeOf(k.page.loads[0].part);"
+        " at[0] += k.loadScale() * 900; return k.stage.onScreen(at); })()"
+    )
+    box = page.page.locator("#picture").bounding_box()
+    mouse = page.page.mouse
+    mouse.move(box["x"] + x, box["y"] + y)
+    mouse.down()
+    mouse.move(box["x"] + x, box["y"] + y + 60, steps=3)
+    page.after(mouse.up)
+    force = page.choices()["loads"][0]["force"]
+    assert force[0] == pytest.approx(900, rel=0.05)
+    assert force[2] < -100
+    assert abs(force[1]) < 1
     page.click("#loads button:has-text('Remove')")
     assert "loads" not in page.choices()
 

@@ -178,11 +178,18 @@ export class Look {
     this.names.show(id("show-names").checked ? all.slice(0, 400) : []);
   }
 
+  /** Length of the arrow of a load per newton [length unit/N]; the largest has the length `long`. */
+  loadScale() {
+    if (this.fixedScale) return this.fixedScale; // while an arrow is dragged
+    const most = this.page.loads.reduce((m, load) => Math.max(m, Math.hypot(...load.force)), 0);
+    return most ? this.long / most : 0;
+  }
+
   /** Draw loads and open pairs at the current positions of the parts. */
   marks() {
     const { stage } = this;
     const { loads } = this.page;
-    const most = loads.reduce((m, load) => Math.max(m, Math.hypot(...load.force)), 0);
+    const scale = this.loadScale();
     const straight = loads
       .filter((load) => Math.hypot(...load.force) > 0)
       .map((load) => ({ ...load, at: stage.parts.placeOf(load.part, load.point) }))
@@ -190,7 +197,7 @@ export class Look {
       .map((load) => ({
         at: load.at,
         along: load.force,
-        size: (this.long * Math.hypot(...load.force)) / most,
+        size: scale * Math.hypot(...load.force),
         wide: this.long,
       }));
     stage.loads.set({ straight });

@@ -325,6 +325,17 @@ export class Stage {
     return [((at.x + 1) / 2) * this.size[0], ((1 - at.y) / 2) * this.size[1]];
   }
 
+  /**
+   * The point under a point of the canvas [CSS px], in the plane through `through` that is parallel
+   * to the screen; both points are in the frame of the assembly.
+   */
+  underPlane([x, y], through) {
+    const [width, height] = this.size;
+    const depth = new Vector3(...through).applyMatrix4(this.root.matrixWorld).project(this.camera).z;
+    const at = new Vector3((2 * x) / width - 1, 1 - (2 * y) / height, depth).unproject(this.camera);
+    return this.root.worldToLocal(at).toArray();
+  }
+
   draw() {
     if (this.waiting) return;
     this.waiting = requestAnimationFrame(() => {

@@ -12,6 +12,7 @@ import { readTables } from "../tables.js";
 import { Decide } from "./decide.js";
 import { Forces } from "./forces.js";
 import { Link } from "./link.js";
+import { LoadDrag } from "./load_drag.js";
 import { LiveReport, pending, prepareParts } from "./live_report.js";
 import { PartActions } from "./part_actions.js";
 import { Start, sentence } from "./start.js";
@@ -154,8 +155,10 @@ export class Workbench {
     id("show").hidden = false;
     if (/^Reading/.test(id("message-words").textContent)) this.note("");
     if (!this.report) this.begin(page);
-    else if (this.other) this.report.restart(page);
-    else this.report.replace(page);
+    else if (this.other) {
+      this.report.restart(page);
+      this.shown = false;
+    } else this.report.replace(page);
     this.other = false;
     this.parts.tellLeftOut(page.left_out ?? []);
     this.forces.lists(this.session.choices);
@@ -170,7 +173,9 @@ export class Workbench {
     this.report.selected_ = () => this.parts.tell();
     window.kilter = this.report;
     printWell(this.report, id("printed"));
-    if (this.report.stage) scrollPast(this.report.stage, id("picture"));
+    if (!this.report.stage) return;
+    scrollPast(this.report.stage, id("picture"));
+    new LoadDrag(this, id("picture"));
   }
 
   showAnswer(message) {
