@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import kilter
+from kilter.analysis.regions.friction_cone import friction_cone
 from kilter.analysis.regions.stable_cone import stable_cone
 from kilter.assembly import Assembly, Joint, Load, Part
 from kilter.contact import detect
@@ -113,6 +114,18 @@ def test_progress_tells_of_each_program() -> None:
     program = build_program(assembly, detect.contacts(assembly))
     found = stable_cone(program, progress=told.append)
     assert len(told) == found.programs
+    assert told[0].startswith("region: directions decided ")
+
+
+def test_progress_of_a_region_with_friction_reports_directions_and_the_gap() -> None:
+    told: list[str] = []
+    block = stacks.block_on_slope(0.0, friction=0.5)
+    program = build_program(block, detect.contacts(block))
+    found = friction_cone(program, gap_deg=1.0, progress=told.append)
+    assert told[-1].startswith(f"region: directions decided {found.programs}, gap ")
+    gaps = [float(one.split("gap ")[1].split()[0]) for one in told if "gap" in one]
+    assert len(gaps) > 1
+    assert gaps == sorted(gaps, reverse=True)
 
 
 def test_margin_and_answer() -> None:

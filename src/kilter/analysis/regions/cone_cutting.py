@@ -76,6 +76,7 @@ class ConeCutting:
         self.angle = np.empty(0)
         self.between: list[DirectionProof | None] = []
         self.programs = 0
+        self.widest: float | None = None
 
     @property
     def normals(self) -> Array:
@@ -106,6 +107,7 @@ class ConeCutting:
         if self.programs >= PROGRAMS:
             return False
         distance = self._distances(outer, hull)
+        self.widest = float(distance.max(initial=0.0))
         far = np.flatnonzero(distance > most)
         # the farthest first, so that an early end leaves the least gap
         far = far[np.argsort(-distance[far], kind="stable")][: self.arcs.together]
@@ -129,10 +131,15 @@ class ConeCutting:
         return self._known_ray(direction) is not None
 
     def _tell(self, count: int) -> None:
-        """Count programs and report the progress."""
+        """Count programs, each of which decides a direction, and report the progress.
+
+        The largest angle between an extreme ray and the inner cone bounds the gap of the region,
+        as soon as the inner cone has a width.
+        """
         self.programs += count
         if self.progress is not None:
-            self.progress(f"directions of gravity that can be held: conic program {self.programs}")
+            gap = "" if self.widest is None else f", gap {np.degrees(self.widest):.2g} deg"
+            self.progress(f"region: directions decided {self.programs}{gap}")
 
     def _add(self, ray: BoundaryRay, target: Array, most: float) -> bool:
         """Add a boundary direction on the arc to a target and its facet; whether both are proved.

@@ -181,7 +181,7 @@ def _at_price(
 
     def tell() -> None:
         if progress is not None:
-            progress(f"stable orientations: linear program {oracle.programs + 1}")
+            progress(f"region: directions decided {oracle.programs}")
 
     first = axes @ program.gravity
     grown = grow(oracle, first / np.linalg.norm(first), blur, tell)
