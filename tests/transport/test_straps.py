@@ -162,7 +162,7 @@ def test_margin_names_the_share_of_tension_that_is_needed() -> None:
         ([("ground", [1, 0, 0]), ("box-0", [1, 0, 0])], {}, "are equal"),
         ([("ground", [-1, 0, 0]), ("box-0", [0, 0, 2])], {"tension": 0}, "tension .* is 0"),
         (
-            [("ground", [-1, 0, 0]), ("box-0", [-0.5, 0, 2]), ("ground", [0, 5, 2])],
+            [("ground", [-1, 0, 0]), ("box-0", [-0.5, 0, 2]), ("ground", [-1, 5, 2])],
             {"mu": 0.2},
             "tensioned end is not named",
         ),
@@ -173,10 +173,28 @@ def test_wrong_straps_are_refused_in_a_sentence(
 ) -> None:
     def ask() -> None:
         strap = Strap(path, **{"tension": 800.0, **more})
-        kilter.check(dataclasses.replace(_stack(), straps=[strap]))
+        kilter.margin(dataclasses.replace(_stack(), straps=[strap]))
 
     with pytest.raises(InputError, match=message):
         ask()
+
+
+@pytest.mark.quick(1)
+def test_the_worse_tensioned_end_counts() -> None:
+    """1 t, mu .3, .5 g: the strap helps more if its pull is larger on the side of the load."""
+    ends: dict[str | None, kilter.Verdict] = {}
+    for end in ("first", "last", None):
+        strap = over(1.0, 2.0, 60, 1000.0, mu=0.3, tensioned=end)
+        load = lashed([([-0.5, 0.0], [0.5, 2.0])], 1000, strap, 0.8)
+        felt = dataclasses.replace(load, gravity=[-0.53 * G, 0, -G])
+        ends[end] = kilter.check(felt, require="equilibrium")
+        assert kilter.verify(felt, ends[end].proof()).holds
+    better, worse = sorted(("first", "last"), key=lambda end: ends[end].verdict == "unstable")
+    assert ends[better].verdict != "unstable"
+    assert ends[worse].verdict == ends[None].verdict == "unstable"
+    assert f"tensioned at its {worse} end; another" in ends[None].warnings[-1]
+    with pytest.raises(InputError, match="only check tries both ends"):
+        kilter.transport(felt)
 
 
 def test_a_plan_with_straps_is_refused() -> None:

@@ -15,6 +15,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from functools import partial
 
 from numpy.typing import ArrayLike
 
@@ -27,13 +28,14 @@ from kilter.analysis.open_pairs.ordinary_contacts import (
 from kilter.analysis.verdict.remarks import loose_parts, remarks
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.assembly import Assembly
+from kilter.assembly.strap_ends import end_words, with_named_ends
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.coincident import require_apart
 from kilter.contact.open_pairs import still_open
 from kilter.errors import InputError
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
-from kilter.tell.levels import REQUIRE, VerdictWord, require_level
+from kilter.tell.levels import REQUIRE, VerdictWord, level_rank, require_level
 from kilter.tell.numbers import number as text_of
 from kilter.tell.open_words import undecided_sentence
 from kilter.tell.second_order_words import balanced_sentence
@@ -137,6 +139,13 @@ def check(
             assembly, tolerance=tolerance, time_limit=time_limit, progress=progress
         )
     require_apart(assembly, contacts)
+    ends = with_named_ends(assembly)
+    if len(ends) > 1:
+        again = partial(
+            check, tolerance=tolerance, require=require, measures=measures, effort=effort,
+            time_limit=time_limit, progress=progress,
+        )  # fmt: skip
+        return _worst_end(assembly, [again(end, contacts=contacts.of(end)) for end in ends])
     seconds["contacts"] = time.perf_counter() - started
     tell("verdict")
     started = time.perf_counter()
@@ -183,8 +192,27 @@ def check_equilibrium(assembly: Assembly, contacts: ContactSet) -> Verdict:
     'stable'
     """
     assembly.require_grounded()
+    ends = with_named_ends(assembly)
+    if len(ends) > 1:
+        return _worst_end(assembly, [check_equilibrium(end, contacts.of(end)) for end in ends])
     decision = decide(assembly, contacts, require="equilibrium", second_order=False, question=False)
     return _verdict(decision, assembly, contacts, "equilibrium")
+
+
+def _worst_end(assembly: Assembly, verdicts: list[Verdict]) -> Verdict:
+    """The worst of the verdicts with each tensioned end of straps, with a warning that names it."""
+    worst = min(verdicts, key=lambda found: (level_rank(found.level), found.verdict != "unstable"))
+    same = all(found.verdict == worst.verdict for found in verdicts)
+    words = "; ".join(end_words(assembly, worst.assembly))
+    why = "all ends lead to this verdict" if same else "another end leads to a better verdict"
+    return replace(
+        worst,
+        warnings=(
+            *worst.warnings,
+            f"both ends of each strap without a named tensioned end were tried, and the worst "
+            f"result counts: {words}; {why}",
+        ),
+    )
 
 
 def _verdict(decision: Decision, assembly: Assembly, contacts: ContactSet, require: str) -> Verdict:

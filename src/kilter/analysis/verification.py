@@ -18,6 +18,7 @@ from kilter.analysis.planning.hold.hold_check import wrong_hold
 from kilter.analysis.planning.order.order_check import wrong_order
 from kilter.analysis.planning.plan_proof_form import require_hold_form, require_plan_form
 from kilter.assembly import Assembly, require_assembly
+from kilter.assembly.strap_ends import end_words, with_ends_of
 from kilter.contact import ContactSet, Tolerance, contacts
 from kilter.contact.fits.fastening import fasten_as_read
 from kilter.errors import InputError
@@ -300,8 +301,11 @@ def verify_proof(assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]
         If keys of the proof are missing or have the wrong type.
     """
     require_form(proof)
+    named = with_ends_of(assembly, proof.get("straps", []))
+    ends = end_words(assembly, named)
+    assembly, contacts = named, contacts.of(named)
     result = recheck(assembly, contacts, proof)
-    reasons, notes = list(result.reasons), list(result.notes)
+    reasons, notes = list(result.reasons), [*result.notes, *ends]
     friction = proof.get("friction")
     if not reasons and friction is not None and friction["guarantee"] == "proved":
         program = build_program(assembly, contacts)

@@ -8,7 +8,7 @@ from kilter.arrays import Array, cross
 from kilter.assembly.assembly import Assembly
 from kilter.assembly.assembly_tolerances import STRAP_OFF_PART, STRAP_THROUGH
 from kilter.assembly.part import GROUND
-from kilter.assembly.straps import Strap
+from kilter.assembly.straps import Strap, some
 from kilter.errors import InputError
 
 __all__ = ["strap_wrenches"]
@@ -22,11 +22,18 @@ def strap_wrenches(assembly: Assembly) -> Array:
     Raises
     ------
     InputError
-        If a strap passes through a part, or a point is away from its part.
+        If a strap passes through a part, a point is away from its part, or a strap with friction
+        names no tensioned end.
     """
     geometry = assembly.geometry
     total = np.zeros((len(assembly.parts), 6))
     for strap in assembly.straps:
+        if strap.open_end:
+            raise InputError(
+                f"the strap over {some(strap)} has friction, but its tensioned end is not named",
+                file=assembly.source or None,
+                hint='give "tensioned": "first" or "last"; only check tries both ends',
+            )
         _require_clear(assembly, strap)
         for (name, point), force in zip(strap.path, strap.forces, strict=True):
             if name != GROUND:

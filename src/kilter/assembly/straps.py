@@ -46,7 +46,8 @@ class Strap(Value):
     mu : float
         Friction coefficient at the corners [-].
     tensioned : {"first", "last"}, optional
-        End of the path at which the strap was tensioned; required with friction.
+        End of the path at which the strap was tensioned. With friction, `kilter.check` tries both
+        ends if it is not given, and other functions require it.
     capacity : float, optional
         Largest pull LC [N] of a strap that is not tensioned, instead of `tension`. The pull is
         unknown, from 0 to LC.
@@ -55,8 +56,8 @@ class Strap(Value):
     ------
     InputError
         If the path has fewer than two points or two equal neighbours, tension or capacity is not
-        above 0 or not given alone, friction comes without the tensioned end, or a strap with a
-        capacity has friction or several pieces between different parts.
+        above 0 or not given alone, or a strap with a capacity has friction or several pieces
+        between different parts.
 
     Examples
     --------
@@ -110,11 +111,6 @@ class Strap(Value):
             raise InputError(
                 f"tensioned end of a strap is {self.tensioned!r:.40}", hint="give first or last"
             )
-        if self.mu and self.tensioned is None and len(points) > 2:
-            raise InputError(
-                f"the strap over {some(self)} has friction, but its tensioned end is not named",
-                hint='give "tensioned": "first" or "last"',
-            )
         if self.capacity is not None:
             self._require_direct()
 
@@ -141,6 +137,11 @@ class Strap(Value):
     def points(self) -> Array:
         """Points of the path, world frame, shape (n, 3) [length unit]."""
         return np.array([point for _, point in self.path])
+
+    @property
+    def open_end(self) -> bool:
+        """True if friction at corners makes the tension depend on an end that is not named."""
+        return bool(self.mu) and self.tensioned is None and len(self.path) > 2
 
     @property
     def pulling(self) -> list[int]:

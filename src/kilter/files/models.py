@@ -289,7 +289,7 @@ class StrapEntry(Entry):
     tension: Positive | None = Field(None, description="at the tensioned end [N]")
     mu: NotNegative = Field(0.0, description="friction coefficient at the corners")
     tensioned: Literal["first", "last"] | None = Field(
-        None, description="tensioned end of the path; required if there is friction at a corner"
+        None, description="tensioned end of the path, for friction at corners"
     )
     capacity: Positive | None = Field(
         None, description="largest pull of a strap that is not tensioned, instead of tension [N]"
