@@ -32,10 +32,21 @@ __all__ = ["RoundContacts", "beside_curved", "no_round_contacts", "round_contact
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RoundContacts:
-    """Contacts at curved surfaces without a contact formula, with the forces they may exert."""
+    """Contacts at curved surfaces without a contact formula, with the forces they may exert.
+
+    Attributes
+    ----------
+    unsupported : tuple of UnsupportedContact
+        A record for each pair of parts.
+    possible : PossibleContacts
+    parts, points : ndarray, shape (n, 2) and (n, 3)
+        All points of these contacts, with the parts that may touch there; world frame.
+    """
 
     unsupported: tuple[UnsupportedContact, ...]
     possible: PossibleContacts
+    parts: Index
+    points: Array
 
     @staticmethod
     def join(blocks: Sequence[RoundContacts]) -> RoundContacts:
@@ -43,6 +54,8 @@ class RoundContacts:
         return RoundContacts(
             tuple(contact for block in blocks for contact in block.unsupported),
             PossibleContacts.join(block.possible for block in blocks),
+            np.concatenate([block.parts for block in blocks]),
+            np.concatenate([block.points for block in blocks]),
         )
 
     def among(self, kept: KeptPairs) -> RoundContacts:
@@ -52,7 +65,8 @@ class RoundContacts:
 
 def no_round_contacts() -> RoundContacts:
     """A value of `RoundContacts` without contacts."""
-    return RoundContacts((), possible_forces([], two_sided=True))
+    none = np.empty((0, 2), dtype=np.int64), np.empty((0, 3))
+    return RoundContacts((), possible_forces([], two_sided=True), *none)
 
 
 def beside_curved(geometry: Geometry, parts: Index, points: Array, slack: Array) -> Mask:
@@ -133,7 +147,14 @@ def _round_contacts_of(
         else:
             pair_forces = _any_wrench(point, float(geometry.radius[[a, b]].min()))
         forces.extend((a, b, force_point, normal) for force_point, normal in pair_forces)
-    return RoundContacts(tuple(unsupported), possible_forces(forces, two_sided=True))
+    owner = [pair for pair, points in points_of_pair.items() for _ in points]
+    points = [point for points in points_of_pair.values() for point, _ in points]
+    return RoundContacts(
+        tuple(unsupported),
+        possible_forces(forces, two_sided=True),
+        pairs[np.array(owner, dtype=np.int64)],
+        np.array(points).reshape(-1, 3),
+    )
 
 
 def _any_wrench(point: Array, arm: float) -> list[tuple[Array, Array]]:
