@@ -44,6 +44,8 @@ class ContactSearch:
         Solids of the parts, which are created on first use.
     smooth_faces : dict
         Smooth faces of parts (`kilter.contact.smooth`), which are found on first use.
+    part_curves : dict
+        Curves of the edges of parts (`kilter.contact.curved.exact_edges`), found on first use.
     """
 
     geometry: Geometry
@@ -56,6 +58,7 @@ class ContactSearch:
     meshes: Mask
     solids: PartSolids
     smooth_faces: dict[int, list[Any]] = field(default_factory=dict)
+    part_curves: dict[int, Any] = field(default_factory=dict)
 
     def of_rows(self, begin: int, end: int) -> ContactSearch:
         """The same search for only the pairs ``begin`` to ``end``."""

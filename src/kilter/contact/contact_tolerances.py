@@ -187,6 +187,25 @@ of its size [-]."""
 BESIDE_CIRCLE = 0.05
 """Width of the border around a circle of contact that belongs to it, as a fraction of its size
 [-]."""
+ARC_SLOPE = 1e-6
+"""The slope of a curve over a face changes by more between the ends of an edge, unless the edge
+lies along the face [-]."""
+ARC_LEVEL = 1e-4
+"""A curve within the gap tolerance of a face lies along it if its slope over the face is smaller
+[-]."""
+STRAIGHT_EDGE = 1e-9
+"""Largest deviation of a straight edge from its chord, as a fraction of its length, and largest
+change of the normal of a face along it [-]."""
+CURVE_ROUNDING = 1e-14
+"""Steps below this fraction of the coordinates end the search for a point of a curve [-]."""
+CURVE_END = 1e-7
+"""Largest distance of a nearest point beyond the end of an edge, as a fraction of its chord [-]."""
+MIDDLE_OF_TUBE = 1e-6
+"""A centre within this fraction of the tube's radius from the circle of a hollow torus has no
+direction to its wall [-]."""
+WIDEST_OPENING = 10.0
+"""Largest radius at which the gap beside a torus opens, as a multiple of the size of the torus [-];
+a larger value widens the zone that belongs to its contact."""
 AXIS_ROUNDING = 1e-15
 """Components of a unit axis below this are rounding and are written as 0 [-]."""
 

@@ -80,7 +80,7 @@ class PairFindings:
     def refused(self) -> list[RejectedPair]:
         """Near faces that do not count as touching, and pairs with an unknown surface."""
         unknown = unknown_contacts(self.search.unknown)
-        return [*self.flat.rejected, *self.curved.rejected, *unknown]
+        return [*self.flat.rejected, *self.curved.rejected, *self.near.rejected, *unknown]
 
     @staticmethod
     def join(search: ContactSearch, blocks: Sequence[tuple[int, PairFindings]]) -> PairFindings:

@@ -36,8 +36,9 @@ from kilter.contact.curved.curved_patches import (
     classify,
     pack,
 )
+from kilter.contact.curved.exact_edges import part_curves
 from kilter.contact.curved.on_planes import Planes, on_planes
-from kilter.contact.curved.rim_points import rims_on_planes
+from kilter.contact.curved.rim_points import rims_on_planes, tips_on_faces
 from kilter.contact.curved.shells import gaps_between, touching_shells
 from kilter.contact.curved.tangency import find_candidates
 from kilter.shape.covering import covered
@@ -145,7 +146,8 @@ def _build_patches(
         surfaces, both.i, both.j, form_limits, search.geometry.grounded
     )
     rims = balls_on_rims(search.geometry, both.i, both.j, limits.gap)
-    candidates = Candidates.join([candidates, rims])
+    tips = tips_on_faces(search.geometry, both.i, both.j, angle)
+    candidates = Candidates.join([candidates, rims, tips])
     planes = Planes(facets.normal[flat.j], facets.origin[flat.j])
     flat_limits = _candidate_limits(search, flat, surfaces.doubt[flat.i])
     level = np.full(len(flat.i), search.angle)
@@ -267,7 +269,9 @@ def _add_candidate(
     reach = abs(gap) + float(candidate.swing[0])
     low, high = gap - float(candidate.swing[0]), gap + float(candidate.swing[0])
     if kind == POINT:
-        spots = _point_contact(candidate, faces, reach, limit)
+        spots = _point_contact(
+            search, candidate, _named(search, (i, j), plane), faces, reach, limit
+        )
     elif kind == LINE:
         spots, low, high = _line_contact(candidate, faces, reach + search.angle * float(
             search.geometry.size[search.pairs[pair]].min()), limit)  # fmt: skip
@@ -301,16 +305,38 @@ _Face = tuple[Array, float]
 """Triangles of a face, shape (m, 3, 3), and its distance from the contact; inf: a flat face."""
 
 
+def _named(search: ContactSearch, pair: tuple[int, int], plane: bool) -> list[tuple[int, int]]:
+    """Curved surface and flat facet of both faces, -1 or 0 in place of the one that is absent."""
+    return [(pair[0], 0), (-1, pair[1]) if plane else (pair[1], 0)]
+
+
 def _point_contact(
-    candidate: Candidates, faces: list[_Face], reach: float, grow: float
-) -> PatchPoints | None:
-    """The contact point of a candidate; None if one of the faces does not reach it."""
+    search: ContactSearch, candidate: Candidates, names: list[tuple[int, int]],
+    faces: list[_Face], reach: float, grow: float,
+) -> PatchPoints | None:  # fmt: skip
+    """The contact point of a candidate; None if one of the faces does not reach it.
+
+    On the rim of a face, or at its tip, only the triangles decide about that face. A rim or tip on
+    an edge of the other face has no single normal.
+    """
     at, normal = candidate.at, candidate.normal
-    side = candidate.along if candidate.along.any() else normal
+    at_rim = bool(candidate.along.any())
+    sharp = int(candidate.rim[0] == 2.0) if at_rim else -1
     rim = float(candidate.radius[0]) / 2  # in the plane of a rim its face is no nearer to the axis
-    for (triangles, sagitta), upright, least in zip(faces, (side, normal), (rim, 0.0), strict=True):
-        depth = 1e300 if not np.isfinite(sagitta) else max(sagitta + reach, least)
-        if not covered(triangles, at, upright, depth, grow)[0]:
+    surfaces, facets = search.geometry.surfaces, search.facets
+    for number, (triangles, sagitta) in enumerate(faces):
+        depth = 1e300 if not np.isfinite(sagitta) else sagitta + reach
+        if number == sharp:
+            if not covered(triangles, at, candidate.along, max(depth, rim), grow)[0]:
+                return None
+            continue
+        surface, facet = names[number]
+        part = int(surfaces.part[surface] if surface >= 0 else facets.part[facet])
+        curves = part_curves(search, part)
+        face = surface, facet
+        if not curves.extends(part, face, (at, normal), triangles, depth, grow)[0]:
+            return None
+        if at_rim and curves.at_edge(part, at[0], 2 * grow):
             return None
     empty = np.empty((0, 3))
     return PatchPoints(at, normal, empty, empty, 0.0)

@@ -15,42 +15,29 @@ from kilter.contact.planar.facets import Facets
 from kilter.contact.sharp.edges import Edges
 from kilter.shape.covering import covered
 
-__all__ = ["edges_on_faces"]
+__all__ = ["edges_near_faces", "edges_on_faces"]
 
 
-def edges_on_faces(
+def edges_near_faces(
     face_patches: FacePatches, edges: Edges, rows: Index, reach: Array, *, turn: bool
-) -> tuple[Index, Array, Index]:
-    """Points at which sharp edges of part b (part a, if `turn`) touch curved faces of the other.
-
-    An edge is sharp if its two faces meet at an angle.
+) -> tuple[Index, Index, Index]:
+    """Sharp edges of part b (part a, if `turn`) that come near curved faces of the other part.
 
     Parameters
     ----------
-    face_patches : FacePatches
-    edges : Edges
-        Edges of all parts of the pairs `rows`.
-    rows : ndarray of int, shape (n,)
-        Pairs to search.
-    reach : ndarray, shape (number of pairs,)
-        Largest gap at which they touch [length unit].
-    turn : bool
-        True: the edges belong to part a.
+    face_patches, edges, rows, reach, turn
+        As in `edges_on_faces`.
 
     Returns
     -------
-    pair : ndarray of int, shape (m,)
-    points : ndarray, shape (m, 3)
-    surfaces : ndarray of int, shape (m,)
-        The curved faces.
+    pair, surface, edge : ndarray of int, shape (m,)
     """
-    search, curved = face_patches.search, face_patches.curved
+    search = face_patches.search
     geometry, facets, boxes = search.geometry, search.facets, search.boxes
-    pairs, tolerance = search.pairs, reach
+    pairs = search.pairs
     s = geometry.surfaces
     a, b = pairs[rows].T[::-1] if turn else pairs[rows].T
-    slack = geometry.slack[b]
-    grow = tolerance[rows] + slack
+    grow = reach[rows] + geometry.slack[b]
     owner, face = ragged(s.start, a)
     keep = (s.kind[face] != FREE) & (np.diff(s.triangle_start)[face] > 0)
     owner, face = owner[keep], face[keep]
@@ -64,28 +51,58 @@ def edges_on_faces(
     sharp = _is_sharp(geometry, facets, edges, edge)
     edge_owner, edge = edge_owner[sharp], edge[sharp]
     edge_boxes = edges.boxes(boxes, edge)
-    blocks = [(np.empty(0, np.int64), np.empty((0, 3)), np.empty(0, np.int64))]
+    blocks = [(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0, np.int64))]
     for k, x, y in joins(owner, (low, high), edge_owner, edge_boxes, margin[:, 0]):
-        surface, edge_of_pair = face[x], edge[y]
-        p, q = edges.ends(geometry, edge_of_pair)
-        limit = grow[k] + s.doubt[surface]
-        unexplained = ~_lies_on_patch(curved, rows[k], surface, s, p, q, limit)
-        k, surface, edge_of_pair, p, q = (
-            k[unexplained],
-            surface[unexplained],
-            edge_of_pair[unexplained],
-            p[unexplained],
-            q[unexplained],
-        )
-        # an edge of a curved face is known more exactly than its chord: no slack is needed
-        exact, middle = _true_middle(geometry, facets, edges, edge_of_pair, p, q)
-        limit = np.where(exact, tolerance[rows][k] + s.doubt[surface], limit[unexplained])
-        point, off = _nearest_on_edge(s, surface, (p, middle, q), limit)
-        near = np.flatnonzero(np.abs(off) <= limit)
-        near = near[_within_face(geometry, surface[near], point[near], limit[near])]
-        blocks.append((rows[k[near]], point[near], surface[near]))
-    pair, points, surfaces = (np.concatenate([f[k] for f in blocks]) for k in range(3))
-    return pair, points, surfaces
+        blocks.append((rows[k], face[x], edge[y]))
+    pair, surface, chosen = (np.concatenate([block[k] for block in blocks]) for k in range(3))
+    return pair, surface, chosen
+
+
+def edges_on_faces(
+    face_patches: FacePatches, edges: Edges, near: tuple[Index, Index, Index], reach: Array,
+    *, turn: bool,
+) -> tuple[Index, Array, Index]:  # fmt: skip
+    """Points at which sharp edges of part b (part a, if `turn`) touch curved faces of the other.
+
+    An edge is sharp if its two faces meet at an angle.
+
+    Parameters
+    ----------
+    face_patches : FacePatches
+    edges : Edges
+        Edges of all parts of the pairs.
+    near : (pair, surface, edge)
+        Edges that come near curved faces, as `edges_near_faces` returns them.
+    reach : ndarray, shape (number of pairs,)
+        Largest gap at which they touch [length unit].
+    turn : bool
+        True: the edges belong to part a.
+
+    Returns
+    -------
+    pair : ndarray of int, shape (m,)
+    points : ndarray, shape (m, 3)
+    surfaces : ndarray of int, shape (m,)
+        The curved faces.
+    """
+    search, curved = face_patches.search, face_patches.curved
+    geometry, facets = search.geometry, search.facets
+    s = geometry.surfaces
+    pair, surface, edge = near
+    b = search.pairs[pair, 0 if turn else 1]
+    p, q = edges.ends(geometry, edge)
+    limit = reach[pair] + geometry.slack[b] + s.doubt[surface]
+    unexplained = np.flatnonzero(~_lies_on_patch(curved, pair, surface, s, p, q, limit))
+    pair, surface, edge = pair[unexplained], surface[unexplained], edge[unexplained]
+    p, q, limit = p[unexplained], q[unexplained], limit[unexplained]
+    # an edge of a curved face is known more exactly than its chord: no slack is needed
+    exact, middle = _true_middle(geometry, facets, edges, edge, p, q)
+    limit = np.where(exact, reach[pair] + s.doubt[surface], limit)
+    point, off = _nearest_on_edge(s, surface, (p, middle, q), limit)
+    near_rows = np.flatnonzero(np.abs(off) <= limit)
+    covers = _within_face(geometry, surface[near_rows], point[near_rows], limit[near_rows])
+    near_rows = near_rows[covers]
+    return pair[near_rows], point[near_rows], surface[near_rows]
 
 
 def _face_boxes(geometry: Geometry, boxes: Boxes, face: Index) -> tuple[Array, Array]:

@@ -16,13 +16,13 @@ import numpy as np
 
 from kilter.arrays import Array, Index, unit_rows
 from kilter.assembly.geometry import Geometry
-from kilter.assembly.surfaces import CONE, CYLINDER
+from kilter.assembly.surfaces import CONE, CYLINDER, FREE
 from kilter.contact.contact_tolerances import APEX
 from kilter.contact.curved.candidates import POINT, Candidates, dot, make_candidates, without_along
 from kilter.contact.curved.coverage import bands_of
 from kilter.contact.curved.on_planes import Planes
 
-__all__ = ["rims_on_planes"]
+__all__ = ["cone_tips", "rims_on_planes", "tips_on_faces"]
 
 
 def rims_on_planes(geometry: Geometry, i: Index, planes: Planes, angle: Array) -> Candidates:
@@ -95,6 +95,54 @@ def _tips(
     k = np.flatnonzero((s.kind[i] == CONE) & sharp & (lean > angle))
     bend = high * np.tan(s.half_angle[i]) / np.sin(np.maximum(lean, angle))
     return _points(row, s.point[i], (n, o), -s.axis[i], (0 * bend, bend), k)
+
+
+def cone_tips(geometry: Geometry) -> Index:
+    """Exact solid cones that reach their apex, as rows of the surfaces."""
+    s = geometry.surfaces
+    cones = np.flatnonzero((s.kind == CONE) & ~s.hollow & (s.doubt == 0))
+    cones = cones[np.diff(s.triangle_start)[cones] > 0]
+    if not len(cones):
+        return cones
+    bands = bands_of(geometry, cones)
+    sharp: Index = cones[bands.low <= APEX * bands.high]
+    return sharp
+
+
+def tips_on_faces(geometry: Geometry, i: Index, j: Index, angle: Array) -> Candidates:
+    """Candidate point contacts of the tips of cones with curved faces.
+
+    Parameters
+    ----------
+    geometry : Geometry
+    i, j : ndarray of int, shape (n,)
+        Surfaces of each pair.
+    angle : ndarray, shape (n,)
+        Largest angle at which the side of a cone lies on a face [rad].
+
+    Returns
+    -------
+    Candidates
+        Normals lead from i to j; `along` leads out of the tip.
+    """
+    s = geometry.surfaces
+    tips = cone_tips(geometry)
+    blocks = []
+    for first, second, sense in ((i, j, -1.0), (j, i, 1.0)):
+        row = np.flatnonzero(np.isin(first, tips) & (s.kind[second] != FREE))
+        cone, face = first[row], second[row]
+        tip, axis = s.point[cone], s.axis[cone]
+        gap, n = s.distance(face, tip), s.outward(face, tip)
+        lean = np.arcsin(np.clip(dot(n, axis), -1, 1)) - s.half_angle[cone]
+        k = np.flatnonzero(lean > angle[row])
+        middle = tip[k] - (gap[k] / 2)[:, None] * n[k]
+        blocks.append(
+            make_candidates(
+                row[k], POINT, middle, sense * n[k], gap[k],
+                along=-axis[k], rim=np.full(len(k), 1.0 if sense < 0 else 2.0),
+            )
+        )  # fmt: skip
+    return Candidates.join(blocks)
 
 
 def _points(

@@ -34,6 +34,8 @@ from kilter.contact.curved.candidates import (
     make_candidates,
     without_along,
 )  # fmt: skip
+from kilter.contact.curved.common_generators import lines_on_cone
+from kilter.contact.curved.tori import body_in_torus, torus_on_face
 
 __all__ = ["find_candidates"]
 
@@ -91,7 +93,7 @@ def find_candidates(
         if len(chosen):
             kernel_limits = limits.take(chosen)
             blocks.append(kernel(s, rows[chosen], first[chosen], second[chosen], kernel_limits))
-    unknown |= _pairs_without_kernel(s, first, second, inside, outside, socket)
+    unknown |= _pairs_without_kernel(s, first, second, inside)
     candidates = Candidates.join(blocks)
     unknown[candidates.row] = False  # a kernel returned a candidate
     turned = swap[candidates.row][:, None]
@@ -100,14 +102,10 @@ def find_candidates(
     ), unknown
 
 
-def _pairs_without_kernel(
-    s: Surfaces, i: Index, j: Index, inside: Mask, outside: Mask, socket: Mask
-) -> Mask:
+def _pairs_without_kernel(s: Surfaces, i: Index, j: Index, inside: Mask) -> Mask:
     """Mask of surface pairs that may touch in ways for which there is no contact formula."""
-    first_kind, second_kind = s.kind[i], s.kind[j]
-    torus = (second_kind == TORUS) & (first_kind != SPHERE) & ~(s.hollow[i] & s.hollow[j])
-    cone = (second_kind == CONE) & inside & (first_kind != SPHERE)  # a cone leans in a wider one
-    unmodelled: Mask = torus | cone | ((second_kind == TORUS) & socket)
+    # a torus fills a hollow torus with the same circle
+    unmodelled: Mask = (s.kind[i] == TORUS) & (s.kind[j] == TORUS) & inside
     return unmodelled
 
 
@@ -461,6 +459,26 @@ def _cone_in_cone(s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimit
     )
 
 
+def _cone_in_wider_cone(
+    s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimits
+) -> Candidates:
+    """Candidate contacts of solid cones in hollow cones: whole faces, else a common generator."""
+    same = _cone_in_cone(s, row, i, j, limits)
+    lines = lines_on_cone(s, row, i, j, limits)
+    coaxial = same.row[same.swing <= limits.gap[np.searchsorted(row, same.row)]]
+    return Candidates.join([same, lines.take(np.flatnonzero(~np.isin(lines.row, coaxial)))])
+
+
+def _both(first: Kernel, second: Kernel) -> Kernel:
+    """Contact function with the candidates of two contact functions."""
+
+    def kernel(s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimits) -> Candidates:
+        """Candidate contacts of both functions."""
+        return Candidates.join([first(s, row, i, j, limits), second(s, row, i, j, limits)])
+
+    return kernel
+
+
 def _crossing_generators(
     s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimits
 ) -> Candidates:
@@ -510,6 +528,32 @@ def _generator(s: Surfaces, i: Index, m: Array) -> tuple[Array, Array]:
     return foot, np.where(cone, side, axis)
 
 
+def _swapped(kernel: Kernel) -> Kernel:
+    """The kernel for pairs in the opposite order."""
+
+    def swapped(s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimits) -> Candidates:
+        """Candidate contacts of surfaces j with surfaces i, with normals from i to j."""
+        candidates = kernel(s, row, j, i, limits)
+        # the normal of a circle has its components away from the axis and along it
+        return replace(candidates, normal=-candidates.normal)
+
+    return swapped
+
+
+def _torus_on_cylinder(inner: bool) -> Kernel:
+    """Contact function of tori with cylinders: fits about a common axis, else the nearest point."""
+    coaxial, nearest = _torus_on_axis(inner), _swapped(torus_on_face)
+
+    def kernel(s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimits) -> Candidates:
+        """Candidate contacts of tori with cylinders about the same axis or any other."""
+        fits = coaxial(s, row, i, j, limits)
+        rest = nearest(s, row, i, j, limits)
+        is_fit = np.isin(rest.row, fits.row)
+        return Candidates.join([fits, rest.take(np.flatnonzero(~is_fit))])
+
+    return kernel
+
+
 def _torus_on_axis(inner: bool) -> Kernel:
     """Create the contact function of a torus about a coaxial shaft (`inner`), or in a coaxial bore.
 
@@ -549,9 +593,17 @@ _KERNELS: dict[tuple[int, int, str], Kernel] = {
     (SPHERE, TORUS, "in"): _sphere_in_torus,
     (CYLINDER, CYLINDER, "on"): _cylinder_cylinder,
     (CYLINDER, CYLINDER, "in"): _cylinder_in_cylinder,
-    (CYLINDER, CONE, "on"): _crossing_generators,
-    (CONE, CONE, "on"): _crossing_generators,
-    (CONE, CONE, "in"): _cone_in_cone,
-    (CYLINDER, TORUS, "on"): _torus_on_axis(True),
-    (CYLINDER, TORUS, "around"): _torus_on_axis(False),
+    (CYLINDER, CONE, "on"): _both(_crossing_generators, lines_on_cone),
+    (CYLINDER, CONE, "in"): lines_on_cone,
+    (CONE, CONE, "on"): _both(_crossing_generators, lines_on_cone),
+    (CONE, CONE, "in"): _cone_in_wider_cone,
+    (CYLINDER, TORUS, "on"): _torus_on_cylinder(True),
+    (CYLINDER, TORUS, "in"): body_in_torus,
+    (CYLINDER, TORUS, "around"): _torus_on_cylinder(False),
+    (SPHERE, TORUS, "around"): _swapped(torus_on_face),
+    (CONE, TORUS, "on"): _swapped(torus_on_face),
+    (CONE, TORUS, "in"): body_in_torus,
+    (CONE, TORUS, "around"): _swapped(torus_on_face),
+    (TORUS, TORUS, "on"): torus_on_face,
+    (TORUS, TORUS, "in"): torus_on_face,
 }

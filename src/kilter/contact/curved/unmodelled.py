@@ -1,7 +1,8 @@
 """Contacts of curved faces without a contact formula, and bounds on their forces.
 
-An edge or corner on a curved face (a ball beside the middle of a hole), a rim on a flat face that
-is not a circle across its axis, free forms, tori beside tori: such pairs are listed as unsupported.
+Free forms, a torus in a groove of the same size, and edges and corners on curved faces of meshes have
+no formula. Edges and corners of exact solids (`kilter.contact.curved.edges_with_faces`,
+`edges_with_edges`) may touch without a single normal. Such pairs are listed as unsupported.
 A frictionless sphere is pushed through its centre, and the side of a cylinder across its axis;
 every force and torque is possible for the other kinds. Rims of flat faces are given as inscribed
 polygons; the circumscribed polygons bound the answer from the other side
@@ -27,7 +28,11 @@ from kilter.contact.kept_pairs import KeptPairs
 from kilter.contact.sharp.edges import Edges
 from kilter.contact.triangle_distance import near_triangles
 
-__all__ = ["RoundContacts", "beside_curved", "no_round_contacts", "round_contacts"]
+NearFaces = tuple[Index, Index, Index]
+"""Rows of pairs of parts, curved surfaces, and edges of the other part that come near them."""
+
+__all__ = ["RoundContacts", "beside_curved", "explained_points", "no_round_contacts",
+           "round_contacts"]  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,7 +87,12 @@ def beside_curved(geometry: Geometry, parts: Index, points: Array, slack: Array)
 
 
 def round_contacts(
-    face_patches: FacePatches, edges: Edges, rows: Index, rims: tuple[Index, Array], reach: Array
+    face_patches: FacePatches,
+    edges: Edges,
+    rows: Index,
+    rims: tuple[Index, Array],
+    on_faces: tuple[NearFaces, NearFaces],
+    reach: Array,
 ) -> RoundContacts:
     """Contacts at curved surfaces of the pairs `rows` that no contact patch explains.
 
@@ -95,6 +105,8 @@ def round_contacts(
         Pairs to search.
     rims : (pair, point)
         Points at which corners and edges beside curved faces touch the other part.
+    on_faces : pair of (pair, surface, edge)
+        Edges of part b, and edges of part a, that come near curved faces of the other part.
     reach : ndarray, shape (number of pairs,)
         Largest gap at which the parts touch, or may touch [length unit].
     """
@@ -104,18 +116,12 @@ def round_contacts(
 
     def add_points(pair: Index, point: Array, surface: Index) -> None:
         """Add points that lie on no contact patch of their pair to `points_of_pair`."""
-        for name in np.unique(pair).tolist():
-            of_pair = np.flatnonzero(pair == name)
-            slack = float(reach[name] + 2 * geometry.slack[pairs[name]].max())
-            is_unexplained = ~explained(face_patches, name, point[of_pair], slack)
-            is_unexplained &= ~face_patches.smooth.explains(pair[of_pair], point[of_pair])
-            points_of_pair.setdefault(name, []).extend(
-                (point[k], int(surface[k])) for k in of_pair[is_unexplained]
-            )
+        for k in np.flatnonzero(~explained_points(face_patches, pair, point, reach)):
+            points_of_pair.setdefault(int(pair[k]), []).append((point[k], int(surface[k])))
 
     add_points(rims[0], rims[1], np.full(len(rims[0]), -1))
-    for turn in (False, True):
-        add_points(*edges_on_faces(face_patches, edges, rows, reach, turn=turn))
+    for turn, near in zip((False, True), on_faces, strict=True):
+        add_points(*edges_on_faces(face_patches, edges, near, reach, turn=turn))
     chosen = curved.unknown[np.isin(curved.unknown[:, 0], rows)]
     patched = np.column_stack([curved.patches.pair, curved.surface]).tolist()
     patched = {tuple(row) for row in patched}
@@ -124,6 +130,20 @@ def round_contacts(
         point = _close_triangles(geometry, pairs[pair], (i, j), float(reach[pair]))
         add_points(np.full(len(point), pair), point, np.full(len(point), -1))
     return _round_contacts_of(geometry, pairs, points_of_pair)
+
+
+def explained_points(face_patches: FacePatches, pair: Index, points: Array, reach: Array) -> Mask:
+    """Mask of points on contact patches of their pairs, shape (n,).
+
+    `reach` is the largest gap at which the parts of each pair may touch [length unit].
+    """
+    geometry, pairs = face_patches.search.geometry, face_patches.search.pairs
+    result = np.zeros(len(pair), dtype=bool)
+    for name in np.unique(pair).tolist():
+        of_pair = np.flatnonzero(pair == name)
+        slack = float(reach[name] + 2 * geometry.slack[pairs[name]].max())
+        result[of_pair] = explained(face_patches, name, points[of_pair], slack)
+    return result | face_patches.smooth.explains(pair, points)
 
 
 def _round_contacts_of(

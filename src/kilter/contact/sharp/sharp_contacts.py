@@ -19,7 +19,7 @@ For two convex parts a patch of planar contact is complete: no other contact is 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,10 +28,17 @@ from kilter.arrays import Array, Index, Mask
 from kilter.assembly.geometry import Geometry
 from kilter.contact.broad import Boxes
 from kilter.contact.contact_tolerances import LOOSE_GAP, MEETS_EXACTLY, ONE_POINT
+from kilter.contact.curved.edge_touching import EdgeTouching
+from kilter.contact.curved.edges_on_curves import edges_near_faces
+from kilter.contact.curved.edges_with_edges import edges_on_edges, near_edge_pairs, tips_on_edges
+from kilter.contact.curved.edges_with_faces import EdgeFacePairs, edge_contacts_on_faces
+from kilter.contact.curved.exact_edges import EdgeCurves
 from kilter.contact.curved.rims import coaxial_clear, rims_clear
 from kilter.contact.curved.unmodelled import (
+    NearFaces,
     RoundContacts,
     beside_curved,
+    explained_points,
     no_round_contacts,
     round_contacts,
 )
@@ -42,7 +49,7 @@ from kilter.contact.kept_pairs import KeptPairs
 from kilter.contact.left_out import PossibleContacts, UnsupportedContact
 from kilter.contact.patches import Patches
 from kilter.contact.sharp.edges import Edges, find_edges
-from kilter.contact.sharp.feature_pairs import EDGE, FACE, Meetings, PairBlock, meetings
+from kilter.contact.sharp.feature_pairs import CORNER, EDGE, FACE, Meetings, PairBlock, meetings
 
 if TYPE_CHECKING:
     from kilter.contact.sharp.normals import Clauses, Pushes
@@ -61,6 +68,7 @@ class NearContacts:
     patches: Patches
     degenerate: DegeneratePoints
     rounds: RoundContacts
+    rejected: tuple[RejectedPair, ...] = ()
 
     def unsupported(self, geometry: Geometry) -> tuple[UnsupportedContact, ...]:
         """Records of the contacts that are not modelled."""
@@ -81,6 +89,7 @@ class NearContacts:
             Patches.join(block.patches.after(begin) for begin, block in blocks),
             DegeneratePoints.join([block.degenerate for _, block in blocks]),
             RoundContacts.join([block.rounds for _, block in blocks]),
+            tuple(pair for _, block in blocks for pair in block.rejected),
         )
 
     def among(self, kept: KeptPairs) -> NearContacts:
@@ -125,6 +134,7 @@ def near_contacts(face_patches: FacePatches, rejected: Iterable[RejectedPair]) -
     round_rows = np.flatnonzero(_boxes_meet(boxes, a, b, reach) & ~settled)
     round_rows = round_rows[_round_parts(search.geometry)[search.pairs[round_rows]].any(axis=1)]
     patches, degenerate, rounds = Patches.none(), DegeneratePoints.none(), no_round_contacts()
+    touching = EdgeTouching()
     all_rows = np.union1d(sharp_rows, round_rows)
     if len(all_rows):
         # imported late: only edges and corners that touch need these modules
@@ -142,8 +152,9 @@ def near_contacts(face_patches: FacePatches, rejected: Iterable[RejectedPair]) -
         pushes, clauses = _without_explained(candidates, pushes, clauses, face_patches)
         patches = edge_contacts(search, edges, candidates, pushes)
         degenerate = _degenerate_points(sharp_search, candidates, clauses, all_pushes)
-        rounds = _round_contacts(sharp_search, round_rows, reach)
-    return NearContacts(patches, degenerate, rounds)
+        rounds, touching = _round_contacts(sharp_search, round_rows, reach)
+        patches = Patches.join([patches, touching.patches(search)]).ordered()
+    return NearContacts(patches, degenerate, rounds, touching.rejected(search))
 
 
 def _meetings(near: _SharpSearch, rows: Index, tolerance: Array) -> Meetings:
@@ -212,23 +223,123 @@ def _reach(face_patches: FacePatches, rejected: Iterable[RejectedPair]) -> Array
     return np.asarray(np.maximum(limits.closed, loose))
 
 
-def _round_contacts(near: _SharpSearch, rows: Index, reach: Array) -> RoundContacts:
+def _round_contacts(
+    near: _SharpSearch, rows: Index, reach: Array
+) -> tuple[RoundContacts, EdgeTouching]:
     """Contacts on or beside curved faces of the pairs `rows`.
 
-    Triangles lie off their surfaces by up to the slack: rims are searched for within it.
+    Edges between exact faces have contact formulas. Other edges are given by triangles, which lie
+    off their surfaces by up to the slack: their contacts are searched for within it.
     """
+    touching = EdgeTouching()
     if not len(rows):
-        return no_round_contacts()
-    geometry = near.geometry
+        return no_round_contacts(), touching
+    geometry, face_patches = near.geometry, near.face_patches
+    curves = EdgeCurves(geometry, face_patches.search.facets, near.edges)
     candidates = _meetings(near, rows, reach + geometry.slack[near.pairs].sum(axis=1))
     candidates = candidates.take(
         np.flatnonzero(_beside_curved(near, candidates) & ~_clear_rims(near, candidates, reach))
     )
     candidates = candidates.take(np.flatnonzero(~_explained_meetings(near, candidates)))
-    pushes, clauses = _without_explained(candidates, *_normals(near, candidates), near.face_patches)
+    exact = _exact_meetings(curves, candidates)
+    on_faces = [
+        edges_near_faces(face_patches, near.edges, rows, reach, turn=turn) for turn in (False, True)
+    ]
+    pairs, others = _edge_face_pairs(curves, candidates.take(np.flatnonzero(exact)), on_faces)
+    pairs = pairs.take(np.flatnonzero(~_edges_explained(near, pairs.pair, pairs.edge, reach)))
+    edge_contacts_on_faces(face_patches, curves, pairs, reach, touching)
+    beside = near_edge_pairs(face_patches, curves, rows, reach)
+    edges_on_edges(face_patches.search, curves, beside, reach, touching)
+    tips_on_edges(face_patches.search, curves, rows, reach, touching)
+    touching = _unexplained(face_patches, touching, reach)
+    candidates = candidates.take(np.flatnonzero(~exact))
+    pushes, clauses = _without_explained(candidates, *_normals(near, candidates), face_patches)
     on_rim = np.concatenate([pushes.meeting, clauses.meeting])
-    rims = candidates.pair[on_rim], candidates.middle[on_rim]
-    return round_contacts(near.face_patches, near.edges, rows, rims, reach)
+    rims = (
+        np.append(candidates.pair[on_rim], [pair for pair, _ in touching.unresolved]),
+        np.concatenate(
+            [candidates.middle[on_rim], *(point[None] for _, point in touching.unresolved)]
+        ),
+    )
+    rounds = round_contacts(face_patches, near.edges, rows, rims, (others[0], others[1]), reach)
+    possible = PossibleContacts.join([rounds.possible, touching.possible(face_patches.search)])
+    return replace(rounds, possible=possible), touching
+
+
+def _edges_explained(near: _SharpSearch, pair: Index, edge: Index, reach: Array) -> Mask:
+    """Mask of edges whose ends and middle lie on contact patches of their pairs."""
+    p, q = near.edges.ends(near.geometry, edge)
+    result = np.ones(len(pair), dtype=bool)
+    for point in (p, q, (p + q) / 2):
+        rows = np.flatnonzero(result)
+        result[rows] = explained_points(near.face_patches, pair[rows], point[rows], reach)
+    return result
+
+
+def _exact_meetings(curves: EdgeCurves, met: Meetings) -> Mask:
+    """Mask of meeting points whose features are flat faces, exact edges, or corners of these."""
+    edges = curves.edges
+    exact = np.ones(len(met), dtype=bool)
+    for side in (0, 1):
+        kind, feature = met.kind[:, side], met.feature[:, side]
+        on_edge, corner = np.flatnonzero(kind == EDGE), np.flatnonzero(kind == CORNER)
+        exact[on_edge] &= curves.exact(feature[on_edge])
+        rays = edges.rays(curves.geometry, feature[corner])
+        unknown = rays.owner[~curves.exact(rays.edge)]
+        exact[corner[unknown]] = False
+    return exact
+
+
+def _edge_face_pairs(
+    curves: EdgeCurves, met: Meetings, on_faces: list[NearFaces]
+) -> tuple[EdgeFacePairs, list[NearFaces]]:
+    """Pairs of an exact edge and an exact face, and the edges near curved faces that are others.
+
+    Parameters
+    ----------
+    curves : EdgeCurves
+    met : Meetings
+        Exact meeting points; those with a flat face are used, with all edges at a corner.
+    on_faces : list of (pair, surface, edge)
+        Edges of part b, and edges of part a, that come near curved faces of the other part.
+    """
+    s, edges = curves.geometry.surfaces, curves.edges
+    blocks, others = [], []
+    for turned, (pair, surface, edge) in zip((False, True), on_faces, strict=True):
+        known = curves.exact(edge) & (s.doubt[surface] == 0)
+        k = np.flatnonzero(known)
+        blocks.append(
+            EdgeFacePairs(pair[k], np.full(len(k), turned), edge[k], surface[k], 0 * edge[k])
+        )
+        rest = np.flatnonzero(~known)
+        others.append((pair[rest], surface[rest], edge[rest]))
+    for turned, side in ((True, 0), (False, 1)):
+        flat = met.kind[:, 1 - side] == FACE
+        k = np.flatnonzero(flat & (met.kind[:, side] == EDGE))
+        corner = np.flatnonzero(flat & (met.kind[:, side] == CORNER))
+        rays = edges.rays(curves.geometry, met.feature[corner, side])
+        row = np.append(k, corner[rays.owner])
+        edge = np.append(met.feature[k, side], rays.edge)
+        keep = curves.sharp(edge)
+        row, edge = row[keep], edge[keep]
+        names = np.column_stack([met.pair[row], edge, met.feature[row, 1 - side]])
+        pair, edge, facet = np.unique(names, axis=0).T
+        blocks.append(
+            EdgeFacePairs(pair, np.full(len(pair), turned), edge, np.full(len(pair), -1), facet)
+        )
+    return EdgeFacePairs.join(blocks), others
+
+
+def _unexplained(face_patches: FacePatches, touching: EdgeTouching, reach: Array) -> EdgeTouching:
+    """The contacts of edges, and near edges, that lie on no contact patch of their pair."""
+    touched = [
+        contact
+        for contact in touching.touching
+        if not explained_points(
+            face_patches, np.full(len(contact.points), contact.pair), contact.points, reach
+        ).all()
+    ]
+    return EdgeTouching(touched, touching.near, touching.unresolved)
 
 
 def _clear_rims(near: _SharpSearch, met: Meetings, reach: Array) -> Mask:
