@@ -65,14 +65,22 @@ ROUND = pytest.mark.parametrize("name", ["cylinder", "ball"])
 SHARP = pytest.mark.parametrize("name", ["edge", "corner", "tetrahedron", "crossed"])
 
 
-def ball_on_a_ridge():
-    """An edge on a curved face: no formula yet."""
+def rim_along_a_ridge():
+    """The round edge of a cylinder runs along a straight edge: no single normal."""
     ridge = prism("ridge", [[0, 0], [-1, -1], [1, -1]], 2.0, grounded=True)
-    return [ridge, Part("cube", Sphere(0.5), Pose([0, 0, 0.5]))]
+    return [ridge, Part("cube", Cylinder(0.5, 1.0), Pose([0.5, 0, 0.5]))]
+
+
+def test_a_ball_balances_on_a_ridge():
+    ridge, _ = rim_along_a_ridge()
+    verdict = judged(Assembly([ridge, Part("ball", Sphere(0.5), Pose([0, 0, 0.5]))]))
+    assert verdict.first_order == "stable"
+    assert verdict.contacts.patch_kind.tolist() == ["edge-face"]
+    assert verdict.contacts.points == pytest.approx(np.zeros((1, 3)), abs=1e-12)
 
 
 def test_contact_that_could_hold_it_is_listed_and_undecided():
-    verdict = judged(Assembly(ball_on_a_ridge()))
+    verdict = judged(Assembly(rim_along_a_ridge()))
     assert verdict.verdict == "undecided"
     assert [u.kind for u in verdict.contacts.unsupported] == ["curved"]
     pair = {verdict.assembly.names[k] for k in verdict.contacts.unsupported[0].parts}
@@ -308,8 +316,8 @@ def test_two_round_parts_on_their_ends_stack():
 
 
 def test_proof_with_possible_contacts_counts_them():
-    # unstable although a ball may push: the motion obeys that push too
-    verdict = judged(Assembly([*ball_on_a_ridge(), SPARE]))
+    # unstable although the rim may push: the motion obeys that push too
+    verdict = judged(Assembly([*rim_along_a_ridge(), SPARE]))
     assert (verdict.program.kind == 1).any()
     moves = verdict.program.velocities(verdict.certificate.motion)
     assert moves.min() >= -1e-9

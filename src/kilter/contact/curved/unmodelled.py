@@ -1,7 +1,7 @@
 """Contacts of curved faces without a contact formula, and bounds on their forces.
 
-Free forms, a torus in a groove of the same size, and edges and corners on curved faces of meshes have
-no formula. Edges and corners of exact solids (`kilter.contact.curved.edges_with_faces`,
+Free forms, a torus in a groove of the same size, and edges and corners on curved faces of meshes
+have no formula. Edges and corners of exact solids (`kilter.contact.curved.edges_with_faces`,
 `edges_with_edges`) may touch without a single normal. Such pairs are listed as unsupported.
 A frictionless sphere is pushed through its centre, and the side of a cylinder across its axis;
 every force and torque is possible for the other kinds. Rims of flat faces are given as inscribed
@@ -65,7 +65,13 @@ class RoundContacts:
 
     def among(self, kept: KeptPairs) -> RoundContacts:
         """The contacts of some of the pairs, with new numbers."""
-        return RoundContacts(kept.records(self.unsupported), kept.possible(self.possible))
+        rows = np.flatnonzero(kept.of_parts(*self.parts.T))
+        return RoundContacts(
+            kept.records(self.unsupported),
+            kept.possible(self.possible),
+            kept.new_part[self.parts[rows]],
+            self.points[rows],
+        )
 
 
 def no_round_contacts() -> RoundContacts:

@@ -95,7 +95,10 @@ class NearContacts:
     def among(self, kept: KeptPairs) -> NearContacts:
         """The contacts of some of the pairs, with new numbers."""
         return NearContacts(
-            kept.patches(self.patches), kept.degenerate(self.degenerate)[0], self.rounds.among(kept)
+            kept.patches(self.patches),
+            kept.degenerate(self.degenerate)[0],
+            self.rounds.among(kept),
+            kept.records(self.rejected),
         )
 
 
@@ -331,7 +334,10 @@ def _edge_face_pairs(
 
 
 def _unexplained(face_patches: FacePatches, touching: EdgeTouching, reach: Array) -> EdgeTouching:
-    """The contacts of edges, and near edges, that lie on no contact patch of their pair."""
+    """The contacts and unresolved points of edges that lie on no contact patch of their pair.
+
+    A pair with an unresolved point is open, and its near edges say no more.
+    """
     touched = [
         contact
         for contact in touching.touching
@@ -339,7 +345,13 @@ def _unexplained(face_patches: FacePatches, touching: EdgeTouching, reach: Array
             face_patches, np.full(len(contact.points), contact.pair), contact.points, reach
         ).all()
     ]
-    return EdgeTouching(touched, touching.near, touching.unresolved)
+    pair = np.array([row for row, _ in touching.unresolved], dtype=np.int64)
+    points = np.array([point for _, point in touching.unresolved]).reshape(-1, 3)
+    is_left = np.flatnonzero(~explained_points(face_patches, pair, points, reach))
+    unresolved = [touching.unresolved[k] for k in is_left]
+    open_pairs = set(pair[is_left].tolist())
+    near = [(row, gap) for row, gap in touching.near if row not in open_pairs]
+    return EdgeTouching(touched, near, unresolved)
 
 
 def _clear_rims(near: _SharpSearch, met: Meetings, reach: Array) -> Mask:
