@@ -307,6 +307,7 @@ def test_each_action_on_parts_is_done_and_repeated_by_the_command(
     agrees = lambda: page.command_agrees(capsys, monkeypatch)  # noqa: E731
     page.choose("high").click("#do-leave-out")
     assert page.choices()["left_out"] == ["high"]
+    assert page.js("document.activeElement.getAttribute('role')") == "treeitem"
     assert [part["name"] for part in agrees()["parts"]] == ["base", "low", "side"]
     page.click("#left-out button")
     assert "left_out" not in page.choices()

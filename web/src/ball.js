@@ -19,6 +19,7 @@ export class Ball {
   /** `turned(direction, how, step)` is called when the user moves the arrow; `how`: pointer or key. */
   constructor(canvas, page, turned) {
     Object.assign(this, { canvas, turned });
+    this.marked = () => {}; // called with the words for the letters that are drawn
     this.eye = page.planar ? [0, 0] : [0.55, -0.42];
     this.down = page.given.down;
     this.replace(page);
@@ -364,6 +365,7 @@ export class Ball {
 
   /** Mark the given and the recommended direction with the letters G and R. */
   paintMarks(c, style) {
+    const drawn = [];
     for (const [name, letter] of [
       ["given", "G"],
       ["recommended", "R"],
@@ -378,7 +380,9 @@ export class Ball {
       c.strokeStyle = style("ink");
       c.lineWidth = 1.5;
       c.strokeRect(x - 4, y - 4, 8, 8);
+      drawn.push(`${letter} ${name}`);
     }
+    this.marked(drawn);
   }
 
   /** Paint the arrow of gravity; `above`: whether this pass paints over the ball or under it. */

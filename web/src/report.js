@@ -50,6 +50,10 @@ export class Report extends Look {
     this.amount = 0;
     this.fell = 0;
     this.ball = new Ball(id("ball"), page, (u, how, step) => this.pull(u, how, step));
+    this.ball.marked = (words) => {
+      id("marks-key").hidden = !words.length;
+      id("marks-key").textContent = words.join(", ");
+    };
     this.look();
     this.controls();
     this.turn(this.down);

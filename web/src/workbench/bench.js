@@ -153,6 +153,7 @@ export class Workbench {
     const down = this.report && !this.other ? this.report.page.given.down : [0, 0, -1];
     page.given = pending(page.parts.names.length, down);
     id("show").hidden = false;
+    const acted = id("part").contains(document.activeElement);
     if (/^Reading/.test(id("message-words").textContent)) this.note("");
     if (!this.report) this.begin(page);
     else if (this.other) {
@@ -164,6 +165,8 @@ export class Workbench {
     this.forces.lists(this.session.choices);
     this.parts.tell();
     this.stale();
+    // the selected parts were left out: the keyboard goes on in the tree
+    if (acted && id("part").hidden) this.report.tree.focus(this.report.tree.at);
   }
 
   /** Make the picture with the first scene. */
