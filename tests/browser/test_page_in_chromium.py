@@ -227,8 +227,8 @@ def test_buttons_go_to_the_given_the_recommended_and_the_nearest_direction(
     assert np.allclose(page.down(), scene("paper-figure-11").down)
     assert page.text("verdict") == "Unstable"
     page.js("window.kilter.ask([0.5, -0.4, -0.4])")
-    page.until("!document.getElementById('marks-key').hidden")
-    assert "G given" in page.text("marks-key")
+    page.until("document.getElementById('marks-key').textContent.includes('G given')")
+    assert page.page.is_visible("#marks-key")
     page.page.click("#go-given")
     page.page.focus("#go-nearest")
     page.page.keyboard.press("Enter")
