@@ -443,6 +443,8 @@ def main(answered: Answered = turned, told: Callable[[list[dict[str, Any]]], Non
         with open(given.table) as lines:
             told([json.loads(line) for line in lines])
         return 0
+    if given.family is None:
+        parser.error("give a family, --voronoi COUNT or --table FILE")
     done = set()
     if given.o and os.path.exists(given.o):
         with open(given.o) as lines:

@@ -29,8 +29,11 @@ from kilter.work import EFFORT, Work, units_of
 
 __all__ = ["hold"]
 
-SEARCH = 40.0
-"""Work of the search, relative to the work of an effort [-]."""
+SEARCH = 36.0
+"""Work of the search, relative to the work of an effort [-]; larger: longer searches.
+
+At the default effort a search without result takes less than ten seconds of one core. With half of
+this work, an assembly of 60 stones got 17 grips instead of 7."""
 
 
 @on_one_thread

@@ -128,6 +128,8 @@ def find_fewest_held_steps(
             continue
         taken = next(node.removals, None)
         if taken is None:
+            if search.work.over:  # the removals that are left were not tried
+                return best, False
             heappop(waiting)
             continue
         rest, after = node.present & ~taken.set, cost + _holds(search, taken)

@@ -18,15 +18,23 @@ from __future__ import annotations
 
 import numpy as np
 
+from kilter.analysis.planning.order.search import FEW, PROGRAM
 from kilter.analysis.planning.states.state import State
 from kilter.analysis.planning.states.states import States
 from kilter.arrays import Mask
+from kilter.work import Work
 
 __all__ = ["find_unreachable"]
 
 
-def find_unreachable(states: States) -> tuple[Mask, list[State]]:
+def find_unreachable(states: States, work: Work | None = None) -> tuple[Mask, list[State]]:
     """Find the parts that can stand without hands, and proofs that each of the other parts falls.
+
+    Parameters
+    ----------
+    states : States
+    work : Work, optional
+        Budget that the judged states are charged to; unlimited by default.
 
     Returns
     -------
@@ -34,7 +42,7 @@ def find_unreachable(states: States) -> tuple[Mask, list[State]]:
         Mask of the parts that an order may reach.
     falling : list of State
         States of the other parts, each alone free on the reached parts; the part falls. Empty if
-        all parts are reached; then nothing is proved.
+        all parts are reached, or if the budget is exhausted; then nothing is proved.
 
     Examples
     --------
@@ -44,20 +52,25 @@ def find_unreachable(states: States) -> tuple[Mask, list[State]]:
     >>> int(reached.sum()), len(falling)
     (6, 5)
     """
+    work = Work() if work is None else work
     reached = states.assembly.geometry.grounded.copy()
     grown = True
     while grown:
         grown = False
         for part in np.flatnonzero(~reached).tolist():
-            if _state_of_part(states, reached, part).stable is not False:
+            if work.over:
+                return reached, []
+            if _state_of_part(states, reached, part, work).stable is not False:
                 reached[part] = grown = True
-    return reached, [
-        _state_of_part(states, reached, part) for part in np.flatnonzero(~reached).tolist()
-    ]
+    falling = np.flatnonzero(~reached).tolist()
+    return reached, [_state_of_part(states, reached, part, work) for part in falling]
 
 
-def _state_of_part(states: States, standing: Mask, part: int) -> State:
+def _state_of_part(states: States, standing: Mask, part: int, work: Work) -> State:
     """Judge the state in which only `part` is free and all `standing` parts are held."""
     present = standing.copy()
     present[part] = True
-    return states.judge(present, standing)
+    before = states.units
+    state = states.judge(present, standing)
+    work.charge(states.units - before + PROGRAM * (FEW + 1))
+    return state

@@ -231,7 +231,7 @@ def _find_obstacles(search: OrderSearch, rules: PlanRules, whole: State) -> _Obs
     locked = find_locked(search.states, search.removal)
     search.work.stage("parts that stand by themselves")
     # a turned base changes the direction of gravity, so a part that falls here may stand there
-    falling = [] if locked or rules.turn else find_unreachable(search.states)[1]
+    falling = [] if locked or rules.turn else find_unreachable(search.states, search.work)[1]
     return _Obstacles(applies=True, locked=locked, falling=falling)
 
 

@@ -22,6 +22,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from itertools import groupby
+from typing import TypeVar
 
 import numpy as np
 
@@ -34,6 +35,8 @@ from kilter.analysis.planning.states.state import State
 from kilter.analysis.planning.states.states import States
 from kilter.arrays import TINY, Array, Mask
 from kilter.work import Work
+
+Candidate = TypeVar("Candidate")
 
 __all__ = ["FEW", "PROGRAM", "OrderSearch", "Removed", "neighbours_of"]
 
@@ -168,6 +171,8 @@ class OrderSearch:
                 (removal for removal in removals if present & ~removal.set not in dead), None
             )
             if taken is None:
+                if self.work.over:  # the removals that are left were not tried
+                    return None
                 dead.add(present)
                 waiting.pop()
                 if order:
@@ -188,19 +193,23 @@ class OrderSearch:
             self.work.tell(f"order: {left} parts to place, {hold} held")
 
     def removals(self, present: int, last: int, hold: int) -> Iterator[Removed]:
-        """Yield possible removals from a set of parts, best first; `last` was removed before."""
+        """Yield possible removals from a set of parts, best first; `last` was removed before.
+
+        The removals end early if the budget is exhausted: many removals of a large set may be
+        impossible.
+        """
         self.visited += 1
         self.work.tell(f"order: sets of parts {self.visited}, judged states {len(self.states)}")
         stuck: list[int] = []
         candidates = self._candidates(present, last)
         for _, layer in groupby(candidates, key=lambda unit: self._seat[unit][0]):
             yield from self._of_layer(layer, present, hold, stuck)
-        for moved in stuck:
+        for moved in self._in_budget(stuck):
             legs = self.way_out(moved, present, 2)
             if legs is not None:
                 yield from self._held(moved, legs, present, hold)
         if self.together:
-            for moved, legs in self._several(present):
+            for moved, legs in self._in_budget(self._several(present)):
                 yield from self._held(moved, legs, present, hold)
 
     def _of_layer(
@@ -208,7 +217,7 @@ class OrderSearch:
     ) -> Iterator[Removed]:
         """Yield removals of the units of a layer; units without a path go to the list `stuck`."""
         falling = []
-        for moved in layer:
+        for moved in self._in_budget(layer):
             if not self.may_leave(moved, present):
                 continue
             legs = self.way_out(moved, present, 1)
@@ -222,8 +231,15 @@ class OrderSearch:
                 yield Removed(self._members(moved), legs, state)
             else:
                 falling.append((moved, legs))
-        for moved, legs in falling:
+        for moved, legs in self._in_budget(falling):
             yield from self._held(moved, legs, present, hold)
+
+    def _in_budget(self, candidates: Iterable[Candidate]) -> Iterator[Candidate]:
+        """Yield the candidates until the budget is exhausted."""
+        for candidate in candidates:
+            if self.work.over:
+                return
+            yield candidate
 
     def _members(self, parts: int) -> tuple[int, ...]:
         """Indices of the parts in a bit set."""
