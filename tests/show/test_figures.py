@@ -18,6 +18,7 @@ from kilter.cli import main
 from kilter.files import to_text
 from kilter.scenes import scene
 from kilter.show.painter import Camera, Polygon, back_to_front, visible_triangles
+from kilter.show.scene import build_things
 
 pytest.importorskip("matplotlib")
 
@@ -331,3 +332,16 @@ def test_draw_says_what_to_install(
     monkeypatch.setattr(canvas.importlib.util, "find_spec", lambda name: None)
     assert main(["draw", str(wall), "-o", "f.png"]) == 2
     assert "pip install 'kilter[figures]'" in capsys.readouterr().err
+
+
+def test_straps_are_lines_in_the_figure_and_in_the_page() -> None:
+    deck = Part("deck", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
+    crate = Part("crate", Box([1, 1, 1]), Pose([0, 0, 0.5]))
+    path = [("ground", [2, 0, 0]), ("crate", [0.5, 0, 1])]
+    load = Assembly([deck, crate], straps=[kilter.Strap(path, capacity=100)])
+    verdict = kilter.check(load)
+    words = [text.get_text() for text in draw_assembly(verdict).legends[0].get_texts()]
+    assert "1 strap" in words
+    things = build_things(load, verdict.contacts)
+    line = np.array(things["straps"][0]) + things["center"]
+    assert np.allclose(line, [[2, 0, 0], [0.5, 0, 1]])

@@ -20,6 +20,7 @@ from kilter.show.overlay import (
     draw_motion,
     draw_names,
     draw_patches,
+    draw_straps,
 )
 from kilter.show.painter import Camera
 from kilter.show.solids import draw_parts
@@ -100,6 +101,7 @@ def draw_assembly(
     entries, faces = draw_parts(axes, assembly, camera, size)
     if contacts:
         entries += draw_patches(axes, verdict, camera)
+    entries += draw_straps(axes, assembly, camera)
     if verdict.moving:
         entries += draw_motion(axes, verdict, camera, ARROW * size)
     elif verdict.forces is not None:

@@ -25,7 +25,15 @@ if TYPE_CHECKING:
     from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly import Assembly
 
-__all__ = ["draw_fall", "draw_forces", "draw_gravity", "draw_motion", "draw_names", "draw_patches"]
+__all__ = [
+    "draw_fall",
+    "draw_forces",
+    "draw_gravity",
+    "draw_motion",
+    "draw_names",
+    "draw_patches",
+    "draw_straps",
+]
 
 
 MOTION, FORCE, PATCH = (ROLES[name].light for name in ("unstable", "force", "patch"))
@@ -52,6 +60,8 @@ HEAD_SIZE = 11.0
 """Size of an arrow head [pt]; heads of short arrows are smaller."""
 KIND = {"potentially-stable": "a possible ", "undecided": "with the modelled contacts alone: "}
 """First words of the legend of a motion, for verdicts that do not assert that it occurs."""
+STRAP = 2.2
+"""Width of the line of a strap [pt]."""
 HALO = 2.6
 """Width of the light outline around an arrow [pt]."""
 
@@ -70,6 +80,22 @@ def draw_patches(axes: Axes, verdict: Verdict, camera: Camera) -> list[tuple[Any
     axes.add_collection(PolyCollection(outlines, zorder=2, **style))
     count = len(contacts)
     return [(Patch(**style), f"{count} contact patch{'es' if count > 1 else ''}")]
+
+
+def draw_straps(axes: Axes, assembly: Assembly, camera: Camera) -> list[tuple[Any, str]]:
+    """Draw the paths of the straps as lines over the parts; return the legend entry."""
+    from matplotlib.collections import LineCollection
+    from matplotlib.lines import Line2D
+    from matplotlib.patheffects import Normal, withStroke
+
+    lines = [camera.flat(strap.points) for strap in assembly.straps]
+    if not lines:
+        return []
+    outline = [withStroke(linewidth=STRAP + HALO, foreground=PAPER), Normal()]
+    style: dict[str, Any] = {"linewidth": STRAP, "path_effects": outline, "zorder": 3}
+    axes.add_collection(LineCollection(lines, colors=INK, **style))
+    words = f"{len(lines)} strap{'s' if len(lines) > 1 else ''}"
+    return [(Line2D([], [], color=INK, linewidth=STRAP), words)]
 
 
 def _outline_order(flat: Array) -> Array:

@@ -66,7 +66,7 @@ def coincide(answers: Everything) -> bool:
 
 
 def build_things(assembly: Assembly, contacts: ContactSet) -> dict[str, Any]:
-    """JSON data that every page has: shapes, parts, contact patches, open pairs, loads."""
+    """JSON data that every page has: shapes, parts, contact patches, open pairs, loads, straps."""
     center, extent = _view(assembly)
     return {
         "words": VERDICTS,
@@ -88,6 +88,7 @@ def build_things(assembly: Assembly, contacts: ContactSet) -> dict[str, Any]:
             }
             for load in assembly.loads
         ],
+        "straps": [(strap.points - center).tolist() for strap in assembly.straps],
     }
 
 
