@@ -32,7 +32,7 @@ from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import KINDS
 from kilter.contact.contact_search import begin_search
 from kilter.contact.pair_findings import PairFindings, examine
-from kilter.contact.triangle_distance import within_distance
+from kilter.contact.triangle_distance import surface_distance
 from kilter.errors import KilterError
 
 Array = NDArray[np.float64]
@@ -87,7 +87,7 @@ def feature_at(geometry: Geometry, part: int, point: Array, reach: float) -> str
     near &= (corners.max(axis=1) >= point - reach).all(axis=1)
     found: dict[tuple[float, ...], str] = {}
     for k in np.flatnonzero(near):
-        if within_distance(point[None], corners[k : k + 1], reach)[0]:
+        if surface_distance(point[None], corners[k : k + 1])[0] <= reach:
             row = int(surface[k])
             key = (float(row),) if row >= 0 else (-1.0, *np.round(normal[k], 3).tolist())
             found[key] = _name(geometry, row)
