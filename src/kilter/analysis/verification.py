@@ -15,8 +15,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from kilter.analysis.planning.hold.hold_check import wrong_hold
+from kilter.analysis.planning.hold.least_straps import wrong_lashing
 from kilter.analysis.planning.order.order_check import wrong_order
-from kilter.analysis.planning.plan_proof_form import require_hold_form, require_plan_form
+from kilter.analysis.planning.plan_proof_form import (
+    require_hold_form,
+    require_lashing_form,
+    require_plan_form,
+)
 from kilter.assembly import Assembly, require_assembly
 from kilter.assembly.strap_ends import end_words, with_ends_of
 from kilter.contact import ContactSet, Tolerance, contacts
@@ -264,9 +269,10 @@ def verify_bundle(assembly: Assembly, contacts: ContactSet, bundle: dict[str, An
 JUDGES = {
     "plan": (require_plan_form, wrong_order),
     "hold": (require_hold_form, wrong_hold),
+    "lashing": (require_lashing_form, wrong_lashing),
 }
 """For each kind of bundle: the form of its statements, and the reasons why valid proofs do not
-form a plan or a fixture."""
+form a plan, a fixture or a lashing."""
 
 
 def _wrong_together(

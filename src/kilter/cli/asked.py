@@ -21,7 +21,7 @@ from kilter.work import facts_of, stop_after
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kilter.assembly import Assembly
+    from kilter.assembly import Assembly, Strap
     from kilter.contact import ContactSet, Tolerance
     from kilter.files.reading import Reading
     from kilter.tell.answer_data.common_data import WarnedData
@@ -232,6 +232,15 @@ class Asked:
             return fasten_as_read(
                 assembly, self.reading, tolerance=self.tolerance, progress=progress
             )
+
+    def without_straps(self) -> tuple[Asked, list[Strap]]:
+        """A copy that does not add the straps of `--straps` to the assembly, and these straps."""
+        from kilter.assembly import Strap
+
+        entries = {key: value for key, value in self.reading.entries.items() if key != "straps"}
+        straps = [Strap(**entry) for entry in self.reading.entries["straps"]]
+        reading = replace(self.reading, entries=entries)
+        return replace(self, reading=reading, typed=reading), straps
 
     def keep_proof(self, make: Callable[..., dict[str, Any]] | None, answer: WarnedData) -> str:
         """Write the proof file that `--proof` names; return the line for the user about it.

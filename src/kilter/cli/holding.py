@@ -50,17 +50,24 @@ def hold(
 ) -> int:
     """Find the fewest supports that hold an assembly together, and prove that fewer do not.
 
-    For a half-built assembly, leave out the missing parts with --without.
+    For a half-built assembly, leave out the missing parts with --without. With --straps, the
+    candidates are the straps of this file, and the answer is the fewest of them.
 
     Exit code: 0 found at the level of --require, 3 found only at a lower level, 1 proved that not
     even all candidates are enough, 4 undecided.
     """
     from kilter.analysis.planning.hold.hold import hold as find
 
+    straps = None
+    if asked.straps is not None:
+        if candidates:
+            raise InputError("--straps and --candidates are given together", hint="give one")
+        asked, straps = asked.without_straps()
     with Progress(asked.quiet) as progress:
         assembly, contacts = asked.read(progress)
         fixture = find(
             assembly,
+            straps=straps,
             candidates=[
                 candidate for word in candidates or ("grips",) for candidate in _candidates(word)
             ],
@@ -76,7 +83,7 @@ def hold(
     proved = fixture.verdict != "undecided"
     after = asked.keep_proof(fixture.proof if proved else None, answer)
     asked.tell(answer, after=after)
-    if fixture.interrupted:
+    if answer["interrupted"]:
         return INTERRUPTED
     if fixture.verdict == "held":
         return HOLDS if fixture.holds else LOWER

@@ -26,7 +26,7 @@ from typing import Any
 
 import numpy as np
 
-from kilter.assembly import Assembly, Load
+from kilter.assembly import Assembly, Load, Strap
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.sub_contacts import contacts_among
 from kilter.contact.supports import Support, with_supports
@@ -129,6 +129,11 @@ def apply_change(
         bonds = [bond.with_strength(change["strength"]) for bond in assembly.bonds]
         straps = [strap.with_strength(change["strength"]) for strap in assembly.straps]
         assembly = dataclasses.replace(assembly, bonds=bonds, straps=straps)
+        contacts = contacts.of(assembly)
+    if change.get("straps") is not None:
+        straps = [Strap(**{**data, "path": list(map(tuple, data["path"]))})
+                  for data in change["straps"]]  # fmt: skip
+        assembly = dataclasses.replace(assembly, straps=[*assembly.straps, *straps])
         contacts = contacts.of(assembly)
     if change.get("without") or change.get("held"):
         if change.get("without"):

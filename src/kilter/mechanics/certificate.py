@@ -47,6 +47,7 @@ __all__ = [
     "balanced_parts",
     "check_forces",
     "check_motion",
+    "needed_power",
     "part_sizes",
     "violations",
 ]
@@ -191,12 +192,24 @@ def check_motion(program: Program, motion: Array) -> MotionProof:
     motion = motion / largest
     power = program.power(motion)
     violation = float(-violations(program, motion).min(initial=0.0))
-    moving = program.free & (sizes > STILL * largest)
-    weight = float(program.weight[moving].sum())
+    weight, needed = _moving_weight(program, motion)
     ratio = power / max(violation * weight, TINY)
+    return MotionProof(motion, power, violation, ratio, power > needed and ratio >= RULED_OUT)
+
+
+def _moving_weight(program: Program, motion: Array) -> tuple[float, float]:
+    """Weight of the moving parts [N], and power that a motion must exceed to be a proof [W]."""
+    sizes = part_sizes(program, motion, per_radius=False)
+    moving = program.free & (sizes > STILL * float(sizes.max(initial=0.0)))
     tolerance = np.maximum(TOLERANCE, COARSE_POWER * program.tolerance)
     needed = float((tolerance * program.weight)[moving].sum())
-    return MotionProof(motion, power, violation, ratio, power > needed and ratio >= RULED_OUT)
+    return float(program.weight[moving].sum()), needed
+
+
+def needed_power(program: Program, proof: MotionProof) -> float:
+    """Power above which a motion, with its violation of contacts, is a proof [W]."""
+    weight, needed = _moving_weight(program, proof.motion)
+    return max(needed, RULED_OUT * proof.violation * weight)
 
 
 def violations(program: Program, motion: Array) -> Array:

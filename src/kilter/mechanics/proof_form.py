@@ -21,6 +21,7 @@ __all__ = [
     "NUMBER",
     "PAIR",
     "SIX",
+    "STRAPS",
     "VECTOR",
     "WORD",
     "Form",
@@ -196,6 +197,13 @@ MOTION = keys(
     open_pairs=list_of(keys(parts=PAIR, kind=WORD)),
 )
 """Further keys of a proof by a motion."""
+STRAPS = list_of(
+    every(
+        keys(path=list_of(instance_of(list))),
+        optional_keys(tension=NUMBER, capacity=NUMBER, mu=NUMBER, tensioned=WORD),
+    )
+)
+"""Straps, as in an assembly file."""
 BALANCED = keys(forces=list_of(VECTOR), joints=list_of(NUMBER), residual=NUMBER)
 """Forces that balance every part."""
 FRICTION = keys(
@@ -233,10 +241,11 @@ CHANGE = optional_keys(
     without=list_of(WORD),
     held=list_of(WORD),
     supports=list_of(keys(kind=WORD, part=WORD)),
+    straps=STRAPS,
 )
 """Differences from the file for a proof among several."""
 BUNDLE = keys(
-    kind=one_of("region", "margin", "transport", "plan", "hold"),
+    kind=one_of("region", "margin", "transport", "plan", "hold", "lashing"),
     common=keys(),
     proofs=list_of(
         every(

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from kilter.errors import some_names
-from kilter.tell.numbers import count, force, vector
+from kilter.tell.numbers import count, force, plain, vector
 
 __all__ = ["hold_facts", "hold_sentence", "support_cells"]
 
@@ -22,7 +22,7 @@ def hold_sentence(answer: Answer) -> str:
     answer : mapping
         Data of the fixture; the key `sentence` is not used.
     """
-    least = answer["least"]
+    least, noun = answer["least"], _noun(answer)
     candidates = count(answer["candidates"], "candidate")
     if answer["verdict"] == "held":
         return _held_sentence(answer, candidates)
@@ -30,8 +30,8 @@ def hold_sentence(answer: Answer) -> str:
         if not answer["candidates"]:
             return "It falls, and no candidate support exists."
         every = "with its only candidate" if answer["candidates"] == 1 else f"with all {candidates}"
-        return f"It falls even {every} as supports: it is proved that a motion remains free."
-    proved = f"It is proved that at least {count(least, 'support')} must be used"
+        return f"It falls even {every} as {noun}s: it is proved that a motion remains free."
+    proved = f"It is proved that at least {count(least, noun)} must be used"
     why = "the effort limit was reached"
     if answer["interrupted"]:
         why = "the search was interrupted"
@@ -40,29 +40,37 @@ def hold_sentence(answer: Answer) -> str:
     elif answer["exhausted"] and answer["most"] is not None and least > answer["most"]:
         return f"{proved}, but no more than {answer['most']} are allowed."
     elif answer["exhausted"]:
-        why = "for some sets of supports it is undecided whether they hold it"
-    return f"No sufficient supports were found: {why}. {proved}."
+        why = f"for some sets of {noun}s it is undecided whether they hold it"
+    return f"No sufficient {noun}s were found: {why}. {proved}."
+
+
+def _noun(answer: Answer) -> str:
+    """Return the noun of the candidates: support or strap."""
+    return "support" if answer["straps"] is None else "strap"
 
 
 def _held_sentence(answer: Answer, candidates: str) -> str:
     """Return the sentence about supports that hold the assembly, at the required level or below."""
-    held, least = len(answer["supports"]), answer["least"]
+    noun, least = _noun(answer), answer["least"]
+    held = len(answer["supports"] or answer["straps"] or ())
     if answer["why"] == "balanced":
         return "Balanced with nothing held: the slightest push makes it fall."
     if not answer["holds"]:
-        with_supports = f"with {count(held, 'support')}" if held else "with nothing held"
+        with_supports = f"with {count(held, noun)}" if held else "with nothing held"
         first = f"Forces that hold it exist {with_supports} (level {answer['level']})"
+        if noun == "strap":
+            return f"{first}, and it is proved that fewer straps are not enough."
         if not answer["exhausted"]:
             return f"{first}. A higher level was not found within the {_limit(answer)}."
-        return f"{first}; no set of supports that was tried reaches the level {answer['require']}."
+        return f"{first}; no set of {noun}s that was tried reaches the level {answer['require']}."
     if not held:
         return "It holds by itself: nothing must be held."
-    first = f"It holds with {count(held, 'support')} of {candidates} (level {answer['level']})"
+    first = f"It holds with {count(held, noun)} of {candidates} (level {answer['level']})"
     if answer["fewest"]:
-        return f"{first}. It is proved that fewer supports are not enough."
+        return f"{first}. It is proved that fewer {noun}s are not enough."
     if least == 0 or answer["require"] != "equilibrium":
         return f"{first}. No smaller set that was tried reaches this level, but this is no proof."
-    return f"{first}. It is proved that at least {count(least, 'support')} must be used."
+    return f"{first}. It is proved that at least {count(least, noun)} must be used."
 
 
 def _limit(answer: Answer) -> str:
@@ -77,8 +85,19 @@ def hold_facts(answer: Answer) -> list[tuple[str, str]]:
         by = some_names(motion["stopped_by"], 4) or "no candidate"
         words = f"{some_names(motion['moving'], 3)} would move; stopped by {by}"
         rows.append(("" if k else "because", words))
+    for strap in answer["straps"] or ():
+        rows.append((f"strap {strap['candidate']}", _strap_words(strap)))
     sets, candidates = count(answer["judged"], "set"), count(answer["candidates"], "candidate")
-    return [*rows, ("search", f"{sets} of supports judged, {candidates}")]
+    return [*rows, ("search", f"{sets} of {_noun(answer)}s judged, {candidates}")]
+
+
+def _strap_words(strap: Answer) -> str:
+    """Return the parts of a chosen strap with its tension, or with its pull and capacity."""
+    parts = " - ".join(plain(name) for name in strap["parts"])
+    if strap["tension"] is not None:
+        return f"{parts}, tension {force(strap['tension'])}"
+    pull = "" if strap["pull"] is None else f", pull {force(strap['pull'])}"
+    return f"{parts}{pull} of {force(strap['capacity'])}"
 
 
 def support_cells(support: Answer, units: str) -> tuple[str, str, str, str]:

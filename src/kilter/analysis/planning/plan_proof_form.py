@@ -16,6 +16,7 @@ from kilter.mechanics.proof_form import (
     NUMBER,
     PAIR,
     SIX,
+    STRAPS,
     VECTOR,
     WORD,
     Form,
@@ -31,7 +32,7 @@ from kilter.mechanics.proof_form import (
     row_of,
 )
 
-__all__ = ["require_hold_form", "require_plan_form"]
+__all__ = ["require_hold_form", "require_lashing_form", "require_plan_form"]
 
 PLAN_RULES = every(
     keys(
@@ -104,6 +105,22 @@ def require_hold_form(bundle: Mapping[str, Any], names: Sequence[str]) -> None:
 
     def statement(entry: Any, place: str) -> str:
         return every(chosen, falls if entry["about"] == "not fewer" else keys())(entry, place)
+
+    _require(keys(proofs=list_of(statement)), bundle)
+
+
+def require_lashing_form(bundle: Mapping[str, Any], names: Sequence[str]) -> None:
+    """Reject a lashing in a proof file if an entry has a wrong key or type.
+
+    Arguments and errors as for a plan.
+    """
+    _require(keys(rules=keys(candidates=STRAPS, least=COUNT)), bundle)
+    last = len(bundle["rules"]["candidates"]) - 1
+    chosen = keys(chosen=list_of(count_up_to(last, least=0)))
+    falls = keys(proof=keys(motion=named(SIX)))
+
+    def statement(entry: Any, place: str) -> str:
+        return every(chosen, keys() if entry["about"] == "held" else falls)(entry, place)
 
     _require(keys(proofs=list_of(statement)), bundle)
 

@@ -159,6 +159,16 @@ class StoppedMotionData(TypedDict):
     moving: list[str]
 
 
+class ChosenStrapData(TypedDict):
+    """A strap of the answer of hold, with its pull."""
+
+    candidate: Annotated[int, Field(description="number in the list of candidates, from 1")]
+    parts: list[str]
+    tension: Annotated[float | None, Field(description="[N]")]
+    capacity: Annotated[float | None, Field(description="[N]")]
+    pull: Annotated[float | None, Field(description="tension, or computed pull [N]")]
+
+
 class HoldData(TypedDict):
     """Answer of hold: the fewest supports."""
 
@@ -169,6 +179,9 @@ class HoldData(TypedDict):
     why: str | None
     open_pairs: list[OpenPairData]
     supports: list[LoadedSupportData] | None
+    straps: Annotated[
+        list[ChosenStrapData] | None, Field(description="null: straps were no candidates")
+    ]
     least: int
     fewest: bool
     motions: list[StoppedMotionData]

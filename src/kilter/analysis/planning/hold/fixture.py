@@ -140,6 +140,7 @@ class Fixture(Answer):
                 {**entry.to_dict(), "force": None if push is None else push.tolist()}
                 for entry, push in zip(self.supports, forces, strict=True)
             ],
+            "straps": None,
             "least": self.least,
             "fewest": self.fewest,
             "motions": [

@@ -12,10 +12,13 @@ from collections.abc import Callable, Iterable
 
 from numpy.typing import ArrayLike
 
+from kilter.analysis.check import check
 from kilter.analysis.planning.hold.fixture import Fixture
+from kilter.analysis.planning.hold.least_straps import Lashing, find_least_straps
 from kilter.analysis.planning.hold.least_supports import LeastSupports, find_least_supports
 from kilter.analysis.planning.hold.support_candidates import candidates_of
 from kilter.analysis.planning.hold.supported import Supported
+from kilter.assembly import Assembly, Strap
 from kilter.assembly.bonds import NOT_SET, require_no_bonds
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance, detect
@@ -45,6 +48,7 @@ def hold(
     ground: str | Iterable[str] = (),
     floor: bool | float | None = None,
     candidates: Iterable[str | Support] = ("grips",),
+    straps: Iterable[Strap] | None = None,
     most: int | None = None,
     require: str = REQUIRE,
     effort: float = EFFORT,
@@ -52,7 +56,7 @@ def hold(
     contacts: ContactSet | None = None,
     tolerance: Tolerance | None = None,
     progress: Callable[[str], None] | None = None,
-) -> Fixture:
+) -> Fixture | Lashing:
     """Find the fewest supports with which an assembly holds, and prove that fewer are not enough.
 
     Parameters
@@ -64,6 +68,9 @@ def hold(
     candidates : iterable of "grips", "props", "fingers" or Support
         Candidates: a grip on every part, a prop under every part, a finger on every flat
         face that is free, or the given supports.
+    straps : iterable of Strap, optional
+        Candidates of the only kind, in place of `candidates`: the answer is a `Lashing`, the fewest
+        of these straps beside those of the assembly. The proof is one of equilibrium.
     most : int, optional
         Largest number of supports to consider.
     require : {"equilibrium", "settles", "proved"}
@@ -91,7 +98,8 @@ def hold(
     assembly = asked_assembly(
         assembly, "hold", contacts, friction=friction, down=down, ground=ground, floor=floor
     )
-    require_no_bonds(assembly, "hold", NOT_SET)
+    if straps is None:
+        require_no_bonds(assembly, "hold", NOT_SET)
     require = require_level(require)
     if most is not None and (isinstance(most, bool) or not isinstance(most, int) or most < 0):
         raise InputError(f"most is {most!r:.40}", hint="give a whole number, 0 or more")
@@ -106,6 +114,14 @@ def hold(
     require_apart(assembly, contacts)
     seconds = {"contacts": time.perf_counter() - started}
     between = time.perf_counter()
+    if straps is not None:
+
+        def level_of(lashed: Assembly, touching: ContactSet) -> str | None:
+            return check(lashed, contacts=touching, require=require, effort=effort).level
+
+        return find_least_straps(
+            assembly, contacts, tuple(straps), require=require, level_of=level_of, progress=progress
+        )
     asked = [candidates] if isinstance(candidates, str | Support) else candidates
     given = Supported(assembly, contacts, candidates_of(assembly, contacts, asked))
     work.stage("the fewest supports")

@@ -1,0 +1,121 @@
+"""The fewest straps of `kilter.hold`, against the decision of every set, and their proofs."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from lashings import direct, lashed, over, random_direct
+
+import kilter
+from kilter.analysis.planning.hold.least_straps import Lashing
+from kilter.cli import main
+from kilter.mechanics.proof import digest_of
+
+G = 9.81
+
+
+def fewest(assembly: kilter.Assembly, straps: list[kilter.Strap]) -> Lashing:
+    found = kilter.hold(assembly, straps=straps, require="equilibrium")
+    assert isinstance(found, Lashing)
+    return found
+
+
+def by_enumeration(assembly: kilter.Assembly, straps: list[kilter.Strap]) -> int | None:
+    """Least number of straps, by the decision of every set; None if no set holds."""
+    touching = kilter.contacts(assembly)
+    for size in range(len(straps) + 1):
+        for chosen in itertools.combinations(straps, size):
+            load = dataclasses.replace(assembly, straps=chosen)
+            if kilter.check(load, contacts=touching.of(load), require="equilibrium").level:
+                return size
+    return None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", range(3000, 3050, 10))
+def test_random_candidates_agree_with_enumeration(first: int) -> None:
+    for seed in range(first, first + 10):
+        load = random_direct(seed)
+        straps, bare = list(load.straps)[:5], dataclasses.replace(load, straps=())
+        found = fewest(bare, straps)
+        least = by_enumeration(bare, straps)
+        assert found.verdict == ("impossible" if least is None else "held")
+        assert least is None or (len(found.chosen or ()), found.least) == (least, least)
+        assert kilter.verify(bare, found.proof()).holds
+
+
+def load_and_candidates() -> tuple[kilter.Assembly, list[kilter.Strap]]:
+    """A box that needs 3201.56 N at 45 degrees: two straps of 2000 N, or one of 3300 N."""
+    load = direct(45, 2000.0)
+    weak = load.straps[0]
+    strong = dataclasses.replace(weak, capacity=3300.0)
+    return dataclasses.replace(load, straps=()), [weak, weak, strong]
+
+
+@pytest.mark.quick(1)
+def test_one_strong_strap_replaces_two() -> None:
+    load, candidates = load_and_candidates()
+    assert fewest(load, candidates).chosen == (2,)
+    two = fewest(load, candidates[:2])
+    assert (two.chosen, two.least) == ((0, 1), 2)
+    assert sum(two.pulls.values()) == pytest.approx(3201.56, abs=0.1)
+    assert fewest(load, candidates[:1]).verdict == "impossible"
+    alone = dataclasses.replace(load, gravity=[0, 0, -G])
+    assert fewest(alone, candidates).chosen == ()
+
+
+def test_a_tensioned_strap_may_do_harm() -> None:
+    """A strap that pulls the way the load slides is not used."""
+    good = over(1.0, 2.0, 75, 3000.0)
+    load = lashed([([-0.5, 0.0], [0.5, 2.0])], 1000, good, 0.45)
+    felt = dataclasses.replace(load, straps=(), gravity=[-0.5 * G, 0, -G])
+    harm = kilter.Strap([("ground", [-9, 0, 1]), ("box-0", [-0.5, 0, 1])], tension=2000)
+    assert fewest(felt, [harm, good]).chosen == (1,)
+    assert fewest(felt, [harm]).verdict == "impossible"
+
+
+@pytest.mark.quick(1)
+def test_damaged_proofs_are_found() -> None:
+    load, candidates = load_and_candidates()
+    proof = json.loads(json.dumps(fewest(load, candidates[:2]).proof()))
+    assert kilter.verify(load, proof).holds
+
+    def reasons(**rules: object) -> str:
+        damaged = {**proof, "rules": {**proof["rules"], **rules}}
+        damaged["digest"] = digest_of(damaged)
+        return "; ".join(kilter.verify(load, damaged).reasons)
+
+    assert "do not exclude every set of 2" in reasons(least=3)
+    assert "more than the least number" in reasons(least=1)
+    strong = [strap.to_dict() for strap in candidates[1:]]
+    assert "differ from the candidates" in reasons(candidates=strong)
+    missing = {**proof, "proofs": proof["proofs"][:1]}
+    missing["digest"] = digest_of(missing)
+    assert not kilter.verify(load, missing).holds
+
+
+@pytest.mark.quick(1)
+def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    load, candidates = load_and_candidates()
+    file, straps, proof = (tmp_path / name for name in ("box.kilter.json", "s.json", "p.json"))
+    kilter.dump(load, file)
+    straps.write_text(json.dumps([strap.to_dict() for strap in candidates[:2]]))
+    words = ["hold", str(file), "--straps", str(straps)]
+    assert main([*words, "--require", "equilibrium", "--proof", str(proof)]) == 0
+    printed = capsys.readouterr().out
+    assert "It holds with 2 straps of 2 candidates" in printed
+    assert "fewer straps are not enough" in printed
+    assert main(["verify", str(file), str(proof)]) == 0
+    assert main(words) == 3
+    assert main([*words, "--candidates", "grips"]) == 2
+    straps.write_text(json.dumps([candidates[0].to_dict()]))
+    capsys.readouterr()
+    assert main([*words, "--json"]) == 1
+    data = json.loads(capsys.readouterr().out)
+    assert (data["verdict"], data["least"], data["straps"]) == ("impossible", 2, [])
+    assert np.isfinite(data["seconds"]["solve"])
