@@ -273,3 +273,21 @@ def test_every_colour_of_the_picture_and_of_the_ball_has_a_legend(opened: Callab
     part = Part("block", Box([1, 1, 1]), Pose([0, 0, 0.5]))
     loaded = Assembly([part], loads=[kilter.Load("block", [0, 0, -1.0])]).with_floor()
     assert opened(loaded).page.locator("i.load").is_visible()
+
+
+def test_straps_are_drawn_at_rest_and_have_a_legend(opened: Callable) -> None:
+    base = Part("base", Box([4, 2, 0.2]), Pose([0, 0, -0.1]), grounded=True)
+    box = Part("box", Box([1, 1, 1]), Pose([0, 0, 0.5]))
+    path = [
+        ("base", [-2.0, 0, 0]),
+        ("box", [-0.5, 0, 1.0]),
+        ("box", [0.5, 0, 1.0]),
+        ("base", [2.0, 0, 0]),
+    ]
+    page = opened(Assembly([base, box], straps=[kilter.Strap(path, tension=100.0)]))
+    assert page.page.is_visible("#strap-key")
+    counts = "window.kilter.stage.straps.group.children.map(one => one.count)"
+    assert page.js(counts) == [3, 3]  # the segments, and their halo
+    page.slide("explode", 0.5)
+    assert page.js(counts) == []
+    assert not page.page.is_visible("#strap-key")

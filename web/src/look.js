@@ -7,7 +7,7 @@ import { Compass, VIEWS, VIEW_KEYS } from "./compass.js";
 import { id, listFacts, on } from "./dom.js";
 import { Measure } from "./measure.js";
 import { Names } from "./names.js";
-import { openMarks } from "./overlay.js";
+import { openMarks, strapRods } from "./overlay.js";
 import { Stage } from "./stage.js";
 import { Tree } from "./tree.js";
 
@@ -201,6 +201,8 @@ export class Look {
         wide: this.long,
       }));
     stage.loads.set({ straight });
+    // the straps lie on the parts at rest
+    stage.straps.set(this.apart || this.amount || this.fell ? {} : strapRods(this.page));
     stage.open.set(id("show-open").checked ? openMarks(stage) : {});
     this.measure.follow();
     this.legend();
@@ -225,6 +227,7 @@ export class Look {
       patch: parts.patches.visible && page.patches.start.length > 1,
       open: some(stage.open),
       load: some(stage.loads),
+      strap: some(stage.straps),
       added: stage.ghost.group.visible,
       seat: stage.lines.visible,
       gauge: some(stage.gauge),

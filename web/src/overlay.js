@@ -85,6 +85,17 @@ export function openMarks(stage) {
   return { ball: balls };
 }
 
+/** Rods along the straps of a page: polylines in the frame of the assembly. */
+export function strapRods({ straps = [], radius }) {
+  const rod = straps.flatMap((points) =>
+    points.slice(1).map((to, k) => {
+      const along = to.map((c, i) => c - points[k][i]);
+      return { at: points[k], along, size: norm(along), wide: 0.1 * radius };
+    }),
+  );
+  return { rod: rod.filter(({ size }) => size > 0) };
+}
+
 /** Largest bond use of each part, pull over strength, 0 to 1; null without bonds or forces. */
 export function bondUse(page, forces) {
   if (!forces || !forces.pull) return null;
