@@ -16,6 +16,7 @@ ROOT = Path(__file__).resolve().parents[1]
 HOMES = kilter._HOMES
 BESIDE = {
     "animate",
+    "box_to_place",
     "check_many",
     "common_region",
     "fastened",

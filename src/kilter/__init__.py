@@ -28,6 +28,11 @@ if TYPE_CHECKING:
     from kilter.analysis.margins.improve import improve as improve
     from kilter.analysis.margins.margin import Margin as Margin
     from kilter.analysis.margins.margin import margin as margin
+    from kilter.analysis.placing.check_plan import CheckedPlan as CheckedPlan
+    from kilter.analysis.placing.check_plan import check_plan as check_plan
+    from kilter.analysis.placing.place import Places as Places
+    from kilter.analysis.placing.place import box_to_place as box_to_place
+    from kilter.analysis.placing.place import place as place
     from kilter.analysis.planning.hold.fixture import Fixture as Fixture
     from kilter.analysis.planning.hold.hold import hold as hold
     from kilter.analysis.planning.order.order import Order as Order
@@ -100,6 +105,7 @@ _HOMES = {
     # functions of the commands
     "batch": "kilter.analysis.many.batch",
     "check": "kilter.analysis.check",
+    "check_plan": "kilter.analysis.placing.check_plan",
     "contacts": "kilter.contact.detect",
     "doctor": "kilter.health",
     "draw": "kilter.publish",
@@ -110,6 +116,7 @@ _HOMES = {
     "load": "kilter.files.reading",
     "margin": "kilter.analysis.margins.margin",
     "orient": "kilter.analysis.turning.orientation",
+    "place": "kilter.analysis.placing.place",
     "plan": "kilter.analysis.planning.order.plan",
     "region": "kilter.analysis.regions.region",
     "report": "kilter.publish",
@@ -119,6 +126,7 @@ _HOMES = {
     "view": "kilter.workbench.view",
     # further functions
     "animate": "kilter.publish",
+    "box_to_place": "kilter.analysis.placing.place",
     "check_many": "kilter.analysis.many.check_many",
     "common_region": "kilter.analysis.regions.region",
     "load_answer": "kilter.files.answer_files",
@@ -149,6 +157,7 @@ _HOMES = {
     # types of their results
     "Batch": "kilter.analysis.many.batch",
     "ContactSet": "kilter.contact.contact_set",
+    "CheckedPlan": "kilter.analysis.placing.check_plan",
     "Example": "kilter.scenes.registry",
     "Fixture": "kilter.analysis.planning.hold.fixture",
     "Health": "kilter.health",
@@ -158,6 +167,7 @@ _HOMES = {
     "Order": "kilter.analysis.planning.order.order",
     "PartAnswer": "kilter.analysis.verdict.part_answer",
     "Patch": "kilter.contact.patch",
+    "Places": "kilter.analysis.placing.place",
     "PointForces": "kilter.analysis.verdict.part_answer",
     "PlanRules": "kilter.analysis.planning.order.plan_rules",
     "Orientation": "kilter.analysis.turning.orientation",

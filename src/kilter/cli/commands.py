@@ -25,7 +25,7 @@ def functions_of(name: str | None) -> list[Command]:
         One of `COMMANDS`; all commands if it is missing.
     """
     loaders = LOADERS if name is None else [load for load in LOADERS if name in LOADERS[load]]
-    functions = {each.__name__: each for load in loaders for each in load()}
+    functions = {each.__name__.replace("_", "-"): each for load in loaders for each in load()}
     return [functions[each] for each in (COMMANDS if name is None else (name,))]
 
 
@@ -50,9 +50,11 @@ def _pages() -> tuple[Command, ...]:
 def _plans() -> tuple[Command, ...]:
     from kilter.cli.holding import hold
     from kilter.cli.improving import improve
+    from kilter.cli.packing import check_plan
+    from kilter.cli.placing import place
     from kilter.cli.planning import plan
 
-    return hold, improve, plan
+    return hold, improve, plan, place, check_plan
 
 
 def _others() -> tuple[Command, ...]:
@@ -68,7 +70,7 @@ LOADERS: dict[Callable[[], tuple[Command, ...]], tuple[str, ...]] = {
     _judging: ("check", "contacts", "example", "verify"),
     _directions: ("margin", "orient", "region"),
     _pages: ("draw", "report", "view"),
-    _plans: ("hold", "improve", "plan"),
+    _plans: ("hold", "improve", "plan", "place", "check-plan"),
     _others: ("batch", "doctor", "save", "transport"),
 }
 """Functions that import the commands of these names."""

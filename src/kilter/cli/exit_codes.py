@@ -11,6 +11,8 @@ __all__ = [
     "INTERRUPTED",
     "LOWER",
     "ORIENT",
+    "PACKING",
+    "PLACE",
     "PLAN",
     "SOME_ERRORS",
     "USAGE",
@@ -35,6 +37,10 @@ HOLD = {"impossible": 1, "undecided": 4}
 """Codes of `hold` if no sufficient supports were found."""
 IMPROVE = {True: 0, False: 1}
 """Codes of `improve`: does the model stand, unchanged or with the named change?"""
+PLACE = {"none": 1, "unstable": 1, "undecided": 4}
+"""Codes of `place` if there is no place, or by the verdict at a given place."""
+PACKING = {"falls": 1, "undecided": 4}
+"""Codes of `check-plan` if the pile does not stand after an item."""
 DOCTOR = {True: 0, False: 1}
 """Codes of `doctor`: do all installed parts work?"""
 SOME_ERRORS = 1

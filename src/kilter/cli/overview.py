@@ -21,10 +21,12 @@ GROUPS: dict[str, dict[str, str]] = {
         "plan": "in which order can it be put together?",
         "hold": "which supports are the fewest that hold it?",
         "improve": "which toy brick makes it stand?",
+        "place": "where does the next part stand?",
+        "check-plan": "does each item of a packing plan stand?",
     },
     "show": {
         "report": "write an offline page in 3D with all answers",
-        "view": "show the page in the browser, updated with the file",
+        "view": "open the workbench in the browser",
         "draw": "write a figure or a film",
     },
     "files": {
@@ -44,6 +46,6 @@ def overview() -> str:
     lines = [PURPOSE, ""]
     for group, entries in GROUPS.items():
         for k, (name, summary) in enumerate(entries.items()):
-            lines.append(f"{'' if k else group:7}{name:10}{summary}")
+            lines.append(f"{'' if k else group:7}{name:11}{summary}")
     options = "options: kilter COMMAND --help; kilter --version, kilter --install-completion"
     return "\n".join([*lines, "", options]) + "\n"

@@ -24,6 +24,8 @@ from kilter.tell.answer_data.other_data import (
     IncompleteData,
     VerifyData,
 )
+from kilter.tell.answer_data.packing_data import PackingData
+from kilter.tell.answer_data.place_data import PlaceData
 from kilter.tell.answer_data.plan_data import HoldData, PlanData
 from kilter.tell.answer_data.transport_data import TransportData
 from kilter.tell.json_answer import SCHEMA_VERSION
@@ -33,12 +35,14 @@ __all__ = ["ANSWERS", "build_all_schemas", "build_answer_schema"]
 ANSWERS: dict[str, Any] = {
     "batch": BatchData,
     "check": CheckData,
+    "check-plan": PackingData,
     "contacts": ContactsData,
     "hold": HoldData,
     "improve": ImproveData,
     "incomplete": IncompleteData,
     "margin": MarginData,
     "orient": OrientData,
+    "place": PlaceData,
     "plan": PlanData,
     "region": RegionData,
     "transport": TransportData,

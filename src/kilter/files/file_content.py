@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,6 +18,7 @@ from kilter.files.format_options import FormatOptions
 from kilter.files.formats import FORMATS, load_bodies
 from kilter.files.kilter_json import from_dict
 from kilter.files.ldraw import LDRAW_FILES, load_ldraw
+from kilter.files.packing_lists import CSV, is_packing_plan, load_plan, plan_of_json
 from kilter.files.raw import read_bounded, read_bytes
 from kilter.files.stable_lego import from_stable_lego, is_stable_lego
 from kilter.files.strict_json import parse_json
@@ -28,7 +30,7 @@ XML = (".xml", ".mjcf", ".urdf")
 STANDARD_INPUT = "-"
 STANDARD_INPUT_NAME = "standard input"
 """Name of standard input in messages."""
-ENDINGS = (".json", *FORMATS, *XML, *LDRAW_FILES, *BRICK_TEXT)
+ENDINGS = (".json", *FORMATS, *XML, *LDRAW_FILES, *BRICK_TEXT, *CSV)
 """Endings of the files that can be read (lower case)."""
 
 
@@ -73,6 +75,8 @@ def read_path(
         return FileContent(load_ldraw(path, rules=options.studs), states_gravity=True)
     if suffix in BRICK_TEXT:
         return FileContent(load_brick_text(path, rules=options.studs), states_gravity=True)
+    if suffix in CSV:
+        return FileContent(load_plan(path, units=units).assembly(), states_gravity=True)
     data = read_bytes(path)
     if suffix == ".json":
         return _from_json(data, path.parent, str(path), options)
@@ -125,6 +129,12 @@ def _from_json(data: bytes, folder: Path, source: str, options: FormatOptions) -
     if is_stable_lego(content):
         bricks = from_stable_lego(content, data, rules=options.studs, source=source)
         return FileContent(bricks, states_gravity=True)
+    if is_packing_plan(content):
+        try:
+            plan = replace(plan_of_json(content), source=source)
+        except InputError as error:
+            raise error.located(file=source) from None
+        return FileContent(plan.assembly(), states_gravity=True)
     assembly = from_dict(content, folder=folder, source=source)
     _check_units(assembly, options.units)
     return FileContent(assembly, states_gravity=True)

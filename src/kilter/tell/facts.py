@@ -16,6 +16,8 @@ from kilter.tell.hold_words import hold_facts
 from kilter.tell.improve_words import improve_facts
 from kilter.tell.margin_facts import margin_facts
 from kilter.tell.numbers import number, plain, vector
+from kilter.tell.packing_words import packing_facts
+from kilter.tell.place_words import place_facts
 from kilter.tell.plan_words import order_facts
 from kilter.tell.region_facts import orient_facts, region_facts
 from kilter.tell.shared_facts import (
@@ -41,6 +43,8 @@ KIND_OF_KEY = {
     "tilt_deg": "margin",
     "accelerations": "transport",
     "histogram": "contacts",
+    "walls": "check-plan",
+    "heaviest": "place",
     "reasons": "verify",
     "certificate": "check",
 }
@@ -160,12 +164,14 @@ def _assembly_facts(answer: Answer) -> list[Fact]:
 _FACTS_OF_KIND: dict[str, Callable[[Answer], list[Fact]]] = {
     "assembly": _assembly_facts,
     "check": check_facts,
+    "check-plan": packing_facts,
     "contacts": _contacts_facts,
     "hold": hold_facts,
     "improve": improve_facts,
     "margin": margin_facts,
     "transport": transport_facts,
     "orient": orient_facts,
+    "place": place_facts,
     "plan": order_facts,
     "region": region_facts,
     "verify": _verify_facts,

@@ -15,6 +15,7 @@ from kilter.tell.improve_words import HEAD, change_cells, improve_sentence
 from kilter.tell.margin_facts import part_level_words
 from kilter.tell.numbers import count, counts, force, mass, number, percent, plain, vector
 from kilter.tell.open_words import settling_options
+from kilter.tell.packing_words import PACKING_HEAD, item_cells
 from kilter.tell.plan_words import step_cells
 from kilter.tell.shared_facts import Answer
 from kilter.tell.words import NAMED
@@ -166,6 +167,8 @@ def tables(answer: Answer) -> list[Table]:
         return [_support_table(answer)]
     if kind == "improve" and answer["tried"]:
         return [Table(TRIED, HEAD, answer["tried"], change_cells)]
+    if kind == "check-plan":
+        return [Table("items:", PACKING_HEAD, list(enumerate(answer["items"], 1)), item_cells)]
     if kind == "check":
         return [table for table in [fastened_table(answer)] if len(table.items)]
     if kind == "contacts":

@@ -1,0 +1,412 @@
+"""`kilter.check_plan`: does each item of a packing plan stand when it is put down?
+
+After item k the pile of the items 1 to k is decided as `kilter.check` decides it, on the contacts
+that all items have together. The first item after which the pile does not stand is reported with a
+reason: its centre of mass lies beside the area on which it rests, or it tips items below it.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+import shapely
+
+from kilter.analysis.check import check
+from kilter.analysis.transport.transport import transport
+from kilter.analysis.verdict.verdict import Verdict
+from kilter.arrays import Array
+from kilter.assembly import Assembly, Part
+from kilter.contact import ContactSet, Tolerance, detect
+from kilter.contact.sub_contacts import contacts_among
+from kilter.errors import InputError
+from kilter.files.packing_lists import PackedBox, PackingPlan, load_plan
+from kilter.rigid import Pose
+from kilter.shape.primitives import Box
+from kilter.tell.json_answer import Answer
+from kilter.tell.levels import REQUIRE, holds, require_level
+from kilter.tell.packing_words import packing_sentence
+from kilter.threads import on_one_thread
+from kilter.work import EFFORT
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.packing_data import PackingData, PackingItemData, WallsData
+
+__all__ = ["CheckedItem", "CheckedPlan", "check_plan"]
+
+BASE = "base"
+"""Name of the held part under the pile."""
+WALL = "wall"
+"""Beginning of the names of assumed walls."""
+THICK = 0.1
+"""Thickness of the base and of assumed walls [widths of the pile]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CheckedItem:
+    """The decision on the pile after an item was put down.
+
+    Attributes
+    ----------
+    box : PackedBox
+    verdict : str
+        Verdict of the pile of this item and all items before it.
+    level : str or None
+        Level of this verdict.
+    support : tuple of (str, float)
+        Parts on which the item rests, and the share of its underside on each [-].
+    """
+
+    box: PackedBox
+    verdict: str
+    level: str | None
+    support: tuple[tuple[str, float], ...]
+
+    def to_dict(self) -> PackingItemData:
+        """JSON data of the item."""
+        return {
+            "name": self.box.name,
+            "line": self.box.line,
+            "mass": self.box.mass,
+            "verdict": self.verdict,
+            "level": self.level,
+            "support": [{"part": name, "share": share} for name, share in self.support],
+        }
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class CheckedPlan(Answer):
+    """Answer of `kilter.check_plan`: the items of a packing plan, each with its verdict.
+
+    Attributes
+    ----------
+    plan : PackingPlan
+    assembly : Assembly
+        The finished pile with its base and held parts.
+    items : tuple of CheckedItem
+    first : int or None
+        The first item, counted from 1, after which the pile does not stand; None without such an
+        item.
+    why : str
+        Reason why the first item falls; empty without such an item.
+    walls : dict or None
+        Assumed walls around the pile, and whether each item stands between them. None unless an
+        item falls.
+    carried : tuple of (str, float or None)
+        Largest accelerations of the finished pile by direction [g], if requested.
+    require : str
+    warnings : tuple of str
+    seconds : float
+    """
+
+    answer: ClassVar[str] = "check-plan"
+
+    plan: PackingPlan
+    assembly: Assembly
+    items: tuple[CheckedItem, ...]
+    first: int | None
+    why: str
+    walls: WallsData | None
+    carried: tuple[tuple[str, float | None], ...]
+    require: str
+    warnings: tuple[str, ...]
+    seconds: float
+
+    @property
+    def stands(self) -> bool:
+        """True if the pile stands after each item, at the required level."""
+        return all(holds(item.level, self.require) for item in self.items)
+
+    @property
+    def level(self) -> str | None:
+        """Lowest level after an item; None if the pile falls or is undecided after an item."""
+        levels = [item.level for item in self.items]
+        known = [level for level in levels if level is not None]
+        if len(known) < len(levels):
+            return None
+        return min(known, key=("equilibrium", "settles", "proved", "strict").index)
+
+    @property
+    def undecided(self) -> bool:
+        """True if open pairs leave the pile undecided after an item."""
+        return any(item.verdict == "undecided" for item in self.items)
+
+    def to_dict(self) -> PackingData:
+        """The checked plan as JSON data, as ``kilter check-plan --json`` prints it."""
+        data: PackingData = {
+            "sentence": "",  # made below from the other data
+            "order": self.plan.order or None,
+            "units": self.plan.units,
+            "require": self.require,
+            "stands": self.stands,
+            "level": self.level,
+            "items": [item.to_dict() for item in self.items],
+            "first": self.first,
+            "why": self.why or None,
+            "walls": self.walls,
+            "friction": self.assembly.friction,
+            "carried": [{"direction": name, "g": value} for name, value in self.carried],
+            "warnings": list(self.warnings),
+            "seconds": self.seconds,
+        }
+        data["sentence"] = packing_sentence(data)
+        return data
+
+    def __repr__(self) -> str:
+        words = "stands" if self.first is None else f"falls at item {self.first}"
+        return f"CheckedPlan({len(self.items)} items, {words})"
+
+
+@on_one_thread
+def check_plan(
+    plan: PackingPlan | str | Path,
+    *,
+    order: str | None = None,
+    units: str | None = None,
+    friction: float = 0.0,
+    pallet: tuple[float, float] | None = None,
+    held: Assembly | None = None,
+    require: str = REQUIRE,
+    carried: bool = False,
+    tolerance: Tolerance | None = None,
+    effort: float = EFFORT,
+    progress: Callable[[str], None] | None = None,
+) -> CheckedPlan:
+    """Decide for each item of a packing plan whether the pile stands when the item is put down.
+
+    Parameters
+    ----------
+    plan : PackingPlan or path
+        A plan, or its file (CSV, or JSON of BED-BPP).
+    order : str, optional
+        Name of the order, for a file with several orders.
+    units : {"m", "cm", "mm", "in"}, optional
+        Length unit of a table that states none.
+    friction : float
+        Friction coefficient of all contacts [-].
+    pallet : (float, float), optional
+        Length and width of the base, from the origin of x and y [length unit]. By default the base
+        extends beyond the pile.
+    held : Assembly, optional
+        Held parts around the pile, such as the walls of a roll container.
+    require : {"equilibrium", "settles", "proved", "strict"}
+        Level from which an item stands.
+    carried : bool
+        Whether to compute the accelerations that the finished pile carries.
+    tolerance, effort, progress : optional
+        As in `kilter.check`.
+
+    Returns
+    -------
+    CheckedPlan
+
+    Raises
+    ------
+    InputError
+        If the plan is invalid, or two boxes are in the same place.
+
+    Examples
+    --------
+    >>> from kilter.files.packing_lists import PackedBox, PackingPlan
+    >>> lower = PackedBox("a", (1, 1, 1), 1, (0, 0, 0), 1)
+    >>> upper = PackedBox("b", (1, 1, 1), 1, (0.6, 0, 1), 2)
+    >>> check_plan(PackingPlan((lower, upper), "m")).why
+    "the centre of 'b' lies 0.1 m beside the area on which it rests"
+    """
+    started = time.perf_counter()
+    tell = progress or (lambda stage: None)
+    require = require_level(require, strict=True)
+    if not isinstance(plan, PackingPlan):
+        plan = load_plan(plan, order=order, units=units)
+    pile = plan.assembly().with_friction(friction)
+    _require_no_box_inside(plan)
+    whole = _with_base(pile, plan, pallet)
+    if held is not None:
+        whole = whole.merged(held.with_friction(friction), prefix="")
+    tell("contacts")
+    contacts = detect.contacts(whole, tolerance=tolerance, progress=progress)
+    verdicts, items = [], []
+    for k, box in enumerate(plan.boxes):
+        tell(f"item {k + 1} of {len(plan.boxes)}")
+        state, touching = _state(whole, contacts, plan, k + 1)
+        verdict = check(state, contacts=touching, require=require, effort=effort)
+        verdicts.append(verdict)
+        items.append(CheckedItem(box, str(verdict.verdict), verdict.level, _support(box, verdict)))
+    falling = [k for k, item in enumerate(items) if item.verdict == "unstable"]
+    first = falling[0] if falling else None
+    tell("reason")
+    return CheckedPlan(
+        plan,
+        whole,
+        tuple(items),
+        None if first is None else first + 1,
+        "" if first is None else _reason(plan, first, verdicts[first]),
+        None if first is None or held is not None else _walled(pile, plan, pallet, require, effort),
+        _carried(whole, contacts) if carried and first is None else (),
+        require,
+        tuple(contacts.remarks()),
+        time.perf_counter() - started,
+    )
+
+
+def _require_no_box_inside(plan: PackingPlan) -> None:
+    """Raise an error if two boxes share more than half of the volume of the smaller box."""
+    corner = np.array([box.corner for box in plan.boxes])
+    size = np.array([box.size for box in plan.boxes])
+    low = np.maximum(corner[:, None], corner[None])
+    high = np.minimum((corner + size)[:, None], (corner + size)[None])
+    shared = np.prod(np.maximum(high - low, 0.0), axis=2)
+    volume = np.prod(size, axis=1)
+    share = shared / np.minimum(volume[:, None], volume[None])
+    np.fill_diagonal(share, 0.0)
+    a, b = np.unravel_index(share.argmax(), share.shape)
+    if share[a, b] > INSIDE:
+        one, two = plan.boxes[max(a, b)], plan.boxes[min(a, b)]
+        word = "item" if plan.order else "line"
+        raise InputError(
+            f"{word} {one.line}: {one.name!r:.60} lies inside {two.name!r:.60} ({word} {two.line})",
+            file=plan.source or None,
+            hint="correct the place of one of them",
+        )
+
+
+INSIDE = 0.5
+"""Shared volume above which a box counts as inside another [volumes of the smaller box]."""
+
+
+def _with_base(pile: Assembly, plan: PackingPlan, pallet: Sequence[float] | None) -> Assembly:
+    """The pile with a held base under its lowest point."""
+    if pallet is None:
+        return pile.with_floor()
+    thick = THICK * max(pallet)
+    middle = [pallet[0] / 2, pallet[1] / 2, float(plan.low[2]) - thick / 2]
+    base = Part(BASE, Box([*pallet, thick]), Pose(middle), grounded=True, density=1000.0)
+    return pile.with_parts([base])
+
+
+def _state(
+    whole: Assembly, contacts: ContactSet, plan: PackingPlan, count: int
+) -> tuple[Assembly, ContactSet]:
+    """The pile after the first `count` items, and its contacts."""
+    later = {box.name for box in plan.boxes[count:]}
+    if not later:
+        return whole, contacts
+    state = whole.without(later)
+    return state, contacts_among(contacts, state)
+
+
+def _support(box: PackedBox, verdict: Verdict) -> tuple[tuple[str, float], ...]:
+    """Parts below an item, and the share of its underside on each."""
+    state, contacts = verdict.assembly, verdict.contacts
+    k = state.index_of(box.name)
+    under: dict[str, float] = {}
+    for patch in range(len(contacts)):
+        a, b = contacts.patch_parts[patch].tolist()
+        if k not in (a, b):
+            continue
+        upward = contacts.patch_normal[patch, 2] * (1 if b == k else -1)
+        if upward > FLAT:
+            other = state.names[a if b == k else b]
+            area = float(contacts.patch_area[patch])
+            under[other] = under.get(other, 0.0) + area / (box.size[0] * box.size[1])
+    return tuple(sorted(under.items(), key=lambda entry: -entry[1]))
+
+
+FLAT = 0.999
+"""Least upward component of the normal of a contact under a box [-]."""
+
+
+def _reason(plan: PackingPlan, first: int, verdict: Verdict) -> str:
+    """The reason why the pile falls when an item is put down, as a clause."""
+    box = plan.boxes[first]
+    k = verdict.assembly.index_of(box.name)
+    points = _points_under(k, verdict.contacts)
+    center = np.array(box.corner[:2]) + np.array(box.size[:2]) / 2
+    if not len(points):
+        return f"nothing is under {box.name!r}"
+    area = shapely.convex_hull(shapely.multipoints(points))
+    beside = float(shapely.distance(area, shapely.points(center)))
+    if beside > 0:
+        return (
+            f"the centre of {box.name!r} lies {beside:.3g} {plan.units} beside the area on which "
+            "it rests"
+        )
+    tipped = _moving_below(box, verdict)
+    if tipped:
+        named = " and ".join(repr(name) for name in tipped[:2])
+        return f"{box.name!r} tips {named}, on which it rests"
+    return f"the pile falls under {box.name!r}"
+
+
+def _points_under(k: int, contacts: ContactSet) -> Array:
+    """Contact points under the part with index k, shape (n, 2)."""
+    found = [np.empty((0, 2))]
+    for patch in range(len(contacts)):
+        a, b = contacts.patch_parts[patch].tolist()
+        if k in (a, b):
+            upward = contacts.patch_normal[patch, 2] * (1 if b == k else -1)
+            if upward > FLAT:
+                rows = slice(contacts.patch_start[patch], contacts.patch_start[patch + 1])
+                found.append(contacts.points[rows, :2])
+    return np.concatenate(found)
+
+
+def _moving_below(box: PackedBox, verdict: Verdict) -> list[str]:
+    """Parts that lie under an item and move, the fastest first."""
+    low, high = verdict.assembly.geometry.part_boxes
+    k = verdict.assembly.index_of(box.name)
+    overlap = np.minimum(high[:, :2], high[k, :2]) - np.maximum(low[:, :2], low[k, :2])
+    top = box.corner[2] + ABOVE * box.size[2]
+    under = (high[:, 2] <= top) & (overlap > 0).all(axis=1)
+    names = {verdict.assembly.names[j] for j in np.flatnonzero(under).tolist()}
+    return [name for name in verdict.moving if name in names]
+
+
+ABOVE = 1e-3
+"""Height above the underside of a box up to which the top of a box below it lies [heights]."""
+
+
+def _walled(
+    pile: Assembly,
+    plan: PackingPlan,
+    pallet: tuple[float, float] | None,
+    require: str,
+    effort: float,
+) -> WallsData:
+    """Whether each item stands if smooth walls stand around the pile, and their inner size."""
+    low, high = plan.low, plan.high
+    thick = THICK * float((high - low).max())
+    walls = []
+    for axis in (0, 1):
+        for end, side in ((low, -1), (high, 1)):
+            size = high - low + 2 * thick
+            middle = (low + high) / 2
+            size[axis] = thick
+            middle[axis] = end[axis] + side * thick / 2
+            name = f"{WALL} {'xy'[axis]}{'-+'[side > 0]}"
+            walls.append(Part(name, Box(size), Pose(middle), grounded=True, density=1000.0))
+    whole = _with_base(pile, plan, pallet).with_parts(walls)
+    contacts = detect.contacts(whole)
+    stands = True
+    first = None
+    for k in range(len(plan.boxes)):
+        state, touching = _state(whole, contacts, plan, k + 1)
+        if not holds(
+            check(state, contacts=touching, require=require, effort=effort).level, require
+        ):
+            stands, first = False, k + 1
+            break
+    size = (high - low).tolist()
+    return {"inner_size": size[:2], "stands": stands, "first": first}
+
+
+def _carried(whole: Assembly, contacts: ContactSet) -> tuple[tuple[str, float | None], ...]:
+    """Largest accelerations of the finished pile by direction [g]; None without a limit."""
+    data = transport(whole, contacts=contacts, polar=False).to_dict()
+    found = [(limit["name"], limit["g"]) for limit in data["accelerations"][:4]]
+    least = data["least"]
+    return (*found, *([("least", least["g"])] if least is not None else []))

@@ -1,0 +1,462 @@
+"""`kilter.place`: the places at which the next part stands on an assembly.
+
+The part is lowered straight down onto the assembly. The map has, for each height, the places at
+which forces prove that the assembly and the part stand, and the places that motions exclude
+(`kilter.analysis.placing.place_map`). At a given place `kilter.check` decides, with its levels, and
+the heaviest mass there follows from a limit of load.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+import shapely
+from numpy.typing import ArrayLike
+
+from kilter.analysis.check import check
+from kilter.analysis.margins.load_limit import Limit, find_limit
+from kilter.analysis.placing.place_map import LevelMap, PlaceMap
+from kilter.analysis.placing.upright_prisms import (
+    PlacedPrism,
+    Top,
+    find_tops,
+    placed_prism,
+    shifted,
+)
+from kilter.analysis.verdict.verdict import Verdict
+from kilter.assembly import Assembly, Part
+from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
+from kilter.contact import ContactSet, Tolerance, detect
+from kilter.errors import InputError
+from kilter.mechanics.program import Program, build_program
+from kilter.rigid import Pose
+from kilter.shape.primitives import Box
+from kilter.tell.json_answer import Answer
+from kilter.tell.levels import REQUIRE, holds, require_level
+from kilter.tell.place_words import place_sentence
+from kilter.threads import on_one_thread
+from kilter.validate import finite, number
+from kilter.work import EFFORT
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.place_data import AtPlaceData, LevelPlacesData, PlaceData
+
+__all__ = ["AtPlace", "Places", "box_to_place", "place"]
+
+ACCURACY = 2e-3
+"""Default width of the open strip between places that stand and places that fall [extents]."""
+AROUND = 1.0
+"""Width of the margin around the parts of an assembly in which places on a floor are mapped
+[lengths of the part]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AtPlace:
+    """The decision on the part at a given place.
+
+    Attributes
+    ----------
+    x, y, height : float
+        Centre of the part, world frame [length unit].
+    verdict : Verdict
+        `kilter.check` of the assembly with the part.
+    heaviest : float or None
+        Largest mass of the part that is carried there [kg]; infinite without a limit, None if it is
+        not known.
+    """
+
+    x: float
+    y: float
+    height: float
+    verdict: Verdict
+    heaviest: float | None
+
+    def to_dict(self) -> AtPlaceData:
+        """JSON data of the decision."""
+        unlimited = self.heaviest is not None and not np.isfinite(self.heaviest)
+        return {
+            "x": self.x,
+            "y": self.y,
+            "height": self.height,
+            "verdict": self.verdict.verdict,
+            "level": self.verdict.level,
+            "moving": list(self.verdict.moving),
+            "heaviest": None if unlimited else self.heaviest,
+            "unlimited": unlimited,
+        }
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Places(Answer):
+    """Answer of `kilter.place`: where a part stands on an assembly.
+
+    Attributes
+    ----------
+    assembly : Assembly
+    part : Part
+    levels : tuple of LevelMap
+        Places by height, the lowest first; empty if a place was given. The coordinates are those of
+        the centre of the part.
+    prism : PlacedPrism or None
+        The part as a prism; None if it is no upright convex prism.
+    best : (float, float, float, float) or None
+        x, y and height of the centre at the place farthest from the boundary, and its distance from
+        the boundary [length unit].
+    at : AtPlace or None
+        The decision at the given place.
+    require : str
+    accuracy : float
+        Largest width of the open strip [length unit].
+    programs : int
+    warnings : tuple of str
+    seconds : float
+    """
+
+    answer: ClassVar[str] = "place"
+
+    assembly: Assembly
+    part: Part
+    levels: tuple[LevelMap, ...]
+    prism: PlacedPrism | None
+    best: tuple[float, float, float, float] | None
+    at: AtPlace | None
+    require: str
+    accuracy: float
+    programs: int
+    warnings: tuple[str, ...]
+    seconds: float
+
+    @property
+    def stands(self) -> bool:
+        """True if the part stands at the given place at the required level, or at some place."""
+        if self.at is not None:
+            return holds(self.at.verdict.level, self.require)
+        return self.best is not None
+
+    @property
+    def level(self) -> str | None:
+        """Level at the given place; of a map "equilibrium", None without a place."""
+        if self.at is not None:
+            return self.at.verdict.level
+        return None if self.best is None else "equilibrium"
+
+    def to_dict(self) -> PlaceData:
+        """The places as JSON data, as ``kilter place --json`` prints them."""
+        below = 0.0 if self.prism is None else self.prism.below
+        data: PlaceData = {
+            "sentence": "",  # made below from the other data
+            "units": self.assembly.units,
+            "levels": [_level_data(level, below) for level in self.levels],
+            "best": None
+            if self.best is None
+            else dict(zip(("x", "y", "height", "margin"), self.best, strict=True)),
+            "at": None if self.at is None else self.at.to_dict(),
+            "heaviest": None if self.at is None else self.at.to_dict()["heaviest"],
+            "stands": self.stands,
+            "level": self.level,
+            "require": self.require,
+            "accuracy": self.accuracy,
+            "programs": self.programs,
+            "warnings": list(self.warnings),
+            "seconds": self.seconds,
+        }
+        data["sentence"] = place_sentence(data)
+        return data
+
+    def __repr__(self) -> str:
+        if self.at is not None:
+            return f"Places({self.at.verdict.verdict} at {self.at.x:g}, {self.at.y:g})"
+        area = sum(level.stands.area for level in self.levels)
+        return f"Places({len(self.levels)} heights, {area:g} {self.assembly.units}^2 stand)"
+
+
+def _level_data(level: LevelMap, below: float) -> LevelPlacesData:
+    """JSON data of the places at one height; the height is that of the centre of the part."""
+    return {
+        "height": level.height + below,
+        "stands": _rings(level.stands),
+        "falls": _rings(level.falls),
+        "open": _rings(level.open),
+        "open_strip": float(level.open.area),
+        "area": float(level.stands.area),
+    }
+
+
+def _rings(geometry: shapely.Geometry) -> list[list[list[list[float]]]]:
+    """Polygons as lists of rings: the outline, then the holes; each ring a list of points."""
+    found = []
+    for piece in shapely.get_parts(geometry):
+        if piece.geom_type == "Polygon" and piece.area > 0:
+            rings = [piece.exterior, *piece.interiors]
+            found.append([[[x, y] for x, y in ring.coords] for ring in rings])
+    return found
+
+
+def box_to_place(
+    size: ArrayLike, mass: float, *, turn: float = 0.0, name: str = "new part"
+) -> Part:
+    """A box to put down, with its centre at the origin.
+
+    Parameters
+    ----------
+    size : array_like, shape (3,)
+        Length, width and height [length unit].
+    mass : float
+        [kg]
+    turn : float
+        Angle about the vertical [deg].
+    name : str
+
+    Raises
+    ------
+    InputError
+        If a value is invalid.
+    """
+    lengths = finite(size, (3,), "size of the box")
+    half = np.radians(number(turn, "turn")) / 2
+    pose = Pose([0, 0, 0], [float(np.cos(half)), 0, 0, float(np.sin(half))])
+    return Part(name, Box(lengths), pose, mass=number(mass, "mass", lowest=0))
+
+
+@on_one_thread
+def place(
+    assembly: AssemblyOrPath,
+    part: Part,
+    *,
+    at: ArrayLike | None = None,
+    clear: float = 0.0,
+    accuracy: float | None = None,
+    friction: float | None = None,
+    ground: str | Iterable[str] = (),
+    floor: bool | float | None = None,
+    contacts: ContactSet | None = None,
+    require: str = REQUIRE,
+    tolerance: Tolerance | None = None,
+    effort: float = EFFORT,
+    progress: Callable[[str], None] | None = None,
+) -> Places:
+    """Find where the next part stands on an assembly, or decide whether it stands at a place.
+
+    Parameters
+    ----------
+    assembly : Assembly, or path
+        Gravity acts along -z.
+    part : Part
+        The part to put down, in its orientation; its position does not matter. `box_to_place` makes
+        a box. A map needs a box or another upright convex prism.
+    at : array_like, shape (2,), optional
+        Centre of the part in x and y [length unit]. Without it, all places are mapped.
+    clear : float
+        Distance that the part keeps from parts beside it [length unit].
+    accuracy : float, optional
+        Largest width of the strip between places that stand and places that fall; by default a
+        500th of the extent of the map [length unit].
+    friction, ground, floor : optional
+        Changes of the assembly before the question, as in `kilter.check`.
+    contacts : ContactSet, optional
+        Contacts of this assembly; by default they are detected.
+    require : {"equilibrium", "settles", "proved", "strict"}
+        Level from which a given place counts as standing. A map has the level equilibrium.
+    tolerance, effort, progress : optional
+        As in `kilter.check`.
+
+    Returns
+    -------
+    Places
+
+    Raises
+    ------
+    InputError
+        If gravity does not act along -z, no part is held, or an argument is invalid.
+
+    Examples
+    --------
+    >>> from kilter.scenes import scene
+    >>> answer = place(scene("tower"), box_to_place([1, 1, 1], 1.0))
+    >>> answer.stands, len(answer.levels) > 1
+    (True, True)
+    """
+    started = time.perf_counter()
+    tell = progress or (lambda stage: None)
+    require = require_level(require, strict=True)
+    assembly = asked_assembly(
+        assembly, "place", contacts, friction=friction, down=None, ground=ground, floor=floor
+    )
+    assembly.require_grounded()
+    if assembly.planar or not np.allclose(assembly.down, [0, 0, -1]):
+        raise InputError(
+            "place needs gravity along -z in space", hint="turn the file with up or down"
+        )
+    if part.name in assembly.index:
+        part = replace(part, name=_free_name(part.name, assembly))
+    alone = Assembly([replace(part, grounded=False)], units=assembly.units)
+    prism = placed_prism(alone)
+    clear = number(clear, "clear", lowest=0)
+    tops = find_tops(assembly)
+    tell("contacts")
+    if contacts is None:
+        contacts = detect.contacts(assembly, tolerance=tolerance)
+    warnings = _form_warnings(assembly, tops)
+    levels: tuple[LevelMap, ...] = ()
+    best = decision = None
+    programs, width = 0, 0.0
+    if at is not None:
+        decision = _decide(assembly, alone, at, require, tolerance, effort)
+    elif prism is None:
+        raise InputError(
+            "a map of places needs a box or another upright convex prism",
+            part=part.name,
+            hint="give a place: at=[x, y]",
+            option="give a place: --at X Y",
+        )
+    else:
+        domain = _domain(assembly, tops, prism)
+        bounds = np.array(domain.bounds)
+        extent = float((bounds[2:] - bounds[:2]).max())
+        width = ACCURACY * extent if accuracy is None else number(accuracy, "accuracy", lowest=0)
+        tell("places")
+        places = _map(assembly, contacts, tops, prism, width, clear)
+        levels = tuple(places.levels(domain))
+        programs = places.programs
+        best = _best(levels, prism)
+    return Places(
+        assembly,
+        part,
+        levels,
+        prism,
+        best,
+        decision,
+        require,
+        width,
+        programs,
+        (*warnings, *contacts.remarks()),
+        time.perf_counter() - started,
+    )
+
+
+def _free_name(name: str, assembly: Assembly) -> str:
+    number_ = 2
+    while f"{name} {number_}" in assembly.index:
+        number_ += 1
+    return f"{name} {number_}"
+
+
+def _form_warnings(assembly: Assembly, tops: Sequence[Top]) -> list[str]:
+    """A warning about parts that are no upright prisms, around which nothing is mapped."""
+    other = [assembly.names[top.part] for top in tops if not top.upright]
+    if not other:
+        return []
+    named = ", ".join(repr(name) for name in other[:3])
+    more = f" and {len(other) - 3} others" if len(other) > 3 else ""
+    return [f"the map leaves places on {named}{more} open: only tops of upright prisms are mapped"]
+
+
+def _domain(assembly: Assembly, tops: Sequence[Top], part: PlacedPrism) -> shapely.Geometry:
+    """Rectangle of the centres that are mapped: around the parts, without the far floor."""
+    shown = [top for top in tops if not assembly.parts[top.part].table] or list(tops)
+    bounds = np.array([top.polygon.bounds for top in shown])
+    size = np.ptp(part.footprint, axis=0)
+    low = bounds[:, :2].min(axis=0) - AROUND * size
+    high = bounds[:, 2:].max(axis=0) + AROUND * size
+    return shapely.box(*low, *high)
+
+
+def _map(
+    assembly: Assembly,
+    contacts: ContactSet,
+    tops: list[Top],
+    part: PlacedPrism,
+    strip: float,
+    clear: float,
+) -> PlaceMap:
+    """The map of places of a part."""
+    program = build_program(assembly, contacts)
+    tolerance = contacts.tolerance
+    same_height = float(tolerance.gap_of(np.array([2 * part.radius]))[0])
+    return PlaceMap(program, tops, part, strip, same_height, assembly.friction, clear)
+
+
+def _best(
+    levels: Sequence[LevelMap], part: PlacedPrism
+) -> tuple[float, float, float, float] | None:
+    """The place farthest from the boundary of the places that stand, of all heights."""
+    best = None
+    for level in levels:
+        for piece in shapely.get_parts(level.stands):
+            if not piece.area > 0:
+                continue
+            radius = shapely.maximum_inscribed_circle(piece)
+            margin = float(radius.length)
+            center = shapely.get_coordinates(radius)[0]
+            if best is None or margin > best[3]:
+                best = (float(center[0]), float(center[1]), level.height + part.below, margin)
+    return best
+
+
+# a given place -------------------------------------------------------------------------
+
+
+def _decide(
+    assembly: Assembly,
+    alone: Assembly,
+    at: Any,
+    require: str,
+    tolerance: Tolerance | None,
+    effort: float,
+) -> AtPlace:
+    """Decide whether the part stands at a place, and the heaviest mass that is carried there."""
+    x, y = finite(at, (2,), "place").tolist()
+    height = _lowered(assembly, alone, x, y)
+    part = alone.parts[0]
+    center = alone.geometry.center[0]
+    shift = np.array([x, y, height]) - center
+    pose = Pose(np.asarray(part.pose.position) + shift, part.pose.rotation)
+    whole = assembly.with_parts([replace(part, pose=pose)])
+    contacts = detect.contacts(whole, tolerance=tolerance)
+    verdict = check(whole, contacts=contacts, require=require, effort=effort)
+    return AtPlace(x, y, height, verdict, _heaviest(build_program(whole, contacts), part.name))
+
+
+def _lowered(assembly: Assembly, alone: Assembly, x: float, y: float) -> float:
+    """Height of the centre of the part when it is lowered onto upright tops at a place.
+
+    Raises
+    ------
+    InputError
+        If nothing is below the part, or a part below it has another form.
+    """
+    prism = placed_prism(alone)
+    if prism is None:
+        raise InputError(
+            "only a box or another upright convex prism can be lowered", hint="give a box"
+        )
+    under = shifted(prism.footprint, (x, y))
+    met = [top for top in find_tops(assembly) if top.polygon.intersection(under).area > 0]
+    if not met:
+        raise InputError(
+            f"nothing is below the part at {x:g}, {y:g}", hint="give a place above a part"
+        )
+    highest = max(met, key=lambda top: top.high)
+    if not highest.upright:
+        raise InputError(
+            "the part below has no level top, so the height of the part is not known",
+            part=assembly.names[highest.part],
+            hint="add the part to the file at its height, and call check",
+        )
+    return highest.high + prism.below
+
+
+def _heaviest(program: Program, name: str) -> float | None:
+    """Largest mass of a part that is carried [kg]; infinite without a limit, None if unknown."""
+    k = program.names.index(name)
+    weight = np.zeros((len(program.names), 6))
+    weight[k, :3] = program.mass[k] * program.gravity
+    # the load of the part itself is share 0
+    limit = find_limit(program, weight)
+    if not isinstance(limit, Limit):
+        return None
+    return float(program.mass[k] * (1 + limit.value)) if limit.value > -1 else None

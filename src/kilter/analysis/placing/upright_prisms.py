@@ -1,0 +1,136 @@
+"""Upright prisms: parts with a horizontal convex top, and the part that is put down on them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from kilter.arrays import Array
+from kilter.assembly import Assembly
+from kilter.assembly.geometry import Geometry
+
+__all__ = ["PlacedPrism", "Top", "find_tops", "placed_prism", "shifted", "swept"]
+
+UPRIGHT = 1e-6
+"""Largest relative difference of volume between an upright prism and a part [-]; a larger value
+accepts parts whose sides lean."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Top:
+    """The horizontal top of an upright prism of an assembly.
+
+    Attributes
+    ----------
+    part : int
+    polygon : shapely.Polygon
+        Convex, in the plane x, y.
+    low, high : float
+        Heights of bottom and top [length unit].
+    upright : bool
+        False for a part of another form: its bounding box stands for it, and nothing is known about
+        places on it.
+    """
+
+    part: int
+    polygon: shapely.Geometry
+    low: float
+    high: float
+    upright: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlacedPrism:
+    """The part that is put down: an upright convex prism.
+
+    Attributes
+    ----------
+    footprint : ndarray, shape (n, 2)
+        Corners of its underside, counterclockwise, relative to the centre of mass.
+    below, above : float
+        Distance of the centre of mass from the underside and from the top [length unit].
+    mass : float
+        [kg]
+    inertia : ndarray, shape (3, 3)
+        About the centre of mass [kg x length unit^2].
+    radius : float
+        Bounding radius [length unit].
+    """
+
+    footprint: Array
+    below: float
+    above: float
+    mass: float
+    inertia: Array
+    radius: float
+
+    @property
+    def height(self) -> float:
+        """Height of the prism [length unit]."""
+        return self.below + self.above
+
+
+def find_tops(assembly: Assembly) -> list[Top]:
+    """The top of each part; the vertical is the z axis."""
+    return [_top(assembly.geometry, k) for k in range(len(assembly.parts))]
+
+
+def _top(geometry: Geometry, k: int) -> Top:
+    vertices = geometry.vertices[geometry.vertex_part == k]
+    low, high = float(vertices[:, 2].min()), float(vertices[:, 2].max())
+    hull = shapely.convex_hull(shapely.multipoints(vertices[:, :2]))
+    upright = _is_upright(vertices, hull.area, float(geometry.volume[k]))
+    curved = geometry.surfaces.start[k + 1] > geometry.surfaces.start[k]
+    return Top(k, hull, low, high, upright and not curved)
+
+
+def _is_upright(vertices: Array, area: float, volume: float) -> bool:
+    """Whether vertices and volume are those of an upright convex prism."""
+    low, high = vertices[:, 2].min(), vertices[:, 2].max()
+    size = max(float(np.ptp(vertices, axis=0).max()), 1e-300)
+    ends = np.minimum(vertices[:, 2] - low, high - vertices[:, 2])
+    if (ends > UPRIGHT * size).any():
+        return False
+    box = area * float(high - low)
+    return bool(abs(volume - box) <= UPRIGHT * max(volume, box))
+
+
+def placed_prism(assembly: Assembly) -> PlacedPrism | None:
+    """The only part of an assembly as a prism to put down; None if it is no upright prism."""
+    geometry = assembly.geometry
+    top = _top(geometry, 0)
+    if not top.upright:
+        return None
+    center = geometry.center[0]
+    ring = shapely.normalize(shapely.Polygon(top.polygon)).exterior
+    corners = np.array(ring.coords)[:-1] - center[:2]
+    if not shapely.is_ccw(ring):
+        corners = corners[::-1]
+    return PlacedPrism(
+        corners,
+        float(center[2] - top.low),
+        float(top.high - center[2]),
+        float(geometry.mass[0]),
+        geometry.inertia[0],
+        float(geometry.radius[0]),
+    )
+
+
+def shifted(footprint: Array, place: Sequence[float]) -> shapely.Geometry:
+    """The underside of the part with its centre at a place."""
+    return shapely.polygons(footprint + np.asarray(place))
+
+
+def swept(footprint: Array, low: Array, high: Array, *, union: bool) -> shapely.Geometry:
+    """The points under the part for some place of a rectangle (`union`), or for each place.
+
+    The part is convex, so the corners of the rectangle decide.
+    """
+    corners = [(u, v) for u in (low[0], high[0]) for v in (low[1], high[1])]
+    if union:
+        points = np.concatenate([footprint + corner for corner in corners])
+        return shapely.convex_hull(shapely.multipoints(points))
+    return shapely.intersection_all([shifted(footprint, corner) for corner in corners])

@@ -1,0 +1,178 @@
+"""The command `place`: where the next part stands on an assembly."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from kilter.cli.asked import Asked
+from kilter.cli.declarations import Option
+from kilter.cli.exit_codes import HOLDS, LOWER, PLACE
+from kilter.cli.options import Require, asks
+from kilter.cli.output import Progress
+from kilter.errors import InputError
+from kilter.tell.levels import REQUIRE
+
+if TYPE_CHECKING:
+    from kilter.assembly import Part
+
+__all__ = ["place"]
+
+PUT = "The part that is put down"
+
+
+@asks()
+def place(
+    asked: Asked,
+    box: Annotated[
+        str | None,
+        Option(
+            "--box",
+            metavar="AxBxC",
+            help="A box of this length, width and height (file units), such as 400x300x250.",
+            rich_help_panel=PUT,
+            show_default=False,
+        ),
+    ] = None,
+    mass: Annotated[
+        float | None,
+        Option(
+            "--mass",
+            metavar="KG",
+            help="Mass of the part.",
+            rich_help_panel=PUT,
+            show_default=False,
+        ),
+    ] = None,
+    part: Annotated[
+        Path | None,
+        Option(
+            "--part",
+            metavar="FILE",
+            help="A file with a single part in place of --box.",
+            rich_help_panel=PUT,
+            show_default=False,
+        ),
+    ] = None,
+    turn: Annotated[
+        list[float] | None,
+        Option(
+            "--turn",
+            metavar="DEG",
+            help="Angle of the box about the vertical. Repeatable: the best of all angles.",
+            rich_help_panel=PUT,
+            show_default=False,
+        ),
+    ] = None,
+    at: Annotated[
+        tuple[float, float] | None,
+        Option(
+            "--at",
+            metavar="X Y",
+            help="Does the part stand with its centre at this place? By default all places are "
+            "mapped.",
+            rich_help_panel=PUT,
+            show_default=False,
+        ),
+    ] = None,
+    clear: Annotated[
+        float,
+        Option(
+            "--clear",
+            metavar="LENGTH",
+            help="Distance that the part keeps from parts beside it, for a gripper.",
+            rich_help_panel=PUT,
+        ),
+    ] = 0.0,
+    accuracy: Annotated[
+        float | None,
+        Option(
+            "--accuracy",
+            metavar="LENGTH",
+            help="Largest width of the strip between places that stand and places that fall.",
+            rich_help_panel=PUT,
+            show_default=False,
+        ),
+    ] = None,
+    require: Require = REQUIRE,
+) -> int:
+    """Find where the next part stands on an assembly, and where it stands best.
+
+    The part is lowered straight down. A map names, for each height, the places at which forces
+    prove that everything stands and the places that motions exclude. With --at the answer has the
+    verdict there, the parts that would move, and the heaviest mass that is carried.
+
+    Exit code: 0 there is a place, or the part stands at the given place at the level of --require;
+    3 it stands there at a lower level; 1 there is no place, or it falls there; 4 undecided.
+    """
+    from kilter.analysis.placing.place import place as find
+
+    turns = turn or [0.0]
+    if at is not None and len(turns) > 1:
+        raise InputError("--at and several --turn are given", hint="give a single angle with --at")
+    if part is not None and turn:
+        raise InputError("--part and --turn are given", hint="turn the part in its file")
+    with Progress(asked.quiet) as progress:
+        assembly, contacts = asked.read(progress)
+        answers = [
+            find(
+                assembly,
+                _part_of(box, mass, part, angle),
+                at=at,
+                clear=clear,
+                accuracy=accuracy,
+                contacts=contacts,
+                require=require,
+                tolerance=asked.tolerance,
+                progress=progress,
+            )
+            for angle in turns
+        ]
+    best = max(answers, key=lambda answer: -1.0 if answer.best is None else answer.best[3])
+    answer = best.to_dict()
+    asked.tell(answer)
+    if best.at is not None and not best.stands:
+        level = best.at.verdict.level
+        return LOWER if level is not None else PLACE[str(best.at.verdict.verdict)]
+    return HOLDS if best.stands else PLACE["none"]
+
+
+def _part_of(box: str | None, mass: float | None, path: Path | None, turn: float) -> Part:
+    """The part that the options describe.
+
+    Raises
+    ------
+    InputError
+        If not exactly one part is described.
+    """
+    from kilter.analysis.placing.place import box_to_place
+    from kilter.files import load
+
+    if (box is None) == (path is None):
+        raise InputError(
+            "the part to put down is not given"
+            if box is None
+            else "--box and --part are both given",
+            hint="give --box AxBxC --mass KG, or --part FILE",
+        )
+    if path is not None:
+        found = load(path)
+        if len(found.parts) != 1:
+            raise InputError(f"{path} has {len(found.parts)} parts", hint="give a single part")
+        one = found.parts[0]
+        changes: dict[str, Any] = {} if mass is None else {"mass": mass}
+        return replace(one, **changes)
+    assert box is not None
+    lengths = re.fullmatch(r"([0-9.eE+-]+)[xX*]([0-9.eE+-]+)[xX*]([0-9.eE+-]+)", box.strip())
+    if lengths is None or mass is None:
+        raise InputError(
+            f"--box is {box!r:.40}" if lengths is None else "the mass of the box is not given",
+            hint="give --box 400x300x250 --mass 6",
+        )
+    try:
+        size = [float(word) for word in lengths.groups()]
+    except ValueError:
+        raise InputError(f"--box is {box!r:.40}", hint="give --box 400x300x250") from None
+    return box_to_place(size, mass, turn=turn)

@@ -1,0 +1,339 @@
+"""Packing plans: lists of boxes with their places, as packing programs write them.
+
+Two forms are read:
+
+    CSV        a header, then a row for each box: name, length, width, height, mass, x, y, z
+               (the corner with the least coordinates), and optionally turned (1 or 90: length and
+               width exchanged). A unit may stand behind a name: "length/mm", "x [mm]", "mass/kg"
+    BED-BPP    JSON: orders by name, each a list of items with "flb_coordinates" and "orientation"
+
+The boxes stand upright along x, y and z. Their order in the file is that of packing.
+
+References
+----------
+BED-BPP: Kagerer et al., "BED-BPP: Benchmarking dataset for robotic bin packing problems", 2023.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from kilter.assembly import Assembly, Part
+from kilter.errors import InputError, nearest_name, some_names
+from kilter.files.raw import read_bytes
+from kilter.files.strict_json import parse_json
+from kilter.rigid import Pose
+from kilter.shape.primitives import Box
+from kilter.units import metres_per_unit
+
+__all__ = ["CSV", "PackedBox", "PackingPlan", "is_packing_plan", "load_plan", "plan_of_json"]
+
+CSV = (".csv",)
+"""Endings of packing plans as tables (lower case)."""
+NAMES = {
+    "name": ("name", "item", "id", "article", "box"),
+    "length": ("length", "l", "dx", "size x"),
+    "width": ("width", "w", "dy", "size y", "depth"),
+    "height": ("height", "h", "dz", "size z"),
+    "mass": ("mass", "weight", "m"),
+    "x": ("x",),
+    "y": ("y",),
+    "z": ("z",),
+    "turned": ("turned", "orientation", "rotated", "rotation"),
+}
+"""Names of each column in a table, in lower case."""
+NEEDED = ("length", "width", "height", "mass", "x", "y", "z")
+LENGTHS = ("length", "width", "height", "x", "y", "z")
+KNOWN_UNITS = ("m", "cm", "mm", "in")
+UNTURNED, TURNED = ("", "0", "false", "no"), ("1", "90", "true", "yes")
+HEADER = "name,length,width,height,mass,x,y,z"
+"""Example of a header, for messages."""
+
+
+@dataclass(frozen=True, slots=True)
+class PackedBox:
+    """A box of a packing plan.
+
+    Attributes
+    ----------
+    name : str
+    size : tuple of 3 float
+        Lengths along x, y, z as it stands [length unit].
+    mass : float
+        [kg]
+    corner : tuple of 3 float
+        Corner with the least coordinates [length unit].
+    line : int
+        Line of the table, or number of the item in its order, counted from 1.
+    """
+
+    name: str
+    size: tuple[float, float, float]
+    mass: float
+    corner: tuple[float, float, float]
+    line: int
+
+
+@dataclass(frozen=True, slots=True)
+class PackingPlan:
+    """Boxes in the order in which they are packed.
+
+    Attributes
+    ----------
+    boxes : tuple of PackedBox
+    units : {"m", "cm", "mm", "in"}
+    order : str
+        Name of the order; empty for a table.
+    source : str
+        Path of the file.
+    """
+
+    boxes: tuple[PackedBox, ...]
+    units: str
+    order: str = ""
+    source: str = ""
+
+    @property
+    def low(self) -> Any:
+        """Least coordinates of all boxes, shape (3,) [length unit]."""
+        return np.array([box.corner for box in self.boxes]).min(axis=0)
+
+    @property
+    def high(self) -> Any:
+        """Largest coordinates of all boxes, shape (3,) [length unit]."""
+        corner = np.array([box.corner for box in self.boxes])
+        return (corner + np.array([box.size for box in self.boxes])).max(axis=0)
+
+    def assembly(self) -> Assembly:
+        """The boxes as parts; none of them is held."""
+        parts = [
+            Part(
+                box.name,
+                Box(list(box.size)),
+                Pose(np.array(box.corner) + np.array(box.size) / 2),
+                mass=box.mass,
+            )
+            for box in self.boxes
+        ]
+        return Assembly(parts, units=self.units, source=self.source)
+
+
+def load_plan(
+    path: str | Path, *, order: str | None = None, units: str | None = None
+) -> PackingPlan:
+    """Read a packing plan from a CSV or JSON file.
+
+    Parameters
+    ----------
+    path : path
+    order : str, optional
+        Name of the order, for a file with several orders.
+    units : {"m", "cm", "mm", "in"}, optional
+        Length unit of a table that states none; default metres.
+
+    Raises
+    ------
+    InputError
+        If the file is no packing plan, or a box is invalid; the error names the line.
+    """
+    path = Path(path)
+    data = read_bytes(path)
+    try:
+        if path.suffix.lower() in CSV:
+            plan = _plan_of_table(data, units)
+            if order is not None:
+                raise InputError("a table has no orders", hint="leave the order out")
+        else:
+            plan = plan_of_json(parse_json(data), order)
+    except InputError as error:
+        raise error.located(file=str(path)) from None
+    return PackingPlan(plan.boxes, plan.units, plan.order, str(path))
+
+
+def is_packing_plan(content: Any) -> bool:
+    """Whether JSON data are orders of BED-BPP."""
+    if not isinstance(content, dict) or not content:
+        return False
+    first = next(iter(content.values()))
+    return (
+        isinstance(first, list)
+        and bool(first)
+        and isinstance(first[0], dict)
+        and {"item", "flb_coordinates"} <= first[0].keys()
+    )
+
+
+def plan_of_json(content: Any, order: str | None = None) -> PackingPlan:
+    """The packing plan of an order in BED-BPP data.
+
+    Raises
+    ------
+    InputError
+        If the data are no orders, the order is missing, or an item is invalid.
+    """
+    if not is_packing_plan(content):
+        raise InputError(
+            "is no packing plan", hint=f"give orders of BED-BPP, or a CSV with the header {HEADER}"
+        )
+    names = list(content)
+    if order is None and len(names) > 1:
+        raise InputError(
+            f"has {len(names)} orders: {some_names(names)}",
+            hint=f"give order={names[0]!r}",
+            option=f"give --order {names[0]}",
+        )
+    name = names[0] if order is None else order
+    if name not in content:
+        raise InputError(f"has no order {name!r:.40}", hint=f"its orders are {some_names(names)}")
+    boxes = [_item_of_json(entry, k) for k, entry in enumerate(content[name], 1)]
+    return PackingPlan(_named(boxes), "mm", name)
+
+
+def _item_of_json(entry: Any, number: int) -> PackedBox:
+    """The box of an item in BED-BPP data; lengths in mm, mass in kg."""
+    try:
+        item, corner = entry["item"], entry["flb_coordinates"]
+        lengths = [float(item[f"{key}/mm"]) for key in ("length", "width", "height")]
+        mass, turned = float(item["weight/kg"]), int(entry.get("orientation", 0))
+        place = tuple(float(x) for x in corner)
+        name = str(item.get("article") or item.get("id") or f"item {number}")
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise InputError(
+            f"item {number} has a missing or wrong value: {error}"[:120],
+            hint="give the keys of BED-BPP: item, flb_coordinates, orientation",
+        ) from None
+    if len(place) != 3 or turned not in (0, 1):
+        raise InputError(
+            f"item {number} has a wrong place or orientation", hint="give 3 numbers, and 0 or 1"
+        )
+    return _box(name, lengths, mass, place, bool(turned), number, "item")
+
+
+def _box(
+    name: str,
+    lengths: Sequence[float],
+    mass: float,
+    corner: Sequence[float],
+    turned: bool,
+    line: int,
+    word: str,
+) -> PackedBox:
+    """A valid box; `word` and `line` name its place in messages."""
+    for key, value in zip(("length", "width", "height", "mass"), (*lengths, mass), strict=True):
+        if not (math.isfinite(value) and value > 0):
+            raise InputError(f"{word} {line}: {key} is {value:g}", hint="give a number above 0")
+    if not all(math.isfinite(x) for x in corner):
+        raise InputError(f"{word} {line}: the place is not finite", hint="give numbers")
+    length, width, height = lengths
+    size = (width, length, height) if turned else (length, width, height)
+    return PackedBox(name, size, mass, (corner[0], corner[1], corner[2]), line)
+
+
+def _named(boxes: Sequence[PackedBox]) -> tuple[PackedBox, ...]:
+    """The boxes with unique names: a repeated name gets the number of the box."""
+    names = [box.name for box in boxes]
+    return tuple(
+        PackedBox(f"{box.name}#{k}", box.size, box.mass, box.corner, box.line)
+        if names.count(box.name) > 1
+        else box
+        for k, box in enumerate(boxes, 1)
+    )
+
+
+# tables --------------------------------------------------------------------------------
+
+
+def _plan_of_table(data: bytes, units: str | None) -> PackingPlan:
+    """The packing plan of a CSV table; commas, semicolons or tabs separate its columns."""
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise InputError("is not UTF-8", hint="save the table as UTF-8") from None
+    lines = text.splitlines()
+    if not lines:
+        raise InputError("the table is empty", hint=f"begin with the header {HEADER}")
+    separator = max(",;\t", key=lines[0].count)
+    rows = csv.reader(io.StringIO(text), delimiter=separator)
+    columns, unit = _columns(next(rows))
+    if unit is not None and units is not None and unit != units:
+        raise InputError(
+            f"the table is in {unit}, but the units given are {units}", hint="leave the units out"
+        )
+    boxes = [
+        _box_of_row(row, columns, rows.line_num)
+        for row in rows
+        if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#")
+    ]
+    if not boxes:
+        raise InputError("the table has no boxes", hint="add a row for each box")
+    used = unit or units or "m"
+    metres_per_unit(used)
+    return PackingPlan(_named(boxes), used)
+
+
+def _columns(header: Sequence[str]) -> tuple[dict[str, int], str | None]:
+    """Position of each column by its key, and the length unit that the header states."""
+    found: dict[str, int] = {}
+    units: set[str] = set()
+    every = {name: key for key, names in NAMES.items() for name in names}
+    for k, cell in enumerate(header):
+        match = re.fullmatch(r"\s*([^\[(/]*?)\s*(?:[\[(/]\s*([A-Za-z]+)\s*[\])]?)?\s*", cell)
+        name, unit = (match[1].lower(), match[2]) if match else (cell.strip().lower(), None)
+        key = every.get(name.replace("_", " "))
+        if key is None:
+            near = nearest_name(name, every)
+            hint = f"did you mean {near!r}?" if near else f"use the header {HEADER}"
+            raise InputError(f"line 1: unknown column {cell.strip()!r:.40}", hint=hint)
+        if key in found:
+            raise InputError(f"line 1: two columns for {key}", hint="leave one of them out")
+        found[key] = k
+        if key in LENGTHS and unit is not None:
+            if unit not in KNOWN_UNITS:
+                raise InputError(f"line 1: unknown unit {unit!r:.20}", hint="use m, cm, mm or in")
+            units.add(unit)
+        if key == "mass" and unit not in (None, "kg"):
+            raise InputError(f"line 1: mass in {unit!r:.20}", hint="give the mass in kg")
+    missing = [key for key in NEEDED if key not in found]
+    if missing:
+        raise InputError(
+            f"line 1: no column for {', '.join(missing)}", hint=f"use the header {HEADER}"
+        )
+    if len(units) > 1:
+        raise InputError(
+            f"line 1: two length units, {' and '.join(sorted(units))}", hint="use a single unit"
+        )
+    return found, units.pop() if units else None
+
+
+def _box_of_row(row: Sequence[str], columns: dict[str, int], line: int) -> PackedBox:
+    """The box in a row of a table."""
+
+    def cell(key: str) -> str:
+        position = columns.get(key)
+        return "" if position is None or position >= len(row) else row[position].strip()
+
+    def value(key: str) -> float:
+        try:
+            return float(cell(key))
+        except ValueError:
+            raise InputError(
+                f"line {line}: {key} is {cell(key)!r:.30}",
+                hint="give a number such as 0.5",
+            ) from None
+
+    turned = cell("turned").lower().removesuffix(".0")
+    if turned not in (*UNTURNED, *TURNED):
+        raise InputError(f"line {line}: turned is {turned!r:.20}", hint="give 0 or 90")
+    lengths = [value(key) for key in ("length", "width", "height")]
+    corner = [value(key) for key in ("x", "y", "z")]
+    name = cell("name") or f"box {line - 1}"
+    return _box(name, lengths, value("mass"), corner, turned in TURNED, line, "line")

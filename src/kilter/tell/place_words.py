@@ -1,0 +1,54 @@
+"""The answer of `kilter place` in words: its sentence and its facts."""
+
+from __future__ import annotations
+
+from kilter.tell.numbers import count, number
+from kilter.tell.shared_facts import Answer, Fact
+
+__all__ = ["place_facts", "place_sentence"]
+
+
+def place_sentence(answer: Answer) -> str:
+    """Return the sentence about the places of a part.
+
+    Examples
+    --------
+    >>> place_sentence({"at": None, "best": None, "units": "m"})
+    'There is no place at which the part stands.'
+    """
+    at, units = answer["at"], answer["units"]
+    if at is None:
+        best = answer["best"]
+        if best is None:
+            return "There is no place at which the part stands."
+        where = f"x {number(best['x'])}, y {number(best['y'])}, height {number(best['height'])}"
+        return (
+            f"The part stands best with its centre at {where} {units}: {number(best['margin'])} "
+            f"{units} from the nearest place that is not proved to stand."
+        )
+    where = f"at x {number(at['x'])}, y {number(at['y'])} {units}"
+    if at["verdict"] == "unstable":
+        moving = ", ".join(repr(name) for name in at["moving"][:3])
+        return f"The part does not stand {where}: {moving} would move."
+    if at["verdict"] == "undecided":
+        return f"It is undecided whether the part stands {where}."
+    return f"The part stands {where}: {at['verdict']}."
+
+
+def place_facts(answer: Answer) -> list[Fact]:
+    """Return the lines below the sentence about places, each a term and its words."""
+    facts: list[Fact] = []
+    at, units = answer["at"], answer["units"]
+    if at is not None:
+        facts.append(("height", f"{number(at['height'])} {units} (centre of the part)"))
+        if at["unlimited"]:
+            facts.append(("heaviest", "any mass is carried there"))
+        elif at["heaviest"] is not None:
+            facts.append(("heaviest", f"{number(at['heaviest'])} kg are carried there"))
+    for level in reversed(answer["levels"]):
+        area = f"{number(level['area'])} {units}^2 in {count(len(level['stands']), 'polygon')}"
+        left = f"; open {number(level['open_strip'])} {units}^2" if level["open_strip"] else ""
+        facts.append((f"height {number(level['height'])}", f"stands on {area}{left}"))
+    if answer["level"] is not None:
+        facts.append(("level", answer["level"]))
+    return facts

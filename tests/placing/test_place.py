@@ -1,0 +1,190 @@
+"""Places of the next part: closed forms on both sides, friction, prisms, refusals."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+
+import kilter
+from kilter import Assembly, Box, Part, Pose
+from kilter.analysis.placing.place import Places, box_to_place, place
+from kilter.cli import main
+from kilter.errors import InputError
+from kilter.scenes import scene
+
+SMALL = [1e-3, 1e-3, 0.1]
+"""A box that is small, so that its centre and its contact are at the same place."""
+
+
+def overhang(length: float, weight: float, beyond: float) -> Assembly:
+    """A plank that extends beyond the edge of a table at x = 0."""
+    table = Part("table", Box([4, 1, 1]), Pose([-2, 0, -0.5]), grounded=True)
+    middle = [beyond - length / 2, 0, 0.05]
+    return Assembly([table, Part("plank", Box([length, 1, 0.1]), Pose(middle), mass=weight)])
+
+
+def seesaw(weight: float, half: float) -> Assembly:
+    base = Part("base", Box([2 * half, 1, 1]), Pose([0, 0, -0.5]), grounded=True)
+    return Assembly([base, Part("plank", Box([2, 1, 0.1]), Pose([0, 0, 0.05]), mass=weight)])
+
+
+def on_top(places: Places, height: float) -> shapely.Geometry:
+    [level] = [level for level in places.levels if math.isclose(level.height, height)]
+    return level.stands
+
+
+@pytest.mark.parametrize(
+    ("length", "weight", "beyond", "load"), [(1, 2, 0.3, 2.5), (1, 2, 0.4, 1), (1.2, 5, 0.5, 2)]
+)
+def test_a_load_on_an_overhanging_plank(
+    length: float, weight: float, beyond: float, load: float
+) -> None:
+    limit = weight * (length / 2 - beyond) / load
+    assembly, part = overhang(length, weight, beyond), box_to_place(SMALL, load)
+    places = place(assembly, part, accuracy=1e-3)
+    assert on_top(places, 0.1).bounds[2] == pytest.approx(limit, abs=1e-9)
+    for side, verdict in ((-1e-6, "stable"), (1e-6, "unstable")):
+        at = place(assembly, part, at=[limit + side, 0]).at
+        assert at is not None
+        assert at.verdict.verdict == verdict
+
+
+@pytest.mark.parametrize(("x", "heaviest"), [(0.1, 4.0), (0.2, 2.0), (0.25, 1.6)])
+def test_the_heaviest_load_at_a_place(x: float, heaviest: float) -> None:
+    at = place(overhang(1, 2, 0.3), box_to_place(SMALL, 1.0), at=[x, 0]).at
+    assert at is not None
+    assert at.heaviest == pytest.approx(heaviest, rel=1e-6)
+
+
+@pytest.mark.parametrize(("weight", "half", "load"), [(2, 0.1, 1), (2, 0.1, 8), (3, 0.15, 2.5)])
+def test_a_load_on_a_seesaw(weight: float, half: float, load: float) -> None:
+    limit = half * (1 + weight / load)
+    places = place(seesaw(weight, half), box_to_place(SMALL, load), accuracy=1e-3)
+    low, _, high, _ = on_top(places, 0.1).bounds
+    assert (low, high) == pytest.approx((-limit, limit), abs=1e-9)
+
+
+def test_order_decides_on_the_seesaw() -> None:
+    """Two equal loads balance anywhere, but the first must stand alone."""
+    alone, first = seesaw(2, 0.1), box_to_place([0.2, 0.2, 0.2], 8, name="first")
+    assert not place(alone, first, at=[0.8, 0]).stands
+    inner = place(alone, first, at=[0.1, 0]).at
+    assert inner is not None
+    both = place(
+        inner.verdict.assembly, box_to_place([0.2, 0.2, 0.2], 8, name="second"), at=[-0.7, 0]
+    )
+    assert not both.stands
+    later = place(
+        inner.verdict.assembly, box_to_place([0.2, 0.2, 0.2], 1, name="light"), at=[-0.3, 0]
+    )
+    assert later.stands
+
+
+def bridge() -> Assembly:
+    parts = []
+    for k, x in enumerate((-0.4, 0.4)):
+        parts += [
+            Part(f"base-{k}", Box([0.1, 1, 1]), Pose([x, 0, -0.5]), grounded=True),
+            Part(f"plank-{k}", Box([0.5, 1, 0.1]), Pose([x, 0, 0.05]), mass=1),
+        ]
+    return Assembly(parts)
+
+
+@pytest.mark.slow
+def test_a_box_that_bridges_two_planks() -> None:
+    """Bridging: x (3 - 1.1 / (.7 - x)) = .05; on one plank: from 1/3 to .4 + 1/15."""
+    part = box_to_place([0.7, 0.5, 0.2], 3)
+    places = place(bridge(), part, accuracy=0.03)
+    level = places.levels[-1]
+    limit = 0.0373107
+    assert level.stands.covers(shapely.Point(limit - 0.031, 0.1))
+    assert level.falls.covers(shapely.Point(limit + 0.031, 0.1))
+    for low, high in ((1 / 3, 0.4 + 1 / 15), (-0.4 - 1 / 15, -1 / 3)):
+        strip = shapely.box(low + 1e-9, -0.4, high - 1e-9, 0.4)
+        assert shapely.difference(strip, level.stands).area < 1e-9
+    assert level.open.area < 0.15
+    for x, verdict in ((limit - 1e-4, True), (limit + 1e-4, False)):
+        assert place(bridge(), part, at=[x, 0], require="equilibrium").stands is verdict
+
+
+def test_the_map_of_a_tower_is_its_top() -> None:
+    places = place(scene("tower"), box_to_place([0.5, 0.5, 0.5], 1.0))
+    assert places.stands
+    top = shapely.box(-0.5, -0.5, 0.5, 0.5)
+    assert shapely.symmetric_difference(on_top(places, 5.0), top).area < 1e-12
+    assert places.best is not None
+    assert places.best[:3] == pytest.approx((0, 0, 5.25), abs=1e-6)
+    data = places.to_dict()
+    assert json.loads(json.dumps(data)) == data
+
+
+def test_a_gripper_needs_room() -> None:
+    table = Part("table", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
+    tower = Part("tower", Box([1, 1, 2]), Pose([0, 0, 1]), mass=1)
+    part = box_to_place([0.5, 0.5, 0.5], 1)
+    free = on_top(place(Assembly([table, tower]), part), 0.0)
+    clear = on_top(place(Assembly([table, tower]), part, clear=0.2), 0.0)
+    assert free.covers(shapely.Point(0.8, 0))
+    assert not clear.covers(shapely.Point(0.9, 0))
+    assert clear.covers(shapely.Point(0.96, 0))
+
+
+def test_a_part_without_a_level_top_is_left_open() -> None:
+    table = Part("table", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
+    ball = Part("ball", kilter.Sphere(0.5), Pose([0, 0, 0.5]), mass=1)
+    places = place(Assembly([table, ball]), box_to_place([0.5, 0.5, 0.5], 1))
+    assert "open" in places.warnings[0]
+    level = places.levels[-1]
+    assert level.stands.area == 0
+    assert level.falls.area == 0
+    assert level.open.area > 0
+
+
+WRONG = [
+    (["--mass", "1"], "the part to put down is not given"),
+    (["--box", "1x1", "--mass", "1"], "--box is '1x1'"),
+    (["--box", "1x1x1"], "the mass of the box is not given"),
+    (["--box", "1x1x-1", "--mass", "1"], ""),
+    (["--box", "1x1x1", "--mass", "0"], ""),
+    (["--box", "1x1x1", "--mass", "1", "--at", "90", "0"], "nothing is below the part"),
+    (["--box", "1x1x1", "--mass", "1", "--part", "x.json"], "both given"),
+    (["--box", "1x1x1", "--mass", "1", "--at", "0", "0", "--turn", "0", "--turn", "90"], "several"),
+]
+
+
+@pytest.mark.parametrize(("words", "said"), WRONG)
+def test_a_wrong_question_is_refused(
+    words: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "tower.kilter.json"
+    kilter.dump(scene("tower"), file)
+    assert main(["place", str(file), *words]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+
+
+def test_exit_codes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "plank.kilter.json"
+    kilter.dump(overhang(1, 2, 0.3), file)
+    part = ["--box", "0.01x0.01x0.1", "--mass", "2.5"]
+    assert main(["place", str(file), *part]) == 0
+    assert main(["place", str(file), *part, "--at", "0.1", "0"]) == 0
+    assert main(["place", str(file), *part, "--at", "0.2", "0"]) == 1
+    assert "would move" in capsys.readouterr().out
+
+
+def test_gravity_must_act_downwards() -> None:
+    with pytest.raises(InputError, match="gravity along -z"):
+        place(scene("tower").with_down([1, 0, -1]), box_to_place(SMALL, 1))
+
+
+def test_a_turned_box_has_a_turned_footprint() -> None:
+    part = box_to_place([2.0, 1.0, 0.5], 1.0, turn=90)
+    corners = Assembly([part]).geometry.vertices
+    assert np.ptp(corners, axis=0) == pytest.approx([1.0, 2.0, 0.5])
