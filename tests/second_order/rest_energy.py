@@ -25,7 +25,7 @@ import kilter
 from kilter.arrays import Array
 from kilter.mechanics.program import Program, build_program
 from kilter.second_order.answer.second_order_answer import SecondOrder
-from kilter.second_order.parts.parting_planes import PartingPlanes, Places
+from kilter.second_order.parts.parting_planes import PartingPlanes, PartPlaces
 from kilter.second_order.parts.separation import least_separation
 
 RADII = (0.02, 0.005)
@@ -50,11 +50,11 @@ class Descent:
         six[:, 3:] /= program.radius[:, None]
         self.units = np.where(program.free[:, None], six * self.size, 0.0).reshape(-1)
 
-    def energy(self, place: Places) -> float:
+    def energy(self, place: PartPlaces) -> float:
         """The energy relative to the start, over the weight and the size [-]."""
         return -float((place.shifts * self.program.load[:, :3]).sum()) / (self.weight * self.size)
 
-    def apart(self, place: Places) -> bool:
+    def apart(self, place: PartPlaces) -> bool:
         """Whether the bodies are apart, up to the rounding of parts that shift along a plane."""
         found = least_separation(self.assembly, self.program, place.motion, beyond=self.size)
         return found is not None and found >= -ROUNDING * self.size
@@ -62,7 +62,7 @@ class Descent:
     def least(self, random: np.random.Generator, t: float) -> float:
         """The least energy found within t of the place with bodies apart; 0 if none was found."""
         count = len(self.units)
-        place = Places.of((t * random.uniform(-1, 1, count) * self.units).reshape(-1, 6))
+        place = PartPlaces.of((t * random.uniform(-1, 1, count) * self.units).reshape(-1, 6))
         best, trust = 0.0, t
         for _ in range(STEPS):
             step = self._solved(place, t, trust)
@@ -73,7 +73,7 @@ class Descent:
                 best = min(best, self.energy(place))
         return best
 
-    def _solved(self, place: Places, t: float, trust: float) -> Array | None:
+    def _solved(self, place: PartPlaces, t: float, trust: float) -> Array | None:
         """The step in the box that loses most energy; if none is apart, the least violated step."""
         count = len(self.units)
         rows, bound = self.planes.rows(
@@ -112,7 +112,9 @@ def contradicts(assembly: kilter.Assembly, found: SecondOrder, seed: int) -> tup
     if found.state == "balanced":
         place = found.configuration
         assert found.program is not None
-        good = place is not None and Descent(assembly, found.program).apart(Places.of(place.motion))
+        good = place is not None and Descent(assembly, found.program).apart(
+            PartPlaces.of(place.motion)
+        )
         good = good and place is not None and place.energy < 0
         return ("" if good else "its place is not lower and apart"), lower
     return (f"{least} t^2 lower" if lower else ""), lower

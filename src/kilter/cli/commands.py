@@ -50,7 +50,7 @@ def _pages() -> tuple[Command, ...]:
 def _plans() -> tuple[Command, ...]:
     from kilter.cli.holding import hold
     from kilter.cli.improving import improve
-    from kilter.cli.packing import check_plan
+    from kilter.cli.packing_plans import check_plan
     from kilter.cli.placing import place
     from kilter.cli.planning import plan
 

@@ -25,7 +25,7 @@ from kilter.mechanics.program import Program
 from kilter.mechanics.rows import ForceRows
 from kilter.second_order.answer.second_order_answer import SecondOrder
 from kilter.second_order.motions.null_space import null_space
-from kilter.second_order.parts.parting_planes import PartingPlanes, Places
+from kilter.second_order.parts.parting_planes import PartingPlanes, PartPlaces
 from kilter.second_order.parts.separation import least_separation
 from kilter.second_order.second_order_tolerances import APART, KEEPS
 from kilter.solvers.clarabel import solve_conic
@@ -142,7 +142,7 @@ class _Lower:
     """A step of the fall, shape (N, 6), the configuration after it, and its least separation."""
 
     motion: Array
-    place: Places
+    place: PartPlaces
     apart: float
 
 
@@ -173,7 +173,7 @@ class _Descent:
 
     def follow(self, start: Array, first: Array) -> PathPlaces:
         """Follow the fall from rest; the first displacement and direction are given, (N, 6)."""
-        place, along, h = Places.of(start), first, STEP
+        place, along, h = PartPlaces.of(start), first, STEP
         motions, steps, apart = [np.zeros_like(start), start], [start], [self._apart(start)]
         for _ in range(TRIES):
             step = None if self.work.over else self._step(place, h * self.length, along)
@@ -221,7 +221,7 @@ class _Descent:
         )
         return -np.inf if least is None else least
 
-    def _step(self, place: Places, h: float, along: Array) -> _Lower | None:
+    def _step(self, place: PartPlaces, h: float, along: Array) -> _Lower | None:
         """A step of length h to a lower configuration without penetration; None if none is found.
 
         Steepest descent is tried first, then the direction of the last step: near rest, the
@@ -237,13 +237,13 @@ class _Descent:
                 return step
         return None
 
-    def _gap(self, place: Places) -> float:
+    def _gap(self, place: PartPlaces) -> float:
         """Gap to leave between the bodies in the next step [length unit]."""
         fallen = -float(self._energy(place.motion)) / self.weight
         return min(GAP * self.length, SHARE * fallen)
 
     def _corrected_step(
-        self, place: Places, basis: Array, h: float, direction: Array
+        self, place: PartPlaces, basis: Array, h: float, direction: Array
     ) -> _Lower | None:
         """Step of length h along a direction, corrected to leave small gaps; None if it fails.
 
@@ -264,7 +264,7 @@ class _Descent:
         apart = self._apart(motion)
         return _Lower(step, after, apart) if apart > APART * self.length else None
 
-    def _basis(self, place: Places) -> Array:
+    def _basis(self, place: PartPlaces) -> Array:
         """Basis of the motions of the free parts, orthonormal for the masses, (6 N, n)."""
         program, per = self.program, self.program.freedoms
         free = np.flatnonzero(program.free)
@@ -292,7 +292,7 @@ class _Descent:
         return across.reshape(7 * count, 6 * len(self.load))
 
     def _steepest_step(
-        self, place: Places, basis: Array, h: float, gap: float, holds: float = 0.0
+        self, place: PartPlaces, basis: Array, h: float, gap: float, holds: float = 0.0
     ) -> Array | None:
         """Steepest descent in the basis, (n,), in units of h; None if no solver finished.
 

@@ -24,7 +24,7 @@ from kilter.mechanics.program import Program
 from kilter.rigid import matrix_to_quaternion
 from kilter.second_order.parts.separation import Body, bodies_of, parting, parting_point, turn_of
 
-__all__ = ["PartingPlanes", "Places"]
+__all__ = ["PartPlaces", "PartingPlanes"]
 
 FAN = 2e-4 * 4.0 ** np.arange(7)
 RIM = np.concatenate([[0.0], FAN, -FAN, np.pi / 4 * np.arange(1, 8)])
@@ -42,14 +42,14 @@ Pair = tuple[int, int, int, int]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Places:
+class PartPlaces:
     """Displacements of parts: shifts of the centres of mass, (N, 3), and rotations, (N, 3, 3)."""
 
     shifts: Array
     turns: Array
 
     @classmethod
-    def of(cls, motion: Array) -> Places:
+    def of(cls, motion: Array) -> PartPlaces:
         """Make displacements from shifts and rotation vectors, shape (N, 6) [length unit, rad]."""
         return cls(motion[:, :3].copy(), np.array([turn_of(vector) for vector in motion[:, 3:]]))
 
@@ -58,10 +58,10 @@ class Places:
         """Shifts and rotation vectors of the displacements, shape (N, 6) [length unit, rad]."""
         return np.hstack([self.shifts, np.array([_rotation_of(turn) for turn in self.turns])])
 
-    def after(self, step: Array) -> Places:
+    def after(self, step: Array) -> PartPlaces:
         """Displacements after one more step of shifts and turns about the centres, (N, 6)."""
         turns = np.array([turn_of(vector) for vector in step[:, 3:]])
-        return Places(self.shifts + step[:, :3], turns @ self.turns)
+        return PartPlaces(self.shifts + step[:, :3], turns @ self.turns)
 
 
 def _rotation_of(turn: Array) -> Array:
@@ -86,12 +86,12 @@ class PartingPlanes:
         self._from: dict[Pair, Array] = {}
         """Normals from which the search for a plane starts, shape (k, 3)."""
 
-    def rows(self, places: Places, reach: Array, gap: float) -> tuple[Array, Array]:
+    def rows(self, places: PartPlaces, reach: Array, gap: float) -> tuple[Array, Array]:
         """Linear conditions A x <= b on a step, under which separating planes keep bodies apart.
 
         Parameters
         ----------
-        places : Places
+        places : PartPlaces
         reach : ndarray, shape (N,)
             Largest displacement of points of each part [length unit]; pairs beyond are skipped.
         gap : float
@@ -128,7 +128,7 @@ class PartingPlanes:
                 bounds.append(-sign * (held - anchor) @ normal - rounded - gap / 2)
         return np.vstack(blocks), np.concatenate(bounds)
 
-    def _near_pairs(self, places: Places, reach: Array) -> list[tuple[Pair, Body, Body]]:
+    def _near_pairs(self, places: PartPlaces, reach: Array) -> list[tuple[Pair, Body, Body]]:
         """Pairs of displaced bodies within reach of each other, at least one of them free."""
         program, count = self._program, len(self._bodies)
         middles = [
@@ -154,7 +154,7 @@ class PartingPlanes:
                         pairs.append(((i, m, j, n), a, b))
         return pairs
 
-    def _moved_corners(self, key: tuple[int, int], places: Places) -> Body:
+    def _moved_corners(self, key: tuple[int, int], places: PartPlaces) -> Body:
         part, body = key
         center, shift, turn = (
             values[part] for values in (self._program.center, places.shifts, places.turns)
