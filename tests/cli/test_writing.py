@@ -21,6 +21,7 @@ from kilter.scenes import scene
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="processes of POSIX")
 
 FILE, SLIDES, BRICKS = "tower.kilter.json", "slope.kilter.json", "stair.txt"
+PACKED = "packed.csv"
 WRITERS = {
     "proof.json": ["check", FILE, "--quiet", "--proof"],
     "check.json": ["check", FILE, "--quiet", "--json", "-o"],
@@ -37,6 +38,8 @@ WRITERS = {
     "plan.html": ["plan", FILE, "--quiet", "-o"],
     "plan.glb": ["plan", FILE, "--quiet", "-o"],
     "report.html": ["report", FILE, "--quiet", "-o"],
+    "place.json": ["place", FILE, "--quiet", "--json", "--box", ".5x.5x.5", "--mass", "1", "-o"],
+    "packed.json": ["check-plan", PACKED, "--quiet", "--json", "-o"],
     "draw.svg": ["draw", FILE, "--quiet", "-o"],
     "draw.png": ["draw", FILE, "--quiet", "-o"],
     "draw.glb": ["draw", SLIDES, "--quiet", "-o"],
@@ -70,6 +73,9 @@ def folder(tmp_path: Path) -> Path:
     """A tower of three cubes, a block that slides, two bricks: all is soon done."""
     kilter.dump(scene("tower"), tmp_path / FILE)
     kilter.dump(scene("slope"), tmp_path / SLIDES)
+    (tmp_path / PACKED).write_text(
+        "length,width,height,mass,x,y,z\n1,1,1,1,0,0,0\n", encoding="utf-8"
+    )
     (tmp_path / BRICKS).write_text("4x2 (0,0,0)\n4x2 (2,0,1)\n", encoding="utf-8")
     return tmp_path
 
