@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import trimesh
 from opened_page import Opened
 from test_tools_in_chromium import AXE, spot, violations
 
@@ -240,6 +241,19 @@ def test_as1_from_the_drop_to_a_saved_stable_state(
     choices = page.choices()
     assert (choices["held"], choices["friction"]) == (["plate"], 0.3)
     assert choices["fasten_suggested"] is True
+    assert page.text("verdict") == "Stable"
+
+
+def test_a_chosen_folder_of_meshes_is_sent_and_opened(user: Callable, tmp_path: Path) -> None:
+    page = user(None)
+    (tmp_path / "parts").mkdir()
+    for name, size, height in (("base", 4, 0.5), ("cube", 1, 1.5)):
+        box = trimesh.creation.box([size, size, 1])
+        box.apply_translation([0, 0, height])
+        box.export(tmp_path / "parts" / f"{name}.stl")
+    page.after(lambda: page.page.set_input_files("#folder", tmp_path / "parts"))
+    assert page.js("window.kilter.page.parts.full_names") == ["base", "cube"]
+    page.click("#floor")
     assert page.text("verdict") == "Stable"
 
 
