@@ -179,7 +179,14 @@ def test_a_command_that_is_asked_to_end_leaves_nothing_beside(
         code, _ = commands.run(words, folder, after=after, number=number, ignored=ignored)
         said = (folder / SAID).read_text("utf-8")
         assert "Traceback" not in said
-        assert {path.name for path in folder.iterdir()} == {FILE, SLIDES, BRICKS, SAID, name}
+        assert {path.name for path in folder.iterdir()} == {
+            FILE,
+            SLIDES,
+            BRICKS,
+            PACKED,
+            SAID,
+            name,
+        }
         if code == 130:
             assert "kilter: interrupted" in said.splitlines()[-1]  # a plan says what it knew so far
             assert target.read_bytes() == old or whole(target)
