@@ -387,9 +387,17 @@ def draw(
 
 
 def _draw_transport(answer: Transport) -> Figure:
-    """Draw the polar figure of a transport answer; an error if it was computed without it."""
+    """Draw the speed factor of a path, or the polar figure; an error if the answer has neither."""
+    from kilter.show.path_profile import draw_path_profile
     from kilter.show.polar import draw_polar
 
+    if answer.path is not None:
+        if answer.path.limit is None:
+            raise InputError(
+                "the path is carried at every speed, so there is nothing to draw",
+                hint="draw a path that limits the speed",
+            )
+        return draw_path_profile(answer.to_dict())
     if answer.polar is None:
         raise InputError(
             "this answer about transport has no horizontal accelerations to draw",

@@ -135,3 +135,20 @@ def test_the_command_reads_a_path(tmp_path: Path, capsys: pytest.CaptureFixture[
     words = ["transport", str(tmp_path / "box.kilter.json"), "--path", str(tmp_path / "path.csv")]
     assert main(words) == 0
     assert "1.40071 times as fast" in capsys.readouterr().out
+
+
+@pytest.mark.quick(1)
+def test_the_figure_shows_the_factor_over_time(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("matplotlib")
+    load, path, figure = (tmp_path / name for name in ("box.kilter.json", "p.csv", "k.svg"))
+    kilter.dump(_flat(), load)
+    path.write_text("time,ax,ay,az\n0,0,0,0\n1,2,0,0\n2,0,0,0\n")
+    words = ["transport", str(load), "--path", str(path), "--figure", str(figure)]
+    assert main(words) == 0
+    assert "speed factor [-]" in figure.read_text()
+    path.write_text("time,ax,ay,az\n0,0,0,0\n1,0,0,0\n2,0,0,0\n")
+    capsys.readouterr()
+    assert main(words) == 2
+    assert "carried at every speed" in capsys.readouterr().err

@@ -137,7 +137,8 @@ def transport(
         Option(
             "--figure",
             metavar="OUT.svg|png|pdf",
-            help="Also write a figure of all horizontal accelerations. Needs kilter[figures].",
+            help="Also write a figure of all horizontal accelerations, or of the speed factor of "
+            "--path over time. Needs kilter[figures].",
             rich_help_panel=FORM,
             show_default=False,
         ),
@@ -157,7 +158,7 @@ def transport(
     from kilter.analysis.transport.transport import transport as find
 
     if figure is not None:
-        _require_figure(figure, [accelerate, turn, turn_faster, code, path])
+        _require_figure(figure, [accelerate, turn, turn_faster, code])
         asked.apart(figure)
     motion = _motion(accelerate, turn, turn_faster, about)
     with Progress(asked.quiet) as progress:
@@ -213,7 +214,8 @@ def _require_figure(figure: Path, question: list[object]) -> None:
     publish.require_figure(figure, None)
     if any(value is not None for value in question):
         raise InputError(
-            "--figure shows all horizontal accelerations", hint="give it without a question"
+            "--figure shows all horizontal accelerations, or a path",
+            hint="give it without a question, or with --path",
         )
 
 
