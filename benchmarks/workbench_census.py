@@ -155,7 +155,10 @@ def random_request(page: Page, rng: random.Random) -> dict[str, Any]:
         "pair": {"pairs": [[one, two]], "as": rng.choice(["joined", "apart", "touching", None])},
         "material": {"parts": few, "density": rng.choice([None, 700, 2700, 7850])},
         "mass": {"part": one, "mass": rng.uniform(0.1, 5)},
-        "friction": {"mu": rng.choice([None, 0, 0.2, 0.5, 0.8]), "live": rng.random() < 0.3},
+        "friction": {
+            "mu": rng.choice([None, 0, 0.2, 0.5, 0.8]),
+            "live": rng.choice(["", "a", "b"]),
+        },
         "pair_friction": {"parts": [one, two], "mu": rng.choice([None, 0, 0.4])},
         "joint": {"parts": [one, two], "kind": "fixed"},
         "bond": {"parts": [one, two], "pull": rng.uniform(0, 20)},

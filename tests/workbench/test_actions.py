@@ -129,11 +129,13 @@ def test_a_wrong_action_is_refused_in_a_sentence(action: dict, said: str) -> Non
 
 def test_the_positions_of_a_dragged_slider_are_one_change() -> None:
     history = History(START, BODIES)
-    for mu in (0.1, 0.2, 0.3):
-        history.add({"do": "friction", "mu": mu, "live": True})
-    history.add({"do": "friction", "mu": 0.5})
-    assert [change.label for change in history.changes] == ["friction 0.3", "friction 0.5"]
-    history.undo()
+    for drag, values in (("1", (0.1, 0.2, 0.3)), ("2", (0.4, 0.5))):
+        for mu in values:
+            history.add({"do": "friction", "mu": mu, "live": drag})
+    history.add({"do": "friction", "mu": 0.6})
+    labels = [change.label for change in history.changes]
+    assert labels == ["friction 0.3", "friction 0.5", "friction 0.6"]
+    history.go(1)
     assert history.keys["friction"] == 0.3
     history.undo()
     assert history.keys == START

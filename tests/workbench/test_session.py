@@ -219,6 +219,23 @@ def test_an_uploaded_file_opens(page: Page, bench: Workbench, folder: Path) -> N
         assert reply["error"]
 
 
+def test_changes_of_an_uploaded_file_outlive_it(
+    page: Page, bench: Workbench, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    data = (folder / "f8.kilter.json").read_bytes()
+    for name, count in (("first.kilter.json", 0), ("second.kilter.json", 1)):
+        uploaded(bench, name, data)
+        assert page.say(do="open", file=name)["ok"]
+        page.answer()
+        session = page.last["session"]
+        assert session["temporary"]
+        assert len(session["changes"]) == count
+        if not count:
+            page.after(do="hold", parts=["C3"], on=True)
+    assert len(list(tmp_path.rglob("*.json"))) == 1
+
+
 def test_a_wrong_file_leaves_the_open_file_open(page: Page, bench: Workbench) -> None:
     assert uploaded(bench, "wrong.step", b"not a step file")[0] == 200
     reply = page.say(do="open", file="wrong.step")

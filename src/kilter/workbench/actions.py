@@ -16,7 +16,7 @@ from kilter.errors import InputError
 from kilter.files.choices import Choices
 from kilter.workbench.opened_parts import OpenedParts
 
-__all__ = ["ACTIONS", "apply", "is_preview"]
+__all__ = ["ACTIONS", "apply", "drag_of"]
 
 Keys = dict[str, Any]
 Action = Mapping[str, Any]
@@ -62,9 +62,13 @@ def apply(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     return Choices.from_dict(new).to_dict(), label
 
 
-def is_preview(action: Action) -> bool:
-    """Whether an action belongs to a series, such as the positions of a dragged slider."""
-    return bool(action.get("live"))
+def drag_of(action: Action) -> str:
+    """Name of the drag of a slider to whose positions an action belongs; empty for other actions.
+
+    A position replaces the position before it of the same drag.
+    """
+    drag = action.get("live")
+    return drag if isinstance(drag, str) else ""
 
 
 # parts ---------------------------------------------------------------------------------

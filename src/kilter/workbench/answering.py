@@ -57,6 +57,7 @@ def scene_data(prepared: Prepared, bodies: OpenedParts, *, shapes: bool = True) 
     things["parts"]["density"] = [_density(assembly, k) for k in range(len(assembly.parts))]
     things["parts"]["full_names"] = list(assembly.names)
     things["left_out"] = list(prepared.left_out)
+    things["down"] = assembly.down.tolist()
     nothing = ("given", "recommended", "region", "rays", "map", "change")
     return {**things, **dict.fromkeys(nothing), "coincide": False, "notes": []}
 

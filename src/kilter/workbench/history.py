@@ -7,6 +7,7 @@ in a file after each change (autosave), so that no choice is lost if a process e
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,10 +15,10 @@ from typing import Any
 
 from kilter.errors import InputError
 from kilter.files.strict_json import parse_json
-from kilter.workbench.actions import apply, is_preview
+from kilter.workbench.actions import apply, drag_of
 from kilter.workbench.opened_parts import OpenedParts
 
-__all__ = ["Change", "History", "autosave_path"]
+__all__ = ["Change", "History", "autosave_path", "upload_autosave_path"]
 
 FORM = 1
 """Version of the form of the autosave file."""
@@ -89,20 +90,17 @@ class History:
         return self._states[count]
 
     def add(self, action: Mapping[str, Any]) -> None:
-        """Apply an action. A preview replaces the preview before it; undone changes are dropped.
+        """Apply an action. A position of a drag replaces the position before it.
+
+        Undone changes are dropped.
 
         Raises
         ------
         InputError
             If the action is invalid; nothing changes then.
         """
-        last = self.changes[-1] if self.changes else None
-        replaces = (
-            last is not None
-            and is_preview(action)
-            and is_preview(last.action)
-            and last.action["do"] == action["do"]
-        )
+        drag = drag_of(action)
+        replaces = bool(drag and self.changes) and drag == drag_of(self.changes[-1].action)
         if replaces:
             keys, label = apply(action, self._states[-2], self.bodies)
             self.changes[-1] = Change(dict(action), label)
@@ -204,3 +202,17 @@ class History:
 def autosave_path(path: Path) -> Path:
     """Path of the autosave file of an assembly file: beside it, hidden."""
     return path.parent / f".{path.name}.workbench.json"
+
+
+def upload_autosave_path(digest: str) -> Path:
+    """Path of the autosave file of an uploaded file, in the user's folder for states of programs.
+
+    Parameters
+    ----------
+    digest : str
+        SHA-256 of the file: the same file that is dropped again finds its changes.
+    """
+    home = Path.home()
+    default = home / "AppData" / "Local" if os.name == "nt" else home / ".local" / "state"
+    folder = os.environ.get("XDG_STATE_HOME") or os.environ.get("LOCALAPPDATA") or str(default)
+    return Path(folder) / "kilter" / "workbench" / f"{digest[:32]}.json"

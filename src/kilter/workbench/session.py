@@ -24,9 +24,9 @@ from kilter.files.file_content import ENDINGS
 from kilter.files.fingerprint import fingerprint
 from kilter.files.writing import dump, write_text
 from kilter.scenes.registry import SCENES, scene
-from kilter.workbench.actions import ACTIONS, is_preview
+from kilter.workbench.actions import ACTIONS
 from kilter.workbench.command_line import command, needs_file, saved_name
-from kilter.workbench.history import History, autosave_path
+from kilter.workbench.history import History, autosave_path, upload_autosave_path
 from kilter.workbench.job_queue import JobQueue, QueuedJob
 from kilter.workbench.materials import MATERIALS
 from kilter.workbench.opened_parts import OpenedParts
@@ -117,6 +117,7 @@ class Session:
             ],
             "redo": [{"label": change.label} for change in reversed(self.history.undone)],
             "saved": None if self.saved is None else self.saved.name,
+            "temporary": opened and self._is_upload,
             "dirty": opened and keys != self.saved_keys,
             "command": self.command("check") if opened else "kilter view",
             "command_needs_save": opened and needs_file(keys) and keys != self.saved_keys,
@@ -162,7 +163,7 @@ class Session:
         if what in ACTIONS:
             self._require_file()
             self.history.add({k: v for k, v in message.items() if k != "id"})
-            self._changed(preview=is_preview(message))
+            self._changed()
         elif what in ("undo", "redo", "revert", "go"):
             self._require_file()
             self._walk(str(what), message)
@@ -198,7 +199,7 @@ class Session:
             self.history.go(int(message["index"]))
         self._changed()
 
-    def _changed(self, *, preview: bool = False) -> None:
+    def _changed(self) -> None:
         """Answer the new state, and keep the changes beside the file."""
         self.state += 1
         self.message = ""
@@ -330,7 +331,7 @@ class Session:
     def _restore(self, bodies: OpenedParts, *, given: bool) -> None:
         """Take over the changes of an earlier session that were not saved."""
         assert self.path is not None
-        kept = autosave_path(self.path)
+        kept = self._autosave_path
         if given or not kept.is_file():
             return
         try:
@@ -338,26 +339,40 @@ class Session:
         except (InputError, OSError) as error:
             self.message = f"the changes of the earlier session could not be restored: {error}"
             return
-        same = {k: v for k, v in earlier.base.items() if k != "sha256"}
-        now = {k: v for k, v in self.history.base.items() if k != "sha256"}
-        if same != now or not (earlier.changes or earlier.undone):
+        before, now = (_without_place(keys) for keys in (earlier.base, self.history.base))
+        if before != now or not (earlier.changes or earlier.undone):
             return
-        earlier.base["sha256"] = self.history.base["sha256"]
         self.history = History(self.history.base, bodies, earlier.changes, earlier.undone)
         count = len(self.history.changes)
         if count:
             changes = "1 change" if count == 1 else f"{count} changes"
             self.message = f"{changes} of the earlier session restored; undo takes them back"
 
+    @property
+    def _is_upload(self) -> bool:
+        """Whether the open file lies in the temporary folder of uploads."""
+        return self.path is not None and self.path.is_relative_to(self.uploads)
+
+    @property
+    def _autosave_path(self) -> Path:
+        """The file that keeps the changes; those about an uploaded file outlive its folder."""
+        assert self.path is not None
+        if self._is_upload:
+            return upload_autosave_path(str(self.history.base.get("sha256", "")))
+        return autosave_path(self.path)
+
     def _autosave(self) -> None:
         """Keep the changes in a file beside the assembly file."""
         assert self.path is not None
         try:
-            write_text(autosave_path(self.path), self.history.to_text())
+            kept = self._autosave_path
+            if self._is_upload:
+                kept.parent.mkdir(parents=True, exist_ok=True)
+            write_text(kept, self.history.to_text())
             self._autosaves = True
-        except InputError as error:
+        except (InputError, OSError) as error:
             if self._autosaves:
-                self.message = f"the changes are not kept beside the file: {error.what}"
+                self.message = f"the changes are not kept beside the file: {error}"
             self._autosaves = False
 
     def _save(self, name: str | None) -> str:
@@ -488,6 +503,11 @@ class Session:
 
 MOST_FILES = 500
 """Largest number of files that the start page lists."""
+
+
+def _without_place(keys: Mapping[str, Any]) -> dict[str, Any]:
+    """Choices without the name and the digest of their file."""
+    return {key: value for key, value in keys.items() if key not in ("file", "sha256")}
 
 
 def _examples() -> list[str]:

@@ -81,7 +81,7 @@ export class Workbench {
 
   /** Whether the open file is a copy that kilter keeps only while it runs. */
   get temporary() {
-    return Boolean(this.session.file) && !this.session.files.includes(this.session.file);
+    return this.session.temporary;
   }
 
   /** Save the choices beside the file; without the user's folder they are downloaded, too. */
@@ -150,7 +150,7 @@ export class Workbench {
     page.shapes ??= this.shapes;
     this.shapes = page.shapes;
     prepareParts(page.parts);
-    const down = this.report && !this.other ? this.report.page.given.down : [0, 0, -1];
+    const { down } = page;
     page.given = pending(page.parts.names.length, down);
     id("show").hidden = false;
     const acted = id("part").contains(document.activeElement);

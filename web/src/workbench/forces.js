@@ -9,7 +9,11 @@ const PAUSE = 120; // least time between two messages of a dragged slider [ms]
 export class Forces {
   constructor(bench) {
     this.bench = bench;
+    this.start = Date.now(); // drags of two pages differ
+    this.drags = 0;
     on("friction", "input", () => this.drag(Number(id("friction").value)));
+    // the positions until the slider is released are one change
+    on("friction", "change", () => (this.drags += 1));
     on("friction-number", "change", () => {
       const text = id("friction-number").value.trim();
       bench.act({ do: "friction", mu: text === "" ? null : Number(text) });
@@ -43,7 +47,7 @@ export class Forces {
     const next = async () => {
       const mu_ = this.wanted;
       this.wanted = null;
-      await this.bench.act({ do: "friction", mu: mu_, live: true });
+      await this.bench.act({ do: "friction", mu: mu_, live: `${this.start}-${this.drags}` });
       setTimeout(() => {
         if (this.wanted !== null) next();
         else this.sending = false;
