@@ -40,4 +40,9 @@ def test_no_small_number_goes_without_a_name() -> None:
     # the least values that MuJoCo accepts
     found = unnamed("files", but="file_tolerances.py")
     places = {place.split(":")[0] for place in found}
-    assert places == {"files/mjcf.py", "files/stated_accuracy.py", "files/threemf.py"}
+    assert places == {
+        "files/mjcf.py",
+        "files/stated_accuracy.py",
+        "files/step_densities.py",
+        "files/threemf.py",
+    }

@@ -3,7 +3,7 @@
 A surface grows from a seed facet and two or three of its neighbours. In a mesh of a free form
 nearly all such starts fail: no surface contains their corners, or no further facet lies on it.
 This module finds these starts with arrays, and they are left out. `kilter.shape.recognition` fits
-the others again, one by one. So the tolerances here are wider by `ROUGHLY`, and no fit here decides
+the others again, each alone. So the tolerances here are wider by `ROUGHLY`, and no fit here decides
 that a surface exists.
 
 The methods are those of `kilter.shape.fitting`, with a leading axis for the starts.

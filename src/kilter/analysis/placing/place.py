@@ -277,8 +277,8 @@ def place(
     --------
     >>> from kilter.scenes import scene
     >>> answer = place(scene("tower"), box_to_place([1, 1, 1], 1.0))
-    >>> answer.stands, len(answer.levels) > 1
-    (True, True)
+    >>> answer.stands, [level.height for level in answer.levels]
+    (True, [5.0])
     """
     started = time.perf_counter()
     tell = progress or (lambda stage: None)
