@@ -16,11 +16,13 @@ from kilter.files import schema
 WRITERS = {
     "batch": "kilter.analysis.many.batch.Batch",
     "check": "kilter.analysis.verdict.verdict.Verdict",
+    "check-plan": "kilter.analysis.placing.check_plan.CheckedPlan",
     "contacts": "kilter.contact.contact_set.ContactSet",
     "hold": "kilter.analysis.planning.hold.fixture.Fixture",
     "improve": "kilter.analysis.margins.improve.Improvement",
     "margin": "kilter.analysis.margins.margin.Margin",
     "orient": "kilter.analysis.turning.orientation.Orientation",
+    "place": "kilter.analysis.placing.place.Places",
     "plan": "kilter.analysis.planning.order.order.Order",
     "region": "kilter.analysis.regions.region.Region",
     "transport": "kilter.analysis.transport.transport.Transport",

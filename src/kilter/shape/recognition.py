@@ -15,8 +15,8 @@ a rule must decide. A region counts as round only if
 - it turns by at least 15 degrees, or has sharp edges all around: a short piece of another curve
   is close to an arc of a circle;
 - its corners deviate from their best plane by far more than from the surface;
-- it does not belong to three or more bands of similar width, if it is a cylinder or cone: such bands
-  are slices of a surface that is curved in two directions (a torus, an ellipsoid).
+- a cylinder or cone does not belong to three or more bands of similar width: such bands are slices
+  of a surface that is curved in two directions (a torus, an ellipsoid).
 
 The corners of a single band of facets lie on a cylinder or cone, and on a sphere as well; the
 first is chosen. All other facets are planes.

@@ -171,8 +171,9 @@ def _deciding_pairs(
     """
     work.stage("open pairs")
 
-    def decide_joined(joined: Assembly) -> Decision:
-        return _first_order(joined, contacts, require, work, None, True)
+    def decide_joined(joined: Assembly) -> tuple[str, str | None]:
+        decision = _first_order(joined, contacts, require, work, None, True)
+        return decision.verdict, decision.level
 
     return ask_open(assembly, contacts, program, decide_joined, work=work)
 

@@ -19,7 +19,6 @@ from kilter.mechanics.program import Program
 from kilter.work import Work
 
 if TYPE_CHECKING:
-    from kilter.analysis.decision.decision import Decision
     from kilter.analysis.open_pairs.deciding_pairs import DecidingPairs
     from kilter.tell.answer_data.check_data import JoinedData
     from kilter.tell.answer_data.common_data import OpenPairData
@@ -49,7 +48,7 @@ def ask_open(
     assembly: Assembly,
     contacts: ContactSet,
     program: Program,
-    decide: Callable[[Assembly], Decision],
+    decide: Callable[[Assembly], tuple[str, str | None]],
     *,
     work: Work | None = None,
 ) -> OpenQuestion | None:
@@ -62,7 +61,7 @@ def ask_open(
     program : Program
         Program of the certain contacts, which do not hold the assembly.
     decide : callable
-        Function that returns the decision on an assembly with the same parts and contacts.
+        Function that returns verdict and level of an assembly with the same parts and contacts.
     work : Work, optional
         The time limit applies.
 
@@ -81,8 +80,7 @@ def ask_open(
         return None
     names = assembly.names
     joints = [Joint((names[p.parts[0]], names[p.parts[1]])) for p in deciding.pairs]
-    decision = decide(assembly.with_joints(joints))
-    return OpenQuestion(deciding, decision.verdict, decision.level)
+    return OpenQuestion(deciding, *decide(assembly.with_joints(joints)))
 
 
 def open_pair_names(assembly: Assembly, contacts: ContactSet) -> str:

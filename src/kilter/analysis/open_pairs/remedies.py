@@ -63,6 +63,9 @@ LITTLE_FRICTION = 0.01
 PLAY = 0.02
 """Largest gap below a part that touches nothing if a tolerance that closes the gap is tried, as a
 fraction of the size of the smaller part [-]; a larger value tries wider gaps."""
+PLAY_VERTICES = 30_000
+"""Largest number of vertices of an assembly for which such a tolerance is tried; with more, the
+second search of contacts may take longer than the rest of the check."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -364,7 +367,7 @@ def _changes(assembly: Assembly, contacts: ContactSet, decision: Decision) -> It
             settling = _settling_change(options)
             yield replace(settling, without=left_out, suggested=bool(joined))
     gap = _closing_gap(contacts)
-    if gap is not None:
+    if gap is not None and len(assembly.geometry.vertices) <= PLAY_VERTICES:
         yield replace(likely, gap=gap)
     if smooth and len(contacts):
         yield _Change(friction=LITTLE_FRICTION)

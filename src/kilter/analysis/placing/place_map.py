@@ -15,7 +15,7 @@ it states nothing about them beyond the places that stand.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import shapely
@@ -23,9 +23,10 @@ import shapely
 from kilter.analysis.placing.shifted_load import CarriedPlaces, ShiftedLoad
 from kilter.analysis.placing.upright_prisms import PlacedPrism, Top, swept
 from kilter.arrays import Array
+from kilter.contact.left_out import PossibleContacts
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program
-from kilter.mechanics.rows import CONTACT
+from kilter.mechanics.rows import CONTACT, ForceRows, pushing_rows
 
 __all__ = ["LevelMap", "PlaceMap"]
 
@@ -294,21 +295,17 @@ class PlaceMap:
             under += [support] * len(corners)
         point = np.concatenate(points)
         count = len(point)
-        rows = {
-            "part_a": np.array(under, dtype=program.part_a.dtype),
-            "part_b": np.full(count, index, dtype=program.part_b.dtype),
-            "point": point,
-            "normal": np.tile([0.0, 0.0, 1.0], (count, 1)),
-            "kind": np.full(count, CONTACT, dtype=program.kind.dtype),
-            "two_sided": np.zeros(count, dtype=bool),
-            "angular": np.zeros(count, dtype=bool),
-            "mu": np.full(count, self.friction),
-            "source": np.full(count, -1, dtype=program.source.dtype),
-            "doubt": np.zeros(count),
-            "pull": np.zeros(count),
-            "tied": np.zeros(count, dtype=bool),
-            "shear": np.full(count, np.nan),
-        }
+        pushes = PossibleContacts(
+            np.array(under, dtype=np.int64),
+            np.full(count, index),
+            point,
+            np.tile([0.0, 0.0, 1.0], (count, 1)),
+            np.zeros(count, dtype=bool),
+            np.zeros(count),
+            np.full(count, -1),
+        )
+        rows = pushing_rows(pushes)
+        rows = replace(rows, kind=np.full(count, CONTACT), mu=np.full(count, self.friction))
         parts = {
             "names": (*program.names, NEW),
             "free": np.append(program.free, True),
@@ -320,10 +317,8 @@ class PlaceMap:
             "clamp": np.vstack([program.clamp, np.zeros(6)]),
             "tolerance": np.append(program.tolerance, TOLERANCE),
         }
-        joined = {
-            name: np.concatenate([getattr(program, name), value]) for name, value in rows.items()
-        }
-        return program.with_rows(**parts, **joined)
+        joined = ForceRows.join([program.force_rows, rows])
+        return program.with_rows(**parts).with_force_rows(joined)
 
 
 NEW = "new part"
