@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import signal
 import time
 import urllib.error
@@ -14,6 +15,7 @@ import pytest
 from driver import Page
 
 import kilter
+from kilter.cli import main
 from kilter.scenes import scene
 from kilter.workbench.server import Workbench
 
@@ -175,6 +177,63 @@ def test_exports_are_those_of_the_commands(page: Page, bench: Workbench, folder:
     assert rows.startswith(b"part_a,part_b,kind")
     code, refused = fetched(bench, f"/export/gone.txt{query}")
     assert (code, b"there is no export" in refused) == (409, True)
+
+
+ACTIONS = [
+    [{"do": "hold", "parts": ["C3"], "on": True}],
+    [{"do": "hold", "parts": ["C2", "C3"], "on": True}, {"do": "friction", "mu": 0.45}],
+    [{"do": "floor", "on": True}, {"do": "leave_out", "parts": ["C3"], "on": True}],
+    [{"do": "fasten", "parts": ["C1", "C2"], "on": True}],
+    [{"do": "gravity", "down": [0.1, 0, -1]}],
+    [{"do": "material", "parts": ["C2"], "density": 2700, "name": "aluminium"}],
+    [{"do": "material", "parts": ["C2"], "density": 2700}, {"do": "material", "parts": ["C2"]}],
+    [{"do": "mass", "part": "C3", "mass": 4}],
+    [{"do": "pair_friction", "parts": ["C1", "C2"], "mu": 0.8}],
+    [{"do": "pair", "pairs": [["C2", "C3"], ["C1", "C2"]], "as": "joined"}],
+    [{"do": "joint", "parts": ["C2", "C3"], "kind": "fixed"}],
+    [{"do": "bond", "parts": ["C2", "C3"], "pull": 3}],
+    [{"do": "load", "part": "C3", "force": [0, 0, 5]}, {"do": "scale_loads", "factor": 2}],
+    [{"do": "tolerance", "gap": 1e-3}, {"do": "loose", "on": True}],
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("actions", ACTIONS, ids=lambda actions: actions[0]["do"])
+def test_the_shown_command_prints_the_whole_answer(
+    actions: list[dict],
+    page: Page,
+    bench: Workbench,
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    for action in actions:
+        page.after(**action)
+    page.say(do="save")
+    _, exported = fetched(bench, f"/export/answer.json?token={bench.token}")
+    program, *words = shlex.split(page.last["session"]["command"])
+    assert program == "kilter"
+    monkeypatch.chdir(folder)
+    assert main([*words, "--json"]) in (0, 1, 3, 4)
+    printed, shown = json.loads(capsys.readouterr().out), json.loads(exported)
+    for answer in (printed, shown):
+        del answer["seconds"]
+    assert printed == shown
+
+
+@pytest.mark.slow
+def test_figure_film_and_plan_are_exported(page: Page, bench: Workbench) -> None:
+    query = f"?token={bench.token}"
+    code, film = fetched(bench, f"/export/film.glb{query}")
+    assert (code, film[:4]) == (200, b"glTF")
+    code, figure = fetched(bench, f"/export/figure.svg{query}")
+    assert (code, b"</svg>" in figure) == (200, True)
+    page.after(do="hold", parts=["C2"], on=True)
+    page.after(do="hold", parts=["C3"], on=True)
+    code, _ = fetched(bench, f"/export/plan.html{query}")
+    assert code in (200, 409)
+    code, report = fetched(bench, f"/export/report.html{query}")
+    assert (code, report[:15]) == (200, b"<!doctype html>")
 
 
 def test_only_this_machine_with_the_token_is_answered(bench: Workbench) -> None:
