@@ -76,6 +76,7 @@ def test_the_view_cube_and_keys_show_standard_views(opened: Callable) -> None:
     assert np.allclose(page.js(TO_EYE), [0, 0, 1], atol=2e-4)
     assert page.js("window.kilter.stage.axes()[0][0]") == pytest.approx(1, abs=1e-3)
     page.page.click("#home")
+    page.js("window.kilter.stage.render()")  # without waiting for the next picture
     box = page.page.locator("#cube").bounding_box()
     middle = "Front"
     place = page.js(

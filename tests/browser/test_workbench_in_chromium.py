@@ -46,6 +46,12 @@ def bench(folder: Path) -> Iterator[Workbench]:
         yield workbench
 
 
+@pytest.fixture(autouse=True)
+def no_earlier_session(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The changes of a dropped file are kept in the user's folder: each test has its own."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+
+
 class Page(Opened):
     """A page of the workbench with a user who clicks."""
 

@@ -24,6 +24,12 @@ def bench(folder: Path) -> Iterator[Workbench]:
         yield workbench
 
 
+@pytest.fixture(autouse=True)
+def no_earlier_session(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The changes of an uploaded file are kept in the user's folder: each test has its own."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+
+
 @pytest.fixture
 def page(bench: Workbench, folder: Path) -> Iterator[Page]:
     for path in folder.iterdir():
