@@ -150,7 +150,7 @@ def draw(seed: int) -> Drawn:
     rng = np.random.default_rng(seed)
     drawn = Drawn(units=str(rng.choice(UNITS)))
     far = rng.random() < 0.15
-    base = box((-100, -100, -10), (2 * FAR + 100 if far else 100, 100, 0))
+    base = box((-100, -100, -10), (FAR + 100 if far else 100, 100, 0))
     drawn.add("base", eased(engraved_text(base, "TOP", (-95, 85, 0), 8.0, 0.3), rng, 1.0))
     count = int(rng.integers(1, 8))
     for k, place in enumerate(rng.permutation(len(SITES))[:count].tolist()):

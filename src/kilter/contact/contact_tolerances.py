@@ -130,9 +130,6 @@ COINCIDENT = 0.5
 """Parts that share more than this fraction of the volume of the smaller part are rejected [-]."""
 SAME_SHAPE = 1e-6
 """Largest relative difference of volume, radius and inertia between copies of a part [-]."""
-COPY_PLACE = 1e-6
-"""Pairs of copies whose relative poses differ by less than this fraction of the gap tolerance share
-the result of an overlap [-]."""
 INSIDE = 0.99
 """A part lies inside another if they share more than this fraction of its volume [-]."""
 FIT_LENGTH = 1e-3

@@ -163,16 +163,7 @@ def reach_of(geometry: Geometry, tolerance: Tolerance) -> Array:
     rough = tolerance.gap_of(geometry.size)
     if tolerance.gap is None:
         rough = np.maximum(rough, ROUNDINGS * geometry.accuracy)
-    return np.maximum(_compared(rough, geometry.size) / 2, CLUSTER * (tolerance.clearance or 0.0))
-
-
-def _compared(gap: Array, size: Array) -> Array:
-    """Widest gap at which faces are compared, for a gap tolerance and the sizes of parts.
-
-    A gap tolerance wider than the default one adds only the gaps of its cluster: a hundred times a
-    wide tolerance would compare all faces of both parts.
-    """
-    return np.maximum(LOOKED_AT_GAPS * np.minimum(gap, GAP * size), CLUSTER * gap)
+    return np.maximum(LOOKED_AT_GAPS * rough / 2, CLUSTER * (tolerance.clearance or 0.0))
 
 
 def gap_limits(geometry: Geometry, facets: Facets, pairs: Index, tolerance: Tolerance) -> GapLimits:
@@ -182,8 +173,7 @@ def gap_limits(geometry: Geometry, facets: Facets, pairs: Index, tolerance: Tole
     thickness = 2 * geometry.volume / surface
     thin = THICKNESS * np.minimum(thickness[a], thickness[b])
     rounding = 2 * (geometry.accuracy[a] + geometry.accuracy[b])
-    smaller = np.minimum(geometry.size[a], geometry.size[b])
-    wanted = tolerance.gap_of(smaller)
+    wanted = tolerance.gap_of(np.minimum(geometry.size[a], geometry.size[b]))
     gap = wanted
     if tolerance.gap is None:
         # not through thin plates, but never below the rounding of the coordinates
@@ -192,7 +182,7 @@ def gap_limits(geometry: Geometry, facets: Facets, pairs: Index, tolerance: Tole
     return GapLimits(
         gap=gap,
         closed=np.maximum(gap, clearance + rounding) if clearance else gap,
-        margin=np.maximum(_compared(wanted, smaller), np.maximum(gap, CLUSTER * clearance)),
+        margin=np.maximum(LOOKED_AT_GAPS * wanted, np.maximum(gap, CLUSTER * clearance)),
         rounding=rounding,
         coarse=rounding > thin,
     )

@@ -2,7 +2,8 @@
 
 By name: every two matching parts that touch. As suggested: the pairs that
 `kilter.contact.fits.suggestions` takes for fixed. As they overlap: every pair that shares volume,
-except the same body twice. Joints that were not named pair by pair state their reason: `Joint.why`.
+except the same body twice. Joints that were not named pair by pair are reported with their reason:
+`Joint.why`, and a note of the assembly.
 """
 
 from __future__ import annotations
@@ -15,12 +16,14 @@ from kilter.contact.contact_set import ContactSet
 from kilter.contact.fits.open_choices import with_decided_pairs
 from kilter.contact.fits.suggestions import Suggestion, suggest_joints, touching_pairs
 from kilter.contact.gaps import Tolerance
-from kilter.errors import InputError, some_names
+from kilter.errors import InputError, some, some_names
 from kilter.files.reading import Reading
 
 __all__ = ["fasten_as_read", "fastened"]
 
 Pair = tuple[str, ...]
+MOST_NAMED_PAIRS = 20
+"""Largest number of pairs that a note names; the joints of an answer list all."""
 
 
 def fastened(
@@ -52,7 +55,8 @@ def fastened(
     Returns
     -------
     Assembly
-        Its notes state if `suggested` or `overlaps` joined no pair.
+        Its notes name the pairs that `suggested` and `overlaps` joined, or state that there were
+        none.
 
     Raises
     ------
@@ -90,12 +94,12 @@ def fastened(
 def _fasten_found(
     assembly: Assembly, contacts: ContactSet, *, suggested: bool, overlaps: bool
 ) -> Assembly:
-    """Join suggested or overlapping pairs by fixed joints; add a note if there are none."""
+    """The assembly with fixed joints at suggested or overlapping pairs, and a note about them."""
     suggestions = [s for s in suggest_joints(assembly, contacts) if s.fixed]
     if suggested:
         how = "as suggested", "no pair looks fastened"
         assembly = assembly.with_joints(
-            _suggested_joints(suggestions), notes=_nothing_fastened(suggestions, *how)
+            _suggested_joints(suggestions), notes=[_fastening_note(suggestions, *how)]
         )
     if overlaps:
         overlapping = {
@@ -104,7 +108,7 @@ def _fasten_found(
         suggestions = [s for s in suggestions if frozenset(s.parts) in overlapping]
         how = "as they overlap", "no overlapping pair can be joined"
         joints = [] if suggested else _suggested_joints(suggestions)
-        assembly = assembly.with_joints(joints, notes=_nothing_fastened(suggestions, *how))
+        assembly = assembly.with_joints(joints, notes=[_fastening_note(suggestions, *how)])
     return assembly
 
 
@@ -259,12 +263,13 @@ def _suggested_joints(suggestions: Sequence[Suggestion]) -> list[Joint]:
     return [Joint(s.parts, why=s.kind) for s in suggestions]
 
 
-def _nothing_fastened(suggestions: Sequence[Suggestion], how: str, nothing: str) -> list[str]:
-    """A note that an option joins no pair, with the reason `nothing`; empty if it joins some.
-
-    Joined pairs need no note, since the user requested them: the joints of the answer name them.
-    """
-    return [] if suggestions else [f"nothing is fastened {how}: {nothing}"]
+def _fastening_note(suggestions: Sequence[Suggestion], how: str, nothing: str) -> str:
+    """Note for the user that names the joined pairs and the reason; or the text `nothing`."""
+    if not suggestions:
+        return f"nothing is fastened {how}: {nothing}"
+    pairs = [f"{s.parts[0]!r} and {s.parts[1]!r} ({s.kind})" for s in suggestions]
+    many = "1 pair" if len(pairs) == 1 else f"{len(pairs)} pairs"
+    return f"fastened {how}, {many}: {some(pairs, MOST_NAMED_PAIRS)}"
 
 
 def _no_contact_error(
