@@ -505,12 +505,13 @@ def test_rims_of_one_axis_touch_only_where_their_circles_do():
 
 
 @pytest.mark.slow
-def test_ball_beside_the_middle_of_a_hole_is_listed_and_bounded():
+def test_ball_beside_the_middle_of_a_hole_touches_one_point_of_the_rim_and_falls():
     centre = [1e-3, 0, 1 + np.sqrt(1.5**2 - (1 + 1e-3) ** 2)]
     parts = [held(bore()), Part("ball", Sphere(1.5), Pose(centre))]
     verdict = check(Assembly(parts))
-    assert verdict.verdict == "undecided"
-    assert [u.kind for u in verdict.contacts.unsupported] == ["curved"]
+    assert verdict.verdict == "unstable"
+    assert len(verdict.contacts) == 1
+    assert verdict.contacts.unsupported == ()
 
 
 @pytest.mark.slow
@@ -528,11 +529,13 @@ def test_ball_just_above_the_rim_of_a_hole_is_open_as_far_as_loose_data_would_re
 
 
 @pytest.mark.slow
-def test_torus_beside_a_torus_is_listed():
+def test_torus_on_a_torus_touches_along_a_circle():
     parts = [held(torus(2, 0.5)), Part("ring", torus(2, 0.5), Pose([0, 0, 1.0]))]
     contacts = detect.contacts(Assembly(parts))
-    assert [u.kind for u in contacts.unsupported] == ["curved"]
-    assert len(contacts.possible)
+    assert contacts.unsupported == ()
+    assert set(contacts.patch_kind.tolist()) == {"torus"}
+    assert np.allclose(contacts.points[:, 2], 0.5)
+    assert np.allclose(np.hypot(*contacts.points[:, :2].T), 2.0)
 
 
 @pytest.mark.slow

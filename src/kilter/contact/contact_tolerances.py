@@ -237,6 +237,10 @@ SMOOTH_LEAST = 1e-4
 ONE_DIRECTION = 1e-5
 """Straight edges within this angle have the same direction [rad]."""
 
+CURVATURE_STEP = 1e-3
+"""Step of the second difference of a gap beside a torus, relative to the size of the torus [-]; a
+larger value is less accurate, a smaller value is rounded more."""
+
 # supports ------------------------------------------------------------------------------------
 
 SUPPORT_BESIDE = 1e-3

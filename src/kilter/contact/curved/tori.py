@@ -19,7 +19,7 @@ import numpy as np
 
 from kilter.arrays import Array, Index, Mask, across
 from kilter.assembly.surfaces import CONE, TORUS, Surfaces
-from kilter.contact.contact_tolerances import MIDDLE_OF_TUBE, WIDEST_OPENING
+from kilter.contact.contact_tolerances import CURVATURE_STEP, MIDDLE_OF_TUBE, WIDEST_OPENING
 from kilter.contact.curved.candidates import (
     CIRCLE,
     POINT,
@@ -175,7 +175,7 @@ def _opening(s: Surfaces, i: Index, j: Index, t: Array, step: Array) -> Array:
     """
     speed = np.linalg.norm(step, axis=1)
     size = np.where(s.kind[i] == TORUS, s.radius[i] + s.tube[i], s.radius[j] + s.tube[j])
-    off = 1e-3 * size / speed
+    off = CURVATURE_STEP * size / speed
     ahead, behind = (_gaps(s, i, j, t + sign * off[:, None])[1][:, 0] for sign in (1, -1))
     curvature = (ahead - behind) / (2 * off * speed**2)
     radius = _centres(s, i, t)[2][:, 0]

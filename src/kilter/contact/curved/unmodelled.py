@@ -144,6 +144,7 @@ def explained_points(face_patches: FacePatches, pair: Index, points: Array, reac
     `reach` is the largest gap at which the parts of each pair may touch [length unit].
     """
     geometry, pairs = face_patches.search.geometry, face_patches.search.pairs
+    pair = np.asarray(pair, dtype=np.int64)  # joined with an empty block it may be a float
     result = np.zeros(len(pair), dtype=bool)
     for name in np.unique(pair).tolist():
         of_pair = np.flatnonzero(pair == name)
