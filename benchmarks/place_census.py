@@ -1,12 +1,13 @@
 """Census of `kilter.place`: polygons on random stacks of boxes, checked by `kilter.check`.
 
-    python benchmarks/place_census.py [STACKS] [FIRST SEED] [--prisms] [--mu MU]
+    python benchmarks/place_census.py [STACKS] [FIRST SEED] [--prisms] [--mu MU] [--falling]
 
 Each stack has 3 to 15 boxes (with --prisms: convex prisms). Each is put down at a random place at
-which the stack stood; half of the heights are equal, so that parts rest on several others. For a
-further part, the map of places is computed. `kilter.check` of the whole assembly decides places at
-random inside the polygons that stand and those that fall, and places just inside of their edges.
-Prints contradictions, the share of open places, and CPU seconds per map.
+which the stack stood (with --falling: the last part at a place at which the stack falls); half of
+the heights are equal, so that parts rest on several others. For a further part, the map of places
+is computed. `kilter.check` of the whole assembly decides places at random inside the polygons that
+stand and those that fall, and places just inside of their edges. Prints contradictions, the share
+of open places, and CPU seconds per map.
 """
 
 from __future__ import annotations
@@ -35,12 +36,15 @@ def main() -> int:
     parser.add_argument("first", nargs="?", type=int, default=1)
     parser.add_argument("--prisms", action="store_true")
     parser.add_argument("--mu", type=float, default=0.0)
+    parser.add_argument("--falling", action="store_true")
     given = parser.parse_args()
     wrong = tested = 0
     seconds, shares, programs = [], [], []
     for seed in range(given.first, given.first + given.stacks):
         rng = np.random.default_rng(seed)
         stack = random_stack(rng, int(rng.integers(3, 16)), given.prisms, given.mu)
+        if given.falling:
+            stack = with_next(rng, stack, given.prisms, "unstable")
         part = random_part(rng, given.prisms, "new")
         began = time.process_time()
         places = place(stack, part)
@@ -91,16 +95,23 @@ def random_stack(rng: np.random.Generator, count: int, prisms: bool, mu: float) 
     base = Part("base", Box([BASE, BASE, 1]), Pose([0, 0, -0.5]), grounded=True)
     stack = Assembly([base], friction=mu)
     tries = 0
-    while len(stack.parts) <= count and tries < 20 * count:
+    while len(stack.parts) <= count and tries < 20:
+        stack = with_next(rng, stack, prisms, "stable")
         tries += 1
+    return stack
+
+
+def with_next(rng: np.random.Generator, stack: Assembly, prisms: bool, verdict: str) -> Assembly:
+    """The stack with a further part at a random place with this verdict, if one is found."""
+    for _ in range(20):
         part = random_part(rng, prisms, f"p{len(stack.parts)}")
         at = rng.uniform(-BASE / 2 + 0.5, BASE / 2 - 0.5, 2)
         try:
             answer = place(stack, part, at=at, require="equilibrium")
         except InputError:
             continue
-        if answer.at is not None and answer.at.verdict.verdict == "stable":
-            stack = answer.at.verdict.assembly
+        if answer.at is not None and answer.at.verdict.verdict == verdict:
+            return answer.at.verdict.assembly
     return stack
 
 

@@ -143,3 +143,12 @@ def test_a_plan_of_bed_bpp() -> None:
         load_plan(DATA)
     with pytest.raises(InputError, match="has no order 'x'"):
         load_plan(DATA, order="x")
+
+
+def test_a_level_below_the_required_level_is_named() -> None:
+    """The centre of the upper box lies above the edge of the lower: forces hold it, just."""
+    plan = plan_of(("low", (1, 1, 1), 1, (0, 0, 0)), ("high", (1, 1, 1), 1, (0.5, 0, 1)))
+    answer = check_plan(plan, require="strict").to_dict()
+    assert not answer["stands"]
+    assert answer["first"] is None
+    assert answer["sentence"].endswith("not strict.")

@@ -54,6 +54,21 @@ def test_a_load_on_an_overhanging_plank(
         assert at.verdict.verdict == verdict
 
 
+@pytest.mark.parametrize("friction", [0.0, 0.4])
+def test_no_place_on_a_held_part_stands_while_another_part_falls(friction: float) -> None:
+    """A plank falls off the table unless the load on it lies far enough behind the edge."""
+    falling = overhang(1, 2, 0.6).with_friction(friction)
+    part = box_to_place(SMALL, 1)
+    places = place(falling, part, accuracy=1e-3)
+    assert [level.stands.area > 0 for level in places.levels] == [False, True]
+    assert places.levels[0].open.area == 0
+    assert on_top(places, 0.1).bounds[2] == pytest.approx(-2 * 0.1, abs=1e-6)
+    for x, falls in ((-2, True), (-0.2 - 1e-5, False), (-0.2 + 1e-5, True)):
+        at = place(falling, part, at=[x, 0], require="equilibrium").at
+        assert at is not None
+        assert (at.verdict.verdict == "unstable") == falls
+
+
 @pytest.mark.parametrize(("x", "heaviest"), [(0.1, 4.0), (0.2, 2.0), (0.25, 1.6)])
 def test_the_heaviest_load_at_a_place(x: float, heaviest: float) -> None:
     at = place(overhang(1, 2, 0.3), box_to_place(SMALL, 1.0), at=[x, 0]).at
@@ -145,6 +160,21 @@ def test_a_part_without_a_level_top_is_left_open() -> None:
     assert level.open.area > 0
 
 
+def test_places_that_are_only_open_are_undecided(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The top of a ball is left open; no light box holds a plank that falls."""
+    ball = Part("ball", kilter.Sphere(1.0), Pose([0, 0, 1]), grounded=True)
+    for assembly, code, said in (
+        (Assembly([ball]), 4, "No place is proved"),
+        (overhang(1, 2, 0.95), 1, "There is no place"),
+    ):
+        file = tmp_path / "file.kilter.json"
+        kilter.dump(assembly, file)
+        assert main(["place", str(file), "--box", "0.2x0.2x0.2", "--mass", "1"]) == code
+        assert said in capsys.readouterr().out
+
+
 WRONG = [
     (["--mass", "1"], "the part to put down is not given"),
     (["--box", "1x1", "--mass", "1"], "--box is '1x1'"),
@@ -153,6 +183,7 @@ WRONG = [
     (["--box", "1x1x1", "--mass", "0"], ""),
     (["--box", "1x1x1", "--mass", "1", "--at", "90", "0"], "nothing is below the part"),
     (["--box", "1x1x1", "--mass", "1", "--part", "x.json"], "both given"),
+    (["--box", "1x1x1", "--mass", "1", "--at", "0", "0", "--clear", "1"], "clear is a distance"),
     (["--box", "1x1x1", "--mass", "1", "--at", "0", "0", "--turn", "0", "--turn", "90"], "several"),
 ]
 

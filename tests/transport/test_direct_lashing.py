@@ -8,12 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lashings import direct, random_direct
-from strap_program import least_share
+from lashings import direct
 
 import kilter
 from kilter import InputError, Strap
-from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
 from kilter.analysis.transport.carrier_path import CarrierPath
 from kilter.cli import main
@@ -102,23 +100,6 @@ def test_transport_and_paths_know_the_capacity() -> None:
     for share, held in ((0.599, True), (0.601, False)):
         felt = carried_assembly(load, CarrierMotion([share * G, 0, 0]))
         assert (kilter.check(felt, require="equilibrium").level is not None) == held
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(2000, 2020))
-def test_random_straps_agree_with_an_independent_program(seed: int) -> None:
-    """A sample of `benchmarks/straps_census.py --direct`."""
-    assembly = random_direct(seed)
-    touching = contacts(assembly)
-    inside = least_share(assembly, around=False)
-    factor = find_bond_factor(build_program(assembly, touching), touching)
-    if isinstance(factor, BondFactor):
-        rounding = 1e-6 * max(1.0, factor.value)
-        around = least_share(assembly, around=True)
-        assert around - rounding <= factor.value <= inside + rounding
-    else:
-        assert factor.why == "none"
-        assert np.isinf(inside)
 
 
 @pytest.mark.parametrize(

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
-from lashings import lashed, over, random_lashing
+from lashings import lashed, over, random_direct, random_lashing
 from strap_program import least_share
 
 import kilter
-from kilter import InputError, Strap
+from kilter import Assembly, InputError, Strap
 from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
 from kilter.cli import main
@@ -203,10 +204,18 @@ def test_a_plan_with_straps_is_refused() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(1000, 1020))
-def test_random_straps_agree_with_an_independent_program(seed: int) -> None:
+@pytest.mark.parametrize(
+    ("make", "seed"),
+    [
+        *((random_lashing, seed) for seed in range(1000, 1020)),
+        *((random_direct, seed) for seed in range(2000, 2020)),
+    ],
+)
+def test_random_straps_agree_with_an_independent_program(
+    make: Callable[[int], Assembly], seed: int
+) -> None:
     """A sample of `benchmarks/straps_census.py`: bounds on both sides by linear programs."""
-    assembly = random_lashing(seed)
+    assembly = make(seed)
     touching = contacts(assembly)
     inside = least_share(assembly, around=False)
     factor = find_bond_factor(build_program(assembly, touching), touching)

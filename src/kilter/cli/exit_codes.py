@@ -37,8 +37,8 @@ HOLD = {"impossible": 1, "undecided": 4}
 """Codes of `hold` if no sufficient supports were found."""
 IMPROVE = {True: 0, False: 1}
 """Codes of `improve`: does the model stand, unchanged or with the named change?"""
-PLACE = {"none": 1, "unstable": 1, "undecided": 4}
-"""Codes of `place` if there is no place, or by the verdict at a given place."""
+PLACE = {"none": 1, "undecided": 4}
+"""Codes of `place` if the part stands nowhere or not at the given place, or it is undecided."""
 PACKING = {"falls": 1, "undecided": 4}
 """Codes of `check-plan` if the pile does not stand after an item."""
 DOCTOR = {True: 0, False: 1}

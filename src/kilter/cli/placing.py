@@ -130,13 +130,15 @@ def place(
             )
             for angle in turns
         ]
-    best = max(answers, key=lambda answer: -1.0 if answer.best is None else answer.best[3])
-    answer = best.to_dict()
-    asked.tell(answer)
-    if best.at is not None and not best.stands:
-        level = best.at.verdict.level
-        return LOWER if level is not None else PLACE[str(best.at.verdict.verdict)]
-    return HOLDS if best.stands else PLACE["none"]
+    best = max(
+        answers, key=lambda answer: answer.best[3] if answer.best else float(answer.undecided) - 2
+    )
+    asked.tell(best.to_dict())
+    if best.stands:
+        return HOLDS
+    if best.undecided:
+        return PLACE["undecided"]
+    return PLACE["none"] if best.level is None else LOWER
 
 
 def _part_of(box: str | None, mass: float | None, path: Path | None, turn: float) -> Part:

@@ -113,7 +113,7 @@ class KeptContacts:
         old = np.array([self.assembly.index[name] for name in assembly.names], dtype=np.int64)
         new_part = np.full(len(self.assembly.parts), -1)
         new_part[old] = np.arange(len(old))
-        removed = self._removed(assembly, old)
+        removed = self._removed(assembly, new_part)
         search = self.findings.search
         keep = np.array(
             [frozenset(pair) not in removed for pair in search.pairs.tolist()], dtype=bool
@@ -125,14 +125,12 @@ class KeptContacts:
         findings = self.findings.among(kept, _reduced(search, assembly, kept, rows))
         return contacts_of_findings(assembly, findings, self.tolerance)
 
-    def _removed(self, assembly: Assembly, old: Index) -> frozenset[frozenset[int]]:
+    def _removed(self, assembly: Assembly, new_part: Index) -> frozenset[frozenset[int]]:
         """Pairs of remaining parts, by their old positions, that a new search leaves out.
 
         They are the pairs of held parts, and the pairs whose contacts are given.
         """
         held = assembly.geometry.grounded
-        new_part = np.full(len(self.assembly.parts), -1)
-        new_part[old] = np.arange(len(old))
         search = self.findings.search
         pairs = np.concatenate([search.pairs, search.unknown])
         both = pairs[(new_part[pairs] >= 0).all(axis=1)]

@@ -20,6 +20,7 @@ import csv
 import io
 import math
 import re
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -240,10 +241,10 @@ def _box(
 
 def _named(boxes: Sequence[PackedBox]) -> tuple[PackedBox, ...]:
     """The boxes with unique names: a repeated name gets the number of the box."""
-    names = [box.name for box in boxes]
+    times = Counter(box.name for box in boxes)
     return tuple(
         PackedBox(f"{box.name}#{k}", box.size, box.mass, box.corner, box.line)
-        if names.count(box.name) > 1
+        if times[box.name] > 1
         else box
         for k, box in enumerate(boxes, 1)
     )

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from kilter.assembly import Assembly
     from kilter.contact import ContactSet
 
-__all__ = ["build_orientation", "build_scene", "build_things", "coincide"]
+__all__ = ["build_orientation", "build_scene", "build_things", "coincide", "view_box"]
 
 
 SAME = 1e-12
@@ -67,7 +67,7 @@ def coincide(answers: Everything) -> bool:
 
 def build_things(assembly: Assembly, contacts: ContactSet) -> dict[str, Any]:
     """JSON data that every page has: shapes, parts, contact patches, open pairs, loads, straps."""
-    center, extent = _view(assembly)
+    center, extent = view_box(assembly)
     return {
         "words": VERDICTS,
         "units": assembly.units,
@@ -92,7 +92,7 @@ def build_things(assembly: Assembly, contacts: ContactSet) -> dict[str, Any]:
     }
 
 
-def _view(assembly: Assembly) -> tuple[Array, Array]:
+def view_box(assembly: Assembly) -> tuple[Array, Array]:
     """Middle and half lengths of the box that the page shows at first [length unit].
 
     The box contains the free parts and the held parts near them. A table extends beyond it.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from kilter.tell.levels import holds
 from kilter.tell.numbers import count, number
 from kilter.tell.shared_facts import Answer, Fact
 
@@ -25,12 +26,17 @@ def packing_sentence(answer: Answer) -> str:
         return f"Item {answer['first']}, {item['name']!r}, falls: {answer['why']}."
     if answer["stands"]:
         return f"The pile stands after each of its {count(len(items), 'item')}."
-    words = [item["verdict"] for item in items]
-    k = next(
-        (k for k, word in enumerate(words) if word == "undecided"),
-        next(k for k, item in enumerate(items) if item["verdict"] != "stable"),
+    verdicts = [item["verdict"] for item in items]
+    if "undecided" in verdicts:
+        k = verdicts.index("undecided")
+        return f"After item {k + 1}, {items[k]['name']!r}, the pile is undecided."
+    k, item = next(
+        (k, item) for k, item in enumerate(items, 1) if not holds(item["level"], answer["require"])
     )
-    return f"After item {k + 1}, {items[k]['name']!r}, the pile is {words[k]}."
+    return (
+        f"After item {k}, {item['name']!r}, the pile has the level {item['level']}, "
+        f"not {answer['require']}."
+    )
 
 
 def packing_facts(answer: Answer) -> list[Fact]:

@@ -13,12 +13,17 @@ def place_sentence(answer: Answer) -> str:
 
     Examples
     --------
-    >>> place_sentence({"at": None, "best": None, "units": "m"})
+    >>> answer = {"at": None, "best": None, "units": "m", "undecided": False}
+    >>> place_sentence(answer)
     'There is no place at which the part stands.'
+    >>> place_sentence(answer | {"undecided": True})
+    'No place is proved to stand, but some places are open.'
     """
     at, units = answer["at"], answer["units"]
     if at is None:
         best = answer["best"]
+        if best is None and answer["undecided"]:
+            return "No place is proved to stand, but some places are open."
         if best is None:
             return "There is no place at which the part stands."
         where = f"x {number(best['x'])}, y {number(best['y'])}, height {number(best['height'])}"

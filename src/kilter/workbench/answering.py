@@ -38,7 +38,7 @@ NOT_LISTED = ("seconds", "level")
 """Facts that the page shows elsewhere, or not at all."""
 
 
-def scene_data(prepared: Prepared, bodies: OpenedParts, *, shapes: bool = True) -> dict[str, Any]:
+def scene_data(prepared: Prepared, bodies: OpenedParts) -> dict[str, Any]:
     """Data of the picture: shapes, parts, contact patches, open pairs and loads.
 
     Parameters
@@ -46,13 +46,9 @@ def scene_data(prepared: Prepared, bodies: OpenedParts, *, shapes: bool = True) 
     prepared : Prepared
     bodies : OpenedParts
         Parts of the file.
-    shapes : bool
-        Whether to include the shapes; without them the page keeps those that it has.
     """
     assembly = prepared.assembly
     things = build_things(assembly, prepared.contacts)
-    if not shapes:
-        things["shapes"] = None
     things["parts"]["held_by"] = [_held_by(assembly, k, bodies) for k in range(len(assembly.parts))]
     things["parts"]["density"] = [_density(assembly, k) for k in range(len(assembly.parts))]
     things["parts"]["full_names"] = list(assembly.names)

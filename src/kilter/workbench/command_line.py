@@ -52,9 +52,9 @@ def command(
     'kilter check a.step --ground base --friction 0.3'
     """
     choices = Choices.from_dict(dict(keys))
-    if needs_file(keys):
-        return shell_words(["kilter", name, saved or saved_name(choices.file), *further])
     options = choices.options()
+    if options["entries"]:
+        return shell_words(["kilter", name, saved or saved_name(choices.file), *further])
     words = option_words({key: value for key, value in options.items() if key != "entries"})
     for key, value in (choices.tolerance or {}).items():
         if value is not None:

@@ -15,6 +15,7 @@ import numpy as np
 
 from kilter.errors import InputError
 from kilter.files.choices import digest, find_choices
+from kilter.show.scene import view_box
 from kilter.workbench.answering import (
     PHASES,
     answer_data,
@@ -40,6 +41,7 @@ class Jobs:
         self.live: LiveAssembly | None = None
         self.bodies = OpenedParts()
         self._shapes: Any = None
+        self._prepared: tuple[Any, Prepared] | None = None
 
     def run(self, job: Job, report: Report) -> None:
         """Run a job; `report` is called with the kind and the data of each result.
@@ -73,12 +75,15 @@ class Jobs:
             unit = np.array(job["down"]) / np.linalg.norm(job["down"])
             base = {**base, "gravity": (size * unit + 0.0).tolist()}
         bodies = live.opened_parts(base)
-        self.live, self.bodies, self._shapes = live, bodies, None
+        self.live, self.bodies, self._shapes, self._prepared = live, bodies, None, None
         report("opened", {"path": str(about), "keys": base, "bodies": bodies})
 
     def _prepare(self, job: Job) -> Prepared:
+        """The assembly and contacts of a job; kept, as the next job is often about the same."""
         assert self.live is not None
-        return self.live.prepare(job["keys"])
+        if self._prepared is None or self._prepared[0] != job["keys"]:
+            self._prepared = job["keys"], self.live.prepare(job["keys"])
+        return self._prepared[1]
 
     def _answer(self, job: Job, report: Report) -> None:
         """Answer the present choices: the scene, then the verdict in two phases."""
@@ -101,7 +106,7 @@ class Jobs:
     def _tab(self, job: Job, report: Report) -> None:
         """Compute a tab for the present choices."""
         prepared = self._prepare(job)
-        center = np.array(scene_data(prepared, self.bodies)["center"])
+        center, _ = view_box(prepared.assembly)
         data = tab_data(
             job["name"],
             prepared,

@@ -227,12 +227,10 @@ class Session:
     def _compare(self, message: Mapping[str, Any]) -> None:
         self._require_file()
         counts = [int(message[key]) for key in ("a", "b")]
-        labels = [
-            "as opened" if not count else self.history.changes[count - 1].label
-            for count in counts
-            if self.history.keys_after(count) is not None
-        ]
         states = [self.history.keys_after(count) for count in counts]
+        labels = [
+            self.history.changes[count - 1].label if count else "as opened" for count in counts
+        ]
         job = {"job": "compare", "labels": labels, "states": states}
         self.jobs.add(self.state, job, tab="compare")
 
@@ -263,7 +261,7 @@ class Session:
         )
 
     def _write_example(self, name: str) -> Path:
-
+        """Write a built-in example to the folder of uploads; return its path."""
         if name not in SCENES:
             raise InputError(f"there is no example {name!r:.40}", hint="choose one of the list")
         path = self.uploads / f"{name}.kilter.json"

@@ -8,7 +8,7 @@ reason: its centre of mass lies beside the area on which it rests, or it tips it
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
@@ -19,7 +19,7 @@ import shapely
 from kilter.analysis.check import check
 from kilter.analysis.transport.transport import transport
 from kilter.analysis.verdict.verdict import Verdict
-from kilter.arrays import Array
+from kilter.arrays import Index
 from kilter.assembly import Assembly, Part
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.sub_contacts import contacts_among
@@ -28,7 +28,7 @@ from kilter.files.packing_lists import PackedBox, PackingPlan, load_plan
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box
 from kilter.tell.json_answer import Answer
-from kilter.tell.levels import REQUIRE, holds, require_level
+from kilter.tell.levels import REQUIRE, holds, level_rank, require_level
 from kilter.tell.packing_words import packing_sentence
 from kilter.threads import on_one_thread
 from kilter.work import EFFORT
@@ -124,11 +124,7 @@ class CheckedPlan(Answer):
     @property
     def level(self) -> str | None:
         """Lowest level after an item; None if the pile falls or is undecided after an item."""
-        levels = [item.level for item in self.items]
-        known = [level for level in levels if level is not None]
-        if len(known) < len(levels):
-            return None
-        return min(known, key=("equilibrium", "settles", "proved", "strict").index)
+        return min((item.level for item in self.items), key=level_rank)
 
     @property
     def undecided(self) -> bool:
@@ -230,9 +226,9 @@ def check_plan(
     tell("contacts")
     contacts = detect.contacts(whole, tolerance=tolerance, progress=progress)
     verdicts, items = [], []
-    for k, box in enumerate(plan.boxes):
-        tell(f"item {k + 1} of {len(plan.boxes)}")
-        state, touching = _state(whole, contacts, plan, k + 1)
+    states = _states(whole, contacts, plan)
+    for k, (box, (state, touching)) in enumerate(zip(plan.boxes, states, strict=True), 1):
+        tell(f"item {k} of {len(plan.boxes)}")
         verdict = check(state, contacts=touching, require=require, effort=effort)
         verdicts.append(verdict)
         items.append(CheckedItem(box, str(verdict.verdict), verdict.level, _support(box, verdict)))
@@ -288,32 +284,36 @@ def _with_base(pile: Assembly, plan: PackingPlan, pallet: Sequence[float] | None
     return pile.with_parts([base])
 
 
-def _state(
-    whole: Assembly, contacts: ContactSet, plan: PackingPlan, count: int
-) -> tuple[Assembly, ContactSet]:
-    """The pile after the first `count` items, and its contacts."""
-    later = {box.name for box in plan.boxes[count:]}
-    if not later:
-        return whole, contacts
-    state = whole.without(later)
-    return state, contacts_among(contacts, state)
+def _states(
+    whole: Assembly, contacts: ContactSet, plan: PackingPlan
+) -> Iterator[tuple[Assembly, ContactSet]]:
+    """The pile after each item, and its contacts."""
+    for k in range(1, len(plan.boxes)):
+        state = whole.without(box.name for box in plan.boxes[k:])
+        yield state, contacts_among(contacts, state)
+    yield whole, contacts
 
 
 def _support(box: PackedBox, verdict: Verdict) -> tuple[tuple[str, float], ...]:
     """Parts below an item, and the share of its underside on each."""
-    state, contacts = verdict.assembly, verdict.contacts
-    k = state.index_of(box.name)
-    under: dict[str, float] = {}
-    for patch in range(len(contacts)):
-        a, b = contacts.patch_parts[patch].tolist()
-        if k not in (a, b):
-            continue
-        upward = contacts.patch_normal[patch, 2] * (1 if b == k else -1)
-        if upward > FLAT:
-            other = state.names[a if b == k else b]
-            area = float(contacts.patch_area[patch])
-            under[other] = under.get(other, 0.0) + area / (box.size[0] * box.size[1])
-    return tuple(sorted(under.items(), key=lambda entry: -entry[1]))
+    patches, below = _patches_under(verdict, box.name)
+    area = np.bincount(
+        below, verdict.contacts.patch_area[patches], minlength=len(verdict.assembly.names)
+    )
+    share = area / (box.size[0] * box.size[1])
+    parts = np.unique(below)
+    order = parts[np.argsort(-share[parts], kind="stable")]
+    return tuple((verdict.assembly.names[k], float(share[k])) for k in order.tolist())
+
+
+def _patches_under(verdict: Verdict, name: str) -> tuple[Index, Index]:
+    """Contact patches under a part, and the part below at each; both of shape (n,)."""
+    k, contacts = verdict.assembly.index_of(name), verdict.contacts
+    upward = contacts.patch_normal[:, 2]
+    is_above = (contacts.patch_parts[:, 1] == k) & (upward > FLAT)
+    is_above_reversed = (contacts.patch_parts[:, 0] == k) & (-upward > FLAT)
+    patches = np.flatnonzero(is_above | is_above_reversed)
+    return patches, contacts.patch_parts[patches, np.where(is_above[patches], 0, 1)]
 
 
 FLAT = 0.999
@@ -323,8 +323,8 @@ FLAT = 0.999
 def _reason(plan: PackingPlan, first: int, verdict: Verdict) -> str:
     """The reason why the pile falls when an item is put down, as a clause."""
     box = plan.boxes[first]
-    k = verdict.assembly.index_of(box.name)
-    points = _points_under(k, verdict.contacts)
+    patches, _ = _patches_under(verdict, box.name)
+    points = verdict.contacts.points[np.isin(verdict.contacts.point_patch, patches), :2]
     center = np.array(box.corner[:2]) + np.array(box.size[:2]) / 2
     if not len(points):
         return f"nothing is under {box.name!r}"
@@ -340,19 +340,6 @@ def _reason(plan: PackingPlan, first: int, verdict: Verdict) -> str:
         named = " and ".join(repr(name) for name in tipped[:2])
         return f"{box.name!r} tips {named}, on which it rests"
     return f"the pile falls under {box.name!r}"
-
-
-def _points_under(k: int, contacts: ContactSet) -> Array:
-    """Contact points under the part with index k, shape (n, 2)."""
-    found = [np.empty((0, 2))]
-    for patch in range(len(contacts)):
-        a, b = contacts.patch_parts[patch].tolist()
-        if k in (a, b):
-            upward = contacts.patch_normal[patch, 2] * (1 if b == k else -1)
-            if upward > FLAT:
-                rows = slice(contacts.patch_start[patch], contacts.patch_start[patch + 1])
-                found.append(contacts.points[rows, :2])
-    return np.concatenate(found)
 
 
 def _moving_below(box: PackedBox, verdict: Verdict) -> list[str]:
@@ -391,17 +378,14 @@ def _walled(
             walls.append(Part(name, Box(size), Pose(middle), grounded=True, density=1000.0))
     whole = _with_base(pile, plan, pallet).with_parts(walls)
     contacts = detect.contacts(whole)
-    stands = True
     first = None
-    for k in range(len(plan.boxes)):
-        state, touching = _state(whole, contacts, plan, k + 1)
-        if not holds(
-            check(state, contacts=touching, require=require, effort=effort).level, require
-        ):
-            stands, first = False, k + 1
+    for k, (state, touching) in enumerate(_states(whole, contacts, plan), 1):
+        verdict = check(state, contacts=touching, require=require, effort=effort)
+        if not holds(verdict.level, require):
+            first = k
             break
     size = (high - low).tolist()
-    return {"inner_size": size[:2], "stands": stands, "first": first}
+    return {"inner_size": size[:2], "stands": first is None, "first": first}
 
 
 def _carried(whole: Assembly, contacts: ContactSet) -> tuple[tuple[str, float | None], ...]:

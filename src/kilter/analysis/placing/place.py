@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
 from kilter.analysis.margins.load_limit import Limit, find_limit
-from kilter.analysis.placing.place_map import LevelMap, PlaceMap
+from kilter.analysis.placing.place_map import NOTHING, LevelMap, PlaceMap
 from kilter.analysis.placing.upright_prisms import (
     PlacedPrism,
     Top,
@@ -138,6 +138,15 @@ class Places(Answer):
         return self.best is not None
 
     @property
+    def undecided(self) -> bool:
+        """True if it is not decided whether the part stands at the given place, or at any place."""
+        if self.at is not None:
+            return self.at.verdict.verdict == "undecided"
+        open_area = sum(level.open.area for level in self.levels)
+        falls = sum(level.falls.area for level in self.levels)
+        return not self.stands and bool(open_area > NOTHING * falls)
+
+    @property
     def level(self) -> str | None:
         """Level at the given place; of a map "equilibrium", None without a place."""
         if self.at is not None:
@@ -157,6 +166,7 @@ class Places(Answer):
             "at": None if self.at is None else self.at.to_dict(),
             "heaviest": None if self.at is None else self.at.to_dict()["heaviest"],
             "stands": self.stands,
+            "undecided": self.undecided,
             "level": self.level,
             "require": self.require,
             "accuracy": self.accuracy,
@@ -251,14 +261,14 @@ def place(
     at : array_like, shape (2,), optional
         Centre of the part in x and y [length unit]. Without it, all places are mapped.
     clear : float
-        Distance that the part keeps from parts beside it [length unit].
+        Distance that the part keeps from parts beside it in a map [length unit].
     accuracy : float, optional
         Largest width of the strip between places that stand and places that fall; by default a
         500th of the extent of the map [length unit].
     friction, ground, floor : optional
         Changes of the assembly before the question, as in `kilter.check`.
     contacts : ContactSet, optional
-        Contacts of this assembly; by default they are detected.
+        Contacts of this assembly for a map; by default they are detected.
     require : {"equilibrium", "settles", "proved", "strict"}
         Level from which a given place counts as standing. A map has the level equilibrium.
     tolerance, effort, progress : optional
@@ -296,16 +306,20 @@ def place(
     alone = Assembly([replace(part, grounded=False)], units=assembly.units)
     prism = placed_prism(alone)
     clear = number(clear, "clear", lowest=0)
+    if at is not None and clear > 0:
+        raise InputError(
+            "clear is a distance in a map of places, but a place is given",
+            hint="leave out clear or at",
+            option="leave out --clear or --at",
+        )
     tops = find_tops(assembly)
     tell("contacts")
-    if contacts is None:
-        contacts = detect.contacts(assembly, tolerance=tolerance)
-    warnings = _form_warnings(assembly, tops)
     levels: tuple[LevelMap, ...] = ()
     best = decision = None
     programs, width = 0, 0.0
     if at is not None:
-        decision = _decide(assembly, alone, at, require, tolerance, effort)
+        decision = _decide(assembly, alone, tops, at, require, tolerance, effort)
+        remarks = decision.verdict.contacts.remarks()
     elif prism is None:
         raise InputError(
             "a map of places needs a box or another upright convex prism",
@@ -318,11 +332,14 @@ def place(
         bounds = np.array(domain.bounds)
         extent = float((bounds[2:] - bounds[:2]).max())
         width = ACCURACY * extent if accuracy is None else number(accuracy, "accuracy", lowest=0)
+        if contacts is None:
+            contacts = detect.contacts(assembly, tolerance=tolerance)
         tell("places")
         places = _map(assembly, contacts, tops, prism, width, clear)
         levels = tuple(places.levels(domain))
         programs = places.programs
         best = _best(levels, prism)
+        remarks = [*_form_warnings(assembly, tops), *contacts.remarks()]
     return Places(
         assembly,
         part,
@@ -333,7 +350,7 @@ def place(
         require,
         width,
         programs,
-        (*warnings, *contacts.remarks()),
+        tuple(remarks),
         time.perf_counter() - started,
     )
 
@@ -403,6 +420,7 @@ def _best(
 def _decide(
     assembly: Assembly,
     alone: Assembly,
+    tops: Sequence[Top],
     at: Any,
     require: str,
     tolerance: Tolerance | None,
@@ -410,7 +428,7 @@ def _decide(
 ) -> AtPlace:
     """Decide whether the part stands at a place, and the heaviest mass that is carried there."""
     x, y = finite(at, (2,), "place").tolist()
-    height = _lowered(assembly, alone, x, y)
+    height = _lowered(assembly, alone, tops, x, y)
     part = alone.parts[0]
     center = alone.geometry.center[0]
     shift = np.array([x, y, height]) - center
@@ -421,7 +439,7 @@ def _decide(
     return AtPlace(x, y, height, verdict, _heaviest(build_program(whole, contacts), part.name))
 
 
-def _lowered(assembly: Assembly, alone: Assembly, x: float, y: float) -> float:
+def _lowered(assembly: Assembly, alone: Assembly, tops: Sequence[Top], x: float, y: float) -> float:
     """Height of the centre of the part when it is lowered onto upright tops at a place.
 
     Raises
@@ -435,7 +453,7 @@ def _lowered(assembly: Assembly, alone: Assembly, x: float, y: float) -> float:
             "only a box or another upright convex prism can be lowered", hint="give a box"
         )
     under = shifted(prism.footprint, (x, y))
-    met = [top for top in find_tops(assembly) if top.polygon.intersection(under).area > 0]
+    met = [top for top in tops if top.polygon.intersection(under).area > 0]
     if not met:
         raise InputError(
             f"nothing is below the part at {x:g}, {y:g}", hint="give a place above a part"

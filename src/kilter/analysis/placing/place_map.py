@@ -15,7 +15,8 @@ it states nothing about them beyond the places that stand.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import shapely
@@ -83,7 +84,6 @@ class PlaceMap:
     friction: float
     clear: float = 0.0
     programs: int = 0
-    _single: dict[int, CarriedPlaces] = field(default_factory=dict)
 
     def levels(self, domain: shapely.Geometry) -> list[LevelMap]:
         """The map of a domain of centres, a level for each height, the lowest first."""
@@ -158,29 +158,37 @@ class PlaceMap:
 
     def _on_single(self, top: Top) -> CarriedPlaces:
         """Places of the part on a single top: those at which the top carries its weight."""
-        if top.part not in self._single:
-            low, high = np.array(top.polygon.bounds[:2]), np.array(top.polygon.bounds[2:])
-            if not self.program.free[top.part]:
-                known = CarriedPlaces(top.polygon, top.polygon, 0)
-            else:
-                middle = (low + high) / 2
-                point = np.append(middle, top.high)
-                weight = self.part.mass * self.program.gravity
-                base = np.zeros((len(self.program.names), 6))
-                base[top.part, :3] = weight
-                base[top.part, 3:] = np.cross(point - self.program.center[top.part], weight)
-                loaded = self.program.with_rows(applied=self.program.applied + base)
-                more = self._torques(top.part, len(self.program.names))
-                half = (high - low) / 2
-                found = ShiftedLoad(loaded, more, -half, half).places(self.strip)
-                self.programs += found.programs
-                known = CarriedPlaces(
-                    _both(_moved(found.inner, middle), top.polygon),
-                    _both(_moved(found.outer, middle), top.polygon),
-                    found.programs,
-                )
-            self._single[top.part] = known
-        return self._single[top.part]
+        if not self.program.free[top.part]:  # the part has no effect on the assembly
+            nowhere = shapely.Polygon()
+            proved, possible = not self._alone.inner.is_empty, not self._alone.outer.is_empty
+            return CarriedPlaces(
+                top.polygon if proved else nowhere, top.polygon if possible else nowhere, 0
+            )
+        low, high = np.array(top.polygon.bounds[:2]), np.array(top.polygon.bounds[2:])
+        middle = (low + high) / 2
+        point = np.append(middle, top.high)
+        weight = self.part.mass * self.program.gravity
+        base = np.zeros((len(self.program.names), 6))
+        base[top.part, :3] = weight
+        base[top.part, 3:] = np.cross(point - self.program.center[top.part], weight)
+        loaded = self.program.with_rows(applied=self.program.applied + base)
+        more = self._torques(top.part, len(self.program.names))
+        half = (high - low) / 2
+        found = ShiftedLoad(loaded, more, -half, half).places(self.strip)
+        self.programs += found.programs
+        return CarriedPlaces(
+            _both(_moved(found.inner, middle), top.polygon),
+            _both(_moved(found.outer, middle), top.polygon),
+            found.programs,
+        )
+
+    @cached_property
+    def _alone(self) -> CarriedPlaces:
+        """Whether the assembly stands without the part: all places of a square, or none."""
+        none = np.zeros((2, len(self.program.names), 6))
+        found = ShiftedLoad(self.program, none, -np.ones(2), np.ones(2)).places(1.0)
+        self.programs += found.programs
+        return found
 
     def _torques(self, part: int, count: int) -> Array:
         """Change of the wrench on a part per shift of the weight along x and y, (2, N, 6)."""

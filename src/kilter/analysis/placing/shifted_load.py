@@ -53,7 +53,7 @@ class CarriedPlaces:
     programs: int
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class ShiftedLoad:
     """A load on an assembly that is shifted within a rectangle.
 
@@ -194,7 +194,7 @@ class ShiftedLoad:
         for sign in (1.0, -1.0):
             motion = problem.motion(problem.over_weight(sign * columns))
             if check_motion(middle, motion).holds:
-                object.__setattr__(self, "_evidence", motion)
+                self._evidence = motion
                 return
 
     def _line(self, shift: Array, motion: Array) -> Array | None:

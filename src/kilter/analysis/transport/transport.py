@@ -228,9 +228,7 @@ class Transport(Answer):
     def level(self) -> str | None:
         """Lowest verdict level over the given motions; without motions, the level of the limits."""
         if self.cases:
-            levels = [case.verdict.level for case in self.cases]
-            known = [level for level in levels if level is not None]
-            return min(known, key=level_rank) if len(known) == len(levels) else None
+            return min((case.verdict.level for case in self.cases), key=level_rank)
         if not holds(self.rest.level, "equilibrium"):
             return None
         return "equilibrium" if self.program.mu.any() else "proved"

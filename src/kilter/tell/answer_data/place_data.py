@@ -53,6 +53,7 @@ class PlaceData(TypedDict):
     at: AtPlaceData | None
     heaviest: float | None
     stands: bool
+    undecided: Annotated[bool, Field(description="whether open places or contacts remain")]
     level: str | None
     require: str
     accuracy: Annotated[float, Field(description="[length unit]")]
