@@ -291,9 +291,14 @@ def test_as1_with_keys_alone(user: Callable, folder: Path) -> None:
 
 def test_the_phase_is_stated_and_an_analysis_is_stopped(user: Callable) -> None:
     page = user(wall_of(300))
-    page.js("(() => { const b = window.bench; b.hear({...b.answer, phase: 'equilibrium'}); })()")
-    assert page.text("level") == "equilibrium; the complete answer is being computed"
-    assert page.page.get_attribute("#banner", "aria-busy") == "true"
+    # in one turn of the page: no answer of the server comes between
+    level, busy = page.js(
+        "(() => { const b = window.bench; b.hear({...b.answer, phase: 'equilibrium'});"
+        " return [document.getElementById('level').textContent,"
+        " document.getElementById('banner').getAttribute('aria-busy')]; })()"
+    )
+    assert level == "equilibrium; the complete answer is being computed"
+    assert busy == "true"
     page.page.click("#tab-plan")
     page.until("!document.getElementById('progress').hidden")
     page.page.click("#sheet-controls button:has-text('Stop')")
