@@ -26,55 +26,22 @@ from kilter.analysis.margins.load_limit import Limit, NoLimit, SharedCones
 from kilter.analysis.margins.tilt import across_gravity, first_directions, held_limit
 from kilter.analysis.regions.enclose import SupportPoint, nearest_face
 from kilter.analysis.transport.carrier import CarrierMotion, carrier_wrench
-from kilter.analysis.turning_tolerances import PARALLEL_PLANES, TILT_AGREES
-from kilter.arrays import TINY, Array, Mask
+from kilter.analysis.transport.plane_section import SupportLine, enclose_section
+from kilter.analysis.turning_tolerances import TILT_AGREES
+from kilter.arrays import Array, Mask
 from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 
-__all__ = ["MOST", "CarriedSet", "LeastAcceleration", "Slice", "SupportLine", "corner_gaps"]
+__all__ = ["MOST", "CarriedSet", "LeastAcceleration", "Slice"]
 
 MOST = 100.0
 """An acceleration of at least this counts as unlimited [g]."""
 PROGRAMS = 64
 """Largest number of limits for the least acceleration."""
-SLICE_PROGRAMS = 160
-"""Largest number of limits for a slice; the gap that remains is reported."""
-FIRST = 8
-"""Directions of a slice that are computed first, at even angles."""
 ACCURACY = 1e-3
 """Largest distance between the polygon and the lines of a slice [g]."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class SupportLine:
-    """Boundary point of a plane section of the carried accelerations, with a bounding line [g].
-
-    Attributes
-    ----------
-    direction : ndarray, shape (2,)
-        Unit direction of the point.
-    point, normal : ndarray, shape (2,)
-    reach : float
-        Distance of the line from 0.
-    limited : bool
-        False if the point is at the largest acceleration of the search.
-    proved : bool
-        True if a motion proves that nothing beyond the line is carried.
-    """
-
-    direction: Array
-    point: Array
-    normal: Array
-    reach: float
-    limited: bool
-    proved: bool
-
-    @property
-    def angle(self) -> float:
-        """Polar angle of the boundary point in the section plane, from its first axis [rad]."""
-        return float(np.arctan2(self.direction[1], self.direction[0]))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -224,37 +191,17 @@ class CarriedSet:
         accuracy : float
             The search ends if polygon and lines differ by at most this [g].
         """
-        supports: list[SupportLine] = []
 
-        def add(direction: Array) -> NoLimit | None:
+        def support(direction: Array) -> SupportLine | NoLimit:
             limit = self.along(direction @ axes)
             if isinstance(limit, NoLimit):
                 return limit
-            supports.append(self._support(axes, direction, limit))
-            return None
+            return self._support(axes, direction, limit)
 
-        angle = 2 * np.pi * (np.arange(FIRST) + 0.5) / FIRST
-        for direction in np.column_stack([np.cos(angle), np.sin(angle)]):
-            missing = add(direction)
-            if missing is not None:
-                return missing
-        settled: set[float] = set()
-        for _ in range(SLICE_PROGRAMS):
-            supports.sort(key=lambda support: support.angle)
-            gaps, corners = corner_gaps(supports)
-            open_gaps = np.where([s.angle in settled for s in supports], 0.0, gaps)
-            widest = int(open_gaps.argmax())
-            if open_gaps[widest] <= accuracy:
-                break
-            corner = corners[widest]
-            before = len(supports)
-            known = {support.angle for support in supports}
-            missing = add(corner / float(np.linalg.norm(corner)))
-            if missing is not None or supports[-1].angle in known:
-                settled.add(supports[widest].angle)
-                del supports[before:]
-        supports.sort(key=lambda support: support.angle)
-        gaps, _ = corner_gaps(supports)
+        section = enclose_section(support, accuracy=accuracy)
+        if isinstance(section, NoLimit):
+            return section
+        supports, gap = section
         return Slice(
             axes=axes,
             points=np.array([support.point for support in supports]),
@@ -262,7 +209,7 @@ class CarriedSet:
             reach=np.array([support.reach for support in supports]),
             limited=np.array([support.limited for support in supports]),
             proved=np.array([support.proved for support in supports]),
-            gap=float(gaps.max()),
+            gap=gap,
         )
 
     def _farthest(self, motion: CarrierMotion) -> Limit | NoLimit:
@@ -291,49 +238,3 @@ class CarriedSet:
         if not 0.0 <= distance <= reach * (1 + TILT_AGREES) + TOLERANCE:
             return SupportLine(direction, point, direction, reach, limited, False)
         return SupportLine(direction, point, outward / size, distance, limited, True)
-
-
-def corner_gaps(supports: list[SupportLine]) -> tuple[Array, Array]:
-    """For two neighbouring bounding lines, the distance of their corner from the polygon edge.
-
-    Also the direction of each corner.
-
-    Parameters
-    ----------
-    supports : list of SupportLine
-        Points and lines of a plane section, sorted by the angle of the points.
-
-    Returns
-    -------
-    gaps : ndarray, shape (n,)
-        For each support and the next; 0 where both points are at the largest acceleration of the
-        search.
-    corners : ndarray, shape (n, 2)
-        The corners; if the lines meet far outside, a point between both directions.
-    """
-    point = np.array([support.point for support in supports])
-    normal = np.array([support.normal for support in supports])
-    reach = np.array([support.reach for support in supports])
-    limited = np.array([support.limited for support in supports])
-    following = np.roll(np.arange(len(supports)), -1)
-    sine = normal[:, 0] * normal[following, 1] - normal[:, 1] * normal[following, 0]
-    steep = np.abs(sine) > PARALLEL_PLANES
-    safe = np.where(steep, sine, 1.0)
-    corner = np.column_stack(
-        [
-            (reach * normal[following, 1] - reach[following] * normal[:, 1]) / safe,
-            (reach[following] * normal[:, 0] - reach * normal[following, 0]) / safe,
-        ]
-    )
-    edge = point[following] - point
-    length = np.linalg.norm(edge, axis=1)
-    middle = 0.5 * (point + point[following])
-    outward = np.column_stack([edge[:, 1], -edge[:, 0]])
-    outward /= np.maximum(length, TINY)[:, None]
-    gap = np.einsum("ij,ij->i", corner - point, outward)
-    aligned = ~steep & (np.einsum("ij,ij->i", normal, normal[following]) > 0)
-    gap = np.where(aligned, 0.0, np.where(steep, gap, np.inf))
-    far = ~steep | (np.linalg.norm(corner, axis=1) > 2 * np.linalg.norm(point, axis=1).max())
-    corner = np.where(far[:, None], middle, corner)
-    neither = ~limited & ~limited[following]
-    return np.where(neither | (length == 0), 0.0, np.maximum(gap, 0.0)), corner

@@ -37,7 +37,8 @@ __all__ = ["CarrierPath", "path_from_poses", "read_path"]
 
 POSITION, ORIENTATION = ("x", "y", "z"), ("qw", "qx", "qy", "qz")
 ACCELERATION, SPIN, TURN = ("ax", "ay", "az"), ("ox", "oy", "oz"), ("alx", "aly", "alz")
-COLUMNS = ("time", *POSITION, *ORIENTATION, *ACCELERATION, *SPIN, *TURN)
+VELOCITY = ("vx", "vy", "vz")
+COLUMNS = ("time", *POSITION, *ORIENTATION, *VELOCITY, *ACCELERATION, *SPIN, *TURN)
 """Columns of a table of a path."""
 LEAST = 3
 """Least number of samples through which a spline has an acceleration."""
@@ -63,6 +64,9 @@ class CarrierPath:
         Reference point in the frame of the carrier [length unit of the assembly].
     linear : bool
         True if the orientation is fixed and the acceleration changes linearly between samples.
+    velocity : ndarray, shape (n, 3), optional
+        Of the reference point, in the frame of the carrier [m/s]; only the constraints for a
+        planner of speeds need it (`Transport.rows`).
     """
 
     time: Array
@@ -72,6 +76,7 @@ class CarrierPath:
     angular_acceleration: Array
     about: Array
     linear: bool
+    velocity: Array | None = None
 
     def __post_init__(self) -> None:
         count = len(self.time)
@@ -84,6 +89,8 @@ class CarrierPath:
             ("about", (3,)),
         ):
             object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
+        if self.velocity is not None:
+            object.__setattr__(self, "velocity", frozen(self.velocity, (count, 3), "velocity"))
         _require_times(self.time)
 
     def loads(self, program: Program) -> tuple[Array, Array]:
@@ -95,6 +102,27 @@ class CarrierPath:
         spin = self.angular_velocity
         move[:, 6:] = np.column_stack([spin[:, i] * spin[:, j] for i, j in PAIRS])
         return still, move
+
+    def starting_loads(self) -> Array:
+        """Change of the load vector of each sample per unit of s'', shape (n, 12).
+
+        s is the time of the path as a function of the true time: the carrier runs along the path
+        with the speed s'. Its acceleration then contains s'' times the velocity of the path.
+
+        Raises
+        ------
+        InputError
+            If the velocities are not known.
+        """
+        if self.velocity is None:
+            raise InputError(
+                "the path has no velocities",
+                hint="give its poses, or vx, vy, vz beside the accelerations",
+            )
+        start = np.zeros((len(self.time), 12))
+        start[:, :3] = -self.velocity
+        start[:, 3:6] = self.angular_velocity
+        return start
 
 
 def path_from_poses(
@@ -135,7 +163,8 @@ def path_from_poses(
             f"a path of {len(time)} samples has no acceleration", hint=f"give at least {LEAST}"
         )
     place = np.asarray(position, dtype=np.float64) * metres_per_unit(units)
-    world = CubicSpline(time, place)(time, 2)
+    spline = CubicSpline(time, place)
+    velocity, world = spline(time, 1), spline(time, 2)
     turning = np.tile([1.0, 0.0, 0.0, 0.0], (len(time), 1))
     if orientation is not None:
         turning = np.asarray(orientation, dtype=np.float64)
@@ -145,8 +174,9 @@ def path_from_poses(
     fixed = bool(np.abs(rotation - rotation[0]).max() <= FIXED)
     spin = turn = np.zeros((len(time), 3))
     if not fixed:
-        spline = RotationSpline(time, Rotation.from_matrix(rotation))
-        spin, turn = spline(time, 1), spline(time, 2)  # both in the frame of the carrier
+        turning_spline = RotationSpline(time, Rotation.from_matrix(rotation))
+        # both in the frame of the carrier
+        spin, turn = turning_spline(time, 1), turning_spline(time, 2)
     return CarrierPath(
         time,
         rotation,
@@ -155,6 +185,7 @@ def path_from_poses(
         turn,
         np.zeros(3),
         linear=fixed,
+        velocity=np.einsum("nji,nj->ni", rotation, velocity),
     )
 
 
@@ -164,7 +195,8 @@ def read_path(file: str | Path, *, units: str = "m") -> CarrierPath:
     Columns: time [s]; x y z [`units`]; optionally the orientation qw qx qy qz. Instead of x y z, or
     beside them, the accelerations ax ay az [m/s^2], with ox oy oz [rad/s] and alx aly alz
     [rad/s^2] if it turns, all in the frame of the carrier: given accelerations are used as they
-    are, and splines through the poses are not computed.
+    are, and splines through the poses are not computed. Velocities vx vy vz [m/s] beside the
+    accelerations serve `Transport.rows` alone.
 
     Raises
     ------
@@ -194,9 +226,10 @@ def _path_of(table: Mapping[str, Array], units: str) -> CarrierPath:
             raise InputError(
                 "the path has neither x, y, z nor ax, ay, az", hint="add three of these columns"
             )
-        if _columns(table, SPIN) is not None or _columns(table, TURN) is not None:
+        if any(_columns(table, names) is not None for names in (VELOCITY, SPIN, TURN)):
             raise InputError(
-                "ox or alx come without ax, ay, az", hint="add the accelerations, or remove them"
+                "vx, ox or alx come without ax, ay, az",
+                hint="add the accelerations, or remove them",
             )
         return path_from_poses(table["time"], place, turning, units=units)
     time = table["time"]
@@ -210,7 +243,8 @@ def _path_of(table: Mapping[str, Array], units: str) -> CarrierPath:
     fixed = bool(np.abs(rotation - rotation[0]).max() <= FIXED)
     spin, turn = none if spin is None else spin, none if turn is None else turn
     linear = fixed and not spin.any() and not turn.any()
-    return CarrierPath(time, rotation, along, spin, turn, np.zeros(3), linear)
+    velocity = _columns(table, VELOCITY)
+    return CarrierPath(time, rotation, along, spin, turn, np.zeros(3), linear, velocity)
 
 
 def _table(text: str) -> dict[str, Array]:

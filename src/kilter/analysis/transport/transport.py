@@ -35,6 +35,7 @@ from kilter.analysis.transport.collapse import (
     find_collapse,
 )
 from kilter.analysis.transport.path import PathLimit, find_path_limit
+from kilter.analysis.transport.path_rows import path_rows
 from kilter.analysis.transport.transport_proofs import transport_proofs
 from kilter.analysis.turning_tolerances import ACROSS_GRAVITY
 from kilter.analysis.verdict.answers import joints_answer
@@ -266,25 +267,31 @@ class Transport(Answer):
         return answer
 
     def rows(self, *, inner: bool = True) -> tuple[Array, Array]:
-        """Linear constraints on the acceleration a of a straight carrier motion: ``A @ a <= b``.
+        """Linear constraints ``A @ y <= b`` on the motion of the carrier, for a planner of paths.
+
+        Without a question, y is the acceleration a [m/s^2] of a straight motion. Of a path, y is
+        (u, x) at each sample: the carrier runs along the path with s(t), where s is the time of the
+        path, u = s'' [1/s] and x = s'^2 [-]. This is the form of constraints that TOPPRA uses.
+        The constraints hold at the samples only.
 
         Parameters
         ----------
         inner : bool
-            True: every a that obeys the constraints is carried (the hull of carried accelerations
-            that forces prove). False: every carried a obeys them (planes that motions prove).
+            True: every y that obeys the constraints is carried (the hull of carried motions that
+            forces prove). False: every carried y obeys them (planes that motions prove).
 
         Returns
         -------
-        A : ndarray, shape (m, 3)
-            Unit rows, frame of the assembly [-].
-        b : ndarray, shape (m,)
-            [m/s^2]
+        A : ndarray, shape (m, 3); of a path (n, m, 2)
+            Frame of the assembly; unit rows without a question. Rows of zeros fill up the
+            constraints of a sample.
+        b : ndarray, shape (m,); of a path (n, m)
 
         Raises
         ------
         InputError
-            If the answer is that of a question, which has no such constraints.
+            If the answer is that of a motion or a rule, which has no such constraints, or the path
+            has no velocities or is not carried.
 
         Examples
         --------
@@ -294,10 +301,12 @@ class Transport(Answer):
         >>> bool((rows @ [3.9, 0, 0] <= bounds).all()), bool((rows @ [4, 0, 0] <= bounds).all())
         (True, False)
         """
+        if self.path is not None:
+            return path_rows(self.program, self.path, inner=inner)
         if not self.limits:
             raise InputError(
                 "this answer has no largest accelerations along the axes",
-                hint="call kilter.transport(assembly)",
+                hint="call kilter.transport(assembly), or give a path that is carried",
             )
         limits = [*self.limits, *([] if self.least is None else [self.least])]
         known = KnownAccelerations(
