@@ -25,6 +25,7 @@ WRITERS = {
     "place": "kilter.analysis.placing.place.Places",
     "plan": "kilter.analysis.planning.order.order.Order",
     "region": "kilter.analysis.regions.region.Region",
+    "scene": "kilter.analysis.scene_states.scene_report.SceneReport",
     "transport": "kilter.analysis.transport.transport.Transport",
     "verify": "kilter.analysis.verification.Verification",
 }

@@ -273,6 +273,7 @@ VERBS = {
     "plan": "assembly",
     "region": "assembly",
     "report": "assembly",
+    "scene": "assembly",
     "states": "assembly",
     "transport": "assembly",
 }

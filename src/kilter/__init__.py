@@ -45,6 +45,9 @@ if TYPE_CHECKING:
     from kilter.analysis.regions.region import Region as Region
     from kilter.analysis.regions.region import common_region as common_region
     from kilter.analysis.regions.region import region as region
+    from kilter.analysis.scene_states.object_states import scene as scene
+    from kilter.analysis.scene_states.scene_report import SceneObject as SceneObject
+    from kilter.analysis.scene_states.scene_report import SceneReport as SceneReport
     from kilter.analysis.transport.carrier import CarrierMotion as CarrierMotion
     from kilter.analysis.transport.carrier_path import CarrierPath as CarrierPath
     from kilter.analysis.transport.transport import Transport as Transport
@@ -121,6 +124,7 @@ _HOMES = {
     "region": "kilter.analysis.regions.region",
     "report": "kilter.publish",
     "save": "kilter.contact.fits.choices_saving",
+    "scene": "kilter.analysis.scene_states.object_states",
     "transport": "kilter.analysis.transport.transport",
     "verify": "kilter.analysis.verification",
     "view": "kilter.workbench.view",
@@ -173,6 +177,8 @@ _HOMES = {
     "Orientation": "kilter.analysis.turning.orientation",
     "Region": "kilter.analysis.regions.region",
     "Report": "kilter.publish",
+    "SceneObject": "kilter.analysis.scene_states.scene_report",
+    "SceneReport": "kilter.analysis.scene_states.scene_report",
     "Shown": "kilter.notebook",
     "State": "kilter.analysis.planning.states.state",
     "States": "kilter.analysis.planning.states.states",

@@ -39,6 +39,7 @@ WRITERS = {
     "plan.glb": ["plan", FILE, "--quiet", "-o"],
     "report.html": ["report", FILE, "--quiet", "-o"],
     "place.json": ["place", FILE, "--quiet", "--json", "--box", ".5x.5x.5", "--mass", "1", "-o"],
+    "scene.json": ["scene", FILE, "--quiet", "--json", "-o"],
     "packed.json": ["check-plan", PACKED, "--quiet", "--json", "-o"],
     "draw.svg": ["draw", FILE, "--quiet", "-o"],
     "draw.png": ["draw", FILE, "--quiet", "-o"],

@@ -58,6 +58,8 @@ class Part(Value):
         The same as `mass`, for `dataclasses.replace`.
     units : {"m", "cm", "mm", "in"}
         Unit of the lengths. An assembly sets it to its own unit, without a conversion of numbers.
+    geometry : {"", "collider", "visual"}
+        Kind of shape that a scene of a simulator has for this part; empty for other files.
 
     Attributes
     ----------
@@ -68,7 +70,7 @@ class Part(Value):
 
     Notes
     -----
-    Parts with equal content are equal and have the same hash, whatever their units.
+    Parts with equal content are equal and have the same hash, whatever their units and geometry.
 
     Raises
     ------
@@ -98,6 +100,7 @@ class Part(Value):
     brick: Brick | None = None
     color: str | None = None
     units: str = field(default="m", compare=False)
+    geometry: str = field(default="", compare=False)
 
     # The generated initialiser would lack the keyword `mass`, which is also a property.
     def __init__(
@@ -115,6 +118,7 @@ class Part(Value):
         color: str | None = None,
         given_mass: float | None = None,
         units: str = "m",
+        geometry: str = "",
     ) -> None:
         values = {
             "name": name,
@@ -128,6 +132,7 @@ class Part(Value):
             "brick": brick,
             "color": color,
             "units": units,
+            "geometry": geometry,
         }
         for key, value in values.items():
             object.__setattr__(self, key, value)

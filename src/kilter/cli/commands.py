@@ -61,9 +61,10 @@ def _others() -> tuple[Command, ...]:
     from kilter.cli.batches import batch
     from kilter.cli.doctoring import doctor
     from kilter.cli.saving import save
+    from kilter.cli.scene_states import scene
     from kilter.cli.transporting import transport
 
-    return batch, doctor, save, transport
+    return batch, doctor, save, scene, transport
 
 
 LOADERS: dict[Callable[[], tuple[Command, ...]], tuple[str, ...]] = {
@@ -71,6 +72,6 @@ LOADERS: dict[Callable[[], tuple[Command, ...]], tuple[str, ...]] = {
     _directions: ("margin", "orient", "region"),
     _pages: ("draw", "report", "view"),
     _plans: ("hold", "improve", "plan", "place", "check-plan"),
-    _others: ("batch", "doctor", "save", "transport"),
+    _others: ("batch", "doctor", "save", "scene", "transport"),
 }
 """Functions that import the commands of these names."""

@@ -14,6 +14,7 @@ __all__ = [
     "PACKING",
     "PLACE",
     "PLAN",
+    "SCENE",
     "SOME_ERRORS",
     "USAGE",
     "VERDICT",
@@ -41,6 +42,8 @@ PLACE = {"none": 1, "undecided": 4}
 """Codes of `place` if the part stands nowhere or not at the given place, or it is undecided."""
 PACKING = {"falls": 1, "undecided": 4}
 """Codes of `check-plan` if the pile does not stand after an item."""
+SCENE = {"faults": 1, "open": 4}
+"""Codes of `scene` if some objects float, overlap or fall, or if some states are open."""
 DOCTOR = {True: 0, False: 1}
 """Codes of `doctor`: do all installed parts work?"""
 SOME_ERRORS = 1

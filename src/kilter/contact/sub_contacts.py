@@ -6,6 +6,7 @@ some parts are those between the remaining parts.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +17,7 @@ from kilter.contact.contact_set import ContactSet
 from kilter.contact.kept_pairs import KeptPairs
 from kilter.contact.open_pairs import OpenPair
 
-__all__ = ["contacts_among"]
+__all__ = ["contacts_among", "without_overlaps"]
 
 
 def contacts_among(contacts: ContactSet, assembly: Assembly) -> ContactSet:
@@ -84,3 +85,35 @@ PATCH_FIELDS = (
 def _still_free(pairs: tuple[OpenPair, ...], assembly: Assembly) -> tuple[OpenPair, ...]:
     """The open pairs that still have at least one free part."""
     return tuple(p for p in pairs if not all(assembly.parts[k].grounded for k in p.parts))
+
+
+def without_overlaps(contacts: ContactSet, parts: Collection[int]) -> ContactSet:
+    """Contacts in which the overlaps of some parts exert no force.
+
+    Parameters
+    ----------
+    contacts : ContactSet
+    parts : collection of int
+        Parts whose overlaps, as open pairs, are left out.
+
+    Examples
+    --------
+    >>> from kilter import Box, Part
+    >>> from kilter.contact import contacts
+    >>> held = Part("held", Box(1, 1, 1), grounded=True)
+    >>> overlapping = contacts(Assembly([held, Part("in it", Box(1, 1, 1), [0, 0, 0.9])]))
+    >>> overlapping, without_overlaps(overlapping, [1])
+    (<ContactSet: overlapping 1, left open 1>, <ContactSet: nothing touches>)
+    """
+    chosen = set(parts)
+    gone = {
+        frozenset(pair.parts)
+        for pair in contacts.open_pairs
+        if pair.kind == "overlap" and not chosen.isdisjoint(pair.parts)
+    }
+    return replace(
+        contacts,
+        overlaps=tuple(pair for pair in contacts.overlaps if frozenset(pair.parts) not in gone),
+        open_pairs=tuple(pair for pair in contacts.open_pairs if frozenset(pair.parts) not in gone),
+        possible=contacts.possible.without_wrenches(gone),
+    )

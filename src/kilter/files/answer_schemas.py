@@ -27,6 +27,7 @@ from kilter.tell.answer_data.other_data import (
 from kilter.tell.answer_data.packing_data import PackingData
 from kilter.tell.answer_data.place_data import PlaceData
 from kilter.tell.answer_data.plan_data import HoldData, PlanData
+from kilter.tell.answer_data.scene_data import SceneData
 from kilter.tell.answer_data.transport_data import TransportData
 from kilter.tell.json_answer import SCHEMA_VERSION
 
@@ -45,6 +46,7 @@ ANSWERS: dict[str, Any] = {
     "place": PlaceData,
     "plan": PlanData,
     "region": RegionData,
+    "scene": SceneData,
     "transport": TransportData,
     "verify": VerifyData,
 }

@@ -134,7 +134,16 @@ class _Robot:
             if mass is not None and inertial is not None:
                 center = (_origin(inertial).position - inner.position) @ inner.matrix
             pose = compose(self.frames[name], inner)
-            return Part(name, shape, pose, grounded=held, mass=mass, center_of_mass=center)
+            collides = self.links[name].find("collision") is not None
+            return Part(
+                name,
+                shape,
+                pose,
+                grounded=held,
+                mass=mass,
+                center_of_mass=center,
+                geometry="collider" if collides else "visual",
+            )
         except InputError as error:
             raise error.located(part=name) from None
 

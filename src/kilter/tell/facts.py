@@ -20,6 +20,7 @@ from kilter.tell.packing_words import packing_facts
 from kilter.tell.place_words import place_facts
 from kilter.tell.plan_words import order_facts
 from kilter.tell.region_facts import orient_facts, region_facts
+from kilter.tell.scene_words import scene_facts
 from kilter.tell.shared_facts import (
     Answer,
     Fact,
@@ -45,6 +46,7 @@ KIND_OF_KEY = {
     "histogram": "contacts",
     "walls": "check-plan",
     "heaviest": "place",
+    "objects": "scene",
     "reasons": "verify",
     "certificate": "check",
 }
@@ -174,5 +176,6 @@ _FACTS_OF_KIND: dict[str, Callable[[Answer], list[Fact]]] = {
     "place": place_facts,
     "plan": order_facts,
     "region": region_facts,
+    "scene": scene_facts,
     "verify": _verify_facts,
 }

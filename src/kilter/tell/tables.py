@@ -17,6 +17,7 @@ from kilter.tell.numbers import count, counts, force, mass, number, percent, pla
 from kilter.tell.open_words import settling_options
 from kilter.tell.packing_words import PACKING_HEAD, item_cells
 from kilter.tell.plan_words import step_cells
+from kilter.tell.scene_words import SCENE_HEAD, object_cells, scene_order
 from kilter.tell.shared_facts import Answer
 from kilter.tell.words import NAMED
 
@@ -77,15 +78,20 @@ class Table:
         Listed items, one for each row.
     row : callable
         Function from an item to its cells, each words or a `Name`.
+    complete : bool
+        Whether a terminal shows all rows.
     """
 
     title: str
     head: Sequence[str]
     items: Sequence[Any]
     row: Callable[[Any], Sequence[str]]
+    complete: bool = False
 
     def rows(self, limit: int) -> list[Sequence[str]]:
-        """Return the cells of the first `limit` rows."""
+        """Return the cells of the first `limit` rows, or of all rows of a complete table."""
+        if self.complete:
+            limit = len(self.items)
         return [self.row(item) for item in self.items[:limit]]
 
 
@@ -167,6 +173,9 @@ def tables(answer: Answer) -> list[Table]:
         return [_support_table(answer)]
     if kind == "improve" and answer["tried"]:
         return [Table(TRIED, HEAD, answer["tried"], change_cells)]
+    if kind == "scene":
+        rows = scene_order(answer["objects"])
+        return [Table("objects:", SCENE_HEAD, rows, object_cells, complete=True)]
     if kind == "check-plan":
         return [Table("items:", PACKING_HEAD, list(enumerate(answer["items"], 1)), item_cells)]
     if kind == "check":

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from kilter.arrays import Index
+from kilter.arrays import Index, Mask
 from kilter.assembly import Assembly, Part
 from kilter.assembly.interactions import FrictionPair, Joint
 from kilter.errors import InputError, nearest_name, some_names
@@ -100,6 +100,7 @@ class _Model:
             self._pose(mujoco, choices.keyframe)
         mujoco.mj_kinematics(model, self.data)
         self.names = distinct([model.body(k).name or f"body_{k}" for k in range(model.nbody)])
+        self.collides: Mask = (model.geom_contype | model.geom_conaffinity) != 0
         self.geoms = self._geoms()
         self.parts: list[Part] = []
         self.rows: list[list[int]] = []
@@ -122,8 +123,7 @@ class _Model:
 
     def _geoms(self) -> dict[int, list[int]]:
         """For each body, the geoms that form its part: those that collide, else all."""
-        model = self.model
-        collides = (model.geom_contype | model.geom_conaffinity) != 0
+        model, collides = self.model, self.collides
         geoms = {}
         for body in range(model.nbody):
             rows = np.flatnonzero(model.geom_bodyid == body)
@@ -184,6 +184,7 @@ class _Model:
             grounded=held,
             mass=mass or None,
             center_of_mass=center,
+            geometry="collider" if self.collides[geoms].any() else "visual",
         )
         self.parts.append(part)
         self.rows.append(geoms)
@@ -232,6 +233,7 @@ class _Model:
                 grounded=True,
                 density=1000.0,
                 table=True,
+                geometry="collider",
             )
             self.parts.append(part)
             self.rows.append([geom])

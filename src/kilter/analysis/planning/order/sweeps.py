@@ -37,6 +37,9 @@ DEPTHS = 2.0
 WELD = 1e-3
 """Distance by which polygons of an overlap are widened to join their neighbours [tolerances]."""
 
+SLIVER = 1e-3
+"""Width up to which an overlap of two faces in projection comes from rounding [tolerances]."""
+
 Direction = tuple[float, float, float]
 
 
@@ -170,6 +173,43 @@ class Sweeps:
             moving = moving.moved(basis[:2] @ start, float(basis[2] @ start))
         return _blocks_within(moving, still, self.tolerance(part, other), distance)
 
+    def clearance(self, part: int, other: int, direction: Direction) -> float:
+        """Distance that a part moves straight until its triangles meet those of another part.
+
+        The distance is exact for the triangles: it is the least height between an exit face and an
+        entry face over the area in which they overlap in projection. Pairs of faces that are more
+        than the tolerance behind each other do not count.
+
+        Returns
+        -------
+        float
+            Distance [length unit]; infinite if the parts never meet.
+        """
+        moving, still = self._shadow(part, direction), self._shadow(other, direction)
+        return _least_height(moving, still, self.tolerance(part, other))
+
+    def under(self, parts: Index, direction: Direction) -> tuple[Index, Array]:
+        """Other parts that the given parts may meet on a straight path, the nearest first.
+
+        Returns
+        -------
+        others : ndarray of int, shape (n,)
+            Parts ahead whose projected boxes overlap that of a given part.
+        least : ndarray, shape (n,)
+            Lower bound of the distance to each, from the boxes, ascending [length unit].
+        """
+        low, high = self._boxes(direction)
+        bound = np.full(len(low), np.inf)
+        for part in parts.tolist():
+            meets = ((low[:, :2] < high[part, :2]) & (high[:, :2] > low[part, :2])).all(axis=1)
+            meets &= high[:, 2] >= low[part, 2]
+            ahead = np.where(meets, low[:, 2] - high[part, 2], np.inf)
+            bound = np.minimum(bound, ahead)
+        bound[parts] = np.inf
+        others = np.flatnonzero(np.isfinite(bound))
+        others = others[np.argsort(bound[others], kind="stable")]
+        return others, bound[others]
+
     def _shadow(self, part: int, direction: Direction) -> _Shadow:
         """Projection of a part along a direction; each is computed once."""
         key = part, direction
@@ -222,6 +262,33 @@ def _blocks_within(moving: _Shadow, still: _Shadow, tolerance: float, distance: 
         return False
     joined = shapely.union_all(shapely.buffer(np.array(region), tolerance * WELD))
     return not shapely.is_empty(shapely.buffer(joined, -tolerance))
+
+
+def _least_height(moving: _Shadow, still: _Shadow, tolerance: float) -> float:
+    """Least height from exit faces of a part to entry faces of another; infinite without any.
+
+    Slivers that come from the rounding of touching outlines do not count.
+    """
+    exits, entries = np.flatnonzero(moving.facing > ALONG), np.flatnonzero(still.facing < -ALONG)
+    above = moving.height[exits].min(initial=np.inf)
+    entries = entries[still.height[entries].max(axis=1) >= above - tolerance]
+    if not len(exits) or not len(entries):
+        return np.inf
+    below = shapely.polygons(moving.plane[exits])
+    tree = shapely.STRtree(shapely.polygons(still.plane[entries]))
+    first, second = tree.query(below, predicate="intersects")
+    shared = shapely.intersection(below[first], tree.geometries[second])
+    first, second = exits[first], entries[second]
+    wide = shapely.area(shared) > SLIVER * tolerance * shapely.length(shared)
+    first, second, shared = first[wide], second[wide], shared[wide]
+    corner, owner = shapely.get_coordinates(shared, return_index=True)
+    if not len(corner):
+        return np.inf
+    between = _heights(still, second[owner], corner) - _heights(moving, first[owner], corner)
+    starts = np.flatnonzero(np.diff(owner, prepend=-1))
+    ahead = np.maximum.reduceat(between, starts) >= -tolerance
+    lowest = np.minimum.reduceat(between, starts)[ahead]
+    return float(np.maximum(lowest, -tolerance).min(initial=np.inf))
 
 
 def _near_faces(

@@ -1,0 +1,1 @@
+"""Scene states: the state of each object of a scene, judged in separate clusters."""

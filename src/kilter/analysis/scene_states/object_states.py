@@ -1,0 +1,390 @@
+"""`kilter.scene`: the state of each object of a scene.
+
+Objects that do not touch each other do not affect each other. So a scene is divided into clusters:
+connected components of the contact graph over the free parts. Each cluster is judged by itself.
+
+1. A cluster without a contact to a held part floats. Its height is that of a fall to the first
+   contact (`falling_distance`); all of its objects have this height.
+2. `kilter.check` judges each other cluster. If the cluster holds, its objects are at rest at the
+   level of the verdict, with its certificate.
+3. If it does not hold, the moving objects fall. A moving object in free fall floats.
+4. If overlaps leave it undecided, the overlapping objects are the fault; of other open pairs,
+   their moving objects are open.
+5. The other objects of the cluster are judged again, while the objects with a fault are held where
+   they are drawn and overlaps have no contact. `SceneObject.if_held` names these objects.
+
+An overlap of two free parts is reported once: for the part with the higher lowest point, of equally
+high parts for the smaller part.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kilter.analysis.analysis_tolerances import MOVES
+from kilter.analysis.check import CUT, check
+from kilter.analysis.planning.order.sweeps import Sweeps
+from kilter.analysis.scene_states.falling_distance import falling_distance
+from kilter.analysis.scene_states.scene_graph import SceneGraph
+from kilter.analysis.scene_states.scene_report import SceneObject, SceneReport
+from kilter.analysis.verdict.remarks import remarks
+from kilter.analysis.verdict.verdict import Verdict
+from kilter.arrays import Array, Index
+from kilter.assembly import Assembly
+from kilter.assembly.lowest import lowest_heights
+from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
+from kilter.contact import ContactSet, Tolerance, detect
+from kilter.contact.left_out import SAME_BODY, Overlap
+from kilter.contact.sub_contacts import contacts_among, without_overlaps
+from kilter.errors import InputError
+from kilter.rigid import Pose
+from kilter.tell.levels import REQUIRE, require_level
+from kilter.threads import on_one_thread
+from kilter.work import EFFORT
+
+__all__ = ["scene"]
+
+
+@on_one_thread
+def scene(
+    assembly: AssemblyOrPath,
+    *,
+    friction: float | None = None,
+    down: ArrayLike | None = None,
+    ground: str | Iterable[str] = (),
+    floor: bool | float | None = None,
+    contacts: ContactSet | None = None,
+    tolerance: Tolerance | None = None,
+    require: str = REQUIRE,
+    effort: float = EFFORT,
+    time_limit: float | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> SceneReport:
+    """Decide for each object of a scene whether it is at rest, floats, overlaps or falls.
+
+    Clusters of objects that do not touch each other are judged separately, so that a fault of an
+    object does not hide the states of the others.
+
+    Parameters
+    ----------
+    assembly : Assembly, or path
+        At least one part must be held.
+    friction : float, optional
+        Coefficient of the contacts without a coefficient of their own [-].
+    down : array_like, shape (3,), optional
+        Direction of gravity, whose magnitude stays [-].
+    ground : str or iterable of str
+        Parts that are also held; ``*`` and ``?`` are wildcards.
+    floor : bool or float, optional
+        True adds a held table under the lowest point; a number is its height [length].
+    contacts : ContactSet, optional
+        Contacts of this assembly; by default they are detected from its geometry.
+    tolerance : Tolerance, optional
+        Tolerances of the detection: gap, angle and clearance. By default those of the assembly.
+    require : {"equilibrium", "settles", "proved", "strict"}
+        Level from which the answer is yes. `SceneReport.at_rest` is true from this level.
+    effort : float
+        Work limit; each further unit allows about ten times more work [-]. It concerns each
+        cluster.
+    time_limit : float, optional
+        Time limit [s]. Clusters that are not judged until then are open.
+    progress : callable, optional
+        Function that is called with the name of each stage.
+
+    Returns
+    -------
+    SceneReport
+
+    Raises
+    ------
+    InputError
+        If no part is held, if an argument is invalid, or if the geometry is not usable.
+
+    Examples
+    --------
+    >>> from kilter import Assembly, Box, Part
+    >>> table = Part("table", Box([4, 4, 1]), [0, 0, -0.5], grounded=True)
+    >>> cubes = [Part(name, Box([1, 1, 1]), [x, 0, z]) for name, x, z in
+    ...          [("at rest", -1.5, 0.5), ("floating", 0, 0.6), ("sunk", 1.5, 0.25)]]
+    >>> report = scene(Assembly([table, *cubes]))
+    >>> report
+    <SceneReport: 4 objects, 1 at-rest, 1 held, 1 floats, 1 overlaps>
+    >>> round(report["floating"].gap, 12), report["sunk"].gap, report["sunk"].other
+    (0.1, -0.25, 'table')
+    """
+    started = time.perf_counter()
+    tell = progress or (lambda stage: None)
+    require = require_level(require, strict=True)
+    assembly = asked_assembly(
+        assembly, "scene", contacts, friction=friction, down=down, ground=ground, floor=floor
+    )
+    assembly.require_grounded()
+    if contacts is None:
+        contacts = detect.contacts(
+            assembly, tolerance=tolerance, time_limit=time_limit, progress=progress
+        )
+    ends = None if time_limit is None else started + time_limit
+    survey = _Survey(assembly, contacts.of(assembly), require, effort, ends, tell)
+    survey.judge()
+    free = ~assembly.geometry.grounded
+    objects = tuple(
+        survey.states[k] if is_free else SceneObject(name, "held")
+        for k, (name, is_free) in enumerate(zip(assembly.names, free.tolist(), strict=True))
+    )
+    return SceneReport(
+        assembly,
+        contacts,
+        objects,
+        tuple(survey.verdicts),
+        require,
+        (*_warnings(assembly, contacts), *((CUT,) if survey.cut else ())),
+        time.perf_counter() - started,
+    )
+
+
+def _warnings(assembly: Assembly, contacts: ContactSet) -> list[str]:
+    """Warnings about the file and the geometry; overlaps are states of objects, not warnings."""
+    quiet = replace(contacts, overlaps=(), open_pairs=())
+    return remarks(assembly, quiet)
+
+
+@dataclass(eq=False)
+class _Survey:
+    """The states of the objects of a scene while they are found."""
+
+    assembly: Assembly
+    contacts: ContactSet
+    require: str
+    effort: float
+    ends: float | None
+    tell: Callable[[str], None]
+    states: dict[int, SceneObject] = field(default_factory=dict)
+    verdicts: list[Verdict] = field(default_factory=list)
+    cut: bool = False
+
+    def __post_init__(self) -> None:
+        self.graph = SceneGraph.of(self.assembly, self.contacts)
+        self.sweeps = Sweeps(self.contacts)
+        self.down: Array = self.assembly.down
+        self.overlap = _worst_overlaps(self.assembly, self.contacts)
+        """The deepest overlap of each part that is the fault of one."""
+
+    def judge(self) -> None:
+        """Find the states of all free parts."""
+        free = ~self.assembly.geometry.grounded
+        for k, overlap in self.overlap.items():
+            if overlap.why == SAME_BODY:
+                self._overlapping(k)
+        among = free.copy()
+        among[list(self.states)] = False
+        self.tell("floating objects")
+        supported = self.graph.supported()
+        loaded = np.zeros(len(free), dtype=bool)
+        loaded[[self.assembly.index[load.part] for load in self.assembly.loads]] = True
+        for cluster in self.graph.clusters(among, near=False):
+            if not (supported[cluster].any() or loaded[cluster].any()):
+                self._floating(cluster)
+                among[cluster] = False
+        clusters = self.graph.clusters(among, near=True)
+        for number, cluster in enumerate(clusters, 1):
+            self.tell(f"cluster {number} of {len(clusters)}")
+            self._judge_cluster(cluster)
+
+    def _judge_cluster(self, cluster: Index) -> None:
+        """Find the states of the parts of a cluster, and of what remains of it after faults."""
+        waiting = [cluster]
+        while waiting:
+            members = waiting.pop()
+            self._judge_members(members)
+            left = np.zeros(len(self.assembly), dtype=bool)
+            left[[k for k in members.tolist() if k not in self.states]] = True
+            waiting += self.graph.clusters(left, near=True)
+
+    def _judge_members(self, members: Index) -> None:
+        """Find the states of at least some of the parts that are judged together."""
+        limit = None if self.ends is None else self.ends - time.perf_counter()
+        if limit is not None and limit <= 0:
+            self.cut = True
+            self._open(members, ())
+            return
+        sub, contacts, assumed = self._part_of_scene(members)
+        names = tuple(self.assembly.names[k] for k in assumed)
+        try:
+            verdict = check(
+                sub,
+                contacts=contacts,
+                require=self.require,
+                effort=self.effort,
+                time_limit=limit,
+            )
+        except InputError:
+            if not self._overlapping_among(members):
+                raise
+            return
+        self.verdicts.append(verdict)
+        self.cut |= verdict.time_limit is not None
+        if verdict.level is not None:
+            self._at_rest(members, verdict.level, names)
+        elif not self._falling(members, verdict, names):
+            self._open(members, names)
+
+    def _part_of_scene(self, members: Index) -> tuple[Assembly, ContactSet, list[int]]:
+        """The members of a cluster with the parts beside them; also those that have a fault.
+
+        Parts with a fault are held. Overlaps with them have no contact.
+        """
+        beside = self.graph.beside(members)
+        known = [k for k in beside.tolist() if k in self.states]
+        chosen = np.sort(np.concatenate([members, beside]))
+        sub = _chosen_parts(self.assembly, chosen, known)
+        contacts = self.contacts
+        if known:
+            contacts = without_overlaps(contacts, known)
+        return sub, contacts_among(contacts, sub), known
+
+    def _at_rest(self, members: Index, level: str, if_held: tuple[str, ...]) -> None:
+        for k in members.tolist():
+            if k in self.overlap:
+                self._overlapping(k)
+            else:
+                name = self.assembly.names[k]
+                self.states[k] = SceneObject(name, "at-rest", level, if_held=if_held)
+
+    def _overlapping(self, k: int) -> None:
+        overlap, names = self.overlap[k], self.assembly.names
+        other = overlap.parts[0] if overlap.parts[1] == k else overlap.parts[1]
+        self.states[k] = SceneObject(names[k], "overlaps", gap=-overlap.depth, other=names[other])
+
+    def _overlapping_among(self, members: Index) -> bool:
+        """Give the overlapping members their state; whether there are any."""
+        faulty = [k for k in members.tolist() if k in self.overlap]
+        for k in faulty:
+            self._overlapping(k)
+        return bool(faulty)
+
+    def _floating(self, members: Index, if_held: tuple[str, ...] = ()) -> None:
+        """Give a group of parts that touches nothing its height above the part below."""
+        fall = falling_distance(self.assembly, self.sweeps, members, self.down)
+        parts = self.assembly.parts
+        for k in members.tolist():
+            name, pose = parts[k].name, parts[k].pose
+            if k in self.overlap:
+                self._overlapping(k)
+            elif fall is None:
+                self.states[k] = SceneObject(name, "falls", motion="nothing is below it")
+            else:
+                other = parts[fall.other].name
+                if fall.distance <= self._touching_gap(fall.part, fall.other):
+                    self.states[k] = SceneObject(name, "open", None, fall.distance, other)
+                    continue
+                moved = Pose(pose.position + fall.distance * self.down, pose.rotation)
+                self.states[k] = SceneObject(
+                    name, "floats", None, fall.distance, other, moved, if_held=if_held
+                )
+
+    def _touching_gap(self, part: int, other: int) -> float:
+        """Gap up to which two parts touch [length unit]."""
+        geometry, pair = self.assembly.geometry, [part, other]
+        gap = float(self.contacts.tolerance.gap_of(geometry.size[pair].min()[None])[0])
+        return max(gap, 2 * float(geometry.accuracy[pair].sum()))
+
+    def _falling(self, members: Index, verdict: Verdict, if_held: tuple[str, ...]) -> bool:
+        """Give states to the moving or overlapping parts of a cluster that does not hold.
+
+        Returns False if no part of it has got a state.
+        """
+        index = verdict.assembly.index
+        rows = np.array([index[self.assembly.names[k]] for k in members])
+        motion = verdict.motion
+        moves = motion.moves[rows]
+        decided = verdict.verdict == "unstable"
+        if not decided and self._overlapping_among(members):
+            return True
+        free_fall = np.zeros(len(members), dtype=bool)
+        if motion.known:
+            gravity = self.assembly.gravity
+            off = np.linalg.norm(motion.acceleration[rows, :3] - gravity, axis=1)
+            free_fall = moves & (off <= MOVES * np.linalg.norm(gravity))
+            free_fall &= motion.relative[rows, 1] <= MOVES
+        drops = np.zeros(len(self.assembly), dtype=bool)
+        drops[members[free_fall]] = True
+        for group in self.graph.clusters(drops, near=False):
+            self._floating(group, if_held)
+        others = members[moves & ~free_fall]
+        if not decided:
+            self._open(others, if_held)
+        for k in others.tolist() if decided else ():
+            if k in self.overlap:
+                self._overlapping(k)
+            else:
+                name = self.assembly.names[k]
+                words = verdict.words(name)
+                self.states[k] = SceneObject(name, "falls", motion=words, if_held=if_held)
+        return bool(moves.any())
+
+    def _open(self, members: Index, if_held: tuple[str, ...]) -> None:
+        """Give parts the state open, with the nearest part whose contact is open."""
+        names = self.assembly.names
+        for k in members.tolist():
+            if k in self.overlap:
+                self._overlapping(k)
+                continue
+            pairs = [pair for pair in self.contacts.open_pairs if k in pair.parts]
+            pair = min(pairs, key=lambda pair: abs(pair.gap or 0.0), default=None)
+            other = gap = None
+            if pair is not None:
+                other = names[pair.parts[0] if pair.parts[1] == k else pair.parts[1]]
+                gap = pair.gap
+            self.states[k] = SceneObject(names[k], "open", None, gap, other, if_held=if_held)
+
+
+def _worst_overlaps(assembly: Assembly, contacts: ContactSet) -> dict[int, Overlap]:
+    """The deepest overlap of each part to which an overlap is assigned."""
+    left_open = {frozenset(pair.parts) for pair in contacts.open_pairs}
+    worst: dict[int, Overlap] = {}
+    overlaps = [pair for pair in contacts.overlaps if frozenset(pair.parts) in left_open]
+    if not overlaps:
+        return worst
+    geometry = assembly.geometry
+    low = lowest_heights(geometry, -assembly.down)
+    for overlap in overlaps:
+        a, b = overlap.parts
+        if geometry.grounded[a] or geometry.grounded[b]:
+            k = b if geometry.grounded[a] else a
+        elif abs(low[a] - low[b]) > overlap.depth * SAME_HEIGHT:
+            k = a if low[a] > low[b] else b
+        else:
+            k = a if geometry.volume[a] < geometry.volume[b] else b
+        if k not in worst or worst[k].depth < overlap.depth:
+            worst[k] = overlap
+    return worst
+
+
+SAME_HEIGHT = 1e-6
+"""Difference of the lowest points of two equally high parts [depths of their overlap]."""
+
+
+def _chosen_parts(assembly: Assembly, chosen: Index, held: list[int]) -> Assembly:
+    """The assembly of some of the parts, of which some are also held."""
+    parts = [assembly.parts[k] for k in chosen.tolist()]
+    names = {part.name for part in parts}
+    still = {assembly.names[k] for k in held}
+    if still:
+        parts = [replace(p, grounded=True) if p.name in still else p for p in parts]
+    inside = {*names, "ground"}
+    return replace(
+        assembly,
+        parts=parts,
+        notes=(),
+        friction_pairs=[e for e in assembly.friction_pairs if names.issuperset(e.parts)],
+        contacts=[e for e in assembly.contacts if names.issuperset(e.parts)],
+        joints=[e for e in assembly.joints if inside.issuperset(e.parts)],
+        bonds=[e for e in assembly.bonds if names.issuperset(e.parts)],
+        straps=[e for e in assembly.straps if inside.issuperset(e.parts)],
+        loads=[e for e in assembly.loads if e.part in names - still],
+    )

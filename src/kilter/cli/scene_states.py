@@ -1,0 +1,42 @@
+"""The command `scene`: the state of each object of a scene."""
+
+from __future__ import annotations
+
+from kilter.cli.asked import Asked
+from kilter.cli.exit_codes import HOLDS, LOWER, SCENE
+from kilter.cli.options import Require, asks
+from kilter.cli.output import Progress
+from kilter.tell.levels import REQUIRE
+
+__all__ = ["scene"]
+
+
+@asks(searches=True)
+def scene(asked: Asked, require: Require = REQUIRE) -> int:
+    """Report for each object of a scene whether it is at rest, floats, overlaps or falls.
+
+    Objects that touch each other form a cluster, and each cluster is judged by itself. Held are the
+    static bodies of the file, the parts of --ground, and the table of --floor.
+
+    Exit code: 0 every object is at rest at the level of --require; 1 some objects float, overlap or
+    fall; 3 some are at rest only at a lower level; 4 some are open.
+    """
+    from kilter.analysis.scene_states.object_states import scene as find
+
+    with Progress(asked.quiet) as progress:
+        assembly, contacts = asked.read(progress)
+        report = find(
+            assembly,
+            contacts=contacts,
+            tolerance=asked.tolerance,
+            require=require,
+            effort=asked.effort,
+            time_limit=asked.time_limit,
+            progress=progress,
+        )
+    asked.tell(report.to_dict())
+    if report.faults:
+        return SCENE["faults"]
+    if any(entry.state == "open" for entry in report):
+        return SCENE["open"]
+    return HOLDS if report.at_rest else LOWER

@@ -1,0 +1,121 @@
+"""The answer of `kilter scene` in words: its sentence, its facts, and a line for each object."""
+
+from __future__ import annotations
+
+from kilter.errors import some
+from kilter.tell.levels import holds
+from kilter.tell.numbers import count, number, plain
+from kilter.tell.shared_facts import Answer, Fact, gravity_phrase
+
+__all__ = ["SCENE_HEAD", "object_cells", "object_words", "scene_facts", "scene_order"]
+__all__ += ["scene_sentence"]
+
+SCENE_HEAD = ("object", "state")
+"""Heads of the table of objects."""
+ORDER = ("falls", "floats", "overlaps", "open", "at-rest", "held")
+"""Order of the states in the table: faults first."""
+GEOMETRY = {
+    "collider": "the colliders",
+    "visual": "the visual shapes (there are no colliders)",
+    "as-drawn": "the shapes of the file",
+}
+"""Words for the geometry of parts."""
+
+
+def object_words(entry: Answer, units: str) -> str:
+    """Return the state of an object in words.
+
+    Examples
+    --------
+    >>> entry = {"state": "floats", "gap": 0.11, "other": "ramekin", "if_held": []}
+    >>> object_words(entry, "m")
+    'floats by 0.11 m above ramekin'
+    """
+    state, other = entry["state"], entry.get("other")
+    size = "" if entry.get("gap") is None else f"{number(abs(entry['gap']), 3)} {units}"
+    name = "" if other is None else plain(other)
+    if state == "at-rest":
+        words = f"at rest, level {entry['level']}"
+    elif state == "floats":
+        words = f"floats by {size} above {name}"
+    elif state == "overlaps":
+        words = f"overlaps {name} by {size}"
+    elif state == "falls":
+        words = f"falls: {entry['motion']}" if entry.get("motion") else "falls"
+    elif state == "open":
+        words = "open"
+        if entry.get("gap") is not None:
+            words = f"open: {size} from {name}, which may touch or not"
+        elif name:
+            words = f"open: its contact with {name} is not determined"
+    else:
+        words = state
+    if entry["if_held"]:
+        words += f" (if {some([plain(other) for other in entry['if_held']], 3)} stays as drawn)"
+    return words
+
+
+def scene_sentence(answer: Answer) -> str:
+    """Return the sentence about a scene.
+
+    Examples
+    --------
+    >>> at_rest = {"state": "at-rest", "level": "proved"}
+    >>> scene_sentence({"objects": [at_rest] * 2, "require": "settles", "level": "proved"})
+    'All 2 free objects are at rest (level proved).'
+    """
+    free = [entry for entry in answer["objects"] if entry["state"] != "held"]
+    if not free:
+        return "Every object is held."
+    counts = {state: sum(entry["state"] == state for entry in free) for state in ORDER}
+    verbs = {"floats": "float", "overlaps": "overlap", "falls": "fall"}
+    faults = [
+        f"{counts[state]} {state if counts[state] == 1 else verb}"
+        for state, verb in verbs.items()
+        if counts[state]
+    ]
+    if counts["open"]:
+        faults.append(f"{counts['open']} {'is' if counts['open'] == 1 else 'are'} open")
+    objects = count(len(free), "free object")
+    if faults:
+        at_rest = f"{counts['at-rest']} of {objects} {_are(counts['at-rest'])} at rest"
+        return f"{at_rest}: {', '.join(faults)}."
+    lower = sum(not holds(entry["level"], answer["require"]) for entry in free)
+    if lower:
+        return (
+            f"All {objects} are at rest, but {lower} only at a lower level than "
+            f"{answer['require']}."
+        )
+    if len(free) == 1:
+        return f"The free object is at rest (level {answer['level']})."
+    return f"All {objects} are at rest (level {answer['level']})."
+
+
+def _are(many: int) -> str:
+    return "is" if many == 1 else "are"
+
+
+def scene_facts(answer: Answer) -> list[Fact]:
+    """Return the lines below the sentence of a scene, each a term and its words."""
+    held = [plain(entry["name"]) for entry in answer["objects"] if entry["state"] == "held"]
+    geometry = [
+        f"{GEOMETRY[kind]} of {count(many, 'part')}" for kind, many in answer["geometry"].items()
+    ]
+    clusters = count(answer["clusters"], "cluster")
+    return [
+        ("held", some(held) or "no part (joints to the ground)"),
+        ("judged", f"{clusters} of touching objects, each by itself"),
+        ("geometry", "; ".join(geometry)),
+        ("gravity", gravity_phrase(answer)),
+        ("friction", number(answer["friction"])),
+    ]
+
+
+def scene_order(objects: list[Answer]) -> list[Answer]:
+    """Return the objects with faults first, each state in the order of the file."""
+    return sorted(objects, key=lambda entry: ORDER.index(entry["state"]))
+
+
+def object_cells(entry: Answer) -> list[str]:
+    """Return the cells of an object: its name and its state in words."""
+    return [str(entry["name"]), str(entry["words"])]

@@ -1,0 +1,292 @@
+"""`kilter.scene`: the state of each object, by closed forms and on both sides of each limit."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import kilter
+from kilter import Assembly, Box, Cylinder, InputError, Joint, Mesh, Part, Pose, Sphere
+from kilter.arrays import Array
+from kilter.cli import main
+from kilter.contact.contact_tolerances import GAP
+
+TABLE = Part("table", Box([10, 10, 1]), [0, 0, -0.5], grounded=True)
+
+
+def rotation_about(axis: list[float], angle: float) -> Array:
+    """Rotation matrix about an axis by an angle [rad]."""
+    turn: Array = Rotation.from_rotvec(angle * np.array(axis) / np.linalg.norm(axis)).as_matrix()
+    return turn
+
+
+def cube(name: str, x: float, z: float, y: float = 0.0) -> Part:
+    """A unit cube whose underside is at height z."""
+    return Part(name, Box([1, 1, 1]), [x, y, z + 0.5])
+
+
+def states(*parts: Part, **options: object) -> dict[str, str]:
+    report = kilter.scene(Assembly([TABLE, *parts]), **options)  # type: ignore[arg-type]
+    return {entry.name: entry.state for entry in report if entry.name != "table"}
+
+
+def test_one_fault_of_each_kind_does_not_hide_the_others() -> None:
+    report = kilter.scene(
+        Assembly(
+            [
+                TABLE,
+                cube("rests", -4, 0),
+                cube("floats", -2, 0.25),
+                cube("sunk", 0, -0.25),
+                cube("below", 2, 0),
+                cube("overhangs", 2.6, 1),
+            ]
+        )
+    )
+    assert report.counts == {
+        "at-rest": 2, "held": 1, "floats": 1, "overlaps": 1, "falls": 1,
+    }  # fmt: skip
+    assert (report["rests"].level, report["below"].if_held) == ("proved", ("overhangs",))
+    floating = report["floats"]
+    assert floating.other == "table"
+    assert floating.gap == pytest.approx(0.25, abs=1e-15)
+    assert floating.move == Pose([-2, 0, 0.5])
+    assert (report["sunk"].gap, report["sunk"].other) == (-0.25, "table")
+    assert "tips" in report["overhangs"].motion
+    assert not report.at_rest
+    assert report.level is None
+
+
+@pytest.mark.parametrize("shift", [1e-5, 1e-4, 1e-3, 1e-2, 1e-1])
+@pytest.mark.parametrize("side", [1, -1])
+def test_each_gap_above_the_tolerance_is_a_fault_of_its_size(shift: float, side: int) -> None:
+    size = 2 * np.sqrt(0.75)  # of the unit cube: the smaller part
+    factor = 1.2 if shift == 1e-5 else 1.0
+    gap = side * factor * shift * size
+    report = kilter.scene(Assembly([TABLE, cube("a", 0, gap), cube("b", 3, 0)]))
+    assert report["a"].state == ("floats" if side > 0 else "overlaps")
+    assert report["a"].gap == pytest.approx(gap, rel=1e-9)
+    assert report["b"].state == "at-rest"
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_gap_within_the_tolerance_is_a_contact(side: int) -> None:
+    assert states(cube("a", 0, side * 0.8 * GAP * 1.7))["a"] == "at-rest"
+
+
+def test_the_objects_of_a_floating_stack_have_the_same_height() -> None:
+    report = kilter.scene(
+        Assembly([TABLE, cube("a", 0, 0.5), cube("b", 0.2, 1.5), cube("c", -0.1, 2.5)])
+    )
+    assert [report[name].gap for name in "abc"] == [0.5] * 3
+    assert {report[name].other for name in "abc"} == {"table"}
+    moved = Assembly([replace(p, pose=report[p.name].move or p.pose) for p in report.assembly])
+    assert kilter.check(moved).verdict == "stable"
+
+
+def test_the_height_is_that_above_the_first_part_below() -> None:
+    report = kilter.scene(Assembly([TABLE, cube("a", 0, 0), cube("b", 0.9, 1.25)]))
+    assert (report["b"].gap, report["b"].other) == (0.25, "a")
+    beside = kilter.scene(Assembly([TABLE, cube("a", 0, 0), cube("b", 1.1, 1.25)]))
+    assert (beside["b"].gap, beside["b"].other) == (1.25, "table")
+
+
+def test_an_object_at_a_wall_that_touches_nothing_below_floats() -> None:
+    wall = Part("wall", Box([1, 10, 10]), [-0.5, 0, 5], grounded=True)
+    report = kilter.scene(Assembly([TABLE, wall, cube("a", 0.5, 0.125)]))
+    assert (report["a"].state, report["a"].gap, report["a"].other) == ("floats", 0.125, "table")
+
+
+def test_nothing_below_is_a_fall() -> None:
+    report = kilter.scene(Assembly([TABLE, cube("a", 20, 3)]))
+    assert (report["a"].state, report["a"].motion) == ("falls", "nothing is below it")
+
+
+@pytest.mark.parametrize(
+    ("shape", "low"),
+    [(Sphere(0.5), 0.5), (Cylinder(0.5, 2.0), 1.0), (Cylinder(0.5, 2.0), 0.5)],
+    ids=["ball", "upright", "lying"],
+)
+@pytest.mark.parametrize("gap", [1e-3, 0.3])
+def test_the_height_of_a_round_object_is_exact(shape: object, low: float, gap: float) -> None:
+    lying = low == 0.5 and isinstance(shape, Cylinder)
+    turn = rotation_about([0.3, 1.0, 0], np.pi / 2) if lying else np.eye(3)
+    pose = Pose.of(turn)
+    part = Part("round", shape, Pose([0.1, 0.2, low + gap], pose.rotation))  # type: ignore[arg-type]
+    report = kilter.scene(Assembly([TABLE, part, cube("b", 3, 0)]))
+    assert report["round"].state == "floats"
+    assert report["round"].gap == pytest.approx(gap, abs=1e-11)
+
+
+def test_the_height_of_a_ball_above_a_ball_is_exact() -> None:
+    """Two unit balls, beside each other by 0.6: they touch at a height of 1.6 of the centres."""
+    low = Part("low", Sphere(1.0), [0, 0, 1.0], grounded=True)
+    high = Part("high", Sphere(1.0), [0.72, 0.96, 1.0 + 1.6 + 0.5])
+    report = kilter.scene(Assembly([TABLE, low, high]))
+    assert report["high"].other == "low"
+    assert report["high"].gap == pytest.approx(0.5, abs=1e-9)
+
+
+def test_an_overlap_of_free_objects_is_reported_once_for_the_upper_one() -> None:
+    report = kilter.scene(Assembly([TABLE, cube("upper", 0.1, 0.9), cube("lower", 0, 0)]))
+    assert (report["upper"].state, report["upper"].other) == ("overlaps", "lower")
+    assert report["upper"].gap == pytest.approx(-0.1, rel=1e-12)
+    assert report["lower"].state == "at-rest"
+
+
+def test_the_same_body_twice_is_reported_once() -> None:
+    found = states(cube("a", 0, 0), cube("b", 0, 0), cube("c", 3, 0))
+    assert sorted(found.values()) == ["at-rest", "at-rest", "overlaps"]
+    assert found["c"] == "at-rest"
+
+
+def test_an_object_on_a_sunk_object_is_at_rest_if_that_stays() -> None:
+    report = kilter.scene(Assembly([TABLE, cube("sunk", 0, -0.01), cube("on it", 0.2, 0.99)]))
+    assert report["sunk"].state == "overlaps"
+    assert (report["on it"].state, report["on it"].if_held) == ("at-rest", ("sunk",))
+    assert "if sunk stays as drawn" in report["on it"].to_dict("m")["words"]
+
+
+@pytest.mark.parametrize(("overhang", "state"), [(0.499, "at-rest"), (0.501, "falls")])
+def test_an_overhang_falls_beyond_a_half(overhang: float, state: str) -> None:
+    assert states(cube("a", 0, 0), cube("b", overhang, 1))["b"] == state
+
+
+@pytest.mark.parametrize(("friction", "state"), [(0.51, "at-rest"), (0.49, "falls")])
+def test_a_box_on_a_slope_of_one_half(friction: float, state: str) -> None:
+    slope = rotation_about([0, 1, 0], np.arctan(0.5))
+    held = Part("slope", Box([10, 10, 1]), Pose.of(slope), grounded=True)
+    box = Part("box", Box([1, 1, 1]), Pose(slope @ [0, 0, 1.0], Pose.of(slope).rotation))
+    report = kilter.scene(Assembly([held, box]), friction=friction)
+    assert report["box"].state == state
+
+
+@pytest.mark.parametrize(
+    ("gap", "state"), [(0.0, "at-rest"), (1e-3, "open"), (1e-1, "falls")], ids=str
+)
+def test_a_near_support_leaves_only_its_object_open(gap: float, state: str) -> None:
+    """A plate that overhangs its block rests on a post, ends a little above it, or falls."""
+    block = Part("block", Box([1, 1, 1]), [0, 0, 0.5], grounded=True)
+    post = Part("post", Box([0.1, 1, 1]), [1.5, 0, 0.5 - gap], grounded=True)
+    plate = Part("plate", Box([3, 1, 0.1]), [0.9, 0, 1.05])
+    report = kilter.scene(Assembly([TABLE, block, post, plate, cube("b", -3, 0)]))
+    assert report["b"].state == "at-rest"
+    assert report["plate"].state == state
+    if state == "open":
+        assert (report["plate"].other, report["plate"].gap) == ("post", pytest.approx(gap))
+
+
+def test_an_object_on_a_joint_belongs_to_the_cluster_of_its_partner() -> None:
+    parts = [TABLE, cube("a", 0, 0), cube("b", 0, 2)]
+    joint = Joint(("a", "b"))
+    report = kilter.scene(Assembly(parts, joints=[joint]))
+    assert report.counts == {"at-rest": 2, "held": 1}
+    assert len(report.verdicts) == 1
+    hung = kilter.scene(Assembly(parts, joints=[Joint(("b", "ground"))]))
+    assert {hung["a"].state, hung["b"].state} == {"at-rest"}
+
+
+@pytest.mark.quick(3)
+@pytest.mark.parametrize("seed", range(30))
+def test_each_state_at_rest_is_a_verdict_with_forces(seed: int) -> None:
+    """Random piles: the states of a scene are the verdicts of `check` on each pile alone."""
+    from kilter.scenes.packings import box_pile
+
+    piles = [box_pile(4, seed=10 * seed + k, cells=3, level=bool(k % 2)) for k in range(4)]
+    whole = piles[0]
+    for k, pile in enumerate(piles[1:], 1):
+        moved = [
+            replace(
+                p,
+                name=f"{k}/{p.name}",
+                pose=Pose(p.pose.position + np.array([40.0 * k, 0, 0]), p.pose.rotation),
+            )
+            for p in pile
+        ]
+        whole = whole.with_parts(moved)
+    report = kilter.scene(whole)
+    for k, pile in enumerate(piles):
+        verdict = kilter.check(pile)
+        prefix = f"{k}/" if k else ""
+        found = {p.name: report[prefix + p.name] for p in pile if not p.grounded}
+        if verdict.level is not None:
+            assert {entry.state for entry in found.values()} == {"at-rest"}
+        else:
+            assert {name for name, entry in found.items() if entry.state != "at-rest"} >= set(
+                verdict.moving
+            )
+            assert verdict.moving
+    holding = [verdict for verdict in report.verdicts if verdict.level is not None]
+    assert all(verdict.certificate is not None for verdict in holding)
+
+
+def test_the_order_of_the_parts_does_not_matter() -> None:
+    parts = [cube(str(k), 1.5 * k - 4, (0, 0.3, -0.2)[k % 3]) for k in range(6)]
+    expected = states(*parts)
+    assert states(*parts[::-1]) == expected
+
+
+def test_nothing_held_is_one_sentence_and_all_held_is_at_rest() -> None:
+    with pytest.raises(InputError, match="nothing is held"):
+        kilter.scene(Assembly([cube("a", 0, 0)]))
+    report = kilter.scene(Assembly([TABLE]))
+    assert report.at_rest
+    assert report.to_dict()["sentence"] == "Every object is held."
+
+
+def test_a_wrong_name_is_an_error_that_names_the_right_one() -> None:
+    report = kilter.scene(Assembly([TABLE, cube("cup", 0, 0)]))
+    with pytest.raises(InputError, match="did you mean 'cup'"):
+        report["cupp"]
+
+
+BALANCED = Part(
+    "cone",
+    Mesh(
+        [[0, 0, 0], [2, 0, 2], [-1, 1.5, 2], [-1, -1.5, 2]],
+        [[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]],
+    ),
+    [-3, 0, 0],
+)
+NEAR_POST = [
+    Part("block", Box([1, 1, 1]), [0, 0, 0.5], grounded=True),
+    Part("post", Box([0.1, 1, 1]), [1.5, 0, 0.499], grounded=True),
+    Part("plate", Box([3, 1, 0.1]), [0.9, 0, 1.05]),
+]
+
+
+@pytest.mark.parametrize(
+    ("parts", "options", "code"),
+    [
+        ([cube("a", 0, 0)], [], 0),
+        ([cube("a", 0, 0.5)], [], 1),
+        ([BALANCED, cube("a", 3, 0)], [], 3),
+        ([*NEAR_POST, cube("a", -3, 0)], [], 4),
+    ],
+    ids=["rest", "fault", "lower", "open"],
+)
+def test_the_exit_code_of_the_command(
+    parts: list[Part],
+    options: list[str],
+    code: int,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    kilter.dump(Assembly([TABLE, *parts]), tmp_path / "s.kilter.json")
+    assert main(["scene", str(tmp_path / "s.kilter.json"), *options]) == code
+    lines = capsys.readouterr().out
+    assert "the shapes of the file" in lines
+    assert "\n  a  " in lines.replace("      ", "  ")
+
+
+def test_every_object_has_a_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    parts = [cube(f"cube {k:02}", 1.2 * (k % 6) - 3, 0, 1.2 * (k // 6) - 3) for k in range(30)]
+    kilter.dump(Assembly([TABLE, *parts]), tmp_path / "s.kilter.json")
+    main(["scene", str(tmp_path / "s.kilter.json")])
+    text = capsys.readouterr().out
+    assert all(f"cube {k:02}" in text for k in range(30))
+    assert text.startswith("All 30 free objects are at rest (level proved).")
