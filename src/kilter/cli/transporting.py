@@ -18,6 +18,7 @@ from kilter.tell.levels import REQUIRE
 
 if TYPE_CHECKING:
     from kilter.analysis.transport.carrier import CarrierMotion
+    from kilter.analysis.transport.carrier_path import CarrierPath
     from kilter.analysis.transport.transport import Transport
     from kilter.assembly import Assembly
 
@@ -98,7 +99,28 @@ def transport(
             metavar="PATH.csv",
             help="How many times as fast may the carrier follow this path? Columns: time, x, y, z "
             "(file units), and optionally qw, qx, qy, qz; or ax, ay, az, ox, oy, oz, alx, aly, "
-            "alz in the frame of the carrier.",
+            "alz in the frame of the carrier; or the joints of --robot.",
+            rich_help_panel=QUESTION,
+            show_default=False,
+        ),
+    ] = None,
+    robot: Annotated[
+        Path | None,
+        Option(
+            "--robot",
+            metavar="ROBOT.urdf",
+            help="The --path has the values of the joints of this robot over time, in columns "
+            "with their names [rad or m].",
+            rich_help_panel=QUESTION,
+            show_default=False,
+        ),
+    ] = None,
+    flange: Annotated[
+        str | None,
+        Option(
+            "--flange",
+            metavar="LINK",
+            help="Link of --robot on which the assembly stands; its frame is that of the file.",
             rich_help_panel=QUESTION,
             show_default=False,
         ),
@@ -154,7 +176,6 @@ def transport(
     Exit code: 0 carried at the level of --require (without a question: always), 1 not carried,
     3 carried at a lower level only, 4 undecided.
     """
-    from kilter.analysis.transport.carrier_path import read_path
     from kilter.analysis.transport.transport import transport as find
 
     if figure is not None:
@@ -168,7 +189,7 @@ def transport(
             turn=None if motion is None else motion(assembly),
             code=code,
             forward=forward,
-            path=None if path is None else read_path(path, units=assembly.units),
+            path=_path(path, robot, flange, assembly.units),
             collapse=collapse,
             fc=fc,
             mu_range=mu_range,
@@ -188,6 +209,27 @@ def transport(
     after = asked.keep_proof(answer.proof if _has_proof(answer) else None, data)
     asked.tell(data, after=after + (f"\nfigure       written to {figure}" if figure else ""))
     return _exit_code(answer)
+
+
+def _path(
+    path: Path | None, robot: Path | None, flange: str | None, units: str
+) -> CarrierPath | None:
+    """Carrier path of the options; None without any."""
+    from kilter.analysis.transport.carrier_path import read_path
+    from kilter.analysis.transport.robot_path import read_robot_path
+
+    if (robot is None) != (flange is None):
+        missing = "--robot" if robot is None else "--flange"
+        raise InputError(f"{missing} is missing", hint="give --path, --robot and --flange together")
+    if path is None:
+        if robot is not None:
+            raise InputError(
+                "--robot has no path", hint="give its joint values over time with --path"
+            )
+        return None
+    if robot is None or flange is None:
+        return read_path(path, units=units)
+    return read_robot_path(path, robot, flange)
 
 
 def _exit_code(answer: Transport) -> int:

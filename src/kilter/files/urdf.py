@@ -13,7 +13,6 @@ ROS, urdf/XML: link, joint. Roll, pitch and yaw are rotations about fixed axes, 
 from __future__ import annotations
 
 from pathlib import Path
-from xml.etree import ElementTree
 
 import numpy as np
 
@@ -25,6 +24,7 @@ from kilter.files.formats import MESHES, read_bodies
 from kilter.files.limits import Tally, named_path
 from kilter.files.one_body import compose, one_body
 from kilter.files.placed import join_meshes, transform_mesh
+from kilter.files.urdf_elements import Element, numbers_of, origin_of, text_of
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere
 
@@ -32,7 +32,6 @@ __all__ = ["read_urdf"]
 
 MOVING = {"revolute": "revolute", "continuous": "revolute", "prismatic": "prismatic"}
 """Kind of `Joint` for each type of URDF joint that moves."""
-Element = ElementTree.Element
 
 
 def read_urdf(root: Element, path: Path, choices: FormatOptions) -> Assembly:
@@ -65,7 +64,7 @@ class _Robot:
 
     def __init__(self, root: Element, path: Path) -> None:
         self.folder = path.parent
-        self.links = {_text(link, "name"): link for link in root.findall("link")}
+        self.links = {text_of(link, "name"): link for link in root.findall("link")}
         if not self.links:
             raise InputError("the robot has no links", hint="give it at least one link")
         self.joints = root.findall("joint")
@@ -103,7 +102,7 @@ class _Robot:
                 self.frames[below] = Pose()
             else:
                 parent = self.frames[self._end(joint, "parent")]
-                self.frames[below] = compose(parent, _origin(joint))
+                self.frames[below] = compose(parent, origin_of(joint))
 
     def assembly(self, *, held: bool, source: str) -> Assembly:
         """The robot as a kilter assembly; `held` states whether its root link is held."""
@@ -130,9 +129,9 @@ class _Robot:
         try:
             shape, inner = one_body(shapes, name, self.notes)
             if inertial is not None:
-                mass = _numbers(inertial.find("mass"), "value", 1, "0")[0] or None
+                mass = numbers_of(inertial.find("mass"), "value", 1, "0")[0] or None
             if mass is not None and inertial is not None:
-                center = (_origin(inertial).position - inner.position) @ inner.matrix
+                center = (origin_of(inertial).position - inner.position) @ inner.matrix
             pose = compose(self.frames[name], inner)
             collides = self.links[name].find("collision") is not None
             return Part(
@@ -181,14 +180,14 @@ class _Robot:
                 hint="use one of fixed, floating, revolute, continuous, prismatic",
             )
         frame = self.frames[self._end(moving[0], "child")]
-        axis = frame.matrix @ _numbers(moving[0].find("axis"), "xyz", 3, "1 0 0")
+        axis = frame.matrix @ numbers_of(moving[0].find("axis"), "xyz", 3, "1 0 0")
         return [Joint((name, above), kind, point=frame.position, axis=axis)]  # type: ignore[arg-type]
 
     def _shapes(self, link: Element) -> list[tuple[Shape, Pose]]:
         """Collision shapes of a link, else its visual shapes, with their poses in its frame."""
         rows = link.findall("collision") or link.findall("visual")
         try:
-            return [(self._shape(row), _origin(row)) for row in rows]
+            return [(self._shape(row), origin_of(row)) for row in rows]
         except InputError as error:
             raise error.located(part=link.get("name")) from None
 
@@ -203,17 +202,17 @@ class _Robot:
                 hint="give a box, cylinder, sphere or mesh",
             )
         if kind == "box":
-            return Box(_numbers(inner, "size", 3))
+            return Box(numbers_of(inner, "size", 3))
         if kind == "mesh":
             return self._mesh(inner)
-        radius = _numbers(inner, "radius", 1)[0]
+        radius = numbers_of(inner, "radius", 1)[0]
         if kind == "sphere":
             return Sphere(radius)
-        return Cylinder(radius, _numbers(inner, "length", 1)[0])
+        return Cylinder(radius, numbers_of(inner, "length", 1)[0])
 
     def _mesh(self, row: Element) -> Mesh:
         """Read the mesh file that a `mesh` element names."""
-        path = self._mesh_path(_text(row, "filename"))
+        path = self._mesh_path(text_of(row, "filename"))
         if path.suffix.lower() not in MESHES:
             raise InputError(
                 f"mesh files of type {path.suffix or '(no ending)'} cannot be read",
@@ -222,7 +221,7 @@ class _Robot:
         bodies = [mesh for mesh, _ in read_bodies(path).in_units("m")]
         mesh = join_meshes([body for body in bodies if isinstance(body, Mesh)])
         self.tally.add(len(mesh.triangles))
-        return transform_mesh(mesh, np.diag([*_numbers(row, "scale", 3, "1 1 1"), 1.0]))
+        return transform_mesh(mesh, np.diag([*numbers_of(row, "scale", 3, "1 1 1"), 1.0]))
 
     def _mesh_path(self, name: str) -> Path:
         """Path of a mesh file; ``package://`` names are looked up in the folders above."""
@@ -234,38 +233,3 @@ class _Robot:
                 if (folder / inner).is_file():
                     return named_path(folder, inner)
         return self.folder / plain
-
-
-def _text(element: Element, key: str) -> str:
-    """The value of a required XML attribute; raises `InputError` without it."""
-    value = element.get(key, "")
-    if not value:
-        raise InputError(f"a {element.tag} has no {key}", hint=f'give {key}="..."')
-    return value
-
-
-def _numbers(element: Element | None, key: str, count: int, default: str = "") -> list[float]:
-    """The `count` numbers in an XML attribute; raises `InputError` if they are invalid."""
-    words = (default if element is None else element.get(key, default)).split()
-    try:
-        values = [float(word) for word in words]
-    except ValueError:
-        values = []
-    if len(values) != count or not np.isfinite(values).all():
-        tag = "element" if element is None else element.tag
-        raise InputError(
-            f"{key} of <{tag}> is {' '.join(words)!r:.60}", hint=f"give {count} numbers"
-        )
-    return values
-
-
-def _origin(element: Element) -> Pose:
-    """The pose in the `origin` element of a URDF element."""
-    origin = element.find("origin")
-    r, p, y = _numbers(origin, "rpy", 3, "0 0 0")
-    cos, sin = np.cos([r, p, y]), np.sin([r, p, y])
-    about_x = np.array([[1, 0, 0], [0, cos[0], -sin[0]], [0, sin[0], cos[0]]])
-    about_y = np.array([[cos[1], 0, sin[1]], [0, 1, 0], [-sin[1], 0, cos[1]]])
-    about_z = np.array([[cos[2], -sin[2], 0], [sin[2], cos[2], 0], [0, 0, 1]])
-    turn = Pose.of(about_z @ about_y @ about_x)
-    return Pose(_numbers(origin, "xyz", 3, "0 0 0"), turn.rotation)

@@ -13,7 +13,7 @@ from kilter.files.objects.mujoco_objects import read_mjcf
 from kilter.files.raw import read_bytes
 from kilter.files.urdf import read_urdf
 
-__all__ = ["load_xml"]
+__all__ = ["load_xml", "xml_root"]
 
 
 def load_xml(path: Path, choices: FormatOptions) -> tuple[Assembly, bool]:
@@ -30,13 +30,8 @@ def load_xml(path: Path, choices: FormatOptions) -> tuple[Assembly, bool]:
     InputError
         If the file is neither MJCF nor URDF, or is damaged; the error names the file.
     """
-    data = read_bytes(path)
+    root = xml_root(path)
     try:
-        try:
-            require_few_entries(data)
-            root = ElementTree.fromstring(data)
-        except (ElementTree.ParseError, ValueError) as error:
-            raise InputError(f"the XML is invalid: {error}", hint="correct the file") from None
         if root.tag == "robot":
             return read_urdf(root, path, choices), True
         if root.tag == "mujoco":
@@ -45,5 +40,25 @@ def load_xml(path: Path, choices: FormatOptions) -> tuple[Assembly, bool]:
             f"the root element is {root.tag!r:.40}",
             hint="MJCF begins with <mujoco>, URDF with <robot>",
         )
+    except InputError as error:
+        raise error.located(file=str(path)) from None
+
+
+def xml_root(path: Path) -> ElementTree.Element:
+    """Root element of an XML file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or is no XML; the error names the file.
+    """
+    data = read_bytes(path)
+    try:
+        require_few_entries(data)
+        return ElementTree.fromstring(data)
+    except (ElementTree.ParseError, ValueError) as error:
+        raise InputError(
+            f"the XML is invalid: {error}", file=str(path), hint="correct the file"
+        ) from None
     except InputError as error:
         raise error.located(file=str(path)) from None

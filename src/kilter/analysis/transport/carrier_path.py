@@ -16,8 +16,6 @@ F. Landis Markley, Attitude interpolation (RotationSpline of scipy).
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,14 +24,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.analysis.transport.carrier import PAIRS
+from kilter.analysis.transport.path_table import columns_of, read_table
 from kilter.arrays import Array
-from kilter.errors import InputError, nearest_name
+from kilter.errors import InputError
 from kilter.mechanics.program import Program
 from kilter.rigid import quaternion_to_matrix
 from kilter.units import metres_per_unit
 from kilter.validate import frozen
 
-__all__ = ["CarrierPath", "path_from_poses", "read_path"]
+__all__ = ["CarrierPath", "path_from_poses", "read_path", "require_samples"]
 
 POSITION, ORIENTATION = ("x", "y", "z"), ("qw", "qx", "qy", "qz")
 ACCELERATION, SPIN, TURN = ("ax", "ay", "az"), ("ox", "oy", "oz"), ("alx", "aly", "alz")
@@ -156,12 +155,7 @@ def path_from_poses(
     from scipy.interpolate import CubicSpline
     from scipy.spatial.transform import Rotation, RotationSpline
 
-    time = np.asarray(time, dtype=np.float64)
-    _require_times(time)
-    if len(time) < LEAST:
-        raise InputError(
-            f"a path of {len(time)} samples has no acceleration", hint=f"give at least {LEAST}"
-        )
+    time = require_samples(time)
     place = np.asarray(position, dtype=np.float64) * metres_per_unit(units)
     spline = CubicSpline(time, place)
     velocity, world = spline(time, 1), spline(time, 2)
@@ -204,29 +198,20 @@ def read_path(file: str | Path, *, units: str = "m") -> CarrierPath:
         If a column is unknown or missing, or a row is not a row of numbers; the message names the
         line.
     """
-    path = Path(file)
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "it is not text"
-        raise InputError(f"the path cannot be read: {reason}", file=str(path)) from None
-    try:
-        return _path_of(_table(text), units)
-    except InputError as error:
-        raise error.located(file=str(path)) from None
+    return read_table(file, COLUMNS, lambda table: _path_of(table, units))
 
 
 def _path_of(table: Mapping[str, Array], units: str) -> CarrierPath:
     """Carrier path of a table, from its accelerations if it has them, else from its poses."""
-    turning = _columns(table, ORIENTATION)
-    along = _columns(table, ACCELERATION)
+    turning = columns_of(table, ORIENTATION)
+    along = columns_of(table, ACCELERATION)
     if along is None:
-        place = _columns(table, POSITION)
+        place = columns_of(table, POSITION)
         if place is None:
             raise InputError(
                 "the path has neither x, y, z nor ax, ay, az", hint="add three of these columns"
             )
-        if any(_columns(table, names) is not None for names in (VELOCITY, SPIN, TURN)):
+        if any(columns_of(table, names) is not None for names in (VELOCITY, SPIN, TURN)):
             raise InputError(
                 "vx, ox or alx come without ax, ay, az",
                 hint="add the accelerations, or remove them",
@@ -239,62 +224,12 @@ def _path_of(table: Mapping[str, Array], units: str) -> CarrierPath:
         [quaternion_to_matrix(_unit_quaternion(q, k)) for k, q in enumerate(turning)]
     )
     none = np.zeros((len(time), 3))
-    spin, turn = _columns(table, SPIN), _columns(table, TURN)
+    spin, turn = columns_of(table, SPIN), columns_of(table, TURN)
     fixed = bool(np.abs(rotation - rotation[0]).max() <= FIXED)
     spin, turn = none if spin is None else spin, none if turn is None else turn
     linear = fixed and not spin.any() and not turn.any()
-    velocity = _columns(table, VELOCITY)
+    velocity = columns_of(table, VELOCITY)
     return CarrierPath(time, rotation, along, spin, turn, np.zeros(3), linear, velocity)
-
-
-def _table(text: str) -> dict[str, Array]:
-    """Columns of a comma-separated table, by name."""
-    rows = [row for row in csv.reader(io.StringIO(text)) if row]
-    if not rows:
-        raise InputError("the path is empty", hint="give a header and a row for each sample")
-    header = [name.strip() for name in rows[0]]
-    for name in header:
-        if name not in COLUMNS:
-            near = nearest_name(name, COLUMNS)
-            raise InputError(
-                f"the path has an unknown column {name!r:.40}",
-                hint=f"did you mean {near}?" if near else f"use {', '.join(COLUMNS)}",
-            )
-    if "time" not in header:
-        raise InputError("the path has no column 'time'", hint="add the time of each sample [s]")
-    numbers = []
-    for line, row in enumerate(rows[1:], start=2):
-        try:
-            values = [float(cell) for cell in row]
-        except ValueError:
-            raise InputError(
-                f"line {line} of the path is not a row of numbers: {','.join(row):.60}",
-                hint="give a number in every column",
-            ) from None
-        if len(values) != len(header) or not np.isfinite(values).all():
-            raise InputError(
-                f"line {line} of the path has {len(values)} finite numbers for {len(header)} "
-                "columns",
-                hint="give a finite number in every column",
-            )
-        numbers.append(values)
-    table = np.array(numbers).reshape(-1, len(header))
-    return {name: table[:, k] for k, name in enumerate(header)}
-
-
-def _columns(table: Mapping[str, Array], names: tuple[str, ...]) -> Array | None:
-    """Columns of a table with the given names, shape (n, k); None if the table has none of them."""
-    there = [name in table for name in names]
-    if not any(there):
-        return None
-    if not all(there):
-        missing = ", ".join(
-            name for name, is_there in zip(names, there, strict=True) if not is_there
-        )
-        raise InputError(
-            f"the path has no column {missing}", hint=f"give all of {', '.join(names)}"
-        )
-    return np.column_stack([table[name] for name in names])
 
 
 def _unit_quaternion(quaternion: Array, row: int) -> Array:
@@ -307,6 +242,23 @@ def _unit_quaternion(quaternion: Array, row: int) -> Array:
         )
     unit: Array = quaternion / size
     return unit
+
+
+def require_samples(time: ArrayLike) -> Array:
+    """Times of the samples of a spline, shape (n,): increasing, and enough for an acceleration.
+
+    Raises
+    ------
+    InputError
+        If the times do not increase, or there are fewer than three.
+    """
+    seconds = np.asarray(time, dtype=np.float64)
+    _require_times(seconds)
+    if len(seconds) < LEAST:
+        raise InputError(
+            f"a path of {len(seconds)} samples has no acceleration", hint=f"give at least {LEAST}"
+        )
+    return seconds
 
 
 def _require_times(time: Array) -> None:
