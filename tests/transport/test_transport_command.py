@@ -46,6 +46,28 @@ def test_answers_and_exit_codes(
     assert sentence in capsys.readouterr().out
 
 
+def test_the_data_state_each_limit_its_first_parts_and_the_weakest_direction(
+    stack: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Two unit cubes, mu 0.6: the tower of height 2 and width 1 tips at g / 2."""
+    assert main(["transport", stack, "--json"]) == 0
+    limits = json.loads(capsys.readouterr().out)["limits"]
+    assert [limit["name"] for limit in limits] == ["+x", "-x", "+y", "-y", "+z", "-z", "least"]
+    assert [limit["least"] for limit in limits] == [False] * 6 + [True]
+    for limit in (*limits[:4], limits[6]):
+        assert limit["acceleration"] == pytest.approx(9.81 / 2, rel=1e-6)
+        assert limit["acceleration"] <= limit["upper"] * (1 + 1e-12)
+        assert limit["moves"]
+        assert limit["how"].startswith("tips")
+    assert limits[4]["acceleration"] is None  # upward, weight grows
+    assert limits[5]["acceleration"] == pytest.approx(9.81, rel=1e-6)  # it falls freely
+    for acceleration, carried in (("4.9", True), ("4.91", False)):
+        main(["transport", stack, "--accelerate", acceleration, "0", "0", "--json"])
+        case = json.loads(capsys.readouterr().out)["cases"][0]
+        assert case["carried"] is carried
+        assert case["acceleration"] == [float(acceleration), 0.0, 0.0]
+
+
 @pytest.mark.quick(3)
 @pytest.mark.parametrize(
     ("words", "message"),

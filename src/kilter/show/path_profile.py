@@ -42,7 +42,7 @@ def draw_path_profile(answer: Mapping[str, Any]) -> Figure:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    path = answer["path"]
+    path = answer["speed"]
     time, least = np.array(path["times"]), path["factor"]
     top = HIGHEST * max(least, 1.0)
     bounds = np.array([top if value is None else value for value in path["factors"]])
@@ -50,7 +50,7 @@ def draw_path_profile(answer: Mapping[str, Any]) -> Figure:
     axes = figure.add_axes((0.09, 0.24, 0.88, 0.58))
     axes.set(xlim=(time[0], time[-1]), ylim=(0.0, min(top, 1.1 * float(bounds.max()))))
     axes.grid(color=GRID, linewidth=0.8)
-    low = path["factor_least"]
+    low = path["slowest"]
     axes.axhspan(low, least, color=FILL, alpha=0.45, linewidth=0)
     axes.plot(time, bounds, color=EDGE, linewidth=1.6)
     axes.axhline(1.0, color=INK, linewidth=1.0, linestyle=(0, (4, 3)))

@@ -9,6 +9,7 @@ import numpy as np
 
 from kilter.show.canvas import INK, PAPER, legend, new_figure, title
 from kilter.tell.palette import ROLES
+from kilter.tell.transport_facts import least_limit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -59,7 +60,7 @@ def draw_polar(answer: Mapping[str, Any]) -> Figure:
     entries: list[tuple[Any, str]] = [
         (Patch(facecolor=FILL, edgecolor=EDGE), "carried: forces that hold it exist")
     ]
-    least = answer["least"]
+    least = least_limit(answer)
     if least is not None and least["g"] is not None:
         end = np.array(polar["axes"]) @ np.array(least["direction"]) * least["g"]
         axes.annotate(

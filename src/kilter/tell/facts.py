@@ -42,7 +42,7 @@ KIND_OF_KEY = {
     "rotation": "orient",
     "facets": "region",
     "tilt_deg": "margin",
-    "accelerations": "transport",
+    "alpha": "transport",
     "histogram": "contacts",
     "walls": "check-plan",
     "heaviest": "place",

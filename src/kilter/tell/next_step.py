@@ -93,7 +93,7 @@ def next_step(answer: Answer, name: str, *, bricks: bool = False) -> NextStep | 
     if kind == "transport":
         if answer["verdict"] == "unstable":
             return HOLD
-        return None if answer["cases"] or answer["path"] else CARRIED
+        return None if answer["cases"] or answer["speed"] else CARRIED
     if kind == "margin":
         return NextStep(("report", "-o", f"{name}.html"), "writes all answers to an offline page")
     if kind == "plan":

@@ -26,11 +26,11 @@ def transport_sentence(answer: Answer) -> str:
     """Return the sentence about an assembly on a moving carrier (`kilter transport`)."""
     if answer["cases"]:
         return _case_sentence(answer)
-    if answer["path"] is not None or "path" in answer["missing"]:
+    if answer["speed"] is not None or "path" in answer["missing"]:
         return _path_sentence(answer)
     if answer["verdict"] == "unstable":
         return "It falls at rest already, so it carries no acceleration."
-    least = answer["least"]
+    least = least_limit(answer)
     if least is None:
         why = UNKNOWN[answer["missing"].get("least", "failed")]
         return f"The least horizontal acceleration is {why}."
@@ -38,11 +38,16 @@ def transport_sentence(answer: Answer) -> str:
     if least["g"] is None:
         return f"{opened} carries every horizontal acceleration up to 100 g."
     verb = "holds by proof" if answer["level"] == "proved" else "can hold"
-    size = f"{number(least['g'])} g ({number(least['m_s2'])} m/s^2)"
+    size = f"{number(least['g'])} g ({number(least['upper'])} m/s^2)"
     return (
         f"{opened} {verb} under every horizontal acceleration of its carrier up to {size}; the "
         f"weakest direction is {_axis(least['direction'])}."
     )
+
+
+def least_limit(answer: Answer) -> Answer | None:
+    """Return the limit of the weakest horizontal direction; None if it is not known."""
+    return next((limit for limit in answer["limits"] if limit["least"]), None)
 
 
 def transport_facts(answer: Answer) -> list[Fact]:
@@ -51,21 +56,22 @@ def transport_facts(answer: Answer) -> list[Fact]:
     if answer["mu_range"] is not None:
         low, high = (number(end) for end in answer["mu_range"])
         facts.append(("worst case", f"friction of {low} to {high} times each mu; limits at {low}"))
-    first = answer["least"]
+    first = least_limit(answer)
     if first is not None and first["motion"]:
         facts.append(("first", motions(first["motion"])))
-    for limit in answer["accelerations"]:
-        facts.append((limit["name"], _limit(limit)))
+    for limit in answer["limits"]:
+        if not limit["least"]:
+            facts.append((limit["name"], _limit(limit)))
     for entry in answer["alpha"]:
         facts.append((f"alpha0 {entry['name']}", _collapse(entry, answer["fc"])))
     for name, why in answer["missing"].items():
         facts.append((name, UNKNOWN[why]))
     for case in answer["cases"]:
         facts.append((case["name"], _case(case)))
-    path = answer["path"]
+    path = answer["speed"]
     if path is not None:
         facts += _path(path)
-    if answer["accelerations"] and answer["level"] == "equilibrium":
+    if answer["limits"] and answer["level"] == "equilibrium":
         facts.append(("level", "forces that hold it exist up to each limit, and none beyond it"))
     return facts
 
@@ -87,7 +93,7 @@ def _limit(limit: Answer) -> str:
     """Return the largest safe acceleration along an axis, in words."""
     if limit["g"] is None:
         return "unlimited (100 g were tried)"
-    words = f"{number(limit['g'])} g ({number(limit['m_s2'])} m/s^2)"
+    words = f"{number(limit['g'])} g ({number(limit['upper'])} m/s^2)"
     return f"{words}; then {motions(limit['motion'])}" if limit["motion"] else words
 
 
@@ -142,7 +148,7 @@ def _case_sentence(answer: Answer) -> str:
 
 def _path_sentence(answer: Answer) -> str:
     """Return by which factor the speed along a path may change, in words."""
-    path = answer["path"]
+    path = answer["speed"]
     if path is None:
         why = answer["missing"]["path"]
         if why == "none":
@@ -164,11 +170,11 @@ def _path(path: Answer) -> list[Fact]:
     facts = [("samples", f"{path['samples']} in {number(path['duration'])} s")]
     if path["moves"]:
         facts.append(("first", f"{some([plain(name) for name in path['moves']])} moves"))
-    if path["factor_least"] > 0:
+    if path["slowest"] > 0:
         facts.append(
             (
                 "least",
-                f"{number(path['factor_least'])} times as fast; if slower, a part slides down",
+                f"{number(path['slowest'])} times as fast; if slower, a part slides down",
             )
         )
     return facts

@@ -391,6 +391,5 @@ def _walled(
 def _carried(whole: Assembly, contacts: ContactSet) -> tuple[tuple[str, float | None], ...]:
     """Largest accelerations of the finished pile by direction [g]; None without a limit."""
     data = transport(whole, contacts=contacts, polar=False).to_dict()
-    found = [(limit["name"], limit["g"]) for limit in data["accelerations"][:4]]
-    least = data["least"]
-    return (*found, *([("least", least["g"])] if least is not None else []))
+    found = [limit for limit in data["limits"] if limit["name"][1:] != "z"]
+    return tuple((limit["name"], limit["g"]) for limit in found)

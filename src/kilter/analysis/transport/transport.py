@@ -13,7 +13,7 @@ the levels of check.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
@@ -100,13 +100,17 @@ class DirectionLimit:
 
     def to_dict(self, program: Program) -> DirectionLimitData:
         """The largest acceleration along the direction as JSON data."""
+        motion = first_motions(program, self.limit)
         return {
             "name": self.name,
             "direction": self.direction.tolist(),
+            "acceleration": finite(self.lower * program.g),
+            "upper": finite(self.value * program.g),
             "g": finite(self.value),
-            "g_lower": finite(self.lower),
-            "m_s2": finite(self.value * program.g),
-            "motion": first_motions(program, self.limit),
+            "moves": [first["part"] for first in motion],
+            "how": motion[0]["words"] if motion else "",
+            "least": self.name == "least",
+            "motion": motion,
             "limit": self.limit.to_dict(program),
         }
 
@@ -130,13 +134,14 @@ class CarriedCase:
     verdict: Verdict
     factor: Limit | None
 
-    def to_dict(self, program: Program) -> CaseData:
-        """The decision on a carrier motion as JSON data."""
+    def to_dict(self, program: Program, require: str) -> CaseData:
+        """The decision on a carrier motion, at a required level, as JSON data."""
         size = float(np.linalg.norm(np.asarray(self.motion.acceleration)))
         return {
             "name": self.name,
             **self.motion.to_dict(),
             "g": size / program.g,
+            "carried": carried_at((self.verdict,), require),
             "verdict": self.verdict.verdict,
             "level": self.verdict.level,
             "guarantee": self.verdict.guarantee,
@@ -218,12 +223,7 @@ class Transport(Answer):
             return self.path.factor >= 1.0 >= self.path.slowest
         if not self.cases:
             return None
-        levels = [case.verdict.level for case in self.cases]
-        if any(case.verdict.verdict == "unstable" for case in self.cases):
-            return False
-        if any(case.verdict.verdict == "undecided" for case in self.cases):
-            return None
-        return all(holds(level, self.require) for level in levels)
+        return carried_at([case.verdict for case in self.cases], self.require)
 
     @property
     def level(self) -> str | None:
@@ -251,14 +251,16 @@ class Transport(Answer):
             "joints": joints_answer(self.assembly),
             "open_pairs": open_pairs_answer(self.assembly, self.contacts),
             "exact": not self.contacts.open_pairs,
-            "accelerations": [limit.to_dict(program) for limit in self.limits],
-            "least": None if self.least is None else self.least.to_dict(program),
+            "limits": [
+                limit.to_dict(program)
+                for limit in (*self.limits, *([] if self.least is None else [self.least]))
+            ],
             "polar": None if self.polar is None else _polar_answer(self.polar),
             "alpha": [entry.to_dict(program, self.fc or 1.0) for entry in self.collapse],
             "fc": self.fc,
             "code": self.code,
-            "cases": [case.to_dict(program) for case in self.cases],
-            "path": None if self.path is None else self.path.to_dict(program),
+            "cases": [case.to_dict(program, self.require) for case in self.cases],
+            "speed": None if self.path is None else self.path.to_dict(program),
             "missing": dict(self.missing),
             "warnings": list(self.warnings),
             "seconds": self.seconds,
@@ -631,6 +633,16 @@ def _polar_answer(polar: Slice) -> PolarData:
         "reach": polar.reach.tolist(),
         "gap": finite(polar.gap),
     }
+
+
+def carried_at(verdicts: Sequence[Verdict], require: str) -> bool | None:
+    """Whether all verdicts reach the required level; None if one is undecided and none falls."""
+    words = {verdict.verdict for verdict in verdicts}
+    if "unstable" in words:
+        return False
+    if "undecided" in words:
+        return None
+    return all(holds(verdict.level, require) for verdict in verdicts)
 
 
 def first_motions(program: Program, limit: Limit) -> list[FirstMotionData]:

@@ -35,9 +35,14 @@ class DirectionLimitData(TypedDict):
 
     name: str
     direction: Vector
-    g: Annotated[float | None, Field(description="[g]; null: unlimited")]
-    g_lower: Annotated[float | None, Field(description="acceleration proved to be carried [g]")]
-    m_s2: Annotated[float | None, Field(description="[m/s^2]")]
+    acceleration: Annotated[
+        float | None, Field(description="largest carried [m/s^2]; null: unlimited")
+    ]
+    upper: Annotated[float | None, Field(description="proved not to be carried beyond [m/s^2]")]
+    g: Annotated[float | None, Field(description="upper, in units of g; null: unlimited")]
+    moves: Annotated[list[str], Field(description="parts that move first, the fastest first")]
+    how: Annotated[str, Field(description="how the first of them moves, in words")]
+    least: Annotated[bool, Field(description="whether it is the weakest horizontal direction")]
     motion: list[FirstMotionData]
     limit: LimitData
 
@@ -56,6 +61,7 @@ class CaseData(CarrierMotionData):
 
     name: str
     g: Annotated[float, Field(description="size of the acceleration [g]")]
+    carried: Annotated[bool | None, Field(description="at the required level; null: undecided")]
     verdict: Word
     level: LevelWord | None
     guarantee: Guarantee
@@ -102,8 +108,8 @@ class PathData(TypedDict):
     samples: int
     duration: Annotated[float, Field(description="[s]")]
     factor: Annotated[float | None, Field(description="largest speed factor [-]")]
-    factor_lower: float | None
-    factor_least: float
+    lower: Annotated[float | None, Field(description="factor proved to be carried [-]")]
+    slowest: Annotated[float, Field(description="factor below which a part slides [-]")]
     time: Annotated[float | None, Field(description="time of the first motion [s]")]
     between_samples: bool
     moves: list[str]
@@ -129,14 +135,16 @@ class TransportData(TypedDict):
     joints: list[JointData]
     open_pairs: list[OpenPairData]
     exact: bool
-    accelerations: list[DirectionLimitData]
-    least: DirectionLimitData | None
+    limits: Annotated[
+        list[DirectionLimitData],
+        Field(description="along +x -x +y -y +z -z; then the weakest horizontal direction"),
+    ]
     polar: PolarData | None
     alpha: list[CollapseData]
     fc: Annotated[float | None, Field(description="confidence factor FC [-]")]
     code: str | None
     cases: list[CaseData]
-    path: PathData | None
+    speed: Annotated[PathData | None, Field(description="of a path")]
     missing: dict[str, Reason]
     warnings: list[str]
     seconds: Seconds
