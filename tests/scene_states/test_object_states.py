@@ -290,3 +290,15 @@ def test_every_object_has_a_line(tmp_path: Path, capsys: pytest.CaptureFixture[s
     text = capsys.readouterr().out
     assert all(f"cube {k:02}" in text for k in range(30))
     assert text.startswith("All 30 free objects are at rest (level proved).")
+
+
+def test_the_page_shows_what_the_command_prints(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = Path(__file__).resolve().parents[2] / "docs" / "scene.md"
+    text = page.read_text(encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    exec(text.split("```python\n")[1].split("```")[0], {})
+    capsys.readouterr()
+    main(["scene", "kitchen.kilter.json"])
+    assert capsys.readouterr().out == text.split("```text\n")[1].split("```")[0]

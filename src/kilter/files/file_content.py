@@ -22,6 +22,7 @@ from kilter.files.packing_lists import CSV, is_packing_plan, load_plan, plan_of_
 from kilter.files.raw import read_bounded, read_bytes
 from kilter.files.stable_lego import from_stable_lego, is_stable_lego
 from kilter.files.strict_json import parse_json
+from kilter.files.usd.usd_stage import USD
 
 __all__ = ["ENDINGS", "FileContent", "read_json", "read_path"]
 
@@ -30,7 +31,7 @@ XML = (".xml", ".mjcf", ".urdf")
 STANDARD_INPUT = "-"
 STANDARD_INPUT_NAME = "standard input"
 """Name of standard input in messages."""
-ENDINGS = (".json", *FORMATS, *XML, *LDRAW_FILES, *BRICK_TEXT, *CSV)
+ENDINGS = (".json", *FORMATS, *XML, *USD, *LDRAW_FILES, *BRICK_TEXT, *CSV)
 """Endings of the files that can be read (lower case)."""
 
 
@@ -71,6 +72,11 @@ def read_path(
         from kilter.files.xml_scenes import load_xml
 
         return FileContent(*load_xml(path, options))
+    if suffix in USD:
+        # imported late: other files do not need these modules
+        from kilter.files.usd.usd_assembly import read_usd
+
+        return FileContent(read_usd(path, options), states_gravity=True)
     if suffix in LDRAW_FILES:
         return FileContent(load_ldraw(path, rules=options.studs), states_gravity=True)
     if suffix in BRICK_TEXT:

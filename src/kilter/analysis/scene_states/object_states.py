@@ -31,12 +31,11 @@ from kilter.analysis.check import CUT, check
 from kilter.analysis.planning.order.sweeps import Sweeps
 from kilter.analysis.scene_states.falling_distance import falling_distance
 from kilter.analysis.scene_states.scene_graph import SceneGraph
-from kilter.analysis.scene_states.scene_report import SceneObject, SceneReport
+from kilter.analysis.scene_states.scene_report import ObjectState, SceneObject, SceneReport
 from kilter.analysis.verdict.remarks import remarks
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array, Index
 from kilter.assembly import Assembly
-from kilter.assembly.lowest import lowest_heights
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.left_out import SAME_BODY, Overlap
@@ -278,9 +277,11 @@ class _Survey:
             elif fall is None:
                 self.states[k] = SceneObject(name, "falls", motion="nothing is below it")
             else:
-                other = parts[fall.other].name
-                if fall.distance <= self._touching_gap(fall.part, fall.other):
-                    self.states[k] = SceneObject(name, "open", None, fall.distance, other)
+                other, touching = parts[fall.other].name, self._touching_gap(fall.part, fall.other)
+                if fall.distance <= touching:
+                    # a round part that is sunk by less than its triangles show has no contact
+                    state: ObjectState = "overlaps" if fall.distance < -touching else "open"
+                    self.states[k] = SceneObject(name, state, None, fall.distance, other)
                     continue
                 moved = Pose(pose.position + fall.distance * self.down, pose.rotation)
                 self.states[k] = SceneObject(
@@ -351,7 +352,7 @@ def _worst_overlaps(assembly: Assembly, contacts: ContactSet) -> dict[int, Overl
     if not overlaps:
         return worst
     geometry = assembly.geometry
-    low = lowest_heights(geometry, -assembly.down)
+    low = np.minimum.reduceat(-geometry.vertices @ assembly.down, geometry.vertex_start[:-1])
     for overlap in overlaps:
         a, b = overlap.parts
         if geometry.grounded[a] or geometry.grounded[b]:

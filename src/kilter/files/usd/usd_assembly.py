@@ -1,0 +1,152 @@
+"""Read USD scenes: rigid bodies as free parts, static colliders and kinematic bodies as held parts.
+
+Units, up axis, gravity, masses and friction materials are those of the stage. An object has the
+geometry of its colliders, or of its visual shapes without colliders. An infinite plane is a table.
+The stage is read at its default time.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from kilter.assembly import Assembly, Part
+from kilter.errors import InputError
+from kilter.files.format_options import FormatOptions
+from kilter.files.limits import Tally
+from kilter.files.one_body import compose, one_body
+from kilter.files.usd.usd_objects import UsdObject, find_objects
+from kilter.files.usd.usd_physics import (
+    find_joints,
+    friction_of_parts,
+    mass_of_object,
+    static_friction,
+)
+from kilter.files.usd.usd_shapes import AXES, rigid_part, shape_of_prim
+from kilter.files.usd.usd_stage import UsdScene, open_stage
+from kilter.rigid import Pose
+from kilter.shape.primitives import Box, Mesh, Shape, surface
+
+__all__ = ["read_usd"]
+
+SPACIOUS = 4.0
+"""Margin of the table for an infinite plane around the parts [sizes of all parts]."""
+
+
+def read_usd(path: Path, choices: FormatOptions) -> Assembly:
+    """Read a USD file as an assembly.
+
+    Raises
+    ------
+    InputError
+        If usd-core is not installed, the file is damaged or has no shapes, or a shape is of a kind
+        that kilter does not have; the error names the file and the object.
+    """
+    try:
+        scene = open_stage(path)
+        return _assembly(scene, path, choices)
+    except InputError as error:
+        raise error.located(file=str(path)) from None
+
+
+def _assembly(scene: UsdScene, path: Path, choices: FormatOptions) -> Assembly:
+    """Build the assembly of an open stage."""
+    if choices.units not in (None, scene.units):
+        raise InputError(
+            f"the stage is in {scene.units}, but the units given are {choices.units}",
+            hint="leave the units out",
+        )
+    objects, decoration = find_objects(scene.stage)
+    if not objects:
+        raise InputError(
+            "; ".join(
+                [
+                    "the stage is empty: it has no visible mesh, cube, sphere or cylinder",
+                    *scene.notes,
+                ]
+            ),
+            hint="check its references and the visibility of its prims",
+        )
+    notes = list(scene.notes)
+    if decoration:
+        notes.append(f"shapes outside of rigid bodies and without a collider: {decoration} ignored")
+    tally = Tally()
+    parts = [_part(scene, entry, notes, tally) for entry in objects if not _is_plane(entry)]
+    own = [static_friction(entry) for entry in objects if not _is_plane(entry)]
+    for entry in objects:
+        if _is_plane(entry):
+            parts.append(_table(scene, entry, parts))
+            own.append(static_friction(entry))
+    friction, pairs = friction_of_parts(parts, own)
+    bodies = {entry.path: entry for entry in objects if entry.instance < 0}
+    return Assembly(
+        parts,
+        units=scene.units,
+        gravity=scene.gravity,
+        friction=friction,
+        friction_pairs=pairs,
+        joints=find_joints(scene, bodies, notes),
+        source=str(path),
+        notes=notes,
+    )
+
+
+def _is_plane(entry: UsdObject) -> bool:
+    """Whether an object is an infinite plane."""
+    return all(shape.prim.GetTypeName() == "Plane" for shape in entry.chosen)
+
+
+def _part(scene: UsdScene, entry: UsdObject, notes: list[str], tally: Tally) -> Part:
+    """The part of an object."""
+    try:
+        frame = _scaled(entry.matrix, scene.scale)
+        pose = rigid_part(frame)
+        inverse = np.eye(4)
+        inverse[:3, :3] = pose.matrix.T
+        inverse[:3, 3] = -pose.matrix.T @ pose.position
+        shapes: list[tuple[Shape, Pose]] = []
+        for each in entry.chosen:
+            # a shape keeps its own numbers; lengths of the stage become those of the assembly
+            matrix = inverse @ _scaled(each.matrix, scene.scale)
+            shapes.append(shape_of_prim(each.prim, matrix, entry.name, notes))
+            shape = shapes[-1][0]
+            tally.add(len(shape.triangles) if isinstance(shape, Mesh) else 1)
+        shape, inner = one_body(shapes, entry.name, notes)
+        placed = compose(pose, inner)
+        stated = mass_of_object(scene, entry, placed)
+        return Part(
+            entry.name, shape, placed, grounded=entry.held, geometry=entry.geometry, **stated
+        )
+    except InputError as error:
+        raise error.located(part=entry.name) from None
+
+
+def _scaled(matrix: Any, scale: float) -> Any:
+    """A transform to the world of the stage as one to the world of the assembly."""
+    return np.diag([scale, scale, scale, 1.0]) @ matrix
+
+
+def _table(scene: UsdScene, entry: UsdObject, parts: list[Part]) -> Part:
+    """A held table for a plane, large enough for all parts."""
+    from pxr import UsdGeom
+
+    shape = entry.chosen[0]
+    pose = rigid_part(_scaled(shape.matrix, scene.scale))
+    axis = str(UsdGeom.Plane(shape.prim).GetAxisAttr().Get())
+    upright = compose(pose, Pose.of(AXES[axis]))
+    points = [part.pose.apply(surface(part.shape)[0]) for part in parts]
+    corners = np.vstack(points) if points else np.zeros((1, 3))
+    size = float(np.ptp(corners, axis=0).max()) or 1.0
+    half = np.abs((corners - upright.position) @ upright.matrix)[:, :2].max(axis=0)
+    box = Box([*(2 * (half + SPACIOUS * size)), size])
+    return Part(
+        entry.name,
+        box,
+        compose(upright, Pose([0, 0, -size / 2])),
+        grounded=True,
+        density=1000.0,
+        table=True,
+        geometry=entry.geometry,
+    )

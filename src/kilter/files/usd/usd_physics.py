@@ -1,0 +1,240 @@
+"""Physics of USD objects: mass, friction and joints, by the schemas of UsdPhysics.
+
+The mass of an object is that of its body, else its density times volume, else that of its shapes,
+else the density of its material. USD does not state how the friction of two materials combines. The
+coefficient of a pair is here the mean of the static coefficients, as in PhysX without a combine
+mode. A pair with a single material has its coefficient. Drives and limits of joints are ignored.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import shapely
+
+from kilter.arrays import Index
+from kilter.assembly import Part
+from kilter.assembly.interactions import FrictionPair, Joint
+from kilter.assembly.part import GROUND
+from kilter.files.usd.usd_objects import UsdObject, matrix_of
+from kilter.files.usd.usd_shapes import AXES, rigid_part
+from kilter.files.usd.usd_stage import UsdScene
+from kilter.rigid import Pose
+from kilter.shape.primitives import surface
+
+__all__ = ["find_joints", "friction_of_parts", "mass_of_object", "static_friction"]
+
+REACH = 1.0
+"""Distance of two parts up to which their friction is read [sizes of the smaller box]."""
+KINDS = {
+    "PhysicsFixedJoint": "fixed",
+    "PhysicsRevoluteJoint": "revolute",
+    "PhysicsPrismaticJoint": "prismatic",
+    "PhysicsSphericalJoint": "spherical",
+}
+"""Kind of `Joint` for each type of joint in USD."""
+
+
+def mass_of_object(scene: UsdScene, entry: UsdObject, pose: Pose) -> dict[str, Any]:
+    """Mass, density and centre of mass that the stage states for an object, as fields of a part.
+
+    Parameters
+    ----------
+    scene : UsdScene
+    entry : UsdObject
+    pose : Pose
+        Frame of the part [length unit].
+    """
+    from pxr import UsdPhysics
+
+    per_volume = scene.kilograms / scene.metres**3
+    stated: dict[str, Any] = {}
+    owners = [entry.body] if entry.body is not None else []
+    for prim in owners:
+        if not prim.HasAPI(UsdPhysics.MassAPI):
+            continue
+        values = UsdPhysics.MassAPI(prim)
+        mass, density = values.GetMassAttr().Get(), values.GetDensityAttr().Get()
+        if mass:
+            stated["mass"] = float(mass) * scene.kilograms
+        elif density:
+            stated["density"] = float(density) * per_volume
+        center = np.array(values.GetCenterOfMassAttr().Get(), dtype=np.float64)
+        if np.isfinite(center).all():
+            place = entry.matrix @ np.append(center, 1.0)
+            world = place[:3] * scene.scale
+            stated["center_of_mass"] = pose.matrix.T @ (world - pose.position)
+    if "mass" in stated or "density" in stated:
+        return stated
+    masses = [_own_mass(shape.prim) for shape in entry.chosen]
+    if all(masses):
+        return {**stated, "mass": sum(masses) * scene.kilograms}
+    material = _material(entry.chosen[0].prim)
+    density = None if material is None else material.GetDensityAttr().Get()
+    if density:
+        stated["density"] = float(density) * per_volume
+    return stated
+
+
+def _own_mass(prim: Any) -> float:
+    """Mass that a shape states, in the unit of the stage; 0 without any."""
+    from pxr import UsdPhysics
+
+    if not prim.HasAPI(UsdPhysics.MassAPI):
+        return 0.0
+    return float(UsdPhysics.MassAPI(prim).GetMassAttr().Get() or 0.0)
+
+
+def _material(prim: Any) -> Any:
+    """The physics material that is bound to a shape; None without any."""
+    from pxr import UsdPhysics, UsdShade
+
+    found, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("physics")
+    if not found or not found.GetPrim().HasAPI(UsdPhysics.MaterialAPI):
+        return None
+    return UsdPhysics.MaterialAPI(found.GetPrim())
+
+
+def static_friction(entry: UsdObject) -> float | None:
+    """Least static friction coefficient of the shapes of an object [-]; None without a material.
+
+    The dynamic coefficient replaces a static coefficient that is not stated.
+    """
+    found = []
+    for shape in entry.chosen:
+        material = _material(shape.prim)
+        if material is not None:
+            static, dynamic = material.GetStaticFrictionAttr(), material.GetDynamicFrictionAttr()
+            chosen = static if static.HasAuthoredValue() else dynamic
+            found.append(float(chosen.Get() or 0.0))
+    return min(found) if found else None
+
+
+def friction_of_parts(
+    parts: Sequence[Part], own: Sequence[float | None]
+) -> tuple[float, list[FrictionPair]]:
+    """The most frequent friction coefficient, and the near pairs with another coefficient.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+    own : sequence of float or None
+        Static friction coefficient of each part [-].
+    """
+    value = np.array([math.nan if mu is None else mu for mu in own])
+    if np.isnan(value).all():
+        return 0.0, []
+    if not np.isnan(value).any() and np.ptp(value) == 0.0:
+        return float(value[0]), []
+    first, second = _near_pairs(parts).T
+    free = np.array([not part.grounded for part in parts])
+    counts = free[first] | free[second]
+    first, second = first[counts], second[counts]
+    a, b = value[first], value[second]
+    mu = np.where(np.isnan(a), b, np.where(np.isnan(b), a, (a + b) / 2))
+    known = ~np.isnan(mu)
+    first, second, mu = first[known], second[known], mu[known]
+    bare = not known.all()  # pairs without any material have the friction of the assembly
+    usual = 0.0 if bare or not len(mu) else Counter(mu.tolist()).most_common(1)[0][0]
+    return usual, [
+        FrictionPair((parts[i].name, parts[k].name), mu)
+        for i, k, mu in zip(first.tolist(), second.tolist(), mu.tolist(), strict=True)
+        if mu != usual
+    ]
+
+
+def _near_pairs(parts: Sequence[Part]) -> Index:
+    """Pairs of parts whose boxes are nearer than `REACH` sizes of the smaller box, (n, 2)."""
+    corners = [part.pose.apply(surface(part.shape)[0]) for part in parts]
+    low = np.array([points.min(axis=0) for points in corners])
+    high = np.array([points.max(axis=0) for points in corners])
+    reach = REACH * np.linalg.norm(high - low, axis=1)
+    flat = shapely.box(*low[:, :2].T, *high[:, :2].T)
+    wide = shapely.box(*(low[:, :2] - reach[:, None]).T, *(high[:, :2] + reach[:, None]).T)
+    a, b = shapely.STRtree(flat).query(wide, predicate="intersects")
+    near = (a != b) & (reach[a] <= reach[b])
+    a, b = a[near], b[near]
+    near = (low[a, 2] - reach[a] <= high[b, 2]) & (high[a, 2] + reach[a] >= low[b, 2])
+    pairs: Index = np.unique(np.sort(np.column_stack([a[near], b[near]]), axis=1), axis=0)
+    return pairs
+
+
+def find_joints(scene: UsdScene, objects: Mapping[str, UsdObject], notes: list[str]) -> list[Joint]:
+    """Joints of the stage between its objects.
+
+    Parameters
+    ----------
+    scene : UsdScene
+    objects : mapping from str to UsdObject
+        Objects by the path of their prim.
+    notes : list of str
+        A note is appended for joints of other kinds.
+    """
+    from pxr import UsdPhysics
+
+    joints, ignored = [], 0
+    for prim in scene.stage.Traverse():
+        if not prim.IsA(UsdPhysics.Joint):
+            continue
+        entry = UsdPhysics.Joint(prim)
+        if entry.GetJointEnabledAttr().Get() is False:
+            continue
+        kind = KINDS.get(str(prim.GetTypeName()))
+        targets = [list(rel.GetTargets()) for rel in (entry.GetBody0Rel(), entry.GetBody1Rel())]
+        ends = [_owner(str(found[0]), objects) if found else None for found in targets]
+        names = [GROUND if end is None else end.name for end in ends]
+        if kind is None or names[0] == names[1]:
+            ignored += 1
+            continue
+        joints.append(_joint(scene, prim, entry, kind, names, targets))
+    moving = sum(joint.kind != "fixed" for joint in joints)
+    if moving:
+        notes.append(f"{moving} joints are free to move: drives and limits are ignored")
+    if ignored:
+        notes.append(f"ignored joints: {ignored}")
+    return joints
+
+
+def _owner(path: str, objects: Mapping[str, UsdObject]) -> UsdObject | None:
+    """The object to which a prim belongs: that of its path, or of a path above it."""
+    while path:
+        if path in objects:
+            return objects[path]
+        path = path.rpartition("/")[0]
+    return None
+
+
+def _joint(
+    scene: UsdScene,
+    prim: Any,
+    entry: Any,
+    kind: str,
+    names: list[str],
+    targets: list[list[Any]],
+) -> Joint:
+    """A joint, with its point and axis from its frame on the first body that it names."""
+    from pxr import Usd, UsdGeom
+
+    side = 0 if targets[0] else 1
+    place = (entry.GetLocalPos0Attr, entry.GetLocalPos1Attr)[side]().Get()
+    turn = (entry.GetLocalRot0Attr, entry.GetLocalRot1Attr)[side]().Get()
+    body = scene.stage.GetPrimAtPath(targets[side][0])
+    matrix = matrix_of(UsdGeom.XformCache(Usd.TimeCode.Default()).GetLocalToWorldTransform(body))
+    point = (matrix @ np.append(np.array(place, dtype=np.float64), 1.0))[:3] * scene.scale
+    local = Pose([0, 0, 0], [turn.GetReal(), *turn.GetImaginary()])
+    token = "Z"
+    if kind in ("revolute", "prismatic"):
+        token = str(prim.GetAttribute("physics:axis").Get() or "X")
+    axis = rigid_part(matrix).matrix @ local.matrix @ AXES[token][:, 2]
+    first, second = names
+    if kind == "fixed":
+        return Joint((first, second))
+    if kind == "prismatic":
+        return Joint((first, second), "prismatic", axis=axis)
+    if kind == "spherical":
+        return Joint((first, second), "spherical", point=point)
+    return Joint((first, second), "revolute", point=point, axis=axis)
