@@ -3,11 +3,12 @@
     python benchmarks/straps_census.py          200 random lashed loads
     python benchmarks/straps_census.py 20 --first 500
     python benchmarks/straps_census.py --direct   straps with a capacity (direct lashing)
+    python benchmarks/straps_census.py --loops    also around corners of several boxes
 
 Each load is a row or a stack of boxes under one to three straps with friction at their corners, in
-an inclined gravity (`tests/scenes/lashings.py`). With `--direct`, up to eight straps with a
-capacity hold them, and tensioned straps in some loads. `find_bond_factor` computes the least common
-share of the tension and capacity of all straps. A linear program written for this comparison
+an inclined gravity (`tests/scenes/lashings.py`). With `--direct` or `--loops`, up to eight straps
+with a capacity hold them, and tensioned straps in some loads. `find_bond_factor` computes the least
+common share of the tension and capacity of all straps. A linear program written for this comparison
 (`strap_program.py`) gives a bound on each side: friction in pyramids inside and around Coulomb's
 cones. `kilter.check` must hold with `NEAR` more of the tension than the share and must not hold
 with `NEAR` less. Exit code 1 if there is a contradiction.
@@ -77,12 +78,15 @@ def main() -> int:
     parser.add_argument("count", type=int, nargs="?", default=200)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--direct", action="store_true", help="straps with a capacity")
+    parser.add_argument("--loops", action="store_true", help="and around several corners")
     given = parser.parse_args()
     kinds: collections.Counter[str] = collections.Counter()
     contradictions = 0
     started = time.process_time()
     for seed in range(given.first, given.first + given.count):
-        kind, wrong = judge_lashing((random_direct if given.direct else random_lashing)(seed))
+        direct = given.direct or given.loops
+        load = random_direct(seed, loops=given.loops) if direct else random_lashing(seed)
+        kind, wrong = judge_lashing(load)
         kinds[kind] += 1
         contradictions += len(wrong)
         for reason in wrong:

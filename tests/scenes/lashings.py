@@ -113,10 +113,12 @@ def direct(angle: float, capacity: float, *, braking: float = 0.6) -> kilter.Ass
     )
 
 
-def random_direct(seed: int) -> kilter.Assembly:
+def random_direct(seed: int, *, loops: bool = False) -> kilter.Assembly:
     """Two to four boxes with two to eight straps of known capacity, and perhaps a tensioned strap.
 
-    The straps run from upper corners to the deck. Straps that pass through a box are left out.
+    The straps run from upper corners to the deck. With `loops`, half of them run on along an upper
+    edge to another box or to the next corner, and back to the deck. Straps that pass through a box
+    are left out.
     """
     rng = np.random.default_rng([383838, seed])
     base = random_lashing(seed)
@@ -132,7 +134,16 @@ def random_direct(seed: int) -> kilter.Assembly:
         out = np.where(sign > 0, high[1:, :2].max(axis=0), low[1:, :2].min(axis=0))
         foot = [*(out + sign * rng.uniform(0.2, 2.0, 2)), 0.0]
         capacity = float(10 ** rng.uniform(2.0, 4.5))
-        strap = kilter.Strap([("ground", foot), (name, [*corner, high[k, 2]])], capacity=capacity)
+        path = [("ground", foot), (name, [*corner, high[k, 2]])]
+        if loops and rng.random() < 0.5:
+            other = str(rng.choice(names))
+            j = base.index_of(other)
+            far = np.where(sign[1] > 0, low[j, 1], high[j, 1])
+            x = np.where(sign[0] > 0, high[j, 0], low[j, 0])
+            end = np.where(sign[1] > 0, low[1:, 1].min(), high[1:, 1].max())
+            foot = [float(foot[0]), float(end - sign[1] * rng.uniform(0.2, 2.0)), 0.0]
+            path += [(other, [x, far, high[j, 2]]), ("ground", foot)]
+        strap = kilter.Strap(path, capacity=capacity)
         try:
             strap_wrenches(kilter.Assembly(base.parts, straps=[strap]))
         except kilter.InputError:  # another box is in its way

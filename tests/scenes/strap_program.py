@@ -7,6 +7,7 @@ which gives an upper bound of the share, or in a pyramid around it, which gives 
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -38,10 +39,13 @@ def strap_forces(strap: kilter.Strap) -> list[tuple[str, np.ndarray, np.ndarray]
 
 
 def unit_pull(strap: kilter.Strap) -> list[tuple[str, np.ndarray, np.ndarray]]:
-    """Part, point and force at both ends of a strap of two points that pulls with 1 N."""
-    (first, a), (last, b) = [(name, np.asarray(p, float)) for name, p in strap.to_dict()["path"]]
-    along = (b - a) / math.dist(a, b)
-    return [(first, a, along), (last, b, -along)]
+    """Part, point and force at the ends of each piece of a strap that pulls with 1 N."""
+    path = [(name, np.asarray(p, float)) for name, p in strap.to_dict()["path"]]
+    forces = []
+    for (first, a), (last, b) in itertools.pairwise(path):
+        along = (b - a) / math.dist(a, b)
+        forces += [(first, a, along), (last, b, -along)]
+    return forces
 
 
 def least_share(assembly: kilter.Assembly, *, around: bool, sides: int = 48) -> float:

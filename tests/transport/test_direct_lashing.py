@@ -8,10 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lashings import direct
+from lashings import direct, random_direct
+from strap_program import least_share
 
 import kilter
 from kilter import InputError, Strap
+from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
 from kilter.analysis.transport.carrier_path import CarrierPath
 from kilter.cli import main
@@ -110,8 +112,7 @@ def test_transport_and_paths_know_the_capacity() -> None:
         ({"capacity": 9, "tension": 9}, "both of tension and capacity"),
         ({"capacity": 9, "mu": 0.2}, "capacity, and friction"),
         ({"capacity": 9, "tensioned": "first"}, "capacity, and friction or a tensioned end"),
-        ({"capacity": 9, "path": [("ground", [-1, 0, 0]), ("box", [0, 0, 1]),
-                                  ("ground", [1, 0, 0])]}, "2 pieces"),
+        ({"capacity": 9, "path": [("box", [-1, 0, 0]), ("box", [0, 0, 1])]}, "connects no two"),
     ],
 )  # fmt: skip
 def test_wrong_straps_are_refused_in_a_sentence(more: dict[str, object], message: str) -> None:
@@ -128,3 +129,89 @@ def test_a_file_keeps_the_capacity(tmp_path: Path, capsys: pytest.CaptureFixture
     assert main(["check", str(file)]) == 0
     assert main(["region", str(file)]) == 2
     assert "region does not support straps" in capsys.readouterr().err
+
+
+def sling(capacity: float) -> kilter.Assembly:
+    """A box of 1 t in a sling of two pieces at 45 degrees."""
+    path = [("ground", [-1, 0, 2]), ("box", [0, 0, 1]), ("ground", [1, 0, 2])]
+    return dataclasses.replace(hung(1.0), straps=[Strap(path, capacity=capacity)])
+
+
+def test_a_sling_of_two_pieces() -> None:
+    """2 T sin 45 deg = m g."""
+    least = WEIGHT / np.sqrt(2)
+    for share, held in ((0.999, False), (1.001, True)):
+        verdict = kilter.check(sling(share * least))
+        assert verdict.level == ("proved" if held else None)
+        assert kilter.verify(sling(share * least), verdict.proof()).holds
+    proof = kilter.check(sling(1.2 * least)).proof()
+    assert proof["pulls"] == pytest.approx([least], rel=1e-7)  # a single pull for both pieces
+
+
+@pytest.mark.parametrize(("heavier", "held"), [(1.0, True), (1.001, False), (0.999, False)])
+def test_boxes_over_a_fixed_ring_balance_only_with_equal_masses(heavier: float, held: bool) -> None:
+    """The pull is the same on both sides of the ring, whatever the capacity."""
+    parts = [
+        block("deck", [-9, -9, -9], [9, 9, -8], grounded=True),
+        block("left", [-2, -0.5, 0], [-1, 0.5, 1], mass=1000),
+        block("right", [1, -0.5, 0], [2, 0.5, 1], mass=1000 * heavier),
+    ]
+    path = [("left", [-1.5, 0, 1]), ("ground", [-1.5, 0, 4]), ("ground", [1.5, 0, 4]),
+            ("right", [1.5, 0, 1])]  # fmt: skip
+    load = kilter.Assembly(parts, straps=[Strap(path, capacity=1e5)])
+    verdict = kilter.check(load, require="equilibrium")
+    assert (verdict.level is not None) == held
+    assert kilter.verify(load, verdict.proof()).holds
+
+
+def looped(capacity: float, *, braking: float = 0.8, friction: float = 0.3) -> kilter.Assembly:
+    """A box of 1 t with a loop around its front at the height of its centre."""
+    corners = [("box", [0.5, -0.5, 0.4]), ("box", [0.5, 0.5, 0.4])]
+    ends = [("ground", [-1.5, -1.0, 0.4]), ("ground", [-1.5, 1.0, 0.4])]
+    return kilter.Assembly(
+        [
+            block("deck", [-9, -9, -1], [9, 9, 0], grounded=True),
+            block("box", [-0.5, -0.5, 0], [0.5, 0.5, 0.8], mass=1000),
+        ],
+        friction=friction,
+        straps=[Strap([ends[0], *corners, ends[1]], capacity=capacity)],
+        gravity=[9.81 * braking, 0, -9.81],
+    )
+
+
+def test_a_loop_around_the_front_of_a_box() -> None:
+    """2 T cos(beta) = (c - mu) m g, with the angle beta from the pieces to the forward axis."""
+    least = (0.8 - 0.3) * WEIGHT / (2 * 2 / np.hypot(2, 0.5))
+    for share, held in ((0.999, False), (1.001, True)):
+        load = looped(share * least)
+        verdict = kilter.check(load, require="equilibrium")
+        assert (verdict.level is not None) == held
+        assert kilter.verify(load, verdict.proof()).holds
+    assert kilter.margin(looped(least)).bond.value == pytest.approx(1.0, abs=2e-6)
+
+
+def test_damaged_pulls_of_a_loop_are_found() -> None:
+    load = looped(5000.0)
+    proof = kilter.check(load, require="equilibrium").proof()
+    assert len(proof["pulls"]) == 1
+    damaged = {**proof, "pulls": [proof["pulls"][0] * 1.1]}
+    damaged["digest"] = digest_of(damaged)
+    assert not kilter.verify(load, damaged).holds
+
+
+@pytest.mark.quick(2)
+@pytest.mark.parametrize("seed", range(12))
+def test_loops_agree_with_an_independent_program(seed: int) -> None:
+    """The needed share of the capacities is between those with pyramids around and inside cones."""
+    load = random_direct(seed, loops=True)
+    if not load.straps:
+        return
+    touching = contacts(load)
+    factor = find_bond_factor(build_program(load, touching), touching)
+    inside, around = least_share(load, around=False), least_share(load, around=True)
+    if not isinstance(factor, BondFactor):
+        assert factor.why == "none"
+        assert np.isinf(inside)
+        return
+    rounding = 1e-6 * max(1.0, factor.value)
+    assert around - rounding <= factor.value <= inside + rounding

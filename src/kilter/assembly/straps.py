@@ -10,7 +10,9 @@ At corners with friction mu the strap slips over the corner while it is tensione
 by exp(-mu angle) at each corner, from the tensioned end on; the angle is that between the pieces.
 
 A strap with a capacity LC instead (direct lashing) pulls only if its load moves away: its pull is
-unknown, between 0 and LC. It has one piece between two parts (`kilter.mechanics.rows`).
+unknown, between 0 and LC. Its corners have no friction, so all its pieces have the same pull
+(`kilter.mechanics.rows`). With friction, the pull would fall at a corner in one of two directions,
+depending on the side to which the strap slips, which is unknown.
 """
 
 from __future__ import annotations
@@ -56,8 +58,8 @@ class Strap(Value):
     ------
     InputError
         If the path has fewer than two points or two equal neighbours, tension or capacity is not
-        above 0 or not given alone, or a strap with a capacity has friction or several pieces
-        between different parts.
+        above 0 or not given alone, or a strap with a capacity has friction or no piece between
+        different parts.
 
     Examples
     --------
@@ -115,17 +117,16 @@ class Strap(Value):
             self._require_direct()
 
     def _require_direct(self) -> None:
-        """Reject friction, and more than one piece between two parts, of a strap with capacity."""
+        """Reject friction of a strap with a capacity, and a strap that connects no two parts."""
         if self.mu or self.tensioned is not None:
             raise InputError(
                 f"the strap over {some(self)} has a capacity, and friction or a tensioned end",
                 hint="leave out mu and tensioned, or give its tension",
             )
-        if len(self.pulling) != 1:
+        if not self.pulling:
             raise InputError(
-                f"the strap over {some(self)} has a capacity and {len(self.pulling)} pieces "
-                "between different parts",
-                hint="give one strap for each piece that pulls, or give its tension",
+                f"the strap over {some(self)} has a capacity and connects no two parts",
+                hint="add a point on the ground or on another part",
             )
 
     @property

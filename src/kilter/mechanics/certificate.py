@@ -157,12 +157,13 @@ def balanced_parts(
 def _clip_to_cones(program: Program, forces: Array, friction: Array | None) -> tuple[Array, Array]:
     """Move forces into their cones: one-sided rows push, friction is at most mu f_n + cohesion.
 
-    The pull of a strap is at most its capacity.
+    The pull of a strap is at most its capacity, and equal in all of its pieces.
 
     Returns both, shapes (K,) and (K, 3); values that are not finite become 0.
     """
     forces = np.where(np.isfinite(forces), forces, 0.0)
     forces = np.where(program.two_sided, forces, np.clip(forces, 0.0, program.capacity))
+    forces = program.equal_pulls(forces)
     clipped = np.zeros((len(forces), 3))
     rough = program.gripping
     if friction is not None and len(rough):

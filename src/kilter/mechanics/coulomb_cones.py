@@ -110,6 +110,28 @@ class ConeProblem:
         matrix = csc_array((data, (rows, index)), shape=(len(index), total))
         return matrix, len(half_lines) + len(bounded), np.full(rough, size)
 
+    def balance(self, *columns: Array | csc_array) -> tuple[csc_array, int]:
+        """Rows of the equations of a conic program, and the number of equal pulls among them.
+
+        First the balance of the parts, with further columns beside the forces: arrays of shape
+        (freedoms,), or matrices. Then a row for each further piece of a strap: its pull equals that
+        of the first piece. The right-hand sides of these last rows are 0.
+        """
+        first, strap = self.program.bounded_straps
+        pieces = self.program.bounded
+        later = pieces != first[strap]
+        count = int(later.sum())
+        more = [csc_array(c[:, None] if c.ndim == 1 else c) for c in columns]
+        rows = hstack([self.problem.matrix, *more], format="csc")
+        if not count:
+            return rows, 0
+        entries = (
+            np.repeat([1.0, -1.0], count),
+            (np.tile(np.arange(count), 2), np.append(pieces[later], first[strap][later])),
+        )
+        equal = csc_array(entries, shape=(count, rows.shape[1]))
+        return vstack([rows, equal], format="csc"), count
+
     @property
     def heads(self) -> Array:
         """Constant term of each cone constraint: the limit of a bond or of a strap, else 0."""
@@ -151,17 +173,15 @@ def load_factor_in_cones(cones: ConeProblem) -> ConicProgram:
     problem = cones.problem
     total = problem.matrix.shape[1]
     cone_matrix, positive, sizes = cones.cone_rows()
-    balance = hstack([problem.matrix, csc_array(-problem.right[:, None])])
+    balance, _ = cones.balance(-problem.right)
     bounds = csc_array((np.array([-1.0, 1.0]), ([0, 1], [total, total])), shape=(2, total + 1))
     conic = hstack([-cone_matrix, csc_array(-cones.heads[:, None])])
     matrix = vstack([balance, bounds, conic], format="csc")
-    bound = np.concatenate(
-        [np.zeros(len(problem.right)), [0.0, 1.0], np.zeros(cone_matrix.shape[0])]
-    )
+    bound = np.concatenate([np.zeros(balance.shape[0]), [0.0, 1.0], np.zeros(cone_matrix.shape[0])])
     cost = np.zeros(total + 1)
     cost[-1] = -1.0
     no_quadratic = csc_array((total + 1, total + 1))
-    return ConicProgram(no_quadratic, cost, matrix, bound, len(problem.right), positive + 2, sizes)
+    return ConicProgram(no_quadratic, cost, matrix, bound, balance.shape[0], positive + 2, sizes)
 
 
 def largest_load(cones: ConeProblem, wrench: Array, most: float) -> ConicProgram:
@@ -184,15 +204,15 @@ def largest_load(cones: ConeProblem, wrench: Array, most: float) -> ConicProgram
     total = problem.matrix.shape[1]
     cone_matrix, positive, sizes = cones.cone_rows()
     along = problem.scaled_load(wrench)
-    balance = hstack([problem.matrix, csc_array(-along[:, None])])
+    balance, equal = cones.balance(-along)
     upper_bound = csc_array((np.array([1.0]), ([0], [total])), shape=(1, total + 1))
     conic = hstack([-cone_matrix, csc_array((cone_matrix.shape[0], 1))])
     matrix = vstack([balance, upper_bound, conic], format="csc")
-    bound = np.concatenate([problem.right, [most], cones.heads])
+    bound = np.concatenate([problem.right, np.zeros(equal), [most], cones.heads])
     cost = np.zeros(total + 1)
     cost[-1] = -1.0
     no_quadratic = csc_array((total + 1, total + 1))
-    return ConicProgram(no_quadratic, cost, matrix, bound, len(problem.right), positive + 1, sizes)
+    return ConicProgram(no_quadratic, cost, matrix, bound, balance.shape[0], positive + 1, sizes)
 
 
 def nearest_load(cones: ConeProblem, wrenches: Array, start: Array) -> ConicProgram:
@@ -211,15 +231,14 @@ def nearest_load(cones: ConeProblem, wrenches: Array, start: Array) -> ConicProg
     problem = cones.problem
     total, count = problem.matrix.shape[1], len(start)
     cone_matrix, positive, sizes = cones.cone_rows()
-    columns = np.column_stack([problem.scaled_load(wrench) for wrench in wrenches])
-    balance = hstack([problem.matrix, csc_array(-columns)])
+    balance, _ = cones.balance(*[-problem.scaled_load(wrench) for wrench in wrenches])
     conic = hstack([-cone_matrix, csc_array((cone_matrix.shape[0], count))])
     matrix = vstack([balance, conic], format="csc")
     diagonal = np.concatenate([np.zeros(total), np.ones(count)])
     cost = np.concatenate([np.zeros(total), -start])
-    bound = np.concatenate([np.zeros(len(problem.right)), cones.heads])
+    bound = np.concatenate([np.zeros(balance.shape[0]), cones.heads])
     quadratic = csc_array(diags_array(diagonal))
-    return ConicProgram(quadratic, cost, matrix, bound, len(problem.right), positive, sizes)
+    return ConicProgram(quadratic, cost, matrix, bound, balance.shape[0], positive, sizes)
 
 
 def least_forces(cones: ConeProblem) -> ConicProgram:
@@ -231,13 +250,14 @@ def least_forces(cones: ConeProblem) -> ConicProgram:
     problem = cones.problem
     total = problem.matrix.shape[1]
     cone_matrix, positive, sizes = cones.cone_rows()
-    matrix = vstack([problem.matrix, -cone_matrix], format="csc")
-    bound = np.concatenate([problem.right, cones.heads])
+    balance, equal = cones.balance()
+    matrix = vstack([balance, -cone_matrix], format="csc")
+    bound = np.concatenate([problem.right, np.zeros(equal), cones.heads])
     cost = np.zeros(total)
     cost[: len(cones.program.pull)] = -cones.program.pull / problem.unit
     return ConicProgram(
         csc_array(eye_array(total)), cost, matrix, bound,
-        len(problem.right), positive, sizes,
+        balance.shape[0], positive, sizes,
     )  # fmt: skip
 
 
@@ -252,14 +272,14 @@ def least_strength(cones: ConeProblem, unit: float) -> ConicProgram:
     total = problem.matrix.shape[1]
     cone_matrix, positive, sizes = cones.cone_rows()
     clamp = problem.scaled_load(program.clamp)
-    balance = hstack([problem.matrix, csc_array(-unit * clamp[:, None])])
+    balance, equal = cones.balance(-unit * clamp)
     lower_bound = csc_array((np.array([-1.0]), ([0], [total])), shape=(1, total + 1))
     conic = hstack([-cone_matrix, csc_array(-unit * cones.heads[:, None])])
     matrix = vstack([balance, lower_bound, conic], format="csc")
-    bound = np.concatenate([problem.right - clamp, np.zeros(1 + cone_matrix.shape[0])])
+    bound = np.concatenate([problem.right - clamp, np.zeros(equal + 1 + cone_matrix.shape[0])])
     cost = np.append(np.zeros(total), 1.0)
     no_quadratic = csc_array((total + 1, total + 1))
-    return ConicProgram(no_quadratic, cost, matrix, bound, len(problem.right), positive + 1, sizes)
+    return ConicProgram(no_quadratic, cost, matrix, bound, balance.shape[0], positive + 1, sizes)
 
 
 def least_cohesion(cones: ConeProblem) -> ConicProgram:
@@ -276,14 +296,14 @@ def least_cohesion(cones: ConeProblem) -> ConicProgram:
     lighter = np.minimum(weight[program.part_a[rough]], weight[program.part_b[rough]])
     cohesion_heads = np.zeros(cone_matrix.shape[0])
     cohesion_heads[_cone_heads(positive, sizes)] = -lighter / problem.unit
-    balance = hstack([problem.matrix, csc_array((len(problem.right), 1))])
+    balance, equal = cones.balance(np.zeros(len(problem.right)))
     lower_bound = csc_array((np.array([-1.0]), ([0], [total])), shape=(1, total + 1))
     conic = hstack([-cone_matrix, csc_array(cohesion_heads[:, None])])
     matrix = vstack([balance, lower_bound, conic], format="csc")
-    bound = np.concatenate([problem.right, [1.0], cones.heads])
+    bound = np.concatenate([problem.right, np.zeros(equal), [1.0], cones.heads])
     cost = np.append(np.zeros(total), 1.0)
     no_quadratic = csc_array((total + 1, total + 1))
-    return ConicProgram(no_quadratic, cost, matrix, bound, len(problem.right), positive + 1, sizes)
+    return ConicProgram(no_quadratic, cost, matrix, bound, balance.shape[0], positive + 1, sizes)
 
 
 def cohesion_slope(cones: ConeProblem, answer: Solution) -> float:

@@ -221,8 +221,27 @@ class Program:
 
     @property
     def bounded(self) -> Index:
-        """Indices of the rows whose force is at most a capacity: straps, shape (S,)."""
+        """Indices of the rows whose force is at most a capacity: pieces of straps, shape (S,)."""
         return np.flatnonzero(np.isfinite(self.capacity))
+
+    @property
+    def bounded_straps(self) -> tuple[Index, Index]:
+        """First row of each strap with a capacity, (n,), and the strap of each bounded row, (S,).
+
+        The pieces of a strap have the same pull, since its corners have no friction.
+        """
+        rows = self.bounded
+        _, first, strap = np.unique(self.source[rows], return_index=True, return_inverse=True)
+        return rows[first], strap
+
+    def equal_pulls(self, forces: Array) -> Array:
+        """Copy of row forces, shape (K,), with the mean pull in every piece of a strap."""
+        first, strap = self.bounded_straps
+        equal = forces.copy()
+        if len(first) < len(strap):
+            mean = np.bincount(strap, forces[self.bounded]) / np.bincount(strap)
+            equal[self.bounded] = mean[strap]
+        return equal
 
     @property
     def has_limits(self) -> bool:
@@ -300,8 +319,9 @@ class Program:
         slips = np.linalg.norm(self.slips(motion, rows), axis=1)
         taken = float(self.cohesion[rows] @ slips)
         if len(self.bounded):
-            lengthening = np.maximum(-self.velocities(motion)[self.bounded], 0.0)
-            taken += float(self.capacity[self.bounded] @ lengthening)
+            first, strap = self.bounded_straps
+            lengthening = np.bincount(strap, -self.velocities(motion)[self.bounded])
+            taken += float(self.capacity[first] @ np.maximum(lengthening, 0.0))
         return float((self.load * motion).sum()) - taken
 
     def wrenches(self, forces: Array, friction: Array | None = None) -> Array:

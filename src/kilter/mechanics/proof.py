@@ -24,7 +24,7 @@ from kilter.mechanics.joints import joint_wrench, reference_point
 from kilter.mechanics.law_check import LawProof
 from kilter.mechanics.program import Program
 from kilter.mechanics.proof_form import FORMAT
-from kilter.mechanics.rows import BONDED, CONTACT, JOINT, STRAP
+from kilter.mechanics.rows import BONDED, CONTACT, JOINT
 
 __all__ = [
     "Evidence",
@@ -148,7 +148,7 @@ def make_proof(
         proof["straps"] = [strap.to_dict() for strap in assembly.straps]
     if isinstance(certificate, ForceProof):
         proof["forces"] = _contact_forces(program, certificate)
-        pulls = certificate.forces[program.kind == STRAP]
+        pulls = certificate.forces[program.bounded_straps[0]]
         if len(pulls):
             proof["pulls"] = pulls.tolist()
         proof["certificate"] = {"kind": "forces", "residual": certificate.residual}

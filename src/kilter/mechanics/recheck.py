@@ -28,7 +28,7 @@ from kilter.mechanics.proof import (
     open_pairs_of,
     rows_of,
 )
-from kilter.mechanics.rows import BONDED, CONTACT, JOINT, STRAP
+from kilter.mechanics.rows import BONDED, CONTACT, JOINT
 
 __all__ = ["RecheckResult", "recheck"]
 
@@ -228,10 +228,10 @@ def _given_forces(
     if len(joints) != int((program.kind == JOINT).sum()):
         return forces, friction, ["the proof does not have a force for each row of a joint"]
     forces[np.flatnonzero(program.kind == JOINT)] = joints
-    straps = np.flatnonzero(program.kind == STRAP)
+    straps, strap = program.bounded_straps
     if len(pulls) != len(straps):
         return forces, friction, ["the proof does not have a pull for each strap with a capacity"]
-    forces[straps] = pulls
+    forces[program.bounded] = np.asarray(pulls, dtype=float)[strap]
     capacity = program.capacity[straps]
     if (forces[straps] < -AGREES * capacity).any():
         return forces, friction, ["a strap pushes"]

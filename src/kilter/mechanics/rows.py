@@ -232,23 +232,23 @@ def joint_rows(assembly: Assembly, geometry: Geometry) -> ForceRows:
 
 
 def strap_rows(assembly: Assembly, geometry: Geometry) -> ForceRows:
-    """Rows of the straps with a capacity that pull on a free part.
+    """Rows of the straps with a capacity: one for each straight piece that pulls on a free part.
 
     The force on part b is along its normal, towards part a: the pull of the strap. The opening of
-    the row is therefore the rate at which the strap shortens.
+    the row is therefore the rate at which the piece shortens. All pieces of a strap have the same
+    pull (`Program.bounded_straps`).
     """
     blocks = []
     for number, strap in enumerate(assembly.straps):
-        if strap.capacity is None:
-            continue
-        (piece,) = strap.pulling
-        ends = [-1 if n == GROUND else assembly.index_of(n) for n in strap.parts[piece : piece + 2]]
-        if not any(k >= 0 and not geometry.grounded[k] for k in ends):
-            continue
-        first, last = strap.points[piece], strap.points[piece + 1]
-        rows = _frictionless_rows(
-            STRAP, np.array(ends[:1]), np.array(ends[1:]), last[None], unit(first - last)[None],
-            np.zeros(1, dtype=bool), np.array([number]),
-        )  # fmt: skip
-        blocks.append(replace(rows, capacity=np.array([strap.capacity])))
+        for piece in strap.pulling if strap.capacity is not None else []:
+            names = strap.parts[piece : piece + 2]
+            ends = [-1 if name == GROUND else assembly.index_of(name) for name in names]
+            if not any(k >= 0 and not geometry.grounded[k] for k in ends):
+                continue
+            first, last = strap.points[piece], strap.points[piece + 1]
+            rows = _frictionless_rows(
+                STRAP, np.array(ends[:1]), np.array(ends[1:]), last[None],
+                unit(first - last)[None], np.zeros(1, dtype=bool), np.array([number]),
+            )  # fmt: skip
+            blocks.append(replace(rows, capacity=np.array([strap.capacity])))
     return ForceRows.join(blocks)

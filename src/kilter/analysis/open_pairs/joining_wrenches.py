@@ -68,7 +68,7 @@ def _least_wrenches(wide: ConeProblem, ends: Index) -> ConicProgram:
     cone_matrix, positive, sizes = wide.cone_rows()
     size = total + 7 * count
     wrenches = _wrench_columns(wide, ends)
-    balance = hstack([problem.matrix, wrenches, csc_array((wrenches.shape[0], count))])
+    balance, equal = wide.balance(wrenches, csc_array((wrenches.shape[0], count)))
     conic = hstack([-cone_matrix, csc_array((cone_matrix.shape[0], 7 * count))])
     # the cone of pair p: its norm, then its wrench
     norms = total + 6 * count + np.arange(count)[:, None]
@@ -76,12 +76,12 @@ def _least_wrenches(wide: ConeProblem, ends: Index) -> ConicProgram:
     rows = np.arange(7 * count)
     norm_rows = csc_array((np.full(7 * count, -1.0), (rows, column)), shape=(7 * count, size))
     matrix = vstack([balance, conic, norm_rows], format="csc")
-    bound = np.concatenate([problem.right, wide.heads, np.zeros(7 * count)])
+    bound = np.concatenate([problem.right, np.zeros(equal), wide.heads, np.zeros(7 * count)])
     cost = np.zeros(size)
     cost[total + 6 * count :] = 1.0 + np.arange(count) / count
     cones = np.concatenate([sizes, np.full(count, 7, dtype=sizes.dtype)])
     no_quadratic = csc_array((size, size))
-    return ConicProgram(no_quadratic, cost, matrix, bound, len(problem.right), positive, cones)
+    return ConicProgram(no_quadratic, cost, matrix, bound, balance.shape[0], positive, cones)
 
 
 def _wrench_columns(wide: ConeProblem, ends: Index) -> csc_array:

@@ -143,15 +143,14 @@ class ShiftedLoad:
         problem = cones.problem
         total = problem.matrix.shape[1]
         cone_matrix, positive, sizes = cones.cone_rows()
-        along = [-problem.scaled_load(wrench)[:, None] for wrench in self.wrenches]
-        balance = hstack([problem.matrix, *map(csc_array, along)])
+        balance, equal = cones.balance(*[-problem.scaled_load(each) for each in self.wrenches])
         side = csc_array((np.array([1.0, 1.0]), ([0, 1], [total, total + 1])), shape=(2, total + 2))
         conic = hstack([-cone_matrix, csc_array((cone_matrix.shape[0], 2))])
         matrix = vstack([balance, side, -side, conic], format="csc")
-        bound = np.concatenate([problem.right, self.high, -self.low, cones.heads])
+        bound = np.concatenate([problem.right, np.zeros(equal), self.high, -self.low, cones.heads])
         cost = np.append(np.zeros(total), -direction)
         quadratic = csc_array((total + 2, total + 2))
-        return ConicProgram(quadratic, cost, matrix, bound, len(problem.right), positive + 4, sizes)
+        return ConicProgram(quadratic, cost, matrix, bound, balance.shape[0], positive + 4, sizes)
 
     def _farthest(self, direction: Array) -> tuple[Array, Array | None] | None:
         """The farthest carried shift along a direction, and the motion there.

@@ -215,8 +215,7 @@ def _selected_motion(
     problem = wide.problem
     total, more = problem.matrix.shape[1], len(wrenches)
     cone_matrix, positive, sizes = wide.cone_rows()
-    columns = np.column_stack([problem.scaled_load(part) for part in (wrench, *wrenches)])
-    balance = hstack([problem.matrix, csc_array(-columns)])
+    balance, equal = wide.balance(*[-problem.scaled_load(part) for part in (wrench, *wrenches)])
     conic = hstack([-cone_matrix, csc_array((cone_matrix.shape[0], 1 + more))])
     right = problem.right + problem.scaled_load(change)
     cost = np.zeros(total + 1 + more)
@@ -226,8 +225,8 @@ def _selected_motion(
             csc_array(diags_array(np.append(np.zeros(total + 1), np.ones(more)))),
             cost,
             csc_array(vstack([balance, conic])),
-            np.concatenate([right, wide.heads]),
-            len(right),
+            np.concatenate([right, np.zeros(equal), wide.heads]),
+            balance.shape[0],
             positive,
             sizes,
         )
