@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from kilter.analysis.placing.place_check import require_place_form, wrong_places
 from kilter.analysis.planning.hold.hold_check import wrong_hold
 from kilter.analysis.planning.hold.least_straps import wrong_lashing
 from kilter.analysis.planning.order.order_check import wrong_order
@@ -270,9 +271,10 @@ JUDGES = {
     "plan": (require_plan_form, wrong_order),
     "hold": (require_hold_form, wrong_hold),
     "lashing": (require_lashing_form, wrong_lashing),
+    "place": (require_place_form, wrong_places),
 }
 """For each kind of bundle: the form of its statements, and the reasons why valid proofs do not
-form a plan, a fixture or a lashing."""
+form a plan, a fixture, a lashing or a map of places."""
 
 
 def _wrong_together(

@@ -8,7 +8,7 @@ entry of `proofs` has the other data of its proof, preceded by
     change           differences from the file: `down`, `gravity` [m/s^2], `mu` of every contact,
                      a factor `mu_share` on every mu, `loads`, the share `strength` of every bond's
                      and strap's strength, parts that are left out (`without`), parts that are
-                     `held`, external `supports`
+                     `held`, external `supports`, a further `part` (an assembly file with it)
 
 A plan also has the `rules` that its order obeys, and a fixture the candidates. `digest` is the hash
 of the whole file.
@@ -27,10 +27,12 @@ from typing import Any
 import numpy as np
 
 from kilter.assembly import Assembly, Load, Strap
+from kilter.contact import detect
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.sub_contacts import contacts_among
 from kilter.contact.supports import Support, with_supports
 from kilter.errors import InputError
+from kilter.files.kilter_json import from_dict
 from kilter.mechanics.mechanics_tolerances import FOLLOWS
 from kilter.mechanics.proof import digest_of
 from kilter.mechanics.proof_form import FORMAT, require_bundle_form, require_form
@@ -53,7 +55,7 @@ def make_bundle(
     Parameters
     ----------
     kind : str
-        Kind of the file: "region", "margin", "transport", "plan" or "hold".
+        Kind of the file: "region", "margin", "transport", "plan", "hold" or "place".
     proofs : sequence of pairs
         The subject of each proof (`about`, `change`, ...), and the proof.
     **more
@@ -141,6 +143,12 @@ def apply_change(
         if change.get("held"):
             assembly = assembly.with_grips(change["held"])
         contacts = contacts_among(contacts, assembly)
+    if change.get("part") is not None:
+        added = from_dict(change["part"])
+        if added.units != assembly.units:
+            raise InputError(f"the part of the proof is in {added.units}, not {assembly.units}")
+        assembly = assembly.with_parts(added.parts)
+        contacts = detect.contacts(assembly, tolerance=contacts.tolerance)
     if change.get("supports") is not None:
         supports = [Support.from_dict(data) for data in change["supports"]]
         return with_supports(assembly, contacts, supports)

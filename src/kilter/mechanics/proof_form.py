@@ -242,10 +242,11 @@ CHANGE = optional_keys(
     held=list_of(WORD),
     supports=list_of(keys(kind=WORD, part=WORD)),
     straps=STRAPS,
+    part=keys(parts=list_of(keys(name=WORD))),
 )
 """Differences from the file for a proof among several."""
 BUNDLE = keys(
-    kind=one_of("region", "margin", "transport", "plan", "hold", "lashing"),
+    kind=one_of("region", "margin", "transport", "plan", "hold", "lashing", "place"),
     common=keys(),
     proofs=list_of(
         every(

@@ -17,22 +17,22 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 
-from kilter.analysis.check import check
-from kilter.analysis.margins.load_limit import Limit, find_limit
-from kilter.analysis.placing.place_map import NOTHING, LevelMap, PlaceMap
-from kilter.analysis.placing.upright_prisms import (
-    PlacedPrism,
-    Top,
-    find_tops,
-    placed_prism,
-    shifted,
+from kilter.analysis.placing.case_maps import (
+    case_prism,
+    combined_levels,
+    map_cases,
+    map_domain,
 )
-from kilter.analysis.verdict.verdict import Verdict
+from kilter.analysis.placing.place_at import AtPlace, decide_at
+from kilter.analysis.placing.place_map import LevelMap
+from kilter.analysis.placing.place_proofs import MapQuestion, at_proof, map_proof
+from kilter.analysis.placing.polygon_sets import NOTHING, rings_of
+from kilter.analysis.placing.uncertain_part import mass_limits, part_cases
+from kilter.analysis.placing.upright_prisms import PlacedPrism, Top, find_tops, placed_prism
 from kilter.assembly import Assembly, Part
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.errors import InputError
-from kilter.mechanics.program import Program, build_program
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box
 from kilter.tell.json_answer import Answer
@@ -43,51 +43,12 @@ from kilter.validate import finite, number
 from kilter.work import EFFORT
 
 if TYPE_CHECKING:
-    from kilter.tell.answer_data.place_data import AtPlaceData, LevelPlacesData, PlaceData
+    from kilter.tell.answer_data.place_data import LevelPlacesData, PlaceData
 
 __all__ = ["AtPlace", "Places", "box_to_place", "place"]
 
 ACCURACY = 2e-3
 """Default width of the open strip between places that stand and places that fall [extents]."""
-AROUND = 1.0
-"""Width of the margin around the parts of an assembly in which places on a floor are mapped
-[lengths of the part]."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class AtPlace:
-    """The decision on the part at a given place.
-
-    Attributes
-    ----------
-    x, y, height : float
-        Centre of the part, world frame [length unit].
-    verdict : Verdict
-        `kilter.check` of the assembly with the part.
-    heaviest : float or None
-        Largest mass of the part that is carried there [kg]; infinite without a limit, None if it is
-        not known.
-    """
-
-    x: float
-    y: float
-    height: float
-    verdict: Verdict
-    heaviest: float | None
-
-    def to_dict(self) -> AtPlaceData:
-        """JSON data of the decision."""
-        unlimited = self.heaviest is not None and not np.isfinite(self.heaviest)
-        return {
-            "x": self.x,
-            "y": self.y,
-            "height": self.height,
-            "verdict": self.verdict.verdict,
-            "level": self.verdict.level,
-            "moving": list(self.verdict.moving),
-            "heaviest": None if unlimited else self.heaviest,
-            "unlimited": unlimited,
-        }
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -108,6 +69,12 @@ class Places(Answer):
         the boundary [length unit].
     at : AtPlace or None
         The decision at the given place.
+    mass : (float, float)
+        Least and largest mass of the part [kg].
+    center_within : float
+        Largest shift of its centre of mass along each of its axes [sizes of the part].
+    question : MapQuestion or None
+        Contacts, domain and maps of the cases, for the proof; None at a given place.
     require : str
     accuracy : float
         Largest width of the open strip [length unit].
@@ -124,6 +91,9 @@ class Places(Answer):
     prism: PlacedPrism | None
     best: tuple[float, float, float, float] | None
     at: AtPlace | None
+    mass: tuple[float, float]
+    center_within: float
+    question: MapQuestion | None
     require: str
     accuracy: float
     programs: int
@@ -134,7 +104,7 @@ class Places(Answer):
     def stands(self) -> bool:
         """True if the part stands at the given place at the required level, or at some place."""
         if self.at is not None:
-            return holds(self.at.verdict.level, self.require)
+            return holds(self.at.level, self.require)
         return self.best is not None
 
     @property
@@ -150,7 +120,7 @@ class Places(Answer):
     def level(self) -> str | None:
         """Level at the given place; of a map "equilibrium", None without a place."""
         if self.at is not None:
-            return self.at.verdict.level
+            return self.at.level
         return None if self.best is None else "equilibrium"
 
     def to_dict(self) -> PlaceData:
@@ -165,6 +135,8 @@ class Places(Answer):
             else dict(zip(("x", "y", "height", "margin"), self.best, strict=True)),
             "at": None if self.at is None else self.at.to_dict(),
             "heaviest": None if self.at is None else self.at.to_dict()["heaviest"],
+            "mass": list(self.mass),
+            "center_within": self.center_within,
             "stands": self.stands,
             "undecided": self.undecided,
             "level": self.level,
@@ -177,6 +149,32 @@ class Places(Answer):
         data["sentence"] = place_sentence(data)
         return data
 
+    def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
+        """Forces and motions of the map, or of the given place, as JSON data for `kilter.verify`.
+
+        Parameters
+        ----------
+        options : dict, optional
+            Options with which the file is read.
+
+        Raises
+        ------
+        InputError
+            If the place is undecided, or the assembly without the part is.
+        """
+        if self.at is not None:
+            return at_proof(self.at, self.mass, self.center_within, options or {})
+        assert self.question is not None
+        return map_proof(
+            self.assembly,
+            self.part,
+            self.levels,
+            self.question,
+            self.mass,
+            self.center_within,
+            options or {},
+        )
+
     def __repr__(self) -> str:
         if self.at is not None:
             return f"Places({self.at.verdict.verdict} at {self.at.x:g}, {self.at.y:g})"
@@ -188,22 +186,12 @@ def _level_data(level: LevelMap, below: float) -> LevelPlacesData:
     """JSON data of the places at one height; the height is that of the centre of the part."""
     return {
         "height": level.height + below,
-        "stands": _rings(level.stands),
-        "falls": _rings(level.falls),
-        "open": _rings(level.open),
+        "stands": rings_of(level.stands),
+        "falls": rings_of(level.falls),
+        "open": rings_of(level.open),
         "open_strip": float(level.open.area),
         "area": float(level.stands.area),
     }
-
-
-def _rings(geometry: shapely.Geometry) -> list[list[list[list[float]]]]:
-    """Polygons as lists of rings: the outline, then the holes; each ring a list of points."""
-    found = []
-    for piece in shapely.get_parts(geometry):
-        if piece.geom_type == "Polygon" and piece.area > 0:
-            rings = [piece.exterior, *piece.interiors]
-            found.append([[[x, y] for x, y in ring.coords] for ring in rings])
-    return found
 
 
 def box_to_place(
@@ -238,6 +226,8 @@ def place(
     part: Part,
     *,
     at: ArrayLike | None = None,
+    mass: float | Sequence[float] | None = None,
+    center_within: float = 0.0,
     clear: float = 0.0,
     accuracy: float | None = None,
     friction: float | None = None,
@@ -260,6 +250,11 @@ def place(
         a box. A map needs a box or another upright convex prism.
     at : array_like, shape (2,), optional
         Centre of the part in x and y [length unit]. Without it, all places are mapped.
+    mass : float or (float, float), optional
+        Mass of the part, or its least and largest mass [kg]; by default the mass of `part`.
+    center_within : float
+        Largest horizontal shift of the centre of mass along each axis of the part [sizes of the
+        part]. The answer then holds for each mass and each centre within these limits.
     clear : float
         Distance that the part keeps from parts beside it in a map [length unit].
     accuracy : float, optional
@@ -289,6 +284,12 @@ def place(
     >>> answer = place(scene("tower"), box_to_place([1, 1, 1], 1.0))
     >>> answer.stands, [level.height for level in answer.levels]
     (True, [5.0])
+
+    With a centre of mass that is known to a tenth of the size, the margin is smaller by this tenth:
+
+    >>> unsure = place(scene("tower"), box_to_place([1, 1, 1], 1.0), center_within=0.1)
+    >>> round(answer.best[3], 6), round(unsure.best[3], 6)
+    (0.5, 0.4)
     """
     started = time.perf_counter()
     tell = progress or (lambda stage: None)
@@ -303,8 +304,9 @@ def place(
         )
     if part.name in assembly.index:
         part = replace(part, name=_free_name(part.name, assembly))
-    alone = Assembly([replace(part, grounded=False)], units=assembly.units)
-    prism = placed_prism(alone)
+    part = replace(part, grounded=False)
+    limits = mass_limits(mass, part)
+    part = replace(part, given_mass=limits[1], density=None)
     clear = number(clear, "clear", lowest=0)
     if at is not None and clear > 0:
         raise InputError(
@@ -315,29 +317,28 @@ def place(
     tops = find_tops(assembly)
     tell("contacts")
     levels: tuple[LevelMap, ...] = ()
-    best = decision = None
+    best = decision = question = None
     programs, width = 0, 0.0
     if at is not None:
-        decision = _decide(assembly, alone, tops, at, require, tolerance, effort)
-        remarks = decision.verdict.contacts.remarks()
-    elif prism is None:
-        raise InputError(
-            "a map of places needs a box or another upright convex prism",
-            part=part.name,
-            hint="give a place: at=[x, y]",
-            option="give a place: --at X Y",
+        prism = placed_prism(Assembly([part], units=assembly.units))
+        decision = decide_at(
+            assembly, part, limits, center_within, tops, at, require, tolerance, effort
         )
+        remarks = decision.verdict.contacts.remarks()
     else:
-        domain = _domain(assembly, tops, prism)
+        prism, _ = case_prism(part, assembly.units)
+        domain = map_domain(assembly, tops, prism)
         bounds = np.array(domain.bounds)
         extent = float((bounds[2:] - bounds[:2]).max())
         width = ACCURACY * extent if accuracy is None else number(accuracy, "accuracy", lowest=0)
         if contacts is None:
             contacts = detect.contacts(assembly, tolerance=tolerance)
         tell("places")
-        places = _map(assembly, contacts, tops, prism, width, clear)
-        levels = tuple(places.levels(domain))
-        programs = places.programs
+        cases = part_cases(part, limits, center_within)
+        maps = map_cases(assembly, contacts, tops, part, cases, domain, width, clear)
+        question = MapQuestion(contacts, domain, clear, tuple(maps))
+        levels = combined_levels(maps)
+        programs = sum(case.programs for case in maps)
         best = _best(levels, prism)
         remarks = [*_form_warnings(assembly, tops), *contacts.remarks()]
     return Places(
@@ -347,6 +348,9 @@ def place(
         prism,
         best,
         decision,
+        limits,
+        float(center_within),
+        question,
         require,
         width,
         programs,
@@ -372,31 +376,6 @@ def _form_warnings(assembly: Assembly, tops: Sequence[Top]) -> list[str]:
     return [f"the map leaves places on {named}{more} open: only tops of upright prisms are mapped"]
 
 
-def _domain(assembly: Assembly, tops: Sequence[Top], part: PlacedPrism) -> shapely.Geometry:
-    """Rectangle of the centres that are mapped: around the parts, without the far floor."""
-    shown = [top for top in tops if not assembly.parts[top.part].table] or list(tops)
-    bounds = np.array([top.polygon.bounds for top in shown])
-    size = np.ptp(part.footprint, axis=0)
-    low = bounds[:, :2].min(axis=0) - AROUND * size
-    high = bounds[:, 2:].max(axis=0) + AROUND * size
-    return shapely.box(*low, *high)
-
-
-def _map(
-    assembly: Assembly,
-    contacts: ContactSet,
-    tops: list[Top],
-    part: PlacedPrism,
-    strip: float,
-    clear: float,
-) -> PlaceMap:
-    """The map of places of a part."""
-    program = build_program(assembly, contacts)
-    tolerance = contacts.tolerance
-    same_height = float(tolerance.gap_of(np.array([2 * part.radius]))[0])
-    return PlaceMap(program, tops, part, strip, same_height, assembly.friction, clear)
-
-
 def _best(
     levels: Sequence[LevelMap], part: PlacedPrism
 ) -> tuple[float, float, float, float] | None:
@@ -412,69 +391,3 @@ def _best(
             if best is None or margin > best[3]:
                 best = (float(center[0]), float(center[1]), level.height + part.below, margin)
     return best
-
-
-# a given place -------------------------------------------------------------------------
-
-
-def _decide(
-    assembly: Assembly,
-    alone: Assembly,
-    tops: Sequence[Top],
-    at: Any,
-    require: str,
-    tolerance: Tolerance | None,
-    effort: float,
-) -> AtPlace:
-    """Decide whether the part stands at a place, and the heaviest mass that is carried there."""
-    x, y = finite(at, (2,), "place").tolist()
-    height = _lowered(assembly, alone, tops, x, y)
-    part = alone.parts[0]
-    center = alone.geometry.center[0]
-    shift = np.array([x, y, height]) - center
-    pose = Pose(np.asarray(part.pose.position) + shift, part.pose.rotation)
-    whole = assembly.with_parts([replace(part, pose=pose)])
-    contacts = detect.contacts(whole, tolerance=tolerance)
-    verdict = check(whole, contacts=contacts, require=require, effort=effort)
-    return AtPlace(x, y, height, verdict, _heaviest(build_program(whole, contacts), part.name))
-
-
-def _lowered(assembly: Assembly, alone: Assembly, tops: Sequence[Top], x: float, y: float) -> float:
-    """Height of the centre of the part when it is lowered onto upright tops at a place.
-
-    Raises
-    ------
-    InputError
-        If nothing is below the part, or a part below it has another form.
-    """
-    prism = placed_prism(alone)
-    if prism is None:
-        raise InputError(
-            "only a box or another upright convex prism can be lowered", hint="give a box"
-        )
-    under = shifted(prism.footprint, (x, y))
-    met = [top for top in tops if top.polygon.intersection(under).area > 0]
-    if not met:
-        raise InputError(
-            f"nothing is below the part at {x:g}, {y:g}", hint="give a place above a part"
-        )
-    highest = max(met, key=lambda top: top.high)
-    if not highest.upright:
-        raise InputError(
-            "the part below has no level top, so the height of the part is not known",
-            part=assembly.names[highest.part],
-            hint="add the part to the file at its height, and call check",
-        )
-    return highest.high + prism.below
-
-
-def _heaviest(program: Program, name: str) -> float | None:
-    """Largest mass of a part that is carried [kg]; infinite without a limit, None if unknown."""
-    k = program.names.index(name)
-    weight = np.zeros((len(program.names), 6))
-    weight[k, :3] = program.mass[k] * program.gravity
-    # the load of the part itself is share 0
-    limit = find_limit(program, weight)
-    if not isinstance(limit, Limit):
-        return None
-    return float(program.mass[k] * (1 + limit.value)) if limit.value > -1 else None

@@ -10,16 +10,17 @@ motion that proves a line beyond which the load is not carried.
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 import shapely
 from scipy.sparse import csc_array, hstack, vstack
 
-from kilter.analysis.turning_tolerances import BEYOND_LIMIT
+from kilter.analysis.placing.excluded_side import excluded_side, remaining
+from kilter.analysis.placing.polygon_sets import moved
 from kilter.arrays import Array
-from kilter.mechanics.certificate import check_forces, check_motion
+from kilter.mechanics.certificate import ForceProof, check_forces
 from kilter.mechanics.coulomb_cones import ConeProblem, cone_problem
 from kilter.mechanics.forms import ScaledProblem, scaled_problem
 from kilter.mechanics.program import Program
@@ -46,11 +47,34 @@ class CarriedPlaces:
         Convex; forces prove `inner`, and motions prove that places beyond `outer` are not carried.
     programs : int
         Number of solved programs.
+    points : tuple of (ndarray, ForceProof)
+        Carried places and their forces; `inner` is their hull.
+    motions : tuple of ndarray, shape (N, 6)
+        Motions, each of which excludes the places of a half plane.
     """
 
     inner: shapely.Geometry
     outer: shapely.Geometry
-    programs: int
+    programs: int = 0
+    points: tuple[tuple[Array, ForceProof], ...] = ()
+    motions: tuple[Array, ...] = ()
+
+    def shifted(self, by: Array) -> CarriedPlaces:
+        """The same places in coordinates with another origin."""
+        return replace(
+            self,
+            inner=moved(self.inner, by),
+            outer=moved(self.outer, by),
+            points=tuple((place + by, proof) for place, proof in self.points),
+        )
+
+    def with_outside_of(self, other: CarriedPlaces) -> CarriedPlaces:
+        """These carried places, with the motions of another search."""
+        return replace(self, outer=other.outer, motions=other.motions)
+
+    def without_motions(self) -> CarriedPlaces:
+        """These carried places alone; the outer polygon is not proved any more."""
+        return replace(self, motions=())
 
 
 @dataclass(eq=False)
@@ -65,13 +89,15 @@ class ShiftedLoad:
         Change of the wrenches on all parts per unit of shift along each axis.
     low, high : ndarray, shape (2,)
         The rectangle of shifts [length unit].
+    bound : Program, optional
+        A program with more rows whose motions count; by default `program`.
     """
 
     program: Program
     wrenches: Array
     low: Array
     high: Array
-    _evidence: Array | None = None
+    bound: Program | None = None
 
     def places(self, accuracy: float) -> CarriedPlaces:
         """The carried shifts, as a polygon inside and a polygon outside.
@@ -83,33 +109,44 @@ class ShiftedLoad:
             [length unit].
         """
         whole = shapely.box(*self.low, *self.high)
-        outer, points, programs = whole, [], 0
-        empty = shapely.Polygon()
-        for direction in FIRST:
-            found = self._farthest(np.array(direction))
+        outer, programs = whole, 0
+        points: list[tuple[Array, ForceProof]] = []
+        motions: list[Array] = []
+
+        def farthest(direction: Array) -> tuple[Array, ForceProof] | None:
+            nonlocal outer, programs
+            found, motion = self._farthest(direction)
             programs += 1
+            side = None if motion is None else self._excluded(motion)
+            if motion is not None and side is not None:
+                cut = remaining(outer, side, whole)
+                # a line or a point remains of carried places: then nothing is excluded
+                if found is None or cut.area > 0:
+                    if cut.area < outer.area:
+                        motions.append(motion)
+                    outer = cut
+            return found
+
+        for direction in FIRST:
+            found = farthest(np.array(direction))
             if found is None:
-                return CarriedPlaces(empty, empty if self._is_refuted() else whole, programs)
-            points.append(found[0])
-            outer = _cut(outer, found, whole)
+                return CarriedPlaces(shapely.Polygon(), outer, programs, (), tuple(motions))
+            points.append(found)
         span = float((self.high - self.low).max())
         settled: set[tuple[float, ...]] = set()
         while programs < MOST_PROGRAMS:
-            hull = shapely.convex_hull(shapely.multipoints(np.array(points)))
-            edge = _next_edge(hull, outer, settled, max(accuracy, SAME * span), span)
+            edge = _next_edge(_hull(points), outer, settled, max(accuracy, SAME * span), span)
             if edge is None:
                 break
             start, end, outward = edge
-            found = self._farthest(outward)
-            programs += 1
             settled.add(_key(start, end, span))
-            if found is None:
-                continue
-            outer = _cut(outer, found, whole)
-            if (found[0] - start) @ outward > SAME * span:
-                points.append(found[0])
-        hull = shapely.convex_hull(shapely.multipoints(np.array(points)))
-        return CarriedPlaces(hull, outer, programs)
+            found = farthest(outward)
+            if found is not None and (found[0] - start) @ outward > SAME * span:
+                points.append(found)
+        hull = _hull(points)
+        corners = {tuple(corner) for corner in shapely.get_coordinates(hull).tolist()}
+        kept = tuple(point for point in points if tuple(point[0].tolist()) in corners)
+        return CarriedPlaces(hull, outer, programs, kept, tuple(motions))
 
     def at(self, shift: Array) -> Program:
         """The program with the load at a shift."""
@@ -137,8 +174,9 @@ class ShiftedLoad:
         program = LinearProgram(np.zeros(count + 2), matrix, right, right, lower, upper)
         return KeptProgram(program, goal="point")
 
-    def _conic(self, direction: Array) -> ConicProgram:
-        """The conic program for forces f and shift d, with friction. x = (f, d)."""
+    @cached_property
+    def _conic(self) -> ConicProgram:
+        """The conic program for forces f and shift d, with friction. x = (f, d); without a cost."""
         cones = self._cones
         problem = cones.problem
         total = problem.matrix.shape[1]
@@ -148,107 +186,60 @@ class ShiftedLoad:
         conic = hstack([-cone_matrix, csc_array((cone_matrix.shape[0], 2))])
         matrix = vstack([balance, side, -side, conic], format="csc")
         bound = np.concatenate([problem.right, np.zeros(equal), self.high, -self.low, cones.heads])
-        cost = np.append(np.zeros(total), -direction)
         quadratic = csc_array((total + 2, total + 2))
+        cost = np.zeros(total + 2)
         return ConicProgram(quadratic, cost, matrix, bound, balance.shape[0], positive + 4, sizes)
 
-    def _farthest(self, direction: Array) -> tuple[Array, Array | None] | None:
-        """The farthest carried shift along a direction, and the motion there.
+    def _farthest(
+        self, direction: Array
+    ) -> tuple[tuple[Array, ForceProof] | None, Array | None]:
+        """The farthest carried shift along a direction with its forces, and a motion.
 
-        None if no shift is known to be carried. The motion is None if it proves no line.
+        None without a proof by forces; the motion is None without multipliers.
         """
         if self.program.mu.any():
             from kilter.solvers.clarabel import solve_conic
 
-            answer = solve_conic(self._conic(direction))
+            cost = self._conic.cost.copy()
+            cost[-2:] = -direction
+            answer = solve_conic(replace(self._conic, cost=cost))
             problem = self._cones.problem
-            if not answer.found:
-                self._keep_evidence(problem, answer.multipliers[: len(problem.right)])
-                return None
-            shift = answer.x[-2:]
-            forces, friction = self._cones.decoded(answer.x[:-2])
-            columns = answer.multipliers[: len(problem.right)]
+            columns, sign = answer.multipliers[: len(problem.right)], 1.0
+            optimal = answer.found
+            forces, friction = self._cones.decoded(answer.x[:-2]) if optimal else (None, None)
         else:
-            problem, kept = self._problem, self._kept
+            problem = self._problem
             count = problem.matrix.shape[1]
-            kept.change_cost([count, count + 1], -direction)
-            answer = kept.solve()
-            if not answer.optimal:
-                self._keep_evidence(problem, -answer.multipliers)
-                return None
-            shift = answer.x[-2:]
-            forces, friction = problem.forces(answer.x[:-2]), None
-            columns = -answer.multipliers
-        shift = np.clip(shift, self.low, self.high)
-        if not check_forces(self.at(shift), forces, friction).holds:
+            self._kept.change_cost([count, count + 1], -direction)
+            answer = self._kept.solve()
+            columns, sign = answer.multipliers, -1.0
+            optimal = answer.optimal
+            forces, friction = (problem.forces(answer.x[:-2]) if optimal else None), None
+        motion = self._motion(problem, sign * columns, infeasible=not optimal)
+        if forces is None:
+            return None, motion
+        shift = np.clip(answer.x[-2:], self.low, self.high)
+        proof = check_forces(self.at(shift), forces, friction)
+        return ((shift, proof), motion) if proof.holds else (None, None)
+
+    def _motion(self, problem: ScaledProblem, columns: Array, *, infeasible: bool) -> Array | None:
+        """The motion of multipliers; the sign of those of an infeasible program is tested."""
+        if len(columns) != len(problem.right) or not np.isfinite(columns).all():
             return None
         motion = problem.motion(problem.over_weight(columns))
-        return shift, self._line(shift, motion)
+        if infeasible and self.program.power(motion) < 0:
+            motion = -motion
+        return motion
 
-    def _keep_evidence(self, problem: ScaledProblem, columns: Array) -> None:
-        """Keep the motion of the multipliers of an infeasible program; its sign is tested."""
-        if len(columns) != len(problem.right) or not np.isfinite(columns).all():
-            return
-        middle = self.at((self.low + self.high) / 2)
-        for sign in (1.0, -1.0):
-            motion = problem.motion(problem.over_weight(sign * columns))
-            if check_motion(middle, motion).holds:
-                self._evidence = motion
-                return
-
-    def _line(self, shift: Array, motion: Array) -> Array | None:
-        """The line (a, b, c) with a u + b v <= c for each carried shift; None without a proof."""
-        free = self.program.free[:, None]
-        rate = np.array([float((np.where(free, w, 0.0) * motion).sum()) for w in self.wrenches])
-        size = float(np.linalg.norm(rate))
-        if not size > 0:
-            return None
-        normal = rate / size
-        span = float((self.high - self.low).max())
-        for step in BEYOND_LIMIT:
-            proof = check_motion(self.at(shift + step * span * normal), motion)
-            if proof.holds:
-                reach = float(normal @ shift) + step * span
-                return np.append(normal, reach)
-        return None
-
-    def _is_refuted(self) -> bool:
-        """Whether a motion proves that no shift of the rectangle is carried.
-
-        The motion gains power at each corner of the rectangle, so it does at each shift.
-        """
-        if self._evidence is None:
-            return False
-        corners = [
-            np.array([u, v])
-            for u in (self.low[0], self.high[0])
-            for v in (self.low[1], self.high[1])
-        ]
-        return all(check_motion(self.at(corner), self._evidence).holds for corner in corners)
+    def _excluded(self, motion: Array) -> tuple[Array, float] | None:
+        """The half plane of shifts that a motion excludes."""
+        bound = self.bound or self.program
+        return excluded_side(bound, self.wrenches, self.low, self.high, motion)
 
 
-def _cut(
-    outer: shapely.Geometry, found: tuple[Array, Array | None], whole: shapely.Geometry
-) -> shapely.Geometry:
-    """An outer polygon without the side of a line that a motion excludes."""
-    line = found[1]
-    if line is None:
-        return outer
-    cut = shapely.intersection(outer, _half_plane(line, whole))
-    # a line or a point remains: the outer polygon stays, so that it excludes nothing too much
-    return cut if cut.geom_type == "Polygon" else outer
-
-
-def _half_plane(line: Array, whole: shapely.Geometry) -> shapely.Geometry:
-    """The part of a half plane a u + b v <= c that covers its side of a rectangle."""
-    low, high = np.array(whole.bounds[:2]), np.array(whole.bounds[2:])
-    normal, reach = line[:2], float(line[2])
-    middle = (low + high) / 2
-    far = 4 * float(np.linalg.norm(high - low)) + 4 * abs(reach - float(normal @ middle))
-    along = np.array([-normal[1], normal[0]])
-    foot = middle + (reach - float(normal @ middle)) * normal
-    corners = [foot + far * along, foot - far * along]
-    return shapely.polygons([*corners, corners[1] - far * normal, corners[0] - far * normal])
+def _hull(points: list[tuple[Array, ForceProof]]) -> shapely.Geometry:
+    """The convex hull of carried places."""
+    return shapely.convex_hull(shapely.multipoints(np.array([place for place, _ in points])))
 
 
 def _next_edge(

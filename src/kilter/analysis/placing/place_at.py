@@ -1,0 +1,179 @@
+"""The decision on a part at a given place, and the heaviest mass that is carried there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kilter.analysis.check import check
+from kilter.analysis.margins.load_limit import Limit, find_limit
+from kilter.analysis.placing.uncertain_part import part_cases
+from kilter.analysis.placing.upright_prisms import Top, placed_prism, shifted
+from kilter.analysis.verdict.verdict import Verdict
+from kilter.assembly import Assembly, Part
+from kilter.contact import Tolerance, detect
+from kilter.errors import InputError
+from kilter.mechanics.program import Program, build_program
+from kilter.rigid import Pose
+from kilter.tell.levels import level_rank
+from kilter.validate import finite
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.place_data import AtPlaceData
+
+__all__ = ["AtPlace", "decide_at"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AtPlace:
+    """The decision on the part at a given place.
+
+    Attributes
+    ----------
+    x, y, height : float
+        Centre of the part, world frame [length unit].
+    part : Part
+        At the place.
+    verdicts : tuple of Verdict
+        `kilter.check` of the assembly with the part: a verdict, or one for each corner of its masses
+        and centres.
+    heaviest : float or None
+        Largest mass of the part that is carried there, with each centre [kg]; infinite without a
+        limit, None if it is not known.
+    """
+
+    x: float
+    y: float
+    height: float
+    part: Part
+    verdicts: tuple[Verdict, ...]
+    heaviest: float | None
+
+    @property
+    def verdict(self) -> Verdict:
+        """The worst verdict: unstable, then undecided, then the lowest level."""
+        words = ("unstable", "undecided")
+        return min(
+            self.verdicts,
+            key=lambda verdict: (
+                words.index(verdict.verdict) if verdict.verdict in words else len(words),
+                level_rank(verdict.level),
+            ),
+        )
+
+    @property
+    def level(self) -> str | None:
+        """Level at the place for all masses and centres.
+
+        Corners decide equilibrium for all of them. Without friction equilibrium is a proof.
+        """
+        level = self.verdict.level
+        if len(self.verdicts) == 1:
+            return level
+        most = "equilibrium" if self.verdict.program.mu.any() else "proved"
+        return min(level, most, key=level_rank)
+
+    def to_dict(self) -> AtPlaceData:
+        """JSON data of the decision."""
+        unlimited = self.heaviest is not None and not np.isfinite(self.heaviest)
+        return {
+            "x": self.x,
+            "y": self.y,
+            "height": self.height,
+            "verdict": self.verdict.verdict,
+            "level": self.level,
+            "moving": list(self.verdict.moving),
+            "heaviest": None if unlimited else self.heaviest,
+            "unlimited": unlimited,
+        }
+
+
+def decide_at(
+    assembly: Assembly,
+    part: Part,
+    mass: tuple[float, float],
+    center_within: float,
+    tops: Sequence[Top],
+    at: Any,
+    require: str,
+    tolerance: Tolerance | None,
+    effort: float,
+) -> AtPlace:
+    """Decide whether a part stands at a place, and the heaviest mass that is carried there.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    part : Part
+        Its centre of mass is put at the place.
+    mass, center_within
+        Limits of its mass and centre of mass, as in `part_cases`.
+    tops : sequence of Top
+    at : array_like, shape (2,)
+    require, tolerance, effort
+        As in `kilter.check`.
+
+    Raises
+    ------
+    InputError
+        If nothing is below the part, or a part below it has another form.
+    """
+    x, y = finite(at, (2,), "place").tolist()
+    alone = Assembly([part], units=assembly.units)
+    height = _lowered(assembly, alone, tops, x, y)
+    shift = np.array([x, y, height]) - alone.geometry.center[0]
+    pose = Pose(np.asarray(part.pose.position) + shift, part.pose.rotation)
+    part = replace(part, pose=pose)
+    verdicts, heaviest = [], []
+    for case in part_cases(part, mass, center_within):
+        whole = assembly.with_parts([case])
+        contacts = detect.contacts(whole, tolerance=tolerance)
+        verdicts.append(check(whole, contacts=contacts, require=require, effort=effort))
+        heaviest.append(_heaviest(build_program(whole, contacts), part.name))
+    known = [mass for mass in heaviest if mass is not None]
+    least = min(known) if len(known) == len(heaviest) else None
+    return AtPlace(x, y, height, part, tuple(verdicts), least)
+
+
+def _lowered(assembly: Assembly, alone: Assembly, tops: Sequence[Top], x: float, y: float) -> float:
+    """Height of the centre of the part when it is lowered onto upright tops at a place.
+
+    Raises
+    ------
+    InputError
+        If nothing is below the part, or a part below it has another form.
+    """
+    prism = placed_prism(alone)
+    if prism is None:
+        raise InputError(
+            "only a box or another upright convex prism can be lowered", hint="give a box"
+        )
+    under = shifted(prism.footprint, (x, y))
+    met = [top for top in tops if top.polygon.intersection(under).area > 0]
+    if not met:
+        raise InputError(
+            f"nothing is below the part at {x:g}, {y:g}", hint="give a place above a part"
+        )
+    highest = max(met, key=lambda top: top.high)
+    if not highest.upright:
+        raise InputError(
+            "the part below has no level top, so the height of the part is not known",
+            part=assembly.names[highest.part],
+            hint="add the part to the file at its height, and call check",
+        )
+    return highest.high + prism.below
+
+
+def _heaviest(program: Program, name: str) -> float | None:
+    """Largest mass of a part that is carried [kg]; infinite without a limit, None if unknown."""
+    k = program.names.index(name)
+    weight = np.zeros((len(program.names), 6))
+    weight[k, :3] = program.mass[k] * program.gravity
+    # the load of the part itself is share 0
+    limit = find_limit(program, weight)
+    if not isinstance(limit, Limit):
+        return None
+    return float(program.mass[k] * (1 + limit.value)) if limit.value > -1 else None
