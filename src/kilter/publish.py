@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike
 
+    from kilter.analysis.placing.place import Places
     from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region
     from kilter.analysis.transport.transport import Transport
@@ -137,13 +138,14 @@ def report(
 
 def _changed(subject: Any, verb: str, contacts: ContactSet | None, **changes: Any) -> Any:
     """Return an assembly with the changes of the keywords; an answer rejects changes."""
+    from kilter.analysis.placing.place import Places
     from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region
     from kilter.analysis.transport.transport import Transport
     from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly.verb_keywords import asked_assembly, require_unchanged
 
-    if not isinstance(subject, Verdict | Region | Order | Transport):
+    if not isinstance(subject, Verdict | Region | Order | Transport | Places):
         return asked_assembly(subject, verb, contacts, **changes)
     require_unchanged(subject, **changes)
     return subject
@@ -289,7 +291,7 @@ def _require_steps(order: Order) -> None:
 
 
 def draw(
-    subject: AssemblyOrPath | Verdict | Region | Order | Transport,
+    subject: AssemblyOrPath | Verdict | Region | Order | Transport | Places,
     out: str | Path | None = None,
     *,
     friction: float | None = None,
@@ -311,7 +313,7 @@ def draw(
 
     Parameters
     ----------
-    subject : Assembly, path, Verdict, Region, Order or Transport
+    subject : Assembly, path, Verdict, Region, Order, Transport or Places
         An answer is drawn unchanged. For an assembly, the answer selected by `what` is computed.
     out : path, optional
         File of the figure, ending in .svg, .png or .pdf.
@@ -345,6 +347,7 @@ def draw(
     >>> draw(scene("tower"), what="region").get_size_inches().tolist()
     [7.0, 4.3]
     """
+    from kilter.analysis.placing.place import Places
     from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region
     from kilter.analysis.transport.transport import Transport
@@ -372,6 +375,8 @@ def draw(
         figure = draw_region(answer)
     elif isinstance(answer, Transport):
         figure = _draw_transport(answer)
+    elif isinstance(answer, Places):
+        figure = _draw_places(answer)
     elif isinstance(answer, Order):
         _require_steps(answer)
         figure = draw_plan(answer.states.assembly, answer.to_dict(), view=view)
@@ -406,6 +411,18 @@ def _draw_transport(answer: Transport) -> Figure:
     return draw_polar(answer.to_dict())
 
 
+def _draw_places(answer: Places) -> Figure:
+    """Draw the map of places; an error if the answer is about a given place."""
+    from kilter.show.place_figure import draw_places
+
+    if answer.prism is None or answer.at is not None:
+        raise InputError(
+            "the answer about a given place has no map to draw",
+            hint="draw kilter.place(assembly, part) without a place",
+        )
+    return draw_places(answer.to_dict(), answer.assembly, answer.prism.footprint.tolist())
+
+
 def answer_to_draw(
     subject: Any,
     what: str,
@@ -418,13 +435,14 @@ def answer_to_draw(
 ) -> Any:
     """The answer that `draw` shows: the subject itself, or the verdict or region of an assembly."""
     from kilter.analysis.check import check
+    from kilter.analysis.placing.place import Places
     from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region, region
     from kilter.analysis.transport.transport import Transport
     from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly.assembly import require_assembly
 
-    if isinstance(subject, Verdict | Region | Order | Transport):
+    if isinstance(subject, Verdict | Region | Order | Transport | Places):
         return subject
     require_assembly(subject, "draw")
     if time_limit is not None:

@@ -219,3 +219,22 @@ def test_a_turned_box_has_a_turned_footprint() -> None:
     part = box_to_place([2.0, 1.0, 0.5], 1.0, turn=90)
     corners = Assembly([part]).geometry.vertices
     assert np.ptp(corners, axis=0) == pytest.approx([1.0, 2.0, 0.5])
+
+
+@pytest.mark.parametrize("suffix", [".svg", ".png"])
+def test_the_map_has_a_figure(suffix: str, tmp_path: Path) -> None:
+    file, figure = tmp_path / "plank.kilter.json", tmp_path / f"map{suffix}"
+    kilter.dump(overhang(1, 2, 0.3), file)
+    part = ["--box", "0.1x0.1x0.1", "--mass", "2.5"]
+    assert main(["place", str(file), *part, "--figure", str(figure)]) == 0
+    assert figure.stat().st_size > 5000
+    with pytest.raises(InputError, match="no map to draw"):
+        kilter.draw(place(overhang(1, 2, 0.3), box_to_place(SMALL, 1), at=[0, 0]))
+
+
+def test_a_given_place_has_no_figure(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "plank.kilter.json"
+    kilter.dump(overhang(1, 2, 0.3), file)
+    words = ["--box", "0.1x0.1x0.1", "--mass", "1", "--at", "0", "0", "--figure", "m.svg"]
+    assert main(["place", str(file), *words]) == 2
+    assert "a map has a figure" in capsys.readouterr().err

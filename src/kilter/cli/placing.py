@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from kilter.cli.asked import Asked
 from kilter.cli.declarations import Option
@@ -23,7 +22,7 @@ __all__ = ["place"]
 PUT = "The part that is put down"
 
 
-@asks()
+@asks(proves=True)
 def place(
     asked: Asked,
     box: Annotated[
@@ -37,11 +36,22 @@ def place(
         ),
     ] = None,
     mass: Annotated[
-        float | None,
+        str | None,
         Option(
             "--mass",
             metavar="KG",
-            help="Mass of the part.",
+            help="Mass of the part, or its least and largest mass, such as 5..8.",
+            rich_help_panel=PUT,
+            show_default=False,
+        ),
+    ] = None,
+    centre_within: Annotated[
+        str | None,
+        Option(
+            "--centre-within",
+            metavar="SHARE",
+            help="The part stands with every centre of mass that is this share of its length and "
+            "width from the middle, such as 10%.",
             rich_help_panel=PUT,
             show_default=False,
         ),
@@ -96,6 +106,15 @@ def place(
             show_default=False,
         ),
     ] = None,
+    figure: Annotated[
+        Path | None,
+        Option(
+            "--figure",
+            metavar="F",
+            help="Also draw the map from above to this file (.svg, .png or .pdf).",
+            show_default=False,
+        ),
+    ] = None,
     require: Require = REQUIRE,
 ) -> int:
     """Find where the next part stands on an assembly, and where it stands best.
@@ -114,13 +133,24 @@ def place(
         raise InputError("--at and several --turn are given", hint="give a single angle with --at")
     if part is not None and turn:
         raise InputError("--part and --turn are given", hint="turn the part in its file")
+    if figure is not None:
+        from kilter import publish
+
+        publish.require_figure(figure, None)
+        asked.apart(figure)
+        if at is not None:
+            raise InputError("--figure and --at are given", hint="a map has a figure: no --at")
+    masses = None if mass is None else _masses(mass)
+    within = 0.0 if centre_within is None else _share(centre_within)
     with Progress(asked.quiet) as progress:
         assembly, contacts = asked.read(progress)
         answers = [
             find(
                 assembly,
-                _part_of(box, mass, part, angle),
+                _part_of(box, masses, part, angle),
                 at=at,
+                mass=masses,
+                center_within=within,
                 clear=clear,
                 accuracy=accuracy,
                 contacts=contacts,
@@ -133,7 +163,11 @@ def place(
     best = max(
         answers, key=lambda answer: answer.best[3] if answer.best else float(answer.undecided) - 2
     )
-    asked.tell(best.to_dict())
+    if figure is not None:
+        publish.draw(best, figure)
+    data = best.to_dict()
+    after = asked.keep_proof(None if best.undecided else best.proof, data)
+    asked.tell(data, after=after + (f"\nfigure       written to {figure}" if figure else ""))
     if best.stands:
         return HOLDS
     if best.undecided:
@@ -141,7 +175,39 @@ def place(
     return PLACE["none"] if best.level is None else LOWER
 
 
-def _part_of(box: str | None, mass: float | None, path: Path | None, turn: float) -> Part:
+def _masses(words: str) -> tuple[float, float]:
+    """Least and largest mass from an option such as 6 or 5..8."""
+    ends = words.split("..")
+    try:
+        low, high = (float(ends[0]), float(ends[-1]))
+    except ValueError:
+        low = high = 0.0
+    if len(ends) > 2 or not 0 < low <= high < float("inf"):
+        raise InputError(f"--mass is {words!r:.40}", hint="give a mass such as 6, or 5..8")
+    return low, high
+
+
+def _share(words: str) -> float:
+    """A share from an option such as 10% or 0.1."""
+    text = words.strip()
+    try:
+        share = float(text.removesuffix("%")) / (100 if text.endswith("%") else 1)
+    except ValueError:
+        share = -1.0
+    if not 0 <= share < MOST_SHARE:
+        raise InputError(
+            f"--centre-within is {words!r:.40}", hint="give a share below 50%, such as 10%"
+        )
+    return share
+
+
+MOST_SHARE = 0.5
+"""Share of a size within which every centre of mass lies inside the part."""
+
+
+def _part_of(
+    box: str | None, mass: tuple[float, float] | None, path: Path | None, turn: float
+) -> Part:
     """The part that the options describe.
 
     Raises
@@ -163,9 +229,7 @@ def _part_of(box: str | None, mass: float | None, path: Path | None, turn: float
         found = load(path)
         if len(found.parts) != 1:
             raise InputError(f"{path} has {len(found.parts)} parts", hint="give a single part")
-        one = found.parts[0]
-        changes: dict[str, Any] = {} if mass is None else {"mass": mass}
-        return replace(one, **changes)
+        return found.parts[0]
     assert box is not None
     lengths = re.fullmatch(r"([0-9.eE+-]+)[xX*]([0-9.eE+-]+)[xX*]([0-9.eE+-]+)", box.strip())
     if lengths is None or mass is None:
@@ -177,4 +241,4 @@ def _part_of(box: str | None, mass: float | None, path: Path | None, turn: float
         size = [float(word) for word in lengths.groups()]
     except ValueError:
         raise InputError(f"--box is {box!r:.40}", hint="give --box 400x300x250") from None
-    return box_to_place(size, mass, turn=turn)
+    return box_to_place(size, mass[1], turn=turn)

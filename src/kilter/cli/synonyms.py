@@ -23,6 +23,7 @@ GUESSES = {
     "--gap": ("tolerance", "tol", "eps", "epsilon", "contact-gap"),
     "--angle": ("angle-tolerance", "angular-tolerance"),
     "--clearance": ("play", "slack"),
+    "--centre-within": ("center-within", "com-within", "centre"),
     "--output": ("out", "file", "save", "to"),
     "--write": ("out-file",),
     "--json": ("format", "as-json"),

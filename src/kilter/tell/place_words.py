@@ -40,6 +40,22 @@ def place_sentence(answer: Answer) -> str:
     return f"The part stands {where}: {at['verdict']}."
 
 
+def _limits(answer: Answer) -> str:
+    """Return the limits of mass and centre for which the answer holds; empty if both are given.
+
+    Examples
+    --------
+    >>> _limits({"mass": [5, 8], "center_within": 0.1})
+    'every mass of 5 to 8 kg and every centre within 10 % of the middle'
+    """
+    low, high = answer["mass"]
+    share = answer["center_within"]
+    words = [f"every mass of {number(low)} to {number(high)} kg"] if low < high else []
+    if share:
+        words.append(f"every centre within {number(100 * share)} % of the middle")
+    return " and ".join(words)
+
+
 def place_facts(answer: Answer) -> list[Fact]:
     """Return the lines below the sentence about places, each a term and its words."""
     facts: list[Fact] = []
@@ -50,6 +66,9 @@ def place_facts(answer: Answer) -> list[Fact]:
             facts.append(("heaviest", "any mass is carried there"))
         elif at["heaviest"] is not None:
             facts.append(("heaviest", f"{number(at['heaviest'])} kg are carried there"))
+    limits = _limits(answer)
+    if limits:
+        facts.append(("part", limits))
     for level in reversed(answer["levels"]):
         area = f"{number(level['area'])} {units}^2 in {count(len(level['stands']), 'polygon')}"
         left = f"; open {number(level['open_strip'])} {units}^2" if level["open_strip"] else ""

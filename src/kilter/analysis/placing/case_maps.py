@@ -131,9 +131,7 @@ def combined_levels(maps: Sequence[CaseMap]) -> tuple[LevelMap, ...]:
     )
 
 
-def _combined(
-    height: float, found: list[tuple[CaseMap, LevelMap]], *, complete: bool
-) -> LevelMap:
+def _combined(height: float, found: list[tuple[CaseMap, LevelMap]], *, complete: bool) -> LevelMap:
     """The places of one height, of all cases."""
     stands = [moved(level.stands, -case.offset) for case, level in found]
     falls = union([moved(level.falls, -case.offset) for case, level in found])

@@ -38,8 +38,8 @@ class AtPlace:
     part : Part
         At the place.
     verdicts : tuple of Verdict
-        `kilter.check` of the assembly with the part: a verdict, or one for each corner of its masses
-        and centres.
+        `kilter.check` of the assembly with the part: a verdict, or one for each corner of its
+        masses and centres.
     heaviest : float or None
         Largest mass of the part that is carried there, with each centre [kg]; infinite without a
         limit, None if it is not known.
@@ -73,7 +73,7 @@ class AtPlace:
         level = self.verdict.level
         if len(self.verdicts) == 1:
             return level
-        most = "equilibrium" if self.verdict.program.mu.any() else "proved"
+        most = "equilibrium" if (self.verdict.contacts.patch_mu > 0).any() else "proved"
         return min(level, most, key=level_rank)
 
     def to_dict(self) -> AtPlaceData:

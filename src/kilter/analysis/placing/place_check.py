@@ -12,10 +12,12 @@ from typing import Any
 
 import numpy as np
 import shapely
+from shapely import Geometry
 
 from kilter.analysis.placing.case_maps import bounding_loads, case_prism
 from kilter.analysis.placing.excluded_side import excluded_side, remaining
 from kilter.analysis.placing.landings import Landing, Landings
+from kilter.analysis.placing.place_proofs import part_data
 from kilter.analysis.placing.placed_loads import PlacedLoads
 from kilter.analysis.placing.polygon_sets import (
     both,
@@ -24,7 +26,6 @@ from kilter.analysis.placing.polygon_sets import (
     union,
     without,
 )
-from kilter.analysis.placing.place_proofs import part_data
 from kilter.analysis.placing.uncertain_part import part_cases
 from kilter.analysis.placing.upright_prisms import find_tops
 from kilter.arrays import Array
@@ -70,7 +71,6 @@ MAP = keys(
     cases=list_of(list_of(keys(height=NUMBER, findings=list_of(FINDING)))),
 )
 """Keys of the map of a proof of places."""
-Area = shapely.Geometry
 
 
 def require_place_form(bundle: Mapping[str, Any], names: Sequence[str]) -> None:
@@ -78,19 +78,10 @@ def require_place_form(bundle: Mapping[str, Any], names: Sequence[str]) -> None:
 
     Arguments and errors as for a plan (`kilter.analysis.planning.plan_proof_form`).
     """
-    if "place" in bundle:
-        fault = GIVEN(bundle["place"], "place")
-    else:
-        fault = keys(map=MAP)(bundle, "")
+    form = keys(place=GIVEN) if "place" in bundle else keys(map=MAP)
+    fault = form(bundle, "")
     if fault:
         raise MalformedProof(fault)
-    if "place" in bundle:
-        return
-    for case in bundle["map"]["cases"]:
-        for level in case:
-            for finding in level["findings"]:
-                if finding["top"] is not None and finding["top"] not in names:
-                    raise MalformedProof(f"a top is {finding['top']!r:.40}")
 
 
 def wrong_places(
@@ -133,7 +124,7 @@ def wrong_places(
 
 
 def _wrong_cases(assembly: Assembly, bundle: Mapping[str, Any]) -> Iterator[str]:
-    """Reasons why proofs at a place are not those of all cases of its part, or of one that falls."""
+    """Reasons why proofs at a place are not those of all cases, or of a case that falls."""
     data = bundle["place"]
     given = [entry["change"] for entry in bundle["proofs"]]
     part = _part_of(data["part"])
@@ -155,7 +146,7 @@ def _part_of(data: Mapping[str, Any]) -> Part | None:
     return parts[0] if len(parts) == 1 else None
 
 
-def _polygons(rings: Sequence[Any]) -> Area | None:
+def _polygons(rings: Sequence[Any]) -> Geometry | None:
     """The area of polygons from lists of rings; None if it is not valid."""
     try:
         pieces = [shapely.Polygon(outline, holes) for outline, *holes in rings]
@@ -168,7 +159,7 @@ def _polygons(rings: Sequence[Any]) -> Area | None:
 
 def _proved_places(
     assembly: Assembly, contacts: ContactSet, data: Mapping[str, Any], part: Part, alone: bool
-) -> tuple[dict[float, Area], dict[float, Area]]:
+) -> tuple[dict[float, Geometry], dict[float, Geometry]]:
     """Places by height that are proved to stand, and to fall, for all cases of the part.
 
     `alone`: whether the assembly stands without the part.
@@ -177,8 +168,8 @@ def _proved_places(
     same_height = float(contacts.tolerance.gap_of(np.array([2 * nominal.radius]))[0])
     cases = part_cases(part, tuple(data["mass"]), data["center_within"])
     tops, program = find_tops(assembly), build_program(assembly, contacts)
-    stands: dict[float, list[Area]] = {}
-    falls: dict[float, list[Area]] = {}
+    stands: dict[float, list[Geometry]] = {}
+    falls: dict[float, list[Geometry]] = {}
     for case, levels in zip(cases, data["cases"], strict=False):
         prism, middle = case_prism(case, assembly.units)
         offset = (middle - center)[:2]
@@ -215,14 +206,13 @@ class _LandingCheck:
     ) -> None:
         self.landings, self.landing = landings, landing
         self.loads, self.bound, self.alone = loads, bound, alone
-        self.names = loads.program.names
-        self.tops = {top.part: top for top in landing.tops}
+        self.tops = {loads.program.names[top.part]: top for top in landing.tops}
         self.known = [top for top in landing.tops if top.upright]
 
-    def proved(self, findings: Sequence[Mapping[str, Any]]) -> tuple[Area, Area]:
+    def proved(self, findings: Sequence[Mapping[str, Any]]) -> tuple[Geometry, Geometry]:
         """Places that are proved to stand, and places that are proved to fall."""
-        stands: list[Area] = []
-        falls: list[Area] = []
+        stands: list[Geometry] = []
+        falls: list[Geometry] = []
         for finding in findings:
             low, high = np.array(finding["low"], float), np.array(finding["high"], float)
             if not (high > low).all():
@@ -239,7 +229,7 @@ class _LandingCheck:
         here = self.landing.here
         return both(union(stands), here), both(union(falls), here)
 
-    def _without_forces(self, top: Any) -> tuple[Area, Area]:
+    def _without_forces(self, top: Any) -> tuple[Geometry, Geometry]:
         """Places on a single top that need no forces: on a held part, or with the centre beside."""
         only = self.landings.only(self.landing, top)
         beside = without(only, top.polygon)
@@ -248,9 +238,11 @@ class _LandingCheck:
         on_it = both(only, top.polygon)
         return (on_it, beside) if self.alone else (shapely.Polygon(), only)
 
-    def _single(self, finding: Mapping[str, Any], low: Array, high: Array) -> tuple[Area, Area]:
+    def _single(
+        self, finding: Mapping[str, Any], low: Array, high: Array
+    ) -> tuple[Geometry, Geometry]:
         """Places on a single top that its forces and motions prove."""
-        top = self.tops.get(self.names.index(finding["top"]))
+        top = self.tops.get(finding["top"])
         if top is None or not top.upright or not self.loads.program.free[top.part]:
             return shapely.Polygon(), shapely.Polygon()
         only = self.landings.only(self.landing, top)
@@ -264,7 +256,9 @@ class _LandingCheck:
         inner = both(both(_hull(carried), top.polygon), only)
         return inner, without(both(only, shapely.box(*low, *high)), left)
 
-    def _several(self, finding: Mapping[str, Any], low: Array, high: Array) -> tuple[Area, Area]:
+    def _several(
+        self, finding: Mapping[str, Any], low: Array, high: Array
+    ) -> tuple[Geometry, Geometry]:
         """Places in a rectangle, on several tops, that its forces and motions prove."""
         cell, height, middle = shapely.box(*low, *high), self.landing.height, (low + high) / 2
         nowhere = shapely.Polygon()
@@ -301,7 +295,7 @@ def _balances(program: Program, place: Mapping[str, Any]) -> bool:
 
 def _left(
     program: Program, wrenches: Array, low: Array, high: Array, motions: Sequence[Any]
-) -> Area:
+) -> Geometry:
     """Places of a rectangle that motions do not exclude; the load is at its middle."""
     middle, half = (low + high) / 2, (high - low) / 2
     whole = shapely.box(*-half, *half)
@@ -315,7 +309,7 @@ def _left(
     return moved(left, middle)
 
 
-def _hull(places: Sequence[Any]) -> Area:
+def _hull(places: Sequence[Any]) -> Geometry:
     if len(places) < 3:
         return shapely.Polygon()
     return shapely.convex_hull(shapely.multipoints(np.array(places, float)))

@@ -27,7 +27,6 @@ from kilter.analysis.placing.placed_loads import PlacedLoads
 from kilter.analysis.placing.polygon_sets import (
     NOTHING,
     both,
-    moved,
     polygons_of,
     union,
     without,
@@ -197,8 +196,7 @@ class PlaceMap:
             stands.append(inner)
             falls.append(out)
             if not settled:
-                left = without(cell, union([inner, out]))
-                rest += self._halves(left, low, high)
+                rest += self._halves(cell, union([inner, out]), low, high)
         return stands, falls
 
     def _decided(
@@ -249,25 +247,21 @@ class PlaceMap:
         ]
         return [part for cell in cells for part in polygons_of(cell)]
 
-    def _halves(self, left: shapely.Geometry, low: Array, high: Array) -> list[shapely.Geometry]:
+    def _halves(
+        self, cell: shapely.Geometry, decided: shapely.Geometry, low: Array, high: Array
+    ) -> list[shapely.Geometry]:
         """Halves of the places of a cell that are left; none of a strip that is thin enough."""
         halves = []
-        for piece in polygons_of(left):
-            if piece.buffer(-self.strip / 2).is_empty:
-                continue
-            # halve across the strip: along it the areas of contact may move without any effect
-            around = shapely.get_coordinates(shapely.minimum_rotated_rectangle(piece))
-            sides = np.diff(around[:3], axis=0)
-            lengths = np.linalg.norm(sides, axis=1)
-            across = np.abs(sides[lengths.argmin()])
+        for piece in polygons_of(without(cell, decided)):
             least, most = np.array(piece.bounds[:2]), np.array(piece.bounds[2:])
-            if lengths.min() > 0.5 * lengths.max():
-                across = most - least
-            axis = int(across.argmax())
-            middle = (least[axis] + most[axis]) / 2
+            if piece.buffer(-self.strip / 2 * THIN).is_empty:
+                continue
             if (most - least < (high - low) * SHRUNK).any():  # the rectangle alone is sharper
                 halves.append(piece)
                 continue
+            across = most - least if decided.is_empty else _across(piece)
+            axis = int(across.argmax())
+            middle = (least[axis] + most[axis]) / 2
             for sign in (0, 1):
                 first, last = least.copy(), most.copy()
                 (last if sign == 0 else first)[axis] = middle
@@ -327,6 +321,25 @@ class PlaceMap:
 SHRUNK = 0.7
 """Share of a side of a rectangle below which the places left in it are searched again as a whole:
 their own rectangle has more sure and fewer possible areas."""
+
+
+def _across(area: shapely.Geometry) -> Array:
+    """Extent of an area along x and y; of a strip, across it: along it the areas move freely."""
+    around = shapely.get_coordinates(shapely.minimum_rotated_rectangle(area))
+    bounds = np.array(area.bounds)
+    if len(around) < 4:
+        return np.asarray(bounds[2:] - bounds[:2])
+    sides = np.diff(around[:3], axis=0)
+    lengths = np.linalg.norm(sides, axis=1)
+    if lengths.min() > STRIP * lengths.max():
+        return np.asarray(bounds[2:] - bounds[:2])
+    return np.asarray(np.abs(sides[lengths.argmin()]))
+
+
+THIN = 0.75
+"""Width of a strip that is not searched further [accuracies]."""
+STRIP = 0.5
+"""Ratio of the sides of a rectangle below which it is a strip [-]."""
 
 
 def _equal_areas(first: dict[int, shapely.Geometry], second: dict[int, shapely.Geometry]) -> bool:

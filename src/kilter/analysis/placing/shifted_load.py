@@ -190,9 +190,7 @@ class ShiftedLoad:
         cost = np.zeros(total + 2)
         return ConicProgram(quadratic, cost, matrix, bound, balance.shape[0], positive + 4, sizes)
 
-    def _farthest(
-        self, direction: Array
-    ) -> tuple[tuple[Array, ForceProof] | None, Array | None]:
+    def _farthest(self, direction: Array) -> tuple[tuple[Array, ForceProof] | None, Array | None]:
         """The farthest carried shift along a direction with its forces, and a motion.
 
         None without a proof by forces; the motion is None without multipliers.

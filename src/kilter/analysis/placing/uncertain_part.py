@@ -101,7 +101,8 @@ def _shifts(part: Part, vertices: Array, share: float) -> list[Array]:
         size = np.ptp(vertices, axis=0)
         level = [np.array([size[0], 0, 0]), np.array([0, size[1], 0])]
     return [
-        share * (first * level[0] + second * level[1]) for first, second in product((-1, 1), (-1, 1))
+        share * (first * level[0] + second * level[1])
+        for first, second in product((-1, 1), (-1, 1))
     ]
 
 

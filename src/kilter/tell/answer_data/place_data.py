@@ -52,6 +52,15 @@ class PlaceData(TypedDict):
     ]
     at: AtPlaceData | None
     heaviest: float | None
+    mass: Annotated[
+        list[float], Field(min_length=2, max_length=2, description="least and largest mass [kg]")
+    ]
+    center_within: Annotated[
+        float,
+        Field(
+            description="largest shift of the centre of mass along each axis [sizes of the part]"
+        ),
+    ]
     stands: bool
     undecided: Annotated[bool, Field(description="whether open places or contacts remain")]
     level: str | None
