@@ -6,7 +6,6 @@ import contextlib
 import csv
 import json
 import os
-import resource
 import signal
 import subprocess
 import sys
@@ -29,6 +28,7 @@ from kilter.errors import InputError, KilterError
 from kilter.scenes.packings import box_pile
 
 FILES = 24
+POSIX = pytest.mark.skipif(os.name != "posix", reason="signals and processes of POSIX")
 
 
 @pytest.fixture(scope="module")
@@ -199,6 +199,7 @@ def test_workers_that_do_not_come_up_blame_no_assembly(
     assert not list(tmp_path.glob("*part-*"))
 
 
+@POSIX
 @pytest.mark.slow
 def test_a_killed_worker_costs_no_row_and_blames_none(piles: Path, tmp_path: Path) -> None:
     run = begun(piles, tmp_path)
@@ -218,6 +219,7 @@ def test_tables_are_the_same_bytes_with_any_number_of_processes(
         assert part.read_bytes() == (tmp_path / "3" / part.name).read_bytes()
 
 
+@POSIX
 @pytest.mark.slow
 def test_a_run_that_is_killed_eight_times_at_random_ends_whole(piles: Path, tmp_path: Path) -> None:
     random = np.random.default_rng(7)
@@ -234,6 +236,7 @@ def test_a_run_that_is_killed_eight_times_at_random_ends_whole(piles: Path, tmp_
     require_whole(piles, tmp_path)
 
 
+@POSIX
 @pytest.mark.slow
 def test_an_interrupted_run_ends_within_a_second_and_goes_on_where_it_was(
     piles: Path, tmp_path: Path
@@ -249,8 +252,11 @@ def test_an_interrupted_run_ends_within_a_second_and_goes_on_where_it_was(
     require_whole(piles, tmp_path)
 
 
+@POSIX
 @pytest.mark.slow
 def test_a_full_disk_is_told_and_what_is_there_stays(piles: Path, tmp_path: Path) -> None:
+    import resource
+
     def no_room() -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (400, 400))
 
@@ -284,6 +290,7 @@ def disk(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Path]:
     subprocess.run(["umount", "-l", str(place)], check=True)
 
 
+@POSIX
 @pytest.mark.slow
 @pytest.mark.parametrize("free", [0, 6])
 def test_a_disk_that_fills_up_is_told_and_the_run_goes_on_when_there_is_room(
@@ -333,6 +340,7 @@ def test_tables_are_parquet_where_pyarrow_is(
     assert (again.found_there, again.counts) == (FILES, first.counts)
 
 
+@POSIX
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_a_cluster_that_loses_a_worker_finishes(piles: Path, tmp_path: Path) -> None:

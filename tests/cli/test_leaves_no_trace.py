@@ -23,6 +23,8 @@ import kilter.files
 from kilter.cli import main
 from kilter.scenes import scene
 
+POSIX = pytest.mark.skipif(os.name != "posix", reason="signals and processes of POSIX")
+
 COMMANDS = {
     "check": (["check", "tower.kilter.json", "--proof", "p.json"], 0),
     "check with friction": (["check", "wall.kilter.json", "--friction", "0.6", "--json"], 0),
@@ -92,7 +94,7 @@ def mask() -> int:
 
 
 @pytest.mark.quick(1)
-@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+@POSIX
 @pytest.mark.parametrize(
     "name", [one if one in QUICK else pytest.param(one, marks=pytest.mark.slow) for one in COMMANDS]
 )
@@ -113,6 +115,7 @@ def test_a_command_changes_nothing_of_the_process(
     assert [key for key, value in was.items() if now[key] != value] == []
 
 
+@POSIX
 @pytest.mark.slow
 def test_a_fault_changes_nothing_either(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -129,6 +132,7 @@ def test_a_fault_changes_nothing_either(
     assert [key for key, value in was.items() if now[key] != value] == []
 
 
+@POSIX
 def test_a_command_in_a_thread_of_somebody_else(capsys: pytest.CaptureFixture[str]) -> None:
     """No signal can be set there, and none is."""
     main(["check", "tower.kilter.json"])
