@@ -1,0 +1,85 @@
+"""The version and the address have a single place each, and reach every file that states them."""
+
+from __future__ import annotations
+
+import datetime
+import importlib.util
+import json
+import shutil
+import tomllib
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+import kilter
+
+ROOT = Path(__file__).resolve().parents[1]
+PROGRAMS = ROOT / ".ci"
+pytestmark = pytest.mark.skipif(
+    not (PROGRAMS / "release.py").is_file(), reason="a source distribution has no folder .ci"
+)
+FILES = (
+    "src/kilter/__init__.py", "CITATION.cff", "conda/recipe.yaml", "CHANGELOG.md", "pyproject.toml",
+    "mkdocs.yml", "README.md", ".github/ISSUE_TEMPLATE/config.yml",
+)  # fmt: skip
+REPOSITORY, SITE = "https://github.com/owner/kilter", "https://owner.github.io/kilter"
+
+
+def program(name: str) -> ModuleType:
+    """A program of the folder .ci as a module."""
+    spec = importlib.util.spec_from_file_location(name, PROGRAMS / f"{name}.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture
+def copy(tmp_path: Path) -> Path:
+    """The files that a release or an address changes, and the notebooks."""
+    notebooks = [path.relative_to(ROOT).as_posix() for path in (ROOT / "examples").glob("*.ipynb")]
+    for name in (*FILES, *notebooks):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / name, tmp_path / name)
+    return tmp_path
+
+
+def test_each_file_states_the_version_of_the_package() -> None:
+    assert set(program("release").versions().values()) == {kilter.__version__}
+
+
+def test_a_release_sets_the_version_and_dates_the_changelog(copy: Path) -> None:
+    release = program("release")
+    for version in ("0.2.0", "0.3.0"):
+        release.set_version(version, datetime.date(2027, 1, 31), copy)
+        assert set(release.versions(copy).values()) == {version}
+    changes = (copy / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert changes.index("## [Unreleased]") < changes.index("## [0.3.0] - 2027-01-31")
+    assert changes.index("## [0.3.0]") < changes.index("## [0.2.0]")
+    citation = (copy / "CITATION.cff").read_text(encoding="utf-8")
+    assert citation.count("date-released: 2027-01-31") == 1
+    with pytest.raises(SystemExit, match="is no version: give three numbers"):
+        release.set_version("0.3", datetime.date(2027, 1, 31), copy)
+
+
+def test_an_address_reaches_each_file_and_can_be_changed(copy: Path) -> None:
+    address = program("set_address")
+    untouched = {path: path.read_bytes() for path in copy.rglob("*") if path.is_file()}
+    address.set_address("https://example.org/a/b", "https://example.org/c", copy)
+    address.set_address(REPOSITORY, SITE, copy)
+    for path, before in untouched.items():
+        text = path.read_text(encoding="utf-8")
+        assert "example.org" not in text
+        unchanged = {"CHANGELOG.md", "__init__.py"}
+        assert (path.read_bytes() == before) == (path.name in unchanged), path.name
+    with open(copy / "pyproject.toml", "rb") as stream:
+        urls = tomllib.load(stream)["project"]["urls"]
+    assert urls["Repository"] == REPOSITORY
+    assert urls["Documentation"] == SITE
+    for path in (copy / "examples").glob("*.ipynb"):
+        first = json.loads(path.read_text(encoding="utf-8"))["cells"][0]
+        assert "".join(first["source"]).count(f"/owner/kilter/blob/main/examples/{path.name}") == 1
+    with pytest.raises(SystemExit, match="kilter is no address: give https://HOST/OWNER/NAME"):
+        address.set_address("kilter", SITE, copy)
