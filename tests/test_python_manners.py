@@ -36,6 +36,7 @@ from kilter import (
     Sphere,
 )
 from kilter.assembly.verb_keywords import KEYWORDS
+from kilter.cli import main
 from kilter.scenes import scene
 
 CORNERS = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
@@ -500,6 +501,21 @@ def test_answers_travel_as_text_and_as_files(verb: str, tmp_path: Any) -> None:
             loaded.part("uper")
         with pytest.raises(AttributeError, match="no key 'verdit'"):
             loaded.verdit  # noqa: B018
+
+
+@pytest.mark.quick(3)
+@pytest.mark.parametrize(
+    "verb", ["check", "contacts", "region", "orient", "margin", "transport", "plan", "hold"]
+)
+def test_the_sentence_of_an_answer_is_the_first_line_of_its_command(
+    verb: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    kilter.dump(stack(0.2), tmp_path / "stack.kilter.json")
+    main([verb, str(tmp_path / "stack.kilter.json")])
+    printed = " ".join(capsys.readouterr().out.split())
+    sentence = getattr(kilter, verb)(stack(0.2)).sentence
+    assert len(sentence) > 20
+    assert printed.startswith(" ".join(sentence.split()))
 
 
 @pytest.mark.parametrize(

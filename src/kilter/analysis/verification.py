@@ -38,7 +38,7 @@ from kilter.mechanics.proof import digest_of
 from kilter.mechanics.proof_form import MalformedProof, require_form
 from kilter.mechanics.recheck import recheck
 from kilter.second_order.proofs.second_order_recheck import recheck_second_order
-from kilter.tell.json_answer import Answer
+from kilter.tell.json_answer import AnswerInWords
 
 if TYPE_CHECKING:
     from kilter.tell.answer_data.other_data import VerifyData
@@ -47,7 +47,7 @@ __all__ = ["Verification", "proof_tolerance", "verify", "verify_proof"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Verification(Answer):
+class Verification(AnswerInWords):
     """Result of the verification of a proof: whether it holds, its errors, and the verdict.
 
     Attributes

@@ -38,7 +38,7 @@ from kilter.contact.open_pairs import OpenPair, still_open
 from kilter.contact.patch import Patch
 from kilter.errors import InputError
 from kilter.tell.contact_words import copy_warnings, overlap_warnings
-from kilter.tell.json_answer import Answer
+from kilter.tell.json_answer import AnswerInWords
 
 if TYPE_CHECKING:
     from kilter.tell.answer_data.common_data import LoneData, NeighbourData
@@ -59,7 +59,7 @@ LISTED = 1000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ContactSet(Answer):
+class ContactSet(AnswerInWords):
     """Contact patches between parts; world frame, length unit of the file.
 
     All arrays are read-only. ``for patch in contacts`` yields each `kilter.Patch`.

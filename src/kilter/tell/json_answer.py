@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-__all__ = ["SCHEMA_VERSION", "Answer"]
+__all__ = ["SCHEMA_VERSION", "Answer", "AnswerInWords"]
 
 SCHEMA_VERSION = 1
 """Version of the data of all answers; a key that is removed or changes its meaning raises it."""
@@ -37,3 +37,16 @@ class Answer:
         """
         data = {"answer": self.answer, "schema": SCHEMA_VERSION, **self.to_dict()}
         return json.dumps(data, indent=indent, ensure_ascii=False, allow_nan=False)
+
+
+class AnswerInWords(Answer):
+    """Base class of answers whose sentence is made from their data."""
+
+    __slots__ = ()
+
+    @property
+    def sentence(self) -> str:
+        """The answer in a sentence: the first line that the command prints."""
+        from kilter.tell.tables import sentences
+
+        return sentences(self.to_dict())[0]

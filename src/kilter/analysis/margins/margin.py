@@ -38,7 +38,7 @@ from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance
 from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.program import Program, build_program
-from kilter.tell.json_answer import Answer
+from kilter.tell.json_answer import AnswerInWords
 from kilter.threads import on_one_thread
 from kilter.work import EFFORT, Work, units_of
 
@@ -50,7 +50,7 @@ __all__ = ["Margin", "margin"]
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Margin(Answer):
+class Margin(AnswerInWords):
     """The limits up to which an assembly holds: tilt, friction, load factor and pushes.
 
     Attributes

@@ -27,7 +27,7 @@ from kilter.errors import InputError
 from kilter.files.packing_lists import PackedBox, PackingPlan, load_plan
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box
-from kilter.tell.json_answer import Answer
+from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import REQUIRE, holds, level_rank, require_level
 from kilter.tell.packing_words import packing_sentence
 from kilter.threads import on_one_thread
@@ -79,7 +79,7 @@ class CheckedItem:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class CheckedPlan(Answer):
+class CheckedPlan(AnswerInWords):
     """Answer of `kilter.check_plan`: the items of a packing plan, each with its verdict.
 
     Attributes

@@ -35,7 +35,7 @@ from kilter.contact import ContactSet, Tolerance, detect
 from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box
-from kilter.tell.json_answer import Answer
+from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import REQUIRE, holds, require_level
 from kilter.tell.place_words import place_sentence
 from kilter.threads import on_one_thread
@@ -52,7 +52,7 @@ ACCURACY = 2e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Places(Answer):
+class Places(AnswerInWords):
     """Answer of `kilter.place`: where a part stands on an assembly.
 
     Attributes

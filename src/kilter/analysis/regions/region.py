@@ -45,7 +45,7 @@ from kilter.mechanics.certificate import ForceProof
 from kilter.mechanics.program import build_program
 from kilter.tell.cells import InCells
 from kilter.tell.html import html_of
-from kilter.tell.json_answer import Answer
+from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.region_facts import region_phrase
 from kilter.threads import on_one_thread
 from kilter.work import stop_after
@@ -64,7 +64,7 @@ single direction proves that these pairs decide."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Region(InCells, Answer):
+class Region(InCells, AnswerInWords):
     """Every direction of gravity for which an assembly holds, in the frame of the assembly.
 
     Without friction (`friction` is False) a direction in it is stable. With friction a

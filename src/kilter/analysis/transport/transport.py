@@ -48,7 +48,7 @@ from kilter.errors import InputError, TimeLimitReached
 from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.certificate import part_sizes
 from kilter.mechanics.program import Program, build_program
-from kilter.tell.json_answer import Answer
+from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import REQUIRE, holds, level_rank, require_level
 from kilter.tell.transport_facts import transport_sentence
 from kilter.tell.words import motion_words
@@ -152,7 +152,7 @@ class CarriedCase:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Transport(Answer):
+class Transport(AnswerInWords):
     """Answer of `kilter.transport`: accelerations under which an assembly stays in place.
 
     Attributes

@@ -21,7 +21,7 @@ from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import Evidence, make_proof
 from kilter.tell.hold_words import hold_sentence
 from kilter.tell.html import html_of
-from kilter.tell.json_answer import Answer
+from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import holds
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ __all__ = ["Fixture"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Fixture(Answer):
+class Fixture(AnswerInWords):
     """Answer of `kilter.hold`: the fewest supports, or the proof that all candidates together fail.
 
     Attributes

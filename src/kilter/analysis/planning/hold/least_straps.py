@@ -38,7 +38,7 @@ from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import Evidence, make_proof
 from kilter.mechanics.rows import STRAP
 from kilter.tell.hold_words import hold_sentence
-from kilter.tell.json_answer import Answer
+from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import holds
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ MOTIONS = 1000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Lashing(Answer):
+class Lashing(AnswerInWords):
     """Answer of `kilter.hold` with candidate straps: the fewest of them, or why there are none.
 
     Attributes

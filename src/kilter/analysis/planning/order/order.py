@@ -27,7 +27,7 @@ from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.tell.cells import InCells
 from kilter.tell.html import html_of
-from kilter.tell.json_answer import Answer
+from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import holds
 from kilter.tell.numbers import count
 from kilter.tell.plan_words import order_sentence
@@ -39,7 +39,7 @@ __all__ = ["Order"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Order(InCells, Answer):
+class Order(InCells, AnswerInWords):
     """Answer of `kilter.plan`: an order of assembly, or the proof that no order exists.
 
     Attributes
