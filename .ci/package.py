@@ -3,6 +3,7 @@
 python .ci/package.py             build into a temporary folder, and check files and metadata
 python .ci/package.py --pythons   also install the wheel on each Python from 3.11 to 3.13 here
 python .ci/package.py --extras    also resolve each extra, without installing it
+python .ci/package.py --notebooks run each notebook in a new environment, from the wheel
 python .ci/package.py -o dist     keep the distributions
 
 The checks need the extra `release`.
@@ -127,11 +128,28 @@ def resolve(wheel: Path) -> None:
         print(f"extra {name}: resolves")
 
 
+def run_notebooks(wheel: Path, folder: Path) -> None:
+    """Run each notebook in an environment with the wheel and the extras that the notebook names."""
+    sys.path.insert(0, str(ROOT / "docs"))
+    from run_notebooks import extras
+
+    for path in sorted((ROOT / "examples").glob("*.ipynb")):
+        place = folder / path.stem
+        run(sys.executable, "-m", "venv", place)
+        commands = place / ("Scripts" if sys.platform == "win32" else "bin")
+        package = f"{wheel}[{extras(path)},notebook]"
+        run(commands / "python", "-m", "pip", "install", "--quiet", package)
+        run(commands / "python", ROOT / "docs/run_notebooks.py", "--compare", path.stem)
+        print(f"{path.name}: runs with {extras(path)}, and prints the kept text")
+        shutil.rmtree(place)
+
+
 def main() -> None:
     """Build and check."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--pythons", action="store_true")
     parser.add_argument("--extras", action="store_true")
+    parser.add_argument("--notebooks", action="store_true")
     parser.add_argument("-o", dest="out", type=Path)
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as temporary:
@@ -146,6 +164,8 @@ def main() -> None:
                 install(wheel, version, python, folder)
         if given.extras:
             resolve(wheel)
+        if given.notebooks:
+            run_notebooks(wheel, folder)
         if given.out:
             given.out.mkdir(parents=True, exist_ok=True)
             for path in (wheel, source):

@@ -2,6 +2,7 @@
 
 python docs/run_notebooks.py            run all notebooks and write their outputs
 python docs/run_notebooks.py architect  run one
+python docs/run_notebooks.py --compare  write nothing; exit 1 if a printed text has changed
 
 Needs the extras `notebook`, `figures` and `step`. Numbers of execution and timing are removed, so
 that a notebook changes only if an output changes.
@@ -11,6 +12,7 @@ from __future__ import annotations
 
 import base64
 import io
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -70,15 +72,34 @@ def texts(notebook: Any) -> list[str]:
     ]
 
 
-def main() -> None:
-    """Run the named notebooks, or all."""
+def extras(path: Path) -> str:
+    """Extras that a notebook names in its installation command, with commas."""
     import nbformat
 
+    text = nbformat.read(path, as_version=4).cells[0].source
+    found = re.search(r'pip install "kilter\[([a-z,]+)\]"', text)
+    if not found:
+        raise ValueError(f"{path.name}: its first cell names no installation command")
+    return found[1]
+
+
+def main() -> int:
+    """Run the named notebooks, or all; return the exit code."""
+    import nbformat
+
+    names = [word for word in sys.argv[1:] if word != "--compare"]
+    changed = 0
     for path in sorted(FOLDER.glob("*.ipynb")):
-        if sys.argv[1:] and path.stem not in sys.argv[1:]:
+        if names and path.stem not in names:
             continue
-        nbformat.write(executed(path), path)
+        new = executed(path)
+        if "--compare" not in sys.argv:
+            nbformat.write(new, path)
+        elif texts(new) != texts(nbformat.read(path, as_version=4)):
+            sys.stderr.write(f"{path.name}: its printed text has changed\n")
+            changed = 1
+    return changed
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -108,7 +108,7 @@ class DirectionLimit:
             "upper": finite(self.value * program.g),
             "g": finite(self.value),
             "moves": [first["part"] for first in motion],
-            "how": motion[0]["words"] if motion else "",
+            "how": _kind_of_motion(motion[0]["words"]) if motion else "",
             "least": self.name == "least",
             "motion": motion,
             "limit": self.limit.to_dict(program),
@@ -633,6 +633,15 @@ def _polar_answer(polar: Slice) -> PolarData:
         "reach": polar.reach.tolist(),
         "gap": finite(polar.gap),
     }
+
+
+def _kind_of_motion(words: str) -> str:
+    """Name of a motion, "slides" or "tips", without its direction; other motions keep their words.
+
+    The direction of a slide in a mechanism includes the opening that its proof assumes.
+    """
+    first = words.split(maxsplit=1)[0]
+    return first if first in ("slides", "tips") else words
 
 
 def carried_at(verdicts: Sequence[Verdict], require: str) -> bool | None:

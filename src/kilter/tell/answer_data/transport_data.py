@@ -41,7 +41,7 @@ class DirectionLimitData(TypedDict):
     upper: Annotated[float | None, Field(description="proved not to be carried beyond [m/s^2]")]
     g: Annotated[float | None, Field(description="upper, in units of g; null: unlimited")]
     moves: Annotated[list[str], Field(description="parts that move first, the fastest first")]
-    how: Annotated[str, Field(description="how the first of them moves, in words")]
+    how: Annotated[str, Field(description="slides, tips, or other words: the first of them")]
     least: Annotated[bool, Field(description="whether it is the weakest horizontal direction")]
     motion: list[FirstMotionData]
     limit: LimitData
