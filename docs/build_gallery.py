@@ -1,4 +1,4 @@
-"""A hook of mkdocs that adds the gallery and the live page of the home page to the site.
+"""A hook of mkdocs that adds the gallery and the live pages of six assemblies to the site.
 
 Both are computed from the library of scenes in each build and are not kept in the repository.
 ``KILTER_GALLERY=3`` builds only the first three scenes, for a quick look.
@@ -11,8 +11,16 @@ import os
 from typing import Any
 
 PAGE = "gallery.md"
-LIVE = "corner-wedges"
-"""The scene of the home page: its ball has a region with an inside and an outside."""
+LIVE = (
+    "corner-wedges",
+    "arch",
+    "paper-figure-8",
+    "wall-with-opening",
+    "keystone",
+    "mortared-corbel",
+)
+"""Scenes with a live page; the first is that of the home page: its ball has a region with an inside
+and an outside."""
 EFFORT = 1
 """Effort of each verdict with friction."""
 WORDS = {
@@ -49,22 +57,27 @@ def drawn(scene: Any) -> tuple[bytes, str]:
     return picture, entry
 
 
-def live() -> str:
-    """The page of `kilter report` of the scene that the home page shows."""
+def live(name: str) -> str:
+    """The page of `kilter report` of a scene."""
     import kilter
-    from kilter.scenes import scene
+    from kilter.scenes import SCENES
 
-    return kilter.report(scene(LIVE), title="Six wedges in a corner").html
+    title = SCENES[name].title
+    return kilter.report(SCENES[name].build(), title=f"{title[0].upper()}{title[1:]}").html
 
 
 def on_files(files: Any, *, config: Any) -> Any:
     """Add the live page and the pictures, and replace the introduction by the whole gallery."""
     from mkdocs.structure.files import File
 
-    files.append(File.generated(config, f"live/{LIVE}.html", content=live()))
+    from kilter.scenes import SCENES
+
+    for name in LIVE:
+        files.append(File.generated(config, f"live/{name}.html", content=live(name)))
 
     page = files.get_file_from_path(PAGE)
-    parts = [page.content_string]
+    links = [f"- [{SCENES[name].title}](live/{name}.html)\n" for name in LIVE]
+    parts = [page.content_string, "\n", *links]
     for scene in chosen():
         picture, entry = drawn(scene)
         files.append(File.generated(config, f"gallery/{scene.name}.png", content=picture))

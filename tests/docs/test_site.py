@@ -38,6 +38,11 @@ def test_the_site_is_built_strictly_and_works_offline(tmp_path: Path) -> None:
         )
         asked += re.findall(r"<link[^>]*rel=[\"']?(?:stylesheet|preconnect|icon)[^>]*>", text)
         assert not [a for a in asked if "http" in a], page.name
+    live = sorted((site / "live").glob("*.html"))
+    assert len(live) == 6
+    for page in live:
+        assert f"live/{page.name}" in (site / "gallery.html").read_text(encoding="utf-8")
+        assert "<canvas" in page.read_text(encoding="utf-8")
     shown = (site / "gallery.html").read_text(encoding="utf-8")
     assert "gallery/paper-figure-1.png" in shown
     assert (site / "gallery" / "paper-figure-1.png").stat().st_size > 10_000
