@@ -2,8 +2,8 @@
 
 python docs/build_defaults.py
 
-A default of None stands for a value that depends on the assembly; its meaning is the sentence of the
-docstring that contains the word "default".
+A default of None stands for a value that depends on the assembly; its meaning is the sentence of
+the docstring that contains the word "default".
 """
 
 from __future__ import annotations
