@@ -85,7 +85,8 @@ def messages() -> list[str]:
 def prose(path: Path) -> str:
     """The text of a document without its code."""
     text = path.read_text(encoding="utf-8")
-    return re.sub(r"`[^`]*`", "", re.sub(r"```.*?```", "", text, flags=re.S))
+    text = re.sub(r"```.*?```|<code>.*?</code>", "", text, flags=re.S)
+    return re.sub(r"`[^`]*`", "", text)
 
 
 def page_strings() -> list[str]:
