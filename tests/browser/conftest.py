@@ -10,11 +10,14 @@ from typing import Any
 
 import pytest
 from opened_page import Opened
+from workbench_page import WorkbenchPage
 
 import kilter
+from kilter import Assembly
 from kilter.analysis.everything import everything
 from kilter.scenes import scene
 from kilter.show.page import render
+from kilter.workbench.server import Workbench
 
 CHROMIUM = os.environ.get("KILTER_CHROMIUM") or shutil.which("chromium")
 ARGUMENTS = [
@@ -101,3 +104,54 @@ def opened(chromium: Any, pages: Callable[[str], Path]) -> Iterator[Callable[...
         assert len(one.asked) == 1
     for context in contexts:
         context.close()
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("bench")
+
+
+@pytest.fixture(scope="module")
+def bench(folder: Path) -> Iterator[Workbench]:
+    with Workbench(None, folder=folder) as workbench:
+        yield workbench
+
+
+@pytest.fixture(autouse=True)
+def no_earlier_session(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The changes of a dropped file are kept in the user's folder: each test has its own."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+
+
+@pytest.fixture
+def user(chromium: Any, bench: Workbench, folder: Path) -> Iterator[Callable[..., WorkbenchPage]]:
+    """Function that opens a file of the folder on a page; page errors fail the test."""
+    pages: list[WorkbenchPage] = []
+
+    def open_(what: Assembly | str | None, **options: Any) -> WorkbenchPage:
+        options.setdefault("viewport", {"width": 1360, "height": 900})
+        context = chromium.new_context(**options)
+        page = WorkbenchPage(context.new_page(), bench, folder)
+        pages.append(page)
+        page.begin()
+        if page.js("Boolean(window.bench.session.file)"):
+            page.js("window.bench.act({do: 'close'})")
+            page.until("!window.bench.session.file")
+        for path in folder.iterdir():
+            path.unlink()
+        if isinstance(what, str):
+            what = scene(what)
+        if what is not None:
+            kilter.dump(what, folder / "file.kilter.json")
+        page.page.reload()
+        page.begin()
+        if what is not None:
+            page.after(lambda: page.page.click("#listed button"))
+        return page
+
+    yield open_
+    for page in pages:
+        # the browser itself reports a refused upload or export
+        assert [fault for fault in page.faults if "status of 409" not in fault] == []
+        assert all(url.startswith(("http://127.0.0.1", "blob:http://127")) for url in page.asked)
+        page.page.context.close()

@@ -6,169 +6,27 @@ import base64
 import json
 import shlex
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 import trimesh
-from opened_page import Opened
 from test_tools_in_chromium import AXE, spot, violations
+from workbench_page import WorkbenchPage, loaded
 
 import kilter
 from kilter import Assembly, Box, Part, Pose
 from kilter.cli import main
 from kilter.scenes import scene
 from kilter.scenes.walls import wall_of
-from kilter.tell.words import VERDICTS
 from kilter.workbench import server
 from kilter.workbench.server import Workbench
 
 pytestmark = pytest.mark.browser
 
 AS1 = Path(__file__).resolve().parents[3] / "shared" / "data" / "cax-if" / "as1-oc-214.stp"
-ANSWERED = (
-    "(() => { const d = document.getElementById('banner').dataset; const s = window.bench.session;"
-    " return d.stale === 'false' && ['complete', 'problem'].includes(d.phase)"
-    " && d.state === String(s.state); })()"
-)
 HOSTILE = "<img src=x onerror=window.hit=1>"
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("bench")
-
-
-@pytest.fixture(scope="module")
-def bench(folder: Path) -> Iterator[Workbench]:
-    with Workbench(None, folder=folder) as workbench:
-        yield workbench
-
-
-@pytest.fixture(autouse=True)
-def no_earlier_session(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The changes of a dropped file are kept in the user's folder: each test has its own."""
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
-
-
-class Page(Opened):
-    """A page of the workbench with a user who clicks."""
-
-    def __init__(self, page: Any, bench: Workbench, folder: Path) -> None:
-        super().__init__(page)
-        self.bench, self.folder = bench, folder
-
-    def begin(self) -> Page:
-        self.page.goto(self.bench.url)
-        self.until("Boolean(window.bench && window.bench.session)")
-        return self
-
-    def answered(self) -> Page:
-        """Wait for the complete answer of the present state."""
-        self.until(ANSWERED, 60)
-        return self
-
-    def after(self, act: Callable[[], Any]) -> Page:
-        """Act, wait until the server has taken the change, and wait for its complete answer."""
-        state = self.js("window.bench.session.state")
-        act()
-        self.until(f"window.bench.session.state > {state}")
-        return self.answered()
-
-    def click(self, selector: str) -> Page:
-        return self.after(lambda: self.page.click(selector))
-
-    def enter(self, field: str, text: str) -> Page:
-        """Write into a field and press Enter."""
-        self.page.fill(f"#{field}", text)
-        return self.after(lambda: self.page.press(f"#{field}", "Enter"))
-
-    def choose(self, *names: str) -> Page:
-        self.js(
-            "names => { const all = window.kilter.page.parts.full_names;"
-            " window.kilter.choose(names.map(n => all.indexOf(n))); }",
-            list(names),
-        )
-        return self
-
-    def tab_to(self, selector: str) -> Page:
-        """Press the tab key until an element has the focus."""
-        for _ in range(160):
-            if self.js("s => document.activeElement.matches(s)", selector):
-                return self
-            self.page.keyboard.press("Tab")
-        raise AssertionError(f"the tab key does not reach {selector}")
-
-    def press(self, *keys: str) -> Page:
-        for key in keys:
-            self.page.keyboard.press(key)
-        return self
-
-    def choices(self) -> dict[str, Any]:
-        return self.js("window.bench.session.choices")
-
-    def command_agrees(self, capsys: Any, monkeypatch: Any) -> dict[str, Any]:
-        """Run the shown command, and compare its answer with the page; returns the answer."""
-        session = self.js("window.bench.session")
-        if session["command_needs_save"]:
-            self.page.click("#save")
-            self.until("!window.bench.session.dirty")
-        words = shlex.split(self.text("command"))
-        assert words[0] == "kilter"
-        monkeypatch.chdir(self.folder)
-        capsys.readouterr()
-        main([*words[1:], "--json"])
-        answer: dict[str, Any] = json.loads(capsys.readouterr().out)
-        assert self.text("verdict") == VERDICTS[answer["verdict"]]
-        moving = self.js(
-            "(window.kilter.found.moving || []).map(k => window.kilter.page.parts.full_names[k])"
-        )
-        assert moving == [part["name"] for part in answer["parts"] if part["moves"]]
-        return answer
-
-
-@pytest.fixture
-def user(chromium: Any, bench: Workbench, folder: Path) -> Iterator[Callable[..., Page]]:
-    """Function that opens a file of the folder on a page; page errors fail the test."""
-    pages: list[Page] = []
-
-    def open_(what: Assembly | str | None, **options: Any) -> Page:
-        options.setdefault("viewport", {"width": 1360, "height": 900})
-        context = chromium.new_context(**options)
-        page = Page(context.new_page(), bench, folder)
-        pages.append(page)
-        page.begin()
-        if page.js("Boolean(window.bench.session.file)"):
-            page.js("window.bench.act({do: 'close'})")
-            page.until("!window.bench.session.file")
-        for path in folder.iterdir():
-            path.unlink()
-        if isinstance(what, str):
-            what = scene(what)
-        if what is not None:
-            kilter.dump(what, folder / "file.kilter.json")
-        page.page.reload()
-        page.begin()
-        if what is not None:
-            page.after(lambda: page.page.click("#listed button"))
-        return page
-
-    yield open_
-    for page in pages:
-        # the browser itself reports a refused upload or export
-        assert [fault for fault in page.faults if "status of 409" not in fault] == []
-        assert all(url.startswith(("http://127.0.0.1", "blob:http://127")) for url in page.asked)
-        page.page.context.close()
-
-
-def loaded() -> Assembly:
-    """A block on a block, and a block beside them at a gap that is open."""
-    base = Part("base", Box([6, 2, 1]), Pose([0, 0, -0.5]), grounded=True)
-    low = Part("low", Box([1, 1, 1]), Pose([0, 0, 0.5]))
-    high = Part("high", Box([1, 1, 1]), Pose([0.2, 0, 1.5]))
-    side = Part("side", Box([1, 1, 1]), Pose([2, 0, 0.5]))
-    return Assembly([base, low, high, side], friction=0.5)
 
 
 def test_figure_8_is_decided_by_clicks_and_by_keys(
@@ -594,7 +452,7 @@ def test_exports_are_downloaded_and_a_refusal_is_a_sentence(user: Callable, tmp_
 
 def test_two_pages_of_a_session_agree(user: Callable, chromium: Any, bench: Workbench) -> None:
     page = user(loaded())
-    other = Page(chromium.new_page(), bench, page.folder).begin().answered()
+    other = WorkbenchPage(chromium.new_page(), bench, page.folder).begin().answered()
     page.choose("low").click("#do-hold")
     other.until("(window.bench.session.choices.held || []).includes('low')")
     other.answered()

@@ -13,8 +13,13 @@ from pathlib import Path
 
 import pytest
 from driver import Page
+from forwarding import Forwarding
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import connect
+from websockets.typing import Origin
 
 import kilter
+from kilter.analysis.check import check_equilibrium
 from kilter.cli import main
 from kilter.scenes import scene
 from kilter.workbench.server import Workbench
@@ -104,6 +109,20 @@ def test_a_wrong_request_is_refused_in_a_sentence(page: Page, request_: dict, sa
     assert not reply["ok"]
     assert said in reply["error"]
     assert page.after(do="hold", parts=["C2"], on=True)["is"] == "answer"
+
+
+def test_the_first_answer_has_the_verdict_and_leaves_the_displacements_to_the_second() -> None:
+    assembly = scene("paper-figure-8")
+    found = kilter.contacts(assembly)
+    quick, complete = check_equilibrium(assembly, found), kilter.check(assembly)
+    first, second = quick.to_dict(), complete.to_dict()
+    assert (first["verdict"], first["sentence"]) == (second["verdict"], second["sentence"])
+    assert quick.moving == complete.moving
+    assert second["z"] < 0
+    assert second["instability"] > 0
+    assert first["z"] is None
+    assert all(part["displacement"] is None for part in first["parts"])
+    assert "displacement" not in vars(quick)  # its program was not solved
 
 
 def test_an_example_opens(page: Page) -> None:
@@ -241,19 +260,76 @@ def test_only_this_machine_with_the_token_is_answered(bench: Workbench) -> None:
     own = f"127.0.0.1:{bench.port}"
     assert fetched(bench, query)[0] == 200
     assert fetched(bench, query, Host="localhost:9")[0] == 200  # a port that SSH forwards
+    assert fetched(bench, query, Host="LOCALHOST:9")[0] == 200
     assert fetched(bench, query, Origin=f"http://{own}")[0] == 200
     for path, headers in (
         ("/", {}),
         ("/?token=guess", {}),
         (query, {"Host": "elsewhere.example"}),
         (query, {"Host": f"127.0.0.1:{bench.port}.elsewhere.example"}),
-        (query, {"Origin": "https://elsewhere.example"}),
+        (query, {"Host": f"127.0.0.1:{bench.port}@elsewhere.example"}),
+        (query, {"Host": ""}),
+        *((query, {"Origin": origin}) for origin in FOREIGN),
         ("/export/answer.json", {}),
     ):
         code, body = fetched(bench, path, **headers)
         assert code == 403, (path, headers)
         assert bench.token.encode() not in body
     assert fetched(bench, f"/../../etc/passwd?token={bench.token}")[0] == 404
+
+
+FOREIGN = (
+    "https://elsewhere.example",
+    "null",
+    "http://[",
+    "http://localhost:1",  # another page of this machine
+    "http://hub.example.org.elsewhere.example",
+    "http://elsewhere.example/hub.example.org",
+    "file://hub.example.org",
+    "",
+)
+"""Origins that no workbench of these tests accepts."""
+
+
+def test_a_proxy_is_answered_under_the_names_that_the_user_allows(folder: Path) -> None:
+    with Workbench(None, folder=folder, hosts=["Hub.example.org"]) as bench:
+        query = f"/?token={bench.token}"
+        name = "hub.example.org"
+        for host, origin in (
+            (name, None),
+            (name, f"https://{name}"),
+            (f"{name}:8443", f"https://{name}:8443"),
+            ("127.0.0.1:80", f"https://{name}"),  # the proxy has replaced the host
+        ):
+            headers = {"Host": host, **({} if origin is None else {"Origin": origin})}
+            assert fetched(bench, query, **headers)[0] == 200, headers
+        assert fetched(bench, "/", Host=name)[0] == 403
+        for host in (name, f"127.0.0.1:{bench.port}"):
+            for origin in FOREIGN:
+                assert fetched(bench, query, Host=host, Origin=origin)[0] == 403, (host, origin)
+                with pytest.raises(InvalidStatus):
+                    connect(f"ws://127.0.0.1:{bench.port}/live{query[1:]}", origin=Origin(origin))
+        code, body = fetched(bench, query, Host="sub.hub.example.org")
+        assert (code, b"--host sub.hub.example.org" in body) == (403, True)
+
+
+@pytest.mark.parametrize(
+    "name", ["", "*", "https://hub.example.org", "hub.example.org:8443", "a/b"]
+)
+def test_a_host_that_is_no_name_is_refused(name: str, folder: Path) -> None:
+    with pytest.raises(kilter.InputError, match="is no name of a host"):
+        Workbench(None, folder=folder, hosts=[name])
+
+
+def test_the_page_works_through_a_forwarded_port_and_below_a_path(folder: Path) -> None:
+    kilter.dump(scene("paper-figure-8"), folder / "f8.kilter.json")
+    with Workbench(None, folder=folder) as bench:
+        for options in ({}, {"prefix": "/user/x/proxy/8899"}):
+            with Forwarding(bench.port, **options) as port:
+                page = Page(port.url(bench.url, "localhost"))
+                assert page.say(do="open", file="f8.kilter.json")["ok"]
+                assert page.after(do="hold", parts=["C3"], on=True)["is"] == "answer"
+                page.close()
 
 
 def uploaded(bench: Workbench, name: str, data: bytes) -> tuple[int, dict]:

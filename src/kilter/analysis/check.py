@@ -169,7 +169,8 @@ def check(
 def check_equilibrium(assembly: Assembly, contacts: ContactSet) -> Verdict:
     """Decide only whether forces of equilibrium exist: a first answer while the rest is computed.
 
-    Second order, the deciding open pairs and remedies are left out. Forces and motion are proved.
+    Second order, the deciding open pairs, remedies, z and displacements are left out. Forces and
+    motion are proved.
 
     Parameters
     ----------
@@ -196,7 +197,7 @@ def check_equilibrium(assembly: Assembly, contacts: ContactSet) -> Verdict:
     if len(ends) > 1:
         return _worst_end(assembly, [check_equilibrium(end, contacts.of(end)) for end in ends])
     decision = decide(assembly, contacts, require="equilibrium", second_order=False, question=False)
-    return _verdict(decision, assembly, contacts, "equilibrium")
+    return replace(_verdict(decision, assembly, contacts, "equilibrium"), brief=True)
 
 
 def _worst_end(assembly: Assembly, verdicts: list[Verdict]) -> Verdict:

@@ -1,8 +1,10 @@
 """HTTP and WebSocket server of the workbench, for this machine only.
 
 The server listens on the loopback address. Each request needs the token of the session and a host
-name of this machine, or a name that the user allows, for a proxy. If the browser sends an origin,
-it must be that of this host. So no foreign web page can use the workbench.
+name of this machine, with any port, or a name that the user allows, for a proxy. If the browser
+sends an origin, it must be that of this host, or have an allowed name: some proxies replace the
+host by the loopback address. So no foreign web page can use the workbench. All addresses of the
+page are relative, so a proxy may serve it below any path.
 """
 
 from __future__ import annotations
@@ -18,7 +20,6 @@ import threading
 from collections.abc import AsyncIterator, Callable, Sequence
 from pathlib import Path
 from typing import Any
-from urllib.parse import urlsplit
 
 import uvicorn
 from starlette.applications import Starlette
@@ -51,26 +52,43 @@ class _Guard:
     """Decides which requests are answered: token, host name and origin."""
 
     def __init__(self, token: str, hosts: Sequence[str]) -> None:
+        for name in hosts:
+            if not name or _name_of(name) != name:
+                raise InputError(
+                    f"the host {name!r:.80} is no name of a host",
+                    hint="give the name alone, for example hub.example.org",
+                )
         self.token = token
-        self.hosts = (*LOCAL, *hosts)
+        self.named = frozenset(name.lower() for name in hosts)
 
     def refusal(self, connection: HTTPConnection) -> str:
         """Reason for which a request is refused; empty if it is answered."""
-        host = connection.headers.get("host", "")
-        if _name_of(host) not in self.hosts or len(connection.headers.getlist("host")) != 1:
-            return "this page is served to this machine only"
+        host = connection.headers.get("host", "").lower()
+        name = _name_of(host)
+        if len(connection.headers.getlist("host")) != 1 or not name:
+            return "the request names no single host"
+        if name not in LOCAL and name not in self.named:
+            return (
+                f"this page is served to this machine only; if a proxy serves it as {name}, "
+                f"start 'kilter view' with --host {name}"
+            )
         origin = connection.headers.get("origin")
-        if origin is not None and urlsplit(origin).netloc != host:
+        if origin is not None and not self._is_own(origin.lower(), host):
             return "requests from other pages are refused"
         given = connection.query_params.get("token", "")
         if not secrets.compare_digest(given.encode(), self.token.encode()):
             return "the address has no valid token: use the address that 'kilter view' printed"
         return ""
 
+    def _is_own(self, origin: str, host: str) -> bool:
+        """Whether an origin is the page at this host, or at a name that the user allows."""
+        found = re.fullmatch(r"https?://(.+)", origin)
+        return found is not None and (found[1] == host or _name_of(found[1]) in self.named)
+
 
 def _name_of(host: str) -> str:
     """Host name of a Host header, without its port; empty if the header is no name and port."""
-    found = re.fullmatch(r"(\[[0-9A-Fa-f:]+\]|[^:\[\]]+)(:[0-9]{1,5})?", host)
+    found = re.fullmatch(r"(\[[0-9A-Fa-f:]+\]|[A-Za-z0-9._-]+)(:[0-9]{1,5})?", host)
     return found[1] if found else ""
 
 
@@ -247,7 +265,7 @@ class Workbench:
     Raises
     ------
     InputError
-        If the port is not available.
+        If the port is not available, or a host name is invalid.
     """
 
     def __init__(
@@ -263,9 +281,9 @@ class Workbench:
         self.token = secrets.token_urlsafe(16)
         self._path, self._first, self._say = path, first or {}, say
         self._folder = folder or (Path.cwd() if path is None else path.absolute().parent)
-        self._listening = _listen(port)
         self.session: Session | None = None
         app = build_app(lambda: _present(self.session), self.token, hosts)
+        self._listening = _listen(port)
         app.router.lifespan_context = self._life
         self._server = uvicorn.Server(
             uvicorn.Config(

@@ -39,7 +39,7 @@ def view(
     browser : bool
         Open the page in a browser.
     hosts : sequence of str
-        Further host names under which a proxy serves the page.
+        Further host names under which a proxy serves the page; pages of these names are trusted.
     keys : dict, optional
         First choices about the file, as JSON data.
     down : sequence of 3 float, optional
@@ -50,7 +50,7 @@ def view(
     Raises
     ------
     InputError
-        If the port is not available, or the file does not exist.
+        If the port is not available, the file does not exist, or a host name is invalid.
     """
     # imported late: the server libraries take longer to import than kilter
     from kilter.workbench.server import Workbench

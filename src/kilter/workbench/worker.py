@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import os
 import signal
+import threading
 import traceback
 from types import FrameType
 from typing import Any
@@ -41,6 +42,7 @@ def serve() -> None:
     incoming, outgoing = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # output printed by a solver must not mix with the answers
     end_with_parent()
+    threading.Thread(target=_import_slow_packages, daemon=True).start()
     from kilter.workbench.jobs import Jobs
 
     jobs = Jobs()
@@ -51,6 +53,16 @@ def serve() -> None:
         except EOFError:
             return
         send(outgoing, _run(jobs, number, job, outgoing, interruption))
+
+
+def _import_slow_packages() -> None:
+    """Import packages that answers need late, while the file is read.
+
+    Otherwise the first answer with friction takes half a second longer. This is a thread, as a
+    signal that interrupts a job must not interrupt an import.
+    """
+    from scipy import optimize, spatial  # noqa: F401
+    from scipy.sparse import csgraph, linalg  # noqa: F401
 
 
 def _run(

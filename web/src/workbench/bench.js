@@ -73,10 +73,10 @@ export class Workbench {
 
   connected(connected) {
     id("connection").hidden = connected;
-    if (!connected) {
-      id("connection").textContent =
-        "The connection to kilter is lost, and the page tries to connect again. Changes until now are kept; if kilter has ended, start it again with kilter view.";
-    }
+    if (connected) return;
+    id("connection").textContent = this.link.opened
+      ? "The connection to kilter is lost, and the page tries to connect again. Changes until now are kept; if kilter has ended, start it again with kilter view."
+      : `The page has no connection to kilter, and tries again. If a proxy serves this page, it must pass WebSockets on, and kilter view needs the option --host ${location.hostname}.`;
   }
 
   /** Whether the open file is a copy that kilter keeps only while it runs. */

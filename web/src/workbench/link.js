@@ -5,16 +5,21 @@ const WAITS = [300, 600, 1200, 2500, 5000]; // time before each attempt to conne
 export class Link {
   /**
    * `hear(message)` is called for each message of the server, and `change(connected)` when the
-   * connection opens or ends.
+   * connection opens or ends. `opened` states whether it has ever opened.
    */
   constructor(token, hear, change) {
-    Object.assign(this, { token, hear, change, number: 0, waiting: new Map(), failed: 0 });
+    Object.assign(this, { token, hear, change, opened: false, number: 0, waiting: new Map(), failed: 0 });
     this.connect();
   }
 
-  /** An address of the server, relative to the page, with the token. */
+  /**
+   * An address of the server, below the path of the page, with the token. A notebook's proxy also
+   * serves the page without the slash at the end of its path.
+   */
   address(path, more = {}) {
-    const url = new URL(path, location.href);
+    const url = new URL(location.href);
+    url.hash = "";
+    url.pathname += url.pathname.endsWith("/") ? path : `/${path}`;
     url.search = new URLSearchParams({ token: this.token, ...more }).toString();
     return url;
   }
@@ -26,6 +31,7 @@ export class Link {
     this.socket = socket;
     socket.addEventListener("open", () => {
       this.failed = 0;
+      this.opened = true;
       this.change(true);
     });
     socket.addEventListener("message", (event) => this.take(JSON.parse(event.data)));

@@ -121,6 +121,9 @@ class Verdict(InCells, Answer):
         The decision from which this verdict was made.
     seconds_left : float or None
         Remainder of the time limit after the verdict [s]; None without a time limit.
+    brief : bool
+        Whether z, kappa and the displacements are left out in any case: a first answer, since their
+        program takes ten times longer than equilibrium.
     """
 
     answer: ClassVar[str] = "check"
@@ -142,6 +145,7 @@ class Verdict(InCells, Answer):
     second_order: SecondOrder | None = None
     decision: Decision | None = None
     seconds_left: float | None = None
+    brief: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "seconds", MappingProxyType(dict(self.seconds)))
@@ -304,7 +308,7 @@ class Verdict(InCells, Answer):
         """Whether z, kappa and displacements are reported: without friction, or on request."""
         rubs = self.friction is not None or bool(len(self.program.gripping))
         # the displacement program does not model the limit of a strap
-        return (self.measures or not rubs) and not len(self.modelled.bounded)
+        return (self.measures or not rubs) and not (self.brief or len(self.modelled.bounded))
 
     @property
     def instability(self) -> float | None:
