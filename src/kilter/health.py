@@ -50,6 +50,8 @@ EXTRAS = {
     "build123d": ("build123d", "build123d", "objects of build123d"),
     "cadquery": ("cadquery", "cadquery", "objects of CadQuery"),
     "mujoco": ("mujoco", "mujoco", "MJCF and URDF files"),
+    "usd": ("pxr", "usd-core", "USD files"),
+    "mcp": ("mcp", "mcp", "the server of kilter mcp"),
     "batch": ("pyarrow", "pyarrow", "kilter batch: Parquet"),
     "cluster": ("distributed", "distributed", "kilter batch --cluster"),
 }

@@ -86,8 +86,8 @@ def test_shell_of_a_page_runs_and_says_what_is_shown(
                 assert main(shlex.split(line)[1:]) in (0, 1, 3, 4), capsys.readouterr().err
 
 
-SERVES = {"view"}
-"""Commands that do not end by themselves; `tests/show` runs them."""
+SERVES = {"view", "mcp"}
+"""Commands that do not end by themselves; `tests/show` and `tests/agents` run them."""
 
 
 @pytest.fixture

@@ -410,7 +410,8 @@ def test_damage_anywhere_gives_no_other_exception(
 def test_an_unknown_ending_lists_what_is_read(name: str, kind: str, write) -> None:
     message = str(refused(write(name, "x")))
     assert f"cannot read files of type {kind}; give .json, .obj, .stl, .3mf, .glb," in message
-    assert ".step, .stp, .xml, .mjcf, .urdf, .ldr, .mpd, .txt, .csv, or a folder" in message
+    endings = ".step, .stp, .xml, .mjcf, .urdf, .usda, .usdc, .usd, .usdz, .ldr, .mpd, .txt, .csv"
+    assert f"{endings}, or a folder" in message
 
 
 @pytest.mark.parametrize("name", ["plate.stl", "plate.json", "plate", "plate.step"])

@@ -62,9 +62,10 @@ def _others() -> tuple[Command, ...]:
     from kilter.cli.doctoring import doctor
     from kilter.cli.saving import save
     from kilter.cli.scene_states import scene
+    from kilter.cli.serving_agents import mcp
     from kilter.cli.transporting import transport
 
-    return batch, doctor, save, scene, transport
+    return batch, doctor, mcp, save, scene, transport
 
 
 LOADERS: dict[Callable[[], tuple[Command, ...]], tuple[str, ...]] = {
@@ -72,6 +73,6 @@ LOADERS: dict[Callable[[], tuple[Command, ...]], tuple[str, ...]] = {
     _directions: ("margin", "orient", "region"),
     _pages: ("draw", "report", "view"),
     _plans: ("hold", "improve", "plan", "place", "check-plan"),
-    _others: ("batch", "doctor", "save", "scene", "transport"),
+    _others: ("batch", "doctor", "mcp", "save", "scene", "transport"),
 }
 """Functions that import the commands of these names."""

@@ -35,6 +35,7 @@ GROUPS: dict[str, dict[str, str]] = {
         "verify": "recompute a proof without any solver",
         "batch": "check many files, and write a table",
         "example": "list the built-in examples, or write one of them",
+        "mcp": "serve these questions as tools for agents",
         "doctor": "test this installation",
     },
 }
@@ -44,9 +45,9 @@ PURPOSE = "Does an assembly of rigid parts stay together under gravity? With a p
 
 def overview() -> str:
     """Help text of the program: its purpose, and its commands in groups."""
-    lines = [PURPOSE, ""]
+    lines = [PURPOSE]
     for group, entries in GROUPS.items():
         for k, (name, summary) in enumerate(entries.items()):
             lines.append(f"{'' if k else group:7}{name:11}{summary}")
     options = "options: kilter COMMAND --help; kilter --version, kilter --install-completion"
-    return "\n".join([*lines, "", options]) + "\n"
+    return "\n".join([*lines, options]) + "\n"

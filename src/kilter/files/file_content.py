@@ -21,6 +21,7 @@ from kilter.files.ldraw import LDRAW_FILES, load_ldraw
 from kilter.files.packing_lists import CSV, is_packing_plan, load_plan, plan_of_json
 from kilter.files.raw import read_bounded, read_bytes
 from kilter.files.stable_lego import from_stable_lego, is_stable_lego
+from kilter.files.start_folder import require_below
 from kilter.files.strict_json import parse_json
 from kilter.files.usd.usd_stage import USD
 
@@ -61,6 +62,7 @@ def read_path(
         data = read_bounded(sys.stdin.buffer, STANDARD_INPUT_NAME)
         return _from_json(data, Path(), STANDARD_INPUT_NAME, options)
     path, units = Path(source), options.units
+    require_below(path)
     suffix = path.suffix.lower()
     if _is_folder(path):
         return FileContent(load_folder(path, units=units), from_cad=True)

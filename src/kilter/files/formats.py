@@ -22,6 +22,7 @@ from kilter.files.naming import fill_names
 from kilter.files.obj import read_obj
 from kilter.files.placed import FileBodies
 from kilter.files.raw import read_bytes
+from kilter.files.start_folder import require_below
 from kilter.files.stl import read_stl
 from kilter.files.threemf import read_3mf
 from kilter.shape.primitives import Mesh
@@ -117,6 +118,7 @@ def read_bodies(
     InputError
         If the file is missing, empty, damaged, or holds no faces; it names the file.
     """
+    require_below(path)
     try:
         suffix = path.suffix.lower()
         bodies = _step(path, without, progress) if suffix in EXACT else FORMATS[suffix](path)

@@ -16,6 +16,7 @@ import stat
 from pathlib import Path
 
 from kilter.errors import InputError
+from kilter.files.start_folder import require_below
 
 __all__ = [
     "MOST_BYTES",
@@ -135,6 +136,7 @@ def named_path(folder: Path, name: str, top: Path | None = None) -> Path:
         If the path leads out of `top`, or to a device or a pipe instead of a regular file.
     """
     path = folder / name
+    require_below(path)
     try:
         inside = os.path.realpath(path).startswith(
             os.path.join(os.path.realpath(top or folder), "")

@@ -7,6 +7,7 @@ from typing import BinaryIO
 
 from kilter.errors import InputError, nearest_name
 from kilter.files.limits import MOST_BYTES
+from kilter.files.start_folder import require_below
 
 __all__ = ["read_bytes"]
 
@@ -17,8 +18,10 @@ def read_bytes(path: Path) -> bytes:
     Raises
     ------
     InputError
-        If the path is missing, a folder, or not readable; or the file is empty or too large.
+        If the path is missing, a folder, or not readable; or the file is empty or too large; or it
+        is outside of the start folder.
     """
+    require_below(path)
     try:
         with path.open("rb") as stream:
             data = read_bounded(stream, str(path))

@@ -11,6 +11,7 @@ from kilter.files.format_options import FormatOptions
 from kilter.files.limits import require_few_entries
 from kilter.files.objects.mujoco_objects import read_mjcf
 from kilter.files.raw import read_bytes
+from kilter.files.start_folder import is_restricted, require_below
 from kilter.files.urdf import read_urdf
 
 __all__ = ["load_xml", "xml_root"]
@@ -35,6 +36,8 @@ def load_xml(path: Path, choices: FormatOptions) -> tuple[Assembly, bool]:
         if root.tag == "robot":
             return read_urdf(root, path, choices), True
         if root.tag == "mujoco":
+            if is_restricted():
+                _require_named_below(root, path.parent)
             return read_mjcf(path, choices), True
         raise InputError(
             f"the root element is {root.tag!r:.40}",
@@ -62,3 +65,36 @@ def xml_root(path: Path) -> ElementTree.Element:
         ) from None
     except InputError as error:
         raise error.located(file=str(path)) from None
+
+
+FOLDERS = ("meshdir", "texturedir", "assetdir")
+"""Attributes of MJCF that name folders of assets."""
+
+
+def _require_named_below(root: ElementTree.Element, folder: Path) -> None:
+    """Verify that MuJoCo will open only files below the start folder.
+
+    Each attribute that begins with "file" is resolved in the folder of the scene and in each asset
+    folder. Included scenes are examined too.
+
+    Raises
+    ------
+    InputError
+        If a named file may be outside.
+    """
+    waiting, seen = [root], {folder}
+    folders = {folder}
+    names: list[tuple[str, str]] = []
+    while waiting:
+        for element in waiting.pop().iter():
+            folders |= {folder / element.get(key, "") for key in FOLDERS if element.get(key)}
+            named = [value for key, value in element.items() if key.startswith("file") and value]
+            names += [(element.tag, value) for value in named]
+            for value in named if element.tag in ("include", "model") else ():
+                if (folder / value) not in seen:
+                    seen.add(folder / value)
+                    folders.add((folder / value).parent)
+                    waiting.append(ElementTree.fromstring(read_bytes(folder / value)))
+    for _, value in names:
+        for place in folders:
+            require_below(place / value)

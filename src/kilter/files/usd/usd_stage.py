@@ -14,6 +14,7 @@ import numpy as np
 
 from kilter.arrays import Array
 from kilter.errors import InputError, some
+from kilter.files.start_folder import is_restricted, require_below
 from kilter.units import METRES
 
 __all__ = ["USD", "UsdScene", "open_stage"]
@@ -74,6 +75,8 @@ def open_stage(path: Path) -> UsdScene:
         raise InputError("no such file", hint="check the path")
     with _quiet() as messages:
         try:
+            if is_restricted():
+                _require_layers_below(path)
             stage = Usd.Stage.Open(str(path))
             stage.Reload()  # a long-running process may hold an older version of the file
         except Tf.ErrorException as error:
@@ -99,6 +102,33 @@ def open_stage(path: Path) -> UsdScene:
         metres,
         tuple(notes),
     )
+
+
+def _require_layers_below(path: Path) -> None:
+    """Verify that all layers of a stage are below the start folder, before any is composed.
+
+    Raises
+    ------
+    InputError
+        If a layer, or a file that it names, is outside.
+    """
+    from pxr import Sdf
+
+    waiting, seen = [str(path)], set[str]()
+    while waiting:
+        place = waiting.pop()
+        file = re.sub(r"\[.*\]$", "", place)  # a layer within a package
+        if place in seen:
+            continue
+        seen.add(place)
+        require_below(file)
+        layer = Sdf.Layer.FindOrOpen(place) if Path(file).is_file() else None
+        if layer is not None:
+            named = {
+                *layer.GetCompositionAssetDependencies(),
+                *layer.GetExternalAssetDependencies(),
+            }
+            waiting += [layer.ComputeAbsolutePath(name) for name in sorted(named) if name]
 
 
 @contextmanager

@@ -1,0 +1,288 @@
+"""Answers to the calls of tools: read the file, compute the answer, and shorten it.
+
+All files are below the start folder. An error in the arguments or in a file is a single sentence.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+from collections import OrderedDict
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from kilter.agents.short_answers import LIMIT, complete_text, resource_name, short_text
+from kilter.agents.tool_schemas import READING, TOOLS, Tool, required_of, tool_named
+from kilter.assembly import Assembly
+from kilter.contact import contacts
+from kilter.contact.fits.fastening import fastened
+from kilter.errors import InputError, nearest_name
+from kilter.files.reading import load
+from kilter.files.start_folder import only_below, require_below
+from kilter.files.writing import to_text, write_text
+from kilter.publish import draw
+from kilter.scenes import SCENES
+from kilter.scenes import scene as example_of
+
+__all__ = ["Called", "ToolCalls"]
+
+KEPT = 100
+"""Number of whole answers that are kept as resources."""
+TYPES: dict[str, tuple[type, ...]] = {
+    "string": (str,), "boolean": (bool,), "integer": (int,), "number": (int, float),
+    "array": (list,),
+}  # fmt: skip
+"""Types of Python for the types of a JSON schema."""
+DOTS = 110
+"""Resolution of pictures [dots per inch]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Called:
+    """Result of a call: the text of the answer or of the error, and a picture.
+
+    Attributes
+    ----------
+    text : str
+    image : bytes or None
+        PNG data.
+    failed : bool
+        Whether the text is an error.
+    """
+
+    text: str
+    image: bytes | None = None
+    failed: bool = False
+
+
+class ToolCalls:
+    """The tools of a server with a start folder.
+
+    Parameters
+    ----------
+    folder : path
+        Start folder; only files below it are read and written.
+
+    Attributes
+    ----------
+    answers : mapping from str to str
+        Texts of the latest whole answers, by the name of their resource.
+    """
+
+    def __init__(self, folder: str | Path) -> None:
+        self.folder = Path(os.path.realpath(folder))
+        if not self.folder.is_dir():
+            raise InputError("no such folder", file=str(folder), hint="check the path")
+        self.answers: OrderedDict[str, str] = OrderedDict()
+
+    def call(self, name: str, arguments: Mapping[str, Any]) -> Called:
+        """Answer a call. Every fault of the user is a result with a single sentence.
+
+        Parameters
+        ----------
+        name : str
+            Name of a tool.
+        arguments : mapping
+            Arguments by name.
+        """
+        try:
+            tool = tool_named(name)
+            if tool is None:
+                names = [entry.name for entry in TOOLS]
+                near = nearest_name(name, names)
+                hint = f"did you mean {near!r}?" if near else f"the tools are {', '.join(names)}"
+                raise InputError(f"there is no tool {name!r:.40}", hint=hint)
+            _validate(tool, arguments)
+            with only_below(self.folder):
+                return self._answer(tool, dict(arguments))
+        except InputError as error:
+            return Called(self._relative(str(error)), failed=True)
+
+    def _relative(self, text: str) -> str:
+        """A text without the path of the start folder."""
+        return text.replace(f"{self.folder}{os.sep}", "")
+
+    def _answer(self, tool: Tool, arguments: dict[str, Any]) -> Called:
+        """Answer a valid call."""
+        if tool.name == "example":
+            return self._example(arguments.get("name"))
+        resource = resource_name(tool.name, arguments)
+        assembly = self._read({key: arguments.pop(key) for key in READING if key in arguments})
+        if tool.name == "draw":
+            return _draw(assembly, arguments)
+        answer = ASK[tool.name](assembly, arguments)
+        text = self._relative(complete_text(answer))
+        self.answers[resource] = text
+        self.answers.move_to_end(resource)
+        while len(self.answers) > KEPT:
+            self.answers.popitem(last=False)
+        return Called(self._relative(short_text(tool.name, answer, resource)))
+
+    def path_of(self, name: str) -> Path:
+        """Path of a file of the start folder.
+
+        Raises
+        ------
+        InputError
+            If the path leads out of the start folder.
+        """
+        path = self.folder / name
+        if name in ("", "-"):
+            raise InputError(f"the file is {name!r}", hint="give a path below the start folder")
+        with only_below(self.folder):
+            try:
+                require_below(path)
+            except InputError as error:
+                raise InputError(error.what, file=name, hint=error.hint) from None
+        return path
+
+    def _read(self, options: dict[str, Any]) -> Assembly:
+        """Read the assembly of a call."""
+        fasten = [tuple(pair) for pair in options.pop("fasten", ())]
+        path = self.path_of(options.pop("file"))
+        assembly = load(path, **options)
+        return fastened(assembly, fasten) if fasten else assembly
+
+    def _example(self, name: str | None) -> Called:
+        """List the examples, or write an example into the start folder."""
+        if name is None:
+            lines = [f"{entry.name}: {entry.answer}; {entry.title}" for entry in SCENES.values()]
+            return Called(_cut("\n".join(lines)))
+        assembly = example_of(name)
+        path = self.path_of(f"{name}.kilter.json")
+        text = to_text(assembly)
+        if path.exists() and path.read_text(encoding="utf-8") != text:
+            raise InputError("already exists", file=path.name, hint="remove the file first")
+        write_text(path, text)
+        return Called(f"{path.name}: {SCENES[name].title}")
+
+
+def _cut(text: str) -> str:
+    """A text of whole lines within the limit of an answer."""
+    lines, size = [], 0
+    for line in text.splitlines():
+        size += len(line.encode()) + 1
+        if size > LIMIT - 40:
+            lines.append("... (and more)")
+            break
+        lines.append(line)
+    return "\n".join(lines)
+
+
+def _validate(tool: Tool, arguments: Mapping[str, Any]) -> None:
+    """Verify the names and types of arguments.
+
+    Raises
+    ------
+    InputError
+        If an argument is unknown, missing, or of another type.
+    """
+    known = tool.arguments
+    for name, value in arguments.items():
+        if name not in known:
+            near = nearest_name(name, known)
+            hint = f"did you mean {near!r}?" if near else f"there are {', '.join(known)}"
+            raise InputError(f"{tool.name} has no argument {name!r:.40}", hint=hint)
+        _require_type(name, value, known[name])
+    for name in required_of(tool):
+        if name not in arguments:
+            raise InputError(f"{tool.name} needs the argument {name!r}", hint=f"give {name!r}")
+
+
+def _require_type(name: str, value: Any, schema: Mapping[str, Any]) -> None:
+    """Verify that a value has the type, length and words of a schema."""
+    kinds = schema["type"] if isinstance(schema["type"], list) else [schema["type"]]
+    right = any(
+        isinstance(value, TYPES[kind]) and (kind == "boolean" or not isinstance(value, bool))
+        for kind in kinds
+    )
+    words = schema.get("enum")
+    size = (schema.get("minItems", 0), schema.get("maxItems", 10**6))
+    if isinstance(value, list) and right:
+        right = size[0] <= len(value) <= size[1]
+        for entry in value if right else ():
+            _require_type(name, entry, schema["items"])
+    if not right or (words and value not in words):
+        wanted = f"one of {', '.join(words)}" if words else " or ".join(kinds)
+        if "minItems" in schema:
+            wanted = f"a list of {schema['minItems']}"
+        raise InputError(f"{name} is {value!r:.60}", hint=f"give {wanted}")
+
+
+def _draw(assembly: Assembly, options: Mapping[str, Any]) -> Called:
+    """A picture of an assembly as PNG."""
+    view = tuple(options["view"]) if "view" in options else None
+    figure = draw(assembly, what=options.get("what", "assembly"), view=view)
+    data = io.BytesIO()
+    # metadata would contain the version of the drawing program
+    figure.savefig(data, format="png", dpi=DOTS, metadata={"Software": None})
+    held = sum(part.grounded for part in assembly)
+    return Called(f"picture of {len(assembly)} parts, {held} held", data.getvalue())
+
+
+# questions ------------------------------------------------------------------------------------
+
+
+def _check(assembly: Assembly, options: Mapping[str, Any]) -> Mapping[str, Any]:
+    from kilter.analysis.check import check
+
+    return check(assembly, **options).to_dict()
+
+
+def _contacts(assembly: Assembly, options: Mapping[str, Any]) -> Mapping[str, Any]:
+    return contacts(assembly, **options).to_dict()
+
+
+def _margin(assembly: Assembly, options: Mapping[str, Any]) -> Mapping[str, Any]:
+    from kilter.analysis.margins.margin import margin
+
+    return margin(assembly, **options).to_dict()
+
+
+def _hold(assembly: Assembly, options: Mapping[str, Any]) -> Mapping[str, Any]:
+    from kilter.analysis.planning.hold.hold import hold
+
+    return hold(assembly, **options).to_dict()
+
+
+def _plan(assembly: Assembly, options: Mapping[str, Any]) -> Mapping[str, Any]:
+    from kilter.analysis.planning.order.plan import plan
+
+    return plan(assembly, **options).to_dict()
+
+
+def _place(assembly: Assembly, options: Mapping[str, Any]) -> Mapping[str, Any]:
+    from kilter.analysis.placing.place import box_to_place, place
+
+    if "box" not in options or "mass" not in options:
+        raise InputError("the box is not given", hint="give box [a, b, c] and mass in kg")
+    part = box_to_place(options["box"], options["mass"], turn=options.get("turn", 0.0))
+    at = tuple(options["at"]) if "at" in options else None
+    return place(assembly, part, at=at).to_dict()
+
+
+def _transport(assembly: Assembly, options: Mapping[str, Any]) -> Mapping[str, Any]:
+    from kilter.analysis.transport.transport import transport
+
+    return transport(assembly, **options).to_dict()
+
+
+def _scene(assembly: Assembly, options: Mapping[str, Any]) -> Mapping[str, Any]:
+    from kilter.analysis.scene_states.object_states import scene
+
+    return scene(assembly, **options).to_dict()
+
+
+ASK: dict[str, Callable[[Assembly, Mapping[str, Any]], Mapping[str, Any]]] = {
+    "check": _check,
+    "contacts": _contacts,
+    "margin": _margin,
+    "hold": _hold,
+    "plan": _plan,
+    "place": _place,
+    "transport": _transport,
+    "scene": _scene,
+}
+"""Function that answers each question about an assembly."""
