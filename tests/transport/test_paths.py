@@ -9,10 +9,14 @@ import pytest
 from boxes_on_deck import random_stack, stack_on_deck
 
 import kilter
+from kilter.analysis.margins.load_limit import NoLimit
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
 from kilter.analysis.transport.carrier_path import CarrierPath, path_from_poses, read_path
+from kilter.analysis.transport.path import find_path_limit
 from kilter.cli import main
+from kilter.contact import contacts
 from kilter.errors import InputError
+from kilter.mechanics.program import build_program
 
 G, MU = 9.81, 0.4
 TIME = np.linspace(0, 3, 61)
@@ -106,6 +110,52 @@ def test_check_agrees_on_both_sides_at_random_samples(seed: int) -> None:
     assert all(held(sample, share * (1 - 1e-3)) for sample in range(5))
     first = int(np.flatnonzero(path.time == answer.time)[0])
     assert not held(first, share * (1 + 1e-3))
+
+
+def _curve(samples: int, turns: bool) -> CarrierPath:
+    """A curved path from rest to rest that also rises, and turns about a horizontal axis."""
+    share = np.linspace(0, 1, samples)
+    along = 10 * share**3 - 15 * share**4 + 6 * share**5
+    place = np.column_stack([along, 0.2 * np.sin(2 * np.pi * along), 0.1 * along])
+    angle = 0.1 * along
+    turning = np.column_stack([np.cos(angle), np.sin(angle) * 0.6, 0 * angle, np.sin(angle) * 0.8])
+    return path_from_poses(5 * share, place, turning if turns else None)
+
+
+def _sample_of(path: CarrierPath, k: int) -> CarrierPath:
+    rows = slice(k, k + 1)
+    return CarrierPath(path.time[rows], path.rotation[rows], path.acceleration[rows],
+                       path.angular_velocity[rows], path.angular_acceleration[rows],
+                       path.about, False)  # fmt: skip
+
+
+@pytest.mark.quick(2)
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("turns", [False, True])
+def test_shared_proofs_give_the_limits_of_each_sample_by_itself(seed: int, turns: bool) -> None:
+    assembly = random_stack(seed)
+    program = build_program(assembly, contacts(assembly))
+    path = _curve(60, turns)
+    found = find_path_limit(program, path, lambda stage: None)
+    alone = [find_path_limit(program, _sample_of(path, k), lambda stage: None) for k in range(60)]
+    if any(isinstance(limit, NoLimit) for limit in alone):
+        assert isinstance(found, NoLimit)
+        return
+    least, slowest = min(a.factor for a in alone), max(a.slowest for a in alone)
+    if slowest > least:
+        assert isinstance(found, NoLimit)
+        return
+    assert found.factor == pytest.approx(least, rel=1e-6)
+    assert found.lower <= least
+    assert found.slowest == pytest.approx(slowest, abs=1e-6)
+
+
+@pytest.mark.parametrize("turns", [False, True])
+def test_few_programs_confirm_a_thousand_samples(turns: bool) -> None:
+    assembly = stack_on_deck([[0.5, 0.4, 0.3], [0.4, 0.4, 0.3], [0.3, 0.3, 0.2]], 0.4)
+    answer = kilter.transport(assembly, path=_curve(1000, turns)).path
+    assert answer.programs <= 80
+    assert answer.lower >= answer.factor * (1 - 1e-6)
 
 
 @pytest.mark.parametrize(

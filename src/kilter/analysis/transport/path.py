@@ -14,8 +14,9 @@ with b = 0 without loads and bonds, which are fixed in the carrier.
 
 The search computes the exact limit at the sample with the least bound, adds its motion, and repeats
 until the bound is attained. Then it confirms the other samples: a positive combination of carried
-loads is carried, since the same combination of their forces balances it. Samples that are no such
-combination get a limit of their own.
+loads is carried, since the same combination of their forces balances it. For many samples, the
+farthest carried loads along each component of z are computed once, so that combinations fill the
+space around a sample at rest. Samples that are no such combination get a limit of their own.
 
 Between samples of a straight path at fixed orientation, with accelerations that change linearly,
 the load lies on the chord of two carried loads and is carried. Other paths are proved at their
@@ -35,11 +36,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import Limit, NoLimit, find_limit, finite, starting
+from kilter.analysis.margins.load_limit import (
+    Limit,
+    NoLimit,
+    SharedCones,
+    find_limit,
+    finite,
+    starting,
+)
 from kilter.analysis.transport.carrier import load_matrix
 from kilter.analysis.transport.carrier_path import CarrierPath
 from kilter.analysis.turning_tolerances import NOT_HELD
 from kilter.arrays import Array, Mask
+from kilter.mechanics.coulomb_cones import cone_problem
+from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 
 if TYPE_CHECKING:
@@ -51,6 +61,10 @@ FASTEST = 1e4
 """Largest squared speed factor of the search [-]."""
 AGREES = 1e-7
 """Relative difference of bound and attained limit at which the search ends [-]."""
+MANY = 30
+"""Number of samples without a proof from which on the rooms around one are computed first."""
+ROOM = 10.0
+"""Largest multiple of the change of a load component along a path for which rooms are computed."""
 SURE = 1e-6
 """Relative distance below the limit at which all samples are confirmed [-]."""
 LEFT = 1e-9
@@ -126,6 +140,7 @@ class _PathSearch:
         self.carried = np.zeros((0, 12))
         self.limits: dict[int, tuple[float, Limit]] = {}
         self.programs = 0
+        self._known: dict[bytes, tuple[Program, Opening, SharedCones]] = {}
 
     def upper_bounds(self) -> Array:
         """Upper bound of the squared speed factor at each sample, from all known planes, (n,)."""
@@ -156,18 +171,42 @@ class _PathSearch:
 
     def confirmed(self, share: float) -> Mask:
         """Mask of samples proved to be carried at a squared speed factor, shape (n,)."""
-        target = self.still + share * self.move
-        return np.array([self._combines(load) for load in target])
+        return np.array([self.combines(k, share) for k in range(len(self.still))])
+
+    def combines(self, sample: int, share: float) -> bool:
+        """True if a sample is proved to be carried at a squared speed factor."""
+        return self._combines(self.still[sample] + share * self.move[sample])
 
     def _limit(self, sample: int, sign: float) -> Limit | NoLimit:
         """Largest squared speed factor at a sample (least if `sign` is -1); proofs are stored."""
-        program = self.program.with_rows(gravity=self.still[sample, :3])
-        wrench = np.einsum("pij,j->pi", self.matrix, sign * self.move[sample])
+        return self._farthest(self.still[sample], sign * self.move[sample])
+
+    def add_rooms(self, sample: int, share: float) -> None:
+        """Add the farthest carried loads along each varying component of the load, both ways.
+
+        They start at a sample at rest. Their combinations fill the space around it, also between
+        the loads of samples, up to `ROOM` times the change of each component along the path.
+        """
+        loads = np.vstack([self.still + share * self.move, self.still])
+        sizes = np.ptp(loads, axis=0)
+        for component in np.flatnonzero(sizes > 0.0):
+            for sign in (1.0, -1.0):
+                along = sign * sizes[component] * np.eye(12)[component]
+                self._farthest(self.still[sample], along, ROOM)
+
+    def _farthest(self, start: Array, along: Array, most: float = FASTEST) -> Limit | NoLimit:
+        """Largest carried multiple of a load vector beside a load at rest; proofs are stored."""
+        key = start[:3].tobytes()
+        if key not in self._known:
+            program = self.program.with_rows(gravity=start[:3])
+            opening = Opening(cone_problem(program))
+            self._known = {key: (program, opening, SharedCones(program))}
+        program, opening, shared = self._known[key]
+        wrench = np.einsum("pij,j->pi", self.matrix, along)
         self.programs += 1
-        limit = find_limit(program, wrench, most=FASTEST)
+        limit = find_limit(program, wrench, opening=opening, shared=shared, most=most)
         if isinstance(limit, Limit):
-            reached = sign * min(limit.value, FASTEST)
-            self._carry(self.still[sample] + reached * self.move[sample])
+            self._carry(start + min(limit.value, most) * along)
             if limit.mechanism is not None:
                 self._add_plane(limit.mechanism.motion)
         return limit
@@ -225,24 +264,77 @@ def find_path_limit(
     """
     search = _PathSearch(program, path)
     failed = _descend(search, tell)
+    if failed is None and _add_rooms(search):
+        failed = _descend(search, tell)  # the new planes may bound other samples
     if failed is not None:
         return failed
+    slowest = _slowest(search)
+    if isinstance(slowest, NoLimit):
+        return slowest
+    failed = _confirm(search, tell) or _descend(search, tell)
+    return failed or _path_limit(search, slowest)
+
+
+def _add_rooms(search: _PathSearch) -> bool:
+    """Add the rooms around a sample if many samples have no proof; whether it did."""
+    share = float(search.upper_bounds().min())
+    unproved = ~search.confirmed(0.0) | ~search.confirmed(share * (1 - SURE))
+    many = int(unproved.sum()) > MANY
+    if many:
+        search.add_rooms(int(np.flatnonzero(unproved)[0]), share)
+    return many
+
+
+def _slowest(search: _PathSearch) -> float | NoLimit:
+    """Least squared speed factor that is carried at all samples."""
     slowest = 0.0
-    for sample in np.flatnonzero(~search.confirmed(0.0)):
-        if search._combines(search.still[sample]):
+    for sample in _unconfirmed(search, 0.0):
+        if search.combines(sample, 0.0):
             continue
-        least = search.least(int(sample))
+        least = search.least(sample)
         if isinstance(least, NoLimit):
             return least
         slowest = max(slowest, least)
-    value = float(search.upper_bounds().min())
-    for sample in np.flatnonzero(~search.confirmed(value * (1 - SURE))):
-        if int(sample) not in search.limits:
-            limit = search.solve(int(sample))
-            if isinstance(limit, NoLimit):
-                return limit
-            tell(f"path: sample {int(sample) + 1} of {len(path.time)}")
-    return _path_limit(search, slowest)
+    return slowest
+
+
+def _confirm(search: _PathSearch, tell: Callable[[str], None]) -> NoLimit | None:
+    """Confirm all samples just below the least limit; the reason if a limit has no value."""
+    share = float(search.upper_bounds().min()) * (1 - SURE)
+    for sample in _unconfirmed(search, share):
+        if sample in search.limits or search.combines(sample, share):
+            continue
+        limit = search.solve(sample)
+        if isinstance(limit, NoLimit):
+            return limit
+        tell(f"path: sample {sample + 1} of {len(search.path.time)}")
+    return None
+
+
+def _unconfirmed(search: _PathSearch, share: float) -> list[int]:
+    """Samples without a proof at a squared speed factor, ends of intervals before their middles.
+
+    In this order, most samples are combinations of loads around them.
+    """
+    samples = np.flatnonzero(~search.confirmed(share))
+    unconfirmed: list[int] = samples[_halving_order(len(samples))].tolist()
+    return unconfirmed
+
+
+def _halving_order(count: int) -> list[int]:
+    """Indices 0 to count - 1, the ends of intervals before their middles.
+
+    Examples
+    --------
+    >>> _halving_order(5)
+    [0, 4, 2, 1, 3]
+    """
+    step = 1 << max(count - 1, 1).bit_length()
+    order = dict.fromkeys([0, count - 1]) if count else {}
+    while step:
+        order |= dict.fromkeys(range(0, count, step))
+        step //= 2
+    return list(order)
 
 
 def _descend(search: _PathSearch, tell: Callable[[str], None]) -> NoLimit | None:
@@ -251,6 +343,8 @@ def _descend(search: _PathSearch, tell: Callable[[str], None]) -> NoLimit | None
     Return the reason if a limit has no value.
     """
     worst = int(np.linalg.norm(search.move, axis=1).argmax())
+    if search.limits:
+        worst = int(search.upper_bounds().argmin())
     while worst not in search.limits:
         limit = search.solve(worst)
         if isinstance(limit, NoLimit):
