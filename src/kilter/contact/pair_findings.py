@@ -32,7 +32,13 @@ from kilter.contact.unknown import unknown_contacts
 from kilter.errors import TimeLimitReached
 from kilter.work import is_late, stop_if_late, take_at_least
 
-__all__ = ["PairFindings", "examine", "examine_in_time"]
+__all__ = [
+    "PairFindings",
+    "RoundAndSharp",
+    "examine",
+    "examine_in_time",
+    "find_round_and_sharp",
+]
 
 
 FIRST_BATCH = 32
@@ -134,8 +140,22 @@ def _find_curved(search: ContactSearch) -> CurvedContacts:
     return find_curved(search)
 
 
-def examine(assembly: Assembly, search: ContactSearch, tolerance: Tolerance) -> PairFindings:
-    """Examine all pairs of a search together.
+@dataclass(frozen=True, slots=True, eq=False)
+class RoundAndSharp:
+    """Contacts of all faces, edges and corners of the pairs of a search, without overlaps."""
+
+    flat: FlatContacts
+    faces: FacePatches
+    near: NearContacts
+
+    @property
+    def smooth(self) -> SmoothJoints:
+        """Contacts of smooth faces."""
+        return self.faces.smooth
+
+
+def find_round_and_sharp(search: ContactSearch) -> RoundAndSharp:
+    """Find the contacts of faces, edges and corners for all pairs of a search.
 
     Raises
     ------
@@ -151,8 +171,21 @@ def examine(assembly: Assembly, search: ContactSearch, tolerance: Tolerance) -> 
     stop_if_late()
     near = near_contacts(faces, [*flat.rejected, *curved.rejected])
     stop_if_late()
+    return RoundAndSharp(flat, faces, near)
+
+
+def examine(assembly: Assembly, search: ContactSearch, tolerance: Tolerance) -> PairFindings:
+    """Examine all pairs of a search together.
+
+    Raises
+    ------
+    TimeLimitReached
+        If the limit of `kilter.work.stop_after` is reached.
+    """
+    found = find_round_and_sharp(search)
+    flat, faces, near = found.flat, found.faces, found.near
     overlaps = find_overlaps(assembly, faces, tolerance)
-    findings = PairFindings(search, flat, faces.curved, smooth, near, overlaps, ())
+    findings = PairFindings(search, flat, faces.curved, faces.smooth, near, overlaps, ())
     return replace(findings, near_edges=tuple(near_edges(search, _unrecorded_pairs(findings))))
 
 

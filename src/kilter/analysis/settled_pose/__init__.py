@@ -1,0 +1,1 @@
+"""The nearest pose at rest: candidate points, the programs of a step, the search and its proof."""

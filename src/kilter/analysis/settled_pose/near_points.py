@@ -1,0 +1,316 @@
+"""Candidate contact points: points at which two parts touch or may come to touch within a reach.
+
+Each point has a unit normal n from part a to part b, and a gap g. If the parts move by small
+displacements, the gap changes by n . (v_b(x) - v_a(x)). Three families give the points:
+
+- Opposed flat faces: the corners of the polygon in which the faces overlap. A corner of a part is
+  compared with the plane of the other face; elsewhere the mean normal of both faces counts.
+- Pairs of convex flat parts without such a polygon: a separating plane (`separating_planes`).
+- All other pairs: kilter's own detection of curved faces, edges and corners with a gap tolerance
+  as large as the reach.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from kilter.analysis.settled_pose.separating_planes import separating_points
+from kilter.analysis.settled_pose.settle_tolerances import COINCIDES, FACING, INSIDE
+from kilter.arrays import Array, Index, Mask, Rows, columns
+from kilter.assembly import Assembly
+from kilter.assembly.geometry import Geometry
+from kilter.contact.broad import facet_pairs
+from kilter.contact.contact_search import ContactSearch, begin_search
+from kilter.contact.contact_tolerances import LOOKED_AT_GAPS, SAME_PLACE
+from kilter.contact.friction_coefficients import friction_coefficients
+from kilter.contact.gaps import Tolerance
+from kilter.contact.pair_findings import RoundAndSharp, find_round_and_sharp
+from kilter.contact.patches import Patches
+from kilter.contact.planar.facet_overlays import FacetFrame, facet_frames, overlaps_of
+from kilter.contact.planar.polygons import convex_hull, padded
+from kilter.contact.triangle_distance import surface_distance
+
+__all__ = ["NearPoints", "find_near_points", "surface_gaps"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NearPoints(Rows):
+    """Candidate contact points; world frame.
+
+    Attributes
+    ----------
+    part_a, part_b : ndarray of int, shape (K,)
+        Parts of each point.
+    point, normal : ndarray, shape (K, 3)
+        Position [length unit] and unit normal from a to b.
+    gap : ndarray, shape (K,)
+        Distance of the surfaces along the normal [length unit]; negative: penetration.
+    mu : ndarray, shape (K,)
+        Friction coefficient [-].
+    bears : ndarray of bool, shape (K,)
+        False for points that only prevent penetration and carry no force.
+    """
+
+    part_a: Index
+    part_b: Index
+    point: Array = columns(3)
+    normal: Array = columns(3)
+    gap: Array = columns()
+    mu: Array = columns()
+    bears: Mask = columns()
+
+
+def find_near_points(assembly: Assembly, reach: float, fine_reach: float) -> NearPoints:
+    """Find the points of an assembly that lie within a reach of contact.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    reach : float
+        Largest gap of a point between convex parts with flat faces [length unit].
+    fine_reach : float
+        The same for all other pairs [length unit].
+    """
+    search = begin_search(assembly, Tolerance(gap=reach / LOOKED_AT_GAPS), lambda stage: None)
+    facets, geometry = search.facets, search.geometry
+    plain = facets.convex_part & (np.diff(geometry.surfaces.start) == 0)
+    simple = plain[search.pairs].all(axis=1)
+    flat, faced = _flat_points(_restricted(search, simple, reach), reach)
+    blocks = [flat]
+    simple_pairs = search.pairs[simple]
+    alone = simple_pairs[~faced]
+    blocks.append(_points(separating_points(geometry, facets, alone, reach)))
+    if not simple.all():
+        others = _restricted(search, ~simple, fine_reach)
+        blocks += _general_points(others, fine_reach)
+    points = NearPoints.join(blocks)
+    parts = np.column_stack([points.part_a, points.part_b])
+    points = replace(points, mu=friction_coefficients(assembly, parts))
+    return points.take(np.abs(points.gap) <= reach)
+
+
+def _restricted(search: ContactSearch, rows: Mask, reach: float) -> ContactSearch:
+    """The search for only some pairs, with the reach as the largest gap of a contact."""
+    limits = search.limits.take(np.flatnonzero(rows))
+    wide = np.full(len(limits), reach)
+    limits = replace(limits, gap=wide, closed=wide, margin=wide)
+    return replace(search, pairs=search.pairs[rows], limits=limits, angle=FACING)
+
+
+def _points(
+    values: tuple[Index, Index, Array, Array, Array, Mask] | None,
+) -> NearPoints:
+    """Points from their columns, without friction."""
+    if values is None or not len(values[0]):
+        return NearPoints.none()
+    part_a, part_b, point, normal, gap, bears = values
+    return NearPoints(part_a, part_b, point, normal, gap, np.zeros(len(gap)), bears)
+
+
+# opposed flat faces ----------------------------------------------------------------------
+
+
+def _flat_points(
+    search: ContactSearch, reach: float, skip: RoundAndSharp | None = None
+) -> tuple[NearPoints, Mask]:
+    """Corners of the overlaps of opposed flat faces, and a mask of the pairs that have some."""
+    facets, geometry = search.facets, search.geometry
+    margin = search.limits.margin
+    pair, i, j = facet_pairs(facets, search.boxes, search.pairs, margin, float(np.cos(FACING)))
+    flat = ~(facets.curved[i] | facets.curved[j])
+    if skip is not None:
+        flat &= ~skip.smooth.between(pair, i, j)
+    pair, i, j = pair[flat], i[flat], j[flat]
+    frames = facet_frames(facets, pair, i, j, margin[pair])
+    frame, corner, count = _overlap_polygons(search, frames, reach)
+    faced = np.zeros(len(search.pairs), dtype=bool)
+    faced[frames.pair[frame]] = True
+    owner = np.repeat(frame, count)
+    points = _corner_points(search, frames, owner, corner)
+    return points, faced
+
+
+def _overlap_polygons(
+    search: ContactSearch, frames: FacetFrame, reach: float
+) -> tuple[Index, Array, Index]:
+    """Overlap of each pair of faces as a convex polygon: its frame, corners (u, v) and their count.
+
+    Polygons thinner than twice their gap are dropped, and gaps wider than the reach. The hull of
+    several pieces stands for them, since the gap is affine over both faces.
+    """
+    frame: list[Index] = []
+    polygons: list[Array] = []
+    for block in overlaps_of(search.geometry, search.facets, frames):
+        frame.append(block.frame)
+        polygons += [points[:n] for points, n in zip(block.points, block.count, strict=True)]
+    rows = np.concatenate([*frame, np.empty(0, dtype=np.int64)])
+    order = np.argsort(rows, kind="stable")
+    first = np.flatnonzero(np.diff(rows[order], prepend=-1))
+    kept_frame: list[int] = []
+    kept: list[Array] = []
+    size = search.geometry.size
+    last = np.append(first, len(order))[1:]
+    for begin, end in zip(first, last, strict=True):
+        row = int(rows[order[begin]])
+        pieces = [polygons[k] for k in order[begin:end]]
+        corners = pieces[0] if len(pieces) == 1 else convex_hull(np.concatenate(pieces))
+        gaps = frames.gaps(corners[None], np.array([row]))[0]
+        least = float(np.abs(gaps).min())
+        deep = max(least, -float(gaps.min()))
+        slack = SAME_PLACE * float(size[search.pairs[frames.pair[row]]].min())
+        if least <= reach and _width(corners) >= max(2 * deep, slack):
+            kept_frame.append(row)
+            kept.append(corners)
+    count = np.array([len(corners) for corners in kept], dtype=np.int64)
+    corners = np.concatenate([np.empty((0, 2)), *kept])
+    return np.array(kept_frame, dtype=np.int64), corners, count
+
+
+def _width(corners: Array) -> float:
+    """Twice the least standard deviation of the corners of a polygon [length unit]."""
+    x, y = (corners - corners.mean(axis=0)).T
+    a, b, c = float(x @ x), float(x @ y), float(y @ y)
+    least = (a + c) / 2 - float(np.hypot((a - c) / 2, b))
+    return 2 * float(np.sqrt(max(least, 0.0) / len(corners)))
+
+
+def _corner_points(
+    search: ContactSearch, frames: FacetFrame, owner: Index, corner: Array
+) -> NearPoints:
+    """The candidate point of each corner (u, v) of an overlap, in the frame `owner`."""
+    if not len(owner):
+        return NearPoints.none()
+    facets, geometry = search.facets, search.geometry
+    i, j = frames.i[owner], frames.j[owner]
+    gap = frames.gaps(corner[:, None, :], owner)[:, 0]
+    point = frames.middle(corner[:, None, :], owner)[:, 0]
+    normal = frames.normal[owner].copy()
+    done = np.zeros(len(owner), dtype=bool)
+    # a corner of a part over the plane of the other face: exact for finite angles too
+    for facet, other, sign in ((i, j, 1.0), (j, i, -1.0)):
+        vertex, found = _corner_at(search, facet, point - sign * gap[:, None] / 2 * normal)
+        rows = np.flatnonzero(found & ~done)
+        at = geometry.vertices[vertex[rows]]
+        n = facets.normal[other[rows]]
+        gap[rows] = np.einsum("ij,ij->i", at - facets.origin[other[rows]], n)
+        point[rows], normal[rows] = at, -sign * n
+        done[rows] = True
+    a, b = search.pairs[frames.pair[owner]].T
+    return _points((a, b, point, normal, gap, np.ones(len(a), dtype=bool)))
+
+
+def _corner_at(search: ContactSearch, facet: Index, at: Array) -> tuple[Index, Mask]:
+    """The corner of each facet that is nearest to a point, and whether it lies there."""
+    facets, geometry = search.facets, search.geometry
+    count = np.where(facets.convex[facet], np.diff(facets.corner_start)[facet], 0)
+    rows = padded(facets.corners, facets.corner_start[facet], count)
+    off = np.linalg.norm(geometry.vertices[rows] - at[:, None, :], axis=2)
+    nearest = off.argmin(axis=1)
+    k = np.arange(len(facet))
+    close = COINCIDES * geometry.size[facets.part[facet]]
+    return rows[k, nearest], (off[k, nearest] <= close) & (count > 0)
+
+
+# curved faces, edges and corners ---------------------------------------------------------
+
+
+def _general_points(search: ContactSearch, reach: float) -> list[NearPoints]:
+    """Points of pairs of parts of any shape: flat faces, curved faces, edges and corners."""
+    found = find_round_and_sharp(search)
+    flat, _ = _flat_points(search, reach, found)
+    geometry = search.geometry
+    curved = found.faces.curved.patches
+    surface = np.repeat(found.faces.curved.surface, np.diff(curved.start), axis=0)
+    blocks = [flat, _patch_points(curved, _curved_gaps(geometry, curved, surface))]
+    for patches in (found.faces.smooth.patches, found.near.patches):
+        points = _patch_points(patches, _sharp_gaps(geometry, patches))
+        blocks.append(points.take(_truly_inside(geometry, points)))
+    return blocks
+
+
+def _truly_inside(geometry: Geometry, points: NearPoints) -> Mask:
+    """Mask of points that do not penetrate, or whose features lie inside the other part.
+
+    Parts that slide along a face show edges at right angles to it that seem to penetrate each
+    other, although both lie on the face.
+    """
+    sound = np.ones(len(points), dtype=bool)
+    rows = np.flatnonzero(points.gap < -SAME_PLACE * geometry.size.min())
+    if len(rows):
+        half = points.gap[rows, None] / 2 * points.normal[rows]
+        deepest = np.zeros(len(rows))
+        for part, side in ((points.part_a, 1.0), (points.part_b, -1.0)):
+            parts = np.column_stack([part[rows], part[rows]])
+            at = points.point[rows] + side * half
+            deepest = np.maximum(deepest, surface_gaps(geometry, parts, at))
+        sound[rows] = deepest >= INSIDE * np.abs(points.gap[rows])
+    return sound
+
+
+def _patch_points(patches: Patches, gap: Array) -> NearPoints:
+    """The points of patches as candidate points with the given gaps."""
+    a, b = np.repeat(patches.parts, np.diff(patches.start), axis=0).T
+    return _points((a, b, patches.points, patches.normals, gap, np.ones(len(a), dtype=bool)))
+
+
+def _range_of(patches: Patches) -> tuple[Array, Array]:
+    """Least and greatest gap of the patch of each point [length unit]."""
+    low, high = np.repeat(patches.gap, np.diff(patches.start), axis=0).T
+    return low, high
+
+
+def _curved_gaps(geometry: Geometry, patches: Patches, surface: Index) -> Array:
+    """Gap at each point of curved patches, from the exact surfaces [length unit].
+
+    A contact point lies half-way in its gap, so the distance from a single surface is half of it.
+    """
+    gap = np.zeros(len(patches.points))
+    for k in (0, 1):
+        rows = np.flatnonzero(surface[:, k] >= 0)
+        apart = geometry.surfaces.distance(surface[rows, k], patches.points[rows])
+        gap[rows] += np.where(surface[rows, 1 - k] >= 0, apart, 2 * apart)
+    low, high = _range_of(patches)
+    single = (surface < 0).any(axis=1)
+    return np.where(single, np.clip(gap, low, high), gap)
+
+
+def _sharp_gaps(geometry: Geometry, patches: Patches) -> Array:
+    """Gap at each point of patches of edges and corners, within the range of the patch."""
+    low, high = _range_of(patches)
+    gap = (low + high) / 2
+    rows = np.flatnonzero(high - low > SAME_PLACE * geometry.size.min())
+    if len(rows):
+        parts = np.repeat(patches.parts, np.diff(patches.start), axis=0)[rows]
+        apart = surface_gaps(geometry, parts, patches.points[rows])
+        gap[rows] = np.clip(np.where(gap[rows] < 0, -apart, apart), low[rows], high[rows])
+    return gap
+
+
+def surface_gaps(geometry: Geometry, parts: Index, points: Array) -> Array:
+    """Sum of the distances of each point from the surfaces of two parts [length unit], shape (n,).
+
+    For a point half-way between two surfaces it is the absolute value of their gap. Exact curved
+    surfaces count as well as triangles, whichever is nearer.
+
+    Parameters
+    ----------
+    geometry : Geometry
+    parts : ndarray of int, shape (n, 2)
+    points : ndarray, shape (n, 3)
+    """
+    total = np.zeros(len(points))
+    for part in np.unique(parts).tolist():
+        rows = np.flatnonzero((parts == part).any(axis=1))
+        span = slice(geometry.triangle_start[part], geometry.triangle_start[part + 1])
+        exact = geometry.triangle_surface[span] < 0
+        corners = geometry.corners_of(part)[exact]
+        apart = np.full(len(rows), np.inf)
+        if len(corners):
+            apart = surface_distance(points[rows], corners)
+        for surface in range(*geometry.surfaces.start[part : part + 2].tolist()):
+            each = np.full(len(rows), surface)
+            apart = np.minimum(apart, np.abs(geometry.surfaces.distance(each, points[rows])))
+        total[rows] += apart
+    return total

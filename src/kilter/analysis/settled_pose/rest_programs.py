@@ -1,0 +1,340 @@
+"""The programs of a step towards rest, over the points near contact in the current pose.
+
+Let p be the small motions of the bodies, J_n p the rates of the gaps g, and f the forces at the
+points in Coulomb's cones. M weighs motions by the squares of the distances that points move.
+
+    push apart     min p'Mp                                     g + J_n p >= 0
+    carry          min sum f_n c + PRICE |J'f + w|_1            f in the cones, c >= 0
+    close          min kappa p'Mp / 2 + sum c (g + J_n p)       g + J_n p >= 0, c >= 0
+    least overlap  min t + epsilon p'Mp                         g + J_n p + t >= 0
+
+`carry` selects the points whose forces balance the weights at the least sum of force times gap;
+`close` closes them. Lengths are in units of the median size; forces in units of the mean weight.
+Constraints of joints are equations in all programs, and their forces have any sign.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import block_array, coo_array, csc_array, csr_array, diags_array, eye_array
+
+from kilter.analysis.settled_pose.near_points import NearPoints
+from kilter.analysis.settled_pose.rigid_bodies import RigidBodies
+from kilter.arrays import Array, Index, Mask, across
+from kilter.mechanics.joints import constraints
+from kilter.solvers.clarabel import solve_conic
+from kilter.solvers.problem import ConicProgram
+from kilter.work import stop_if_late
+
+__all__ = ["RestPrograms"]
+
+PRICE = 1e3
+"""Price of an unbalanced force, per force times gap of the widest gap [-]. A larger value is less
+accurate, a smaller value prefers falling to closing."""
+LEAST_PUSH = 0.1
+"""Least weight of a carrying point in the closing of gaps, in units of the mean weight [-]; without
+it, points with small forces stay open."""
+FAR = 1e4
+"""Largest gap of a point in a step, in multiples of the widest carrying gap [-]."""
+OVERLAP_WEIGHT = 1e-6
+"""Weight of the motion in the least overlap [-]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RestPrograms:
+    """Rates of gaps, slips and joints, and the load, of bodies near contact.
+
+    Attributes
+    ----------
+    normal, slips : csr_array
+        Rates of the gaps, shape (K, 6 F), and of the slips along two tangents, first all along the
+        first, shape (2 K, 6 F), for unit motions of the F free bodies.
+    joint : csr_array
+        Rates of the constraints of joints, shape (L, 6 F).
+    drift : ndarray, shape (L,)
+        Error of each constraint in the current pose.
+    load : ndarray, shape (6 F,)
+        Forces and torques on the free bodies.
+    gap : ndarray, shape (K,)
+        Gaps; negative: penetration.
+    mu : ndarray, shape (K,)
+    bears : ndarray of bool, shape (K,)
+    columns : ndarray of int
+        Columns of the bodies that may move.
+    balanced : ndarray of int
+        Columns in which forces must balance; a planar assembly has three for each body.
+    weights : ndarray
+        Diagonal of M for `columns`.
+    length : float
+        Unit of length [length unit].
+    """
+
+    normal: csr_array
+    slips: csr_array
+    joint: csr_array
+    drift: Array
+    load: Array
+    gap: Array
+    mu: Array
+    bears: Mask
+    columns: Index
+    balanced: Index
+    weights: Array
+    length: float
+
+    @staticmethod
+    def of(bodies: RigidBodies, points: NearPoints, length: float, weight: float) -> RestPrograms:
+        """Build the programs of bodies with the given points near contact.
+
+        `length` and `weight` are the units of length [length unit] and force [N].
+        """
+        free = np.flatnonzero(bodies.free)
+        n, (u, v) = points.normal, across(points.normal)
+        normal = _rates(bodies, points, n, length)
+        slips = _stacked([_rates(bodies, points, d, length) for d in (u, v)])
+        joint, drift = _joint_rates(bodies, length)
+        planar = bodies.drawn.planar
+        freedoms = np.array([0, 2, 4]) if planar else np.arange(6)
+        balanced = (6 * np.arange(len(free))[:, None] + freedoms).ravel()
+        movable = bodies.moves[free]
+        columns = (6 * np.flatnonzero(movable)[:, None] + freedoms).ravel()
+        arm = bodies.size[free] / 2 / length
+        weights = np.concatenate(
+            [np.ones((len(free), 3)), np.repeat(arm[:, None] ** 2, 3, axis=1)], axis=1
+        ).ravel()[columns]
+        return RestPrograms(
+            normal, slips, joint, drift, _load(bodies, length, weight), points.gap / length,
+            points.mu, points.bears, columns, balanced, weights, length,
+        )  # fmt: skip
+
+    @property
+    def rates(self) -> csr_array:
+        """Rates of the gaps for motions of the bodies that may move."""
+        return csr_array(self.normal[:, self.columns])
+
+    def push_apart(self) -> Array | None:
+        """Least motion that opens all overlaps; None if none exists to first order."""
+        deep = float(max(-self.gap.min(initial=0.0), np.abs(self.drift).max(initial=0.0)))
+        if deep == 0.0:
+            return np.zeros(len(self.columns))
+        step = self._step(self.weights, np.zeros(len(self.columns)), self.gap / deep, deep)
+        return None if step is None else deep * step
+
+    def least_overlap(self) -> tuple[float, Array]:
+        """Least depth of overlap that small motions leave, and the force that each point needs.
+
+        The forces, shape (K,), are a certificate: they press against each other in balance.
+        """
+        deep = float(-self.gap.min(initial=0.0))
+        count, rows = len(self.columns), len(self.gap)
+        if deep == 0.0:
+            return 0.0, np.zeros(rows)
+        matrix = block_array(
+            [
+                [self._joints(), csc_array((len(self.drift), 1))],
+                [-self.rates, csc_array(-np.ones((rows, 1)))],
+                [None, csc_array([[-1.0]])],
+            ],
+            format="csc",
+        )
+        quadratic = diags_array(np.append(OVERLAP_WEIGHT * self.weights, 0.0), format="csc")
+        program = ConicProgram(
+            quadratic,
+            np.append(np.zeros(count), 1.0),
+            matrix,
+            np.concatenate([-self.drift / deep, self.gap / deep, [0.0]]),
+            len(self.drift),
+            rows + 1,
+            np.empty(0, dtype=np.int64),
+        )
+        answer = solve_conic(program)
+        if not answer.found:
+            return deep, np.zeros(rows)
+        forces = answer.multipliers[len(self.drift) : len(self.drift) + rows]
+        return deep * float(answer.x[-1]), np.maximum(forces, 0.0)
+
+    def carry(self, cost: Array, allowed: Mask) -> tuple[Array, Array]:
+        """Normal forces that carry the load at the least cost, and the imbalance they leave.
+
+        Parameters
+        ----------
+        cost : ndarray, shape (K,)
+            Price of a normal force at each point [-].
+        allowed : ndarray of bool, shape (K,)
+            Points that may carry force.
+
+        Returns
+        -------
+        forces : ndarray, shape (K,)
+            Normal forces [mean weights]; 0 if the solver fails.
+        imbalance : ndarray, shape (6 F,)
+            Unbalanced forces and torques; infinite if the solver fails.
+        """
+        stop_if_late()
+        forces = np.zeros(len(self.gap))
+        rows = np.flatnonzero(allowed)
+        smooth, rough = rows[self.mu[rows] == 0], rows[self.mu[rows] > 0]
+        load = self.load[self.balanced]
+        imbalance = np.full(len(self.load), np.inf)
+        if not len(load):
+            return forces, np.zeros(0)
+        triples = np.column_stack([rough, rough + len(self.gap), rough + 2 * len(self.gap)]).ravel()
+        every = csr_array(_stacked([self.normal, self.slips])[:, self.balanced])
+        acting = [csc_array(every[smooth].T), csc_array(every[triples].T)]
+        acting.append(csc_array(self.joint[:, self.balanced].T))
+        sizes = [len(smooth), len(triples), self.joint.shape[0], len(load), len(load)]
+        columns = np.concatenate([[0], np.cumsum(sizes)])
+        total = int(columns[-1])
+        identity = eye_array(len(load), format="csc")
+        balance = block_array([[*acting, identity, -identity]], format="csc")
+        positive = _selection(
+            np.concatenate([np.arange(sizes[0]), np.arange(columns[3], total)]), total, -1.0
+        )
+        scale = np.ones(sizes[1])
+        scale[::3] = self.mu[rough]
+        cones = _selection(columns[1] + np.arange(sizes[1]), total, -scale)
+        matrix = csc_array(_stacked([csr_array(balance), positive, cones]))
+        prices = np.zeros(total)
+        prices[: sizes[0]] = cost[smooth]
+        prices[columns[1] : columns[2] : 3] = cost[rough]
+        prices[columns[3] :] = PRICE
+        program = ConicProgram(
+            csc_array((total, total)),
+            prices,
+            matrix,
+            np.concatenate([-load, np.zeros(matrix.shape[0] - len(load))]),
+            len(load),
+            positive.shape[0],
+            np.full(len(rough), 3),
+        )
+        answer = solve_conic(program)
+        if not answer.found:
+            return forces, imbalance
+        x = answer.x
+        forces[smooth] = x[: sizes[0]]
+        forces[rough] = x[columns[1] : columns[2] : 3]
+        imbalance[:] = 0.0
+        imbalance[self.balanced] = x[columns[3] : columns[4]] - x[columns[4] :]
+        return forces, imbalance
+
+    def close(self, push: Array, scale: float, kappa: float) -> Array | None:
+        """Motion, over `scale`, that closes the points with a push as far as the gaps allow."""
+        gap = np.minimum(self.gap / scale, FAR)
+        return self._step(kappa * self.weights, self.rates.T @ push, gap, scale)
+
+    def _step(self, weights: Array, cost: Array, gap: Array, scale: float) -> Array | None:
+        """Minimise weights p^2 / 2 + cost.p under gap + J_n p >= 0; None without a solution."""
+        stop_if_late()
+        joints = self._joints()
+        matrix = csc_array(_stacked([csr_array(joints), csr_array(-self.rates)]))
+        program = ConicProgram(
+            diags_array(weights, format="csc"),
+            cost,
+            matrix,
+            np.concatenate([-self.drift / scale, gap]),
+            joints.shape[0],
+            len(gap),
+            np.empty(0, dtype=np.int64),
+        )
+        answer = solve_conic(program)
+        return answer.x if answer.found else None
+
+    def _joints(self) -> csc_array:
+        return csc_array(self.joint[:, self.columns])
+
+    def steps(self, motion: Array, bodies: RigidBodies) -> Array:
+        """Shift [length unit] and rotation [rad] of all bodies for a motion, shape (B, 6)."""
+        free = np.zeros(len(self.load))
+        free[self.columns] = motion
+        steps = np.zeros((len(bodies.mass), 6))
+        steps[bodies.free] = free.reshape(-1, 6)
+        steps[:, :3] *= self.length
+        return steps
+
+
+def _stacked(blocks: list[csr_array]) -> csr_array:
+    """Sparse blocks one below the other."""
+    from scipy.sparse import vstack
+
+    return csr_array(vstack(blocks, format="csr"))
+
+
+def _selection(columns: Index, width: int, value: Array | float) -> csr_array:
+    """A matrix whose row k has a single entry, in column ``columns[k]``."""
+    count = len(columns)
+    values = np.broadcast_to(np.asarray(value, dtype=np.float64), count)
+    return csr_array((values, (np.arange(count), columns)), shape=(count, width))
+
+
+def _rates(bodies: RigidBodies, points: NearPoints, along: Array, length: float) -> csr_array:
+    """Rates of the distances of points along directions, for unit motions of the free bodies."""
+    number = np.cumsum(bodies.free) - 1
+    data, row, column = [], [], []
+    for part, sign in ((points.part_a, -1.0), (points.part_b, 1.0)):
+        body = bodies.of_part[part]
+        rows = np.flatnonzero(bodies.free[body])
+        arm = (points.point[rows] - bodies.center[body[rows]]) / length
+        entries = sign * np.concatenate([along[rows], np.cross(arm, along[rows])], axis=1)
+        data.append(entries.ravel())
+        row.append(np.repeat(rows, 6))
+        column.append((6 * number[body[rows]][:, None] + np.arange(6)).ravel())
+    shape = (len(along), 6 * int(bodies.free.sum()))
+    entries, at = np.concatenate(data), (np.concatenate(row), np.concatenate(column))
+    return csr_array(coo_array((entries, at), shape=shape))
+
+
+def _joint_rates(bodies: RigidBodies, length: float) -> tuple[csr_array, Array]:
+    """Rates and errors of the constraints of all joints that are not fixed."""
+    from scipy.spatial.transform import Rotation
+
+    assembly = bodies.drawn
+    number = np.cumsum(bodies.free) - 1
+    rows, drift = [], []
+    width = 6 * int(bodies.free.sum())
+    for joint in assembly.joints:
+        a, b = (bodies.body_of(name) for name in joint.parts)
+        if a == b or joint.kind == "fixed":
+            continue
+        anchor = joint.point if joint.point is not None else bodies.drawn_center[b or a]
+        linear, angular = (
+            np.asarray(each) @ bodies.rotation[a].T
+            for each in constraints(joint, planar=assembly.planar)
+        )
+        at = bodies.placed(a, anchor), bodies.placed(b, anchor)
+        turned = Rotation.from_matrix(bodies.rotation[b] @ bodies.rotation[a].T).as_rotvec()
+        for d in linear:
+            row = np.zeros(width)
+            for body, sign in ((a, -1.0), (b, 1.0)):
+                if body:
+                    arm = (at[1] - bodies.center[body]) / length
+                    begin = 6 * number[body]
+                    row[begin : begin + 6] += sign * np.concatenate([d, np.cross(arm, d)])
+            rows.append(row)
+            drift.append(d @ (at[1] - at[0]) / length)
+        for d in angular:
+            row = np.zeros(width)
+            for body, sign in ((a, -1.0), (b, 1.0)):
+                if body:
+                    row[6 * number[body] + 3 : 6 * number[body] + 6] += sign * d
+            rows.append(row)
+            drift.append(float(d @ turned))
+    matrix = csr_array(np.array(rows)) if rows else csr_array((0, width))
+    return matrix, np.array(drift, dtype=np.float64)
+
+
+def _load(bodies: RigidBodies, length: float, weight: float) -> Array:
+    """Weights and loads on the free bodies: force [weights], torque [weights x lengths]."""
+    assembly = bodies.drawn
+    load = np.zeros((len(bodies.mass), 6))
+    load[:, :3] = bodies.mass[:, None] * assembly.gravity
+    for entry in assembly.loads:
+        body = bodies.body_of(entry.part)
+        drawn = assembly.geometry.center[assembly.index[entry.part]]
+        point = bodies.placed(body, drawn if entry.point is None else entry.point)
+        load[body, :3] += entry.force
+        arm = point - bodies.center[body]
+        load[body, 3:] += (entry.torque + np.cross(arm, entry.force)) / length
+    result: Array = load[bodies.free].ravel() / weight
+    return result

@@ -1,0 +1,246 @@
+"""The search for a pose at rest near the drawn pose.
+
+Each round finds the points near contact, opens all overlaps by the least motion, selects the points
+whose forces carry the load at the least sum of force times gap, closes these by the least motion,
+and moves the bodies. It ends in one of four states:
+
+    at-rest        forces at closed points alone balance the load, and no gap is below -tolerance
+    does-not-fit   no small motion opens all overlaps
+    falls          twice in a row no forces at the points within reach balance the load
+    not-found      the rounds are used up, nothing lies within reach, or the solver failed
+
+The state at-rest is a claim of the search; `kilter.analysis.settled_pose.rest_proof` verifies it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+
+from kilter.analysis.settled_pose.near_points import NearPoints, find_near_points
+from kilter.analysis.settled_pose.rest_programs import RestPrograms
+from kilter.analysis.settled_pose.rigid_bodies import RigidBodies
+from kilter.analysis.settled_pose.settle_tolerances import (
+    BALANCED,
+    LEAST_REACH,
+    SEARCH_CLOSED,
+)
+from kilter.arrays import Array
+from kilter.tell.numbers import number
+from kilter.work import stop_if_late
+
+__all__ = ["RestState", "SearchResult", "search_rest"]
+
+RestState = Literal["at-rest", "does-not-fit", "falls", "not-found"]
+
+ROUNDS = 20
+"""Largest number of rounds; disturbed walls and arches need 2 to 4."""
+AGAIN = 4
+"""Largest number of times that a round solves for the forces again after a step."""
+STEP_LENGTH = 2.0
+"""Largest movement of a part in a round [reaches]."""
+CARRIES, CARRIES_LEAST = 1e-4, 1e-8
+"""Force from which a point is closed [mean weights], at first and at least."""
+KAPPA = 1e-3
+"""Weight of the motion in the closing of gaps, at first [-]; a larger value leaves gaps."""
+HARDER = 100.0
+"""Factor by which both fall in a round that does not halve the widest gap."""
+CLOSES = 1e-5
+"""Sum of force times gap, over the widest gap, at which a step has closed its points [-]."""
+FINER = 10.0
+"""Reach of the next round for parts that are not convex, in steps of this round."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SearchResult:
+    """Result of the search.
+
+    Attributes
+    ----------
+    state : RestState
+    bodies : RigidBodies
+        The bodies in their last poses.
+    rounds : int
+    parts : tuple of str
+        Parts out of balance, or parts that do not fit.
+    depth : float
+        Depth of the overlap that cannot be opened [length unit].
+    why : str
+        Cause of a failure as a clause.
+    """
+
+    state: RestState
+    bodies: RigidBodies
+    rounds: int
+    parts: tuple[str, ...] = ()
+    depth: float = 0.0
+    why: str = ""
+
+
+@dataclass(slots=True)
+class _Progress:
+    """Numbers that pass from round to round."""
+
+    stuck: int = 0
+    wide: float = np.inf
+    fine_reach: float = np.inf
+    tell: Callable[[str], None] = field(default=lambda stage: None)
+
+
+def search_rest(
+    bodies: RigidBodies, *, reach: float, most: float | None, progress: Callable[[str], None]
+) -> SearchResult:
+    """Search for a pose at rest near the current pose.
+
+    Parameters
+    ----------
+    bodies : RigidBodies
+    reach : float
+        Largest gap of the points that are considered [length unit].
+    most : float or None
+        Largest permitted movement of a part [length unit]; None: no limit.
+    progress : callable
+        Called with a description of each round.
+    """
+    length, weight = _units(bodies)
+    state = _Progress(fine_reach=reach, tell=progress)
+    for rounds in range(ROUNDS + 1):
+        stop_if_late()
+        assembly = bodies.assembly()
+        points = find_near_points(assembly, reach, state.fine_reach)
+        points = _between_bodies(bodies, points)
+        if not len(points):
+            return SearchResult("not-found", bodies, rounds, why="no two parts come within reach")
+        programs = RestPrograms.of(bodies, points, length, weight)
+        outcome = _round(bodies, programs, points, state, rounds, reach)
+        if isinstance(outcome, SearchResult):
+            return outcome
+        bodies = bodies.moved(outcome)
+        if most is not None and bodies.movements()[0].max() > most * (1 + 1e-9):
+            name = bodies.drawn.names[int(bodies.movements()[0].argmax())]
+            far = number(float(bodies.movements()[0].max()))
+            return SearchResult(
+                "not-found", bodies, rounds, (name,),
+                why=f"{name!r} would have to move {far} {bodies.drawn.units} or more, which is "
+                f"out of reach",
+            )  # fmt: skip
+    return SearchResult("not-found", bodies, ROUNDS, why=f"the gaps did not close in {ROUNDS} rounds")
+
+
+def _units(bodies: RigidBodies) -> tuple[float, float]:
+    """Units of length [length unit] and force [N] of the programs."""
+    geometry = bodies.drawn.geometry
+    free = ~geometry.grounded
+    sizes = geometry.size[free] if free.any() else geometry.size
+    weights = geometry.mass[free] * float(np.linalg.norm(bodies.drawn.gravity))
+    loads = [float(np.linalg.norm(load.force)) for load in bodies.drawn.loads]
+    mean = float(weights.mean()) if free.any() else 1.0
+    return float(np.median(sizes)), max([mean, *loads])
+
+
+def _between_bodies(bodies: RigidBodies, points: NearPoints) -> NearPoints:
+    """Points between different bodies, without those that act out of the plane of motion."""
+    a, b = bodies.of_part[points.part_a], bodies.of_part[points.part_b]
+    keep = a != b
+    if bodies.drawn.planar:
+        keep &= np.abs(points.normal[:, 1]) < 0.5
+    return points.take(keep)
+
+
+def _round(
+    bodies: RigidBodies, programs: RestPrograms, points: NearPoints, state: _Progress,
+    rounds: int, reach: float,
+) -> SearchResult | Array:  # fmt: skip
+    """A round: the result if the search ends, else the step of all bodies, shape (B, 6)."""
+    gap = programs.gap
+    deep = float(max(-gap.min(), 0.0))
+    off = float(np.abs(programs.drift).max(initial=0.0))
+    if max(deep, off) <= SEARCH_CLOSED:
+        closed = programs.bears & (np.abs(gap) <= SEARCH_CLOSED)
+        _, imbalance = programs.carry(np.zeros(len(gap)), closed)
+        if np.abs(imbalance).max(initial=0.0) <= BALANCED:
+            return SearchResult("at-rest", bodies, rounds)
+    opened = gap
+    if max(deep, off) > SEARCH_CLOSED:
+        apart = programs.push_apart()
+        if apart is None:
+            depth, forces = programs.least_overlap()
+            if depth > SEARCH_CLOSED:
+                return _does_not_fit(bodies, programs, points, depth, forces, rounds)
+            programs = replace(programs, gap=gap + 2 * depth + SEARCH_CLOSED / 2)
+            apart = programs.push_apart()
+        if apart is not None:
+            opened = gap + programs.rates @ apart
+    forces, imbalance = programs.carry(
+        np.maximum(opened, 0.0) / max(float(np.abs(gap).max()), 1e-300), programs.bears
+    )
+    short = float(np.abs(imbalance).max(initial=0.0))
+    least = max(CARRIES / HARDER**state.stuck, CARRIES_LEAST)
+    before = state.wide
+    state.wide = max(float(np.abs(gap[forces > least]).max(initial=0.0)), deep, off)
+    state.tell(f"round {rounds + 1}: widest gap {number(state.wide * programs.length)}")
+    state.stuck += state.wide > before / 2 or state.wide <= SEARCH_CLOSED
+    if state.stuck > 1 and short > BALANCED:
+        return _falls(bodies, imbalance, rounds)
+    scale = max(state.wide, SEARCH_CLOSED)
+    motion = _closing_step(programs, forces, scale, least, state.stuck)
+    if motion is None:
+        return SearchResult("not-found", bodies, rounds, why="a step of the search has no solution")
+    steps = programs.steps(motion * scale, bodies)
+    far = np.linalg.norm(steps[:, :3], axis=1) + np.linalg.norm(steps[:, 3:], axis=1) * (
+        bodies.size / 2
+    )
+    longest = float(far.max())
+    length = programs.length
+    state.fine_reach = float(
+        np.clip(FINER * longest, LEAST_REACH * length, min(reach, state.fine_reach))
+    )
+    return steps * min(1.0, STEP_LENGTH * reach / max(longest, 1e-300))
+
+
+def _closing_step(
+    programs: RestPrograms, forces: Array, scale: float, least: float, stuck: int
+) -> Array | None:
+    """The motion, over `scale`, that closes the points with a force; forces are solved again."""
+    kappa = KAPPA / HARDER ** min(stuck, 2)
+    motion = None
+    for _ in range(AGAIN):
+        push = np.where(forces > least, np.maximum(forces, 0.1), 0.0)
+        motion = programs.close(push, scale, kappa)
+        if motion is None:
+            return None
+        left = np.maximum(np.minimum(programs.gap / scale, 1e4) + programs.rates @ motion, 0.0)
+        if float(left @ push) < CLOSES:
+            break
+        forces, _ = programs.carry(left / float(left.max()), programs.bears)
+    return motion
+
+
+def _does_not_fit(
+    bodies: RigidBodies, programs: RestPrograms, points: NearPoints, depth: float,
+    forces: Array, rounds: int,
+) -> SearchResult:  # fmt: skip
+    """The result for parts whose overlaps no small motion opens: the parts of the certificate."""
+    pressed = forces > 1e-3 * max(float(forces.max(initial=0.0)), 1e-300)
+    parts = np.unique(np.concatenate([points.part_a[pressed], points.part_b[pressed]]))
+    names = tuple(bodies.drawn.names[k] for k in parts.tolist())
+    return SearchResult(
+        "does-not-fit", bodies, rounds, names, depth * programs.length,
+        "no small motion opens all overlaps",
+    )  # fmt: skip
+
+
+def _falls(bodies: RigidBodies, imbalance: Array, rounds: int) -> SearchResult:
+    """The result for parts whose loads no forces balance at the points within reach."""
+    size = np.abs(imbalance).reshape(-1, 6).max(axis=1)
+    if not np.isfinite(size).all():
+        return SearchResult("not-found", bodies, rounds, why="the solver found no forces")
+    unbalanced = np.flatnonzero(bodies.free)[size > max(BALANCED, 1e-3 * float(size.max()))]
+    names = bodies.drawn.names
+    parts = tuple(names[k] for k in np.flatnonzero(np.isin(bodies.of_part, unbalanced)).tolist())
+    return SearchResult(
+        "falls", bodies, rounds, parts, why="no forces balance the parts at the points within reach"
+    )

@@ -1,0 +1,143 @@
+"""Rigid bodies: parts that move as one, and their poses during the search.
+
+Parts with a fixed joint or a bond between them form a body, as do all held parts. A pose takes a
+point x of the drawn assembly to R (x - c0) + c, where c0 is the drawn centre of mass of the body.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from kilter.arrays import Array, Index, Mask, connected
+from kilter.assembly import GROUND, Assembly
+from kilter.rigid import Pose, matrix_to_quaternion
+
+__all__ = ["RigidBodies", "rigid_bodies"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RigidBodies:
+    """The bodies of an assembly in their current poses; body 0 is the ground with all held parts.
+
+    Attributes
+    ----------
+    drawn : Assembly
+        The assembly in the drawn pose.
+    of_part : ndarray of int, shape (N,)
+        Body of each part.
+    moves : ndarray of bool, shape (B,)
+        Whether each body may move.
+    mass : ndarray, shape (B,)
+        Masses [kg].
+    size : ndarray, shape (B,)
+        Diameter of each body about its centre of mass [length unit].
+    drawn_center, center : ndarray, shape (B, 3)
+        Centres of mass in the drawn and in the current pose [length unit].
+    rotation : ndarray, shape (B, 3, 3)
+        Rotation from the drawn to the current pose.
+    """
+
+    drawn: Assembly
+    of_part: Index
+    moves: Mask
+    mass: Array
+    size: Array
+    drawn_center: Array
+    center: Array
+    rotation: Array
+
+    @property
+    def free(self) -> Mask:
+        """Mask of the bodies that are not held, shape (B,)."""
+        return np.arange(len(self.mass)) > 0
+
+    def placed(self, body: int, point: Array) -> Array:
+        """A drawn point of a body in the current pose."""
+        result: Array = self.rotation[body] @ (point - self.drawn_center[body]) + self.center[body]
+        return result
+
+    def moved(self, step: Array) -> RigidBodies:
+        """The bodies after a step: shift [length unit] and rotation vector [rad], shape (B, 6)."""
+        from scipy.spatial.transform import Rotation
+
+        turn = Rotation.from_rotvec(step[:, 3:]).as_matrix()
+        return replace(self, center=self.center + step[:, :3], rotation=turn @ self.rotation)
+
+    def assembly(self) -> Assembly:
+        """The assembly in the current pose; joints and points of loads and bonds follow.
+
+        A joint follows its first part, or its second part if the first is the ground.
+        """
+        drawn = self.drawn
+        parts = list(drawn.parts)
+        for k, body in enumerate(self.of_part.tolist()):
+            if self.moves[body]:
+                pose = parts[k].pose
+                turned = matrix_to_quaternion(self.rotation[body] @ pose.matrix)
+                parts[k] = replace(parts[k], pose=Pose(self.placed(body, pose.position), turned))
+        joints, loads, bonds = list(drawn.joints), list(drawn.loads), list(drawn.bonds)
+        for k, joint in enumerate(joints):
+            body = self.body_of(joint.parts[1 if joint.parts[0] == GROUND else 0])
+            point = None if joint.point is None else self.placed(body, joint.point)
+            axis = None if joint.axis is None else self.rotation[body] @ joint.axis
+            joints[k] = replace(joint, point=point, axis=axis)
+        for k, load in enumerate(loads):
+            if load.point is not None:
+                loads[k] = replace(load, point=self.placed(self.body_of(load.part), load.point))
+        for k, bond in enumerate(bonds):
+            if bond.points is not None:
+                body = self.body_of(bond.parts[0])
+                points = np.array([self.placed(body, point) for point in bond.points])
+                bonds[k] = replace(bond, points=points, normal=self.rotation[body] @ bond.normal)
+        return replace(drawn, parts=parts, joints=joints, loads=loads, bonds=bonds)
+
+    def body_of(self, name: str) -> int:
+        """Body of a part, by name; 0 for the ground."""
+        return 0 if name == GROUND else int(self.of_part[self.drawn.index[name]])
+
+    def movements(self) -> tuple[Array, Array]:
+        """Distance of the centre of mass of each part from the drawn one, and its turn [deg]."""
+        from scipy.spatial.transform import Rotation
+
+        center = self.drawn.geometry.center
+        body = self.of_part
+        shift = np.einsum("nij,nj->ni", self.rotation[body], center - self.drawn_center[body])
+        shift += self.center[body] - center
+        angle = np.degrees(Rotation.from_matrix(self.rotation).magnitude())[body]
+        still = ~self.moves[body]
+        return np.where(still, 0.0, np.linalg.norm(shift, axis=1)), np.where(still, 0.0, angle)
+
+
+def rigid_bodies(assembly: Assembly, keep: Collection[str]) -> RigidBodies:
+    """Build the bodies of an assembly; those with a part in `keep` do not move."""
+    geometry = assembly.geometry
+    count = len(assembly.parts)
+    first, second = [], np.flatnonzero(geometry.grounded).tolist()
+    first += [count] * len(second)
+    tied = [joint.parts for joint in assembly.joints if joint.kind == "fixed"]
+    tied += [bond.parts for bond in assembly.bonds]
+    for parts in tied:
+        ends = [count if name == GROUND else assembly.index[name] for name in parts]
+        first.append(ends[0])
+        second.append(ends[1])
+    label = connected(count + 1, np.array(first, np.int64), np.array(second, np.int64))
+    # the ground gets the number 0
+    others = np.unique(label[label != label[-1]])
+    of_part = np.searchsorted(others, label[:-1]) + 1
+    of_part[label[:-1] == label[-1]] = 0
+    bodies = len(others) + 1
+    mass = np.bincount(of_part, geometry.mass, minlength=bodies)
+    center = np.zeros((bodies, 3))
+    np.add.at(center, of_part, geometry.mass[:, None] * geometry.center)
+    center /= np.maximum(mass, np.finfo(float).tiny)[:, None]
+    reach = np.linalg.norm(geometry.vertices - center[of_part[geometry.vertex_part]], axis=1)
+    size = np.zeros(bodies)
+    np.maximum.at(size, of_part[geometry.vertex_part], 2 * reach)
+    moves = np.arange(bodies) > 0
+    moves[[of_part[assembly.index[name]] for name in keep]] = False
+    return RigidBodies(
+        assembly, of_part, moves, mass, size, center, center, np.tile(np.eye(3), (bodies, 1, 1))
+    )

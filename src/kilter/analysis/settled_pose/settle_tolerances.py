@@ -1,0 +1,31 @@
+"""Tolerances of the search for a pose at rest, and the order between them.
+
+    SEARCH_CLOSED < CLOSED < LEAST_REACH < REACH
+
+A point that the search regards as closed must also count as closed in the independent verification.
+"""
+
+from __future__ import annotations
+
+SEARCH_CLOSED = 1e-9
+"""Gap that the search regards as closed, over the median size of the parts [-]."""
+CLOSED = 1e-8
+"""Gap that the verification regards as closed, and deepest accepted overlap, over the median size
+of the parts [-]; a larger value accepts poses whose contacts are less closed."""
+REACH = 1e-3
+"""Least default reach of a search, over the median size of the parts [-]."""
+LEAST_REACH = 1e-5
+"""Least distance within which a step searches for points of parts that are not convex, over the
+median size [-]."""
+FACING = 0.06
+"""Largest angle between the planes of two opposed faces [rad]; a larger value closes wider
+wedges, and couples faces that lie aside."""
+BALANCED = 1e-7
+"""Force or torque on a part, over the mean weight, that counts as zero [-]."""
+COINCIDES = 1e-7
+"""A corner of an overlap within this fraction of the size of a part is a corner of that part [-].
+"""
+SLENDER = 1e-3
+"""Least cross product of two edges, over the product of the sizes, that has a direction [-]."""
+INSIDE = 0.3
+"""Least depth of a feature inside the other part, over its penetration along the normal [-]."""
