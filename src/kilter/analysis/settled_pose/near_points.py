@@ -4,7 +4,8 @@ Each point has a unit normal n from part a to part b, and a gap g. If the parts 
 displacements, the gap changes by n . (v_b(x) - v_a(x)). Three families give the points:
 
 - Opposed flat faces: the corners of the polygon in which the faces overlap. A corner of a part is
-  compared with the plane of the other face; elsewhere the mean normal of both faces counts.
+  compared with the plane of the other face. At a crossing of edges the normal is that of the face
+  on which an edge of the other face closes first; of parallel faces it is the mean normal.
 - Pairs of convex flat parts without such a polygon: a separating plane (`separating_planes`).
 - All other pairs: kilter's own detection of curved faces, edges and corners with a gap tolerance
   as large as the reach.
@@ -17,8 +18,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from kilter.analysis.settled_pose.separating_planes import separating_points
-from kilter.analysis.settled_pose.settle_tolerances import COINCIDES, FACING, INSIDE
-from kilter.arrays import Array, Index, Mask, Rows, columns
+from kilter.analysis.settled_pose.settle_tolerances import (
+    COINCIDES,
+    FACING,
+    INSIDE,
+    LEVEL,
+    THINNEST,
+)
+from kilter.arrays import TINY, Array, Index, Mask, Rows, columns
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.broad import facet_pairs
@@ -124,21 +131,23 @@ def _flat_points(
         flat &= ~skip.smooth.between(pair, i, j)
     pair, i, j = pair[flat], i[flat], j[flat]
     frames = facet_frames(facets, pair, i, j, margin[pair])
-    frame, corner, count = _overlap_polygons(search, frames, reach)
+    frame, corner, count, bears = _overlap_polygons(search, frames, reach)
     faced = np.zeros(len(search.pairs), dtype=bool)
     faced[frames.pair[frame]] = True
     owner = np.repeat(frame, count)
-    points = _corner_points(search, frames, owner, corner)
-    return points, faced
+    edge_of = _touching_sides(search, frames, frame, corner, count)
+    points = _corner_points(search, frames, owner, corner, edge_of)
+    return replace(points, bears=np.repeat(bears, count)), faced
 
 
 def _overlap_polygons(
     search: ContactSearch, frames: FacetFrame, reach: float
-) -> tuple[Index, Array, Index]:
+) -> tuple[Index, Array, Index, Mask]:
     """Overlap of each pair of faces as a convex polygon: its frame, corners (u, v) and their count.
 
     Polygons thinner than twice their gap are dropped, and gaps wider than the reach. The hull of
-    several pieces stands for them, since the gap is affine over both faces.
+    several pieces stands for them, since the gap is affine over both faces. The mask is false for
+    strips that are too thin to count as an area of contact.
     """
     frame: list[Index] = []
     polygons: list[Array] = []
@@ -150,6 +159,7 @@ def _overlap_polygons(
     first = np.flatnonzero(np.diff(rows[order], prepend=-1))
     kept_frame: list[int] = []
     kept: list[Array] = []
+    wide: list[bool] = []
     size = search.geometry.size
     last = np.append(first, len(order))[1:]
     for begin, end in zip(first, last, strict=True):
@@ -160,12 +170,14 @@ def _overlap_polygons(
         least = float(np.abs(gaps).min())
         deep = max(least, -float(gaps.min()))
         slack = SAME_PLACE * float(size[search.pairs[frames.pair[row]]].min())
-        if least <= reach and _width(corners) >= max(2 * deep, slack):
+        width = _width(corners)
+        if least <= reach and width >= max(2 * deep, slack):
             kept_frame.append(row)
             kept.append(corners)
+            wide.append(width >= THINNEST / SAME_PLACE * slack)
     count = np.array([len(corners) for corners in kept], dtype=np.int64)
     corners = np.concatenate([np.empty((0, 2)), *kept])
-    return np.array(kept_frame, dtype=np.int64), corners, count
+    return np.array(kept_frame, dtype=np.int64), corners, count, np.array(wide, dtype=bool)
 
 
 def _width(corners: Array) -> float:
@@ -176,8 +188,51 @@ def _width(corners: Array) -> float:
     return 2 * float(np.sqrt(max(least, 0.0) / len(corners)))
 
 
+def _touching_sides(
+    search: ContactSearch, frames: FacetFrame, frame: Index, corner: Array, count: Index
+) -> Index:
+    """For each corner of the overlaps of tilted faces, the face that touches with an edge there.
+
+    Of the two sides of the overlap that meet at a corner, the side with the smaller gap touches
+    first. It lies on an edge of the face 0 (i) or 1 (j); -1: the faces are nearly parallel.
+    """
+    face = np.full(len(corner), -1)
+    first = np.concatenate([[0], np.cumsum(count)]).astype(np.int64)
+    for k in np.flatnonzero(frames.angle[frame] > LEVEL):
+        span = slice(first[k], first[k + 1])
+        polygon, row = corner[span], np.array([frame[k]])
+        gaps = frames.gaps(polygon[None], row)[0]
+        after, before = np.roll(polygon, -1, axis=0), np.roll(polygon, 1, axis=0)
+        next_lower = np.roll(gaps, -1) < np.roll(gaps, 1)
+        middle = (polygon + np.where(next_lower[:, None], after, before)) / 2
+        off = [_boundary_distance(search, frames, int(frame[k]), side, middle) for side in (0, 1)]
+        face[span] = np.where(off[0] < off[1], 0, 1)
+    return face
+
+
+def _boundary_distance(
+    search: ContactSearch, frames: FacetFrame, row: int, side: int, points: Array
+) -> Array:
+    """Distance of points (u, v) from the boundary of a face of a frame [length unit]."""
+    facets = search.facets
+    facet = int((frames.i, frames.j)[side][row])
+    rows = facets.corners[facets.corner_start[facet] : facets.corner_start[facet + 1]]
+    outline = frames.flat(search.geometry.vertices[rows][None], np.array([row]))[0]
+    if facets.convex[facet]:
+        begin, end = outline, np.roll(outline, -1, axis=0)
+    else:
+        triangles = outline.reshape(-1, 3, 2)
+        begin, end = triangles.reshape(-1, 2), np.roll(triangles, -1, axis=1).reshape(-1, 2)
+    along = end - begin
+    share = np.einsum("pei,ei->pe", points[:, None] - begin[None], along)
+    share = np.clip(share / np.maximum(np.einsum("ei,ei->e", along, along), TINY), 0.0, 1.0)
+    nearest = begin[None] + share[..., None] * along[None]
+    distance: Array = np.linalg.norm(points[:, None] - nearest, axis=2).min(axis=1)
+    return distance
+
+
 def _corner_points(
-    search: ContactSearch, frames: FacetFrame, owner: Index, corner: Array
+    search: ContactSearch, frames: FacetFrame, owner: Index, corner: Array, edge_of: Index
 ) -> NearPoints:
     """The candidate point of each corner (u, v) of an overlap, in the frame `owner`."""
     if not len(owner):
@@ -197,6 +252,9 @@ def _corner_points(
         gap[rows] = np.einsum("ij,ij->i", at - facets.origin[other[rows]], n)
         point[rows], normal[rows] = at, -sign * n
         done[rows] = True
+    for side, other, sign in ((0, j, 1.0), (1, i, -1.0)):
+        rows = np.flatnonzero((edge_of == side) & ~done)
+        normal[rows] = -sign * facets.normal[other[rows]]
     a, b = search.pairs[frames.pair[owner]].T
     return _points((a, b, point, normal, gap, np.ones(len(a), dtype=bool)))
 

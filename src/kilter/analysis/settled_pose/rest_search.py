@@ -70,6 +70,10 @@ class SearchResult:
         Depth of the overlap that cannot be opened [length unit].
     why : str
         Cause of a failure as a clause.
+    hangs : bool
+        Whether a body has no point within reach that could carry it.
+    points : NearPoints or None
+        At rest: the points that the search regards as closed.
     """
 
     state: RestState
@@ -78,6 +82,8 @@ class SearchResult:
     parts: tuple[str, ...] = ()
     depth: float = 0.0
     why: str = ""
+    hangs: bool = False
+    points: NearPoints | None = None
 
 
 @dataclass(slots=True)
@@ -113,7 +119,9 @@ def search_rest(
         points = find_near_points(assembly, reach, state.fine_reach)
         points = _between_bodies(bodies, points)
         if not len(points):
-            return SearchResult("not-found", bodies, rounds, why="no two parts come within reach")
+            return SearchResult(
+                "not-found", bodies, rounds, why="no two parts come within reach", hangs=True
+            )
         programs = RestPrograms.of(bodies, points, length, weight)
         outcome = _round(bodies, programs, points, state, rounds, reach)
         if isinstance(outcome, SearchResult):
@@ -162,7 +170,7 @@ def _round(
         closed = programs.bears & (np.abs(gap) <= SEARCH_CLOSED)
         _, imbalance = programs.carry(np.zeros(len(gap)), closed)
         if np.abs(imbalance).max(initial=0.0) <= BALANCED:
-            return SearchResult("at-rest", bodies, rounds)
+            return SearchResult("at-rest", bodies, rounds, points=points.take(closed))
     opened = gap
     if max(deep, off) > SEARCH_CLOSED:
         apart = programs.push_apart()
@@ -184,7 +192,7 @@ def _round(
     state.tell(f"round {rounds + 1}: widest gap {number(state.wide * programs.length)}")
     state.stuck += state.wide > before / 2 or state.wide <= SEARCH_CLOSED
     if state.stuck > 1 and short > BALANCED:
-        return _falls(bodies, imbalance, rounds)
+        return _falls(bodies, points, imbalance, rounds)
     scale = max(state.wide, SEARCH_CLOSED)
     motion = _closing_step(programs, forces, scale, least, state.stuck)
     if motion is None:
@@ -233,7 +241,9 @@ def _does_not_fit(
     )  # fmt: skip
 
 
-def _falls(bodies: RigidBodies, imbalance: Array, rounds: int) -> SearchResult:
+def _falls(
+    bodies: RigidBodies, points: NearPoints, imbalance: Array, rounds: int
+) -> SearchResult:
     """The result for parts whose loads no forces balance at the points within reach."""
     size = np.abs(imbalance).reshape(-1, 6).max(axis=1)
     if not np.isfinite(size).all():
@@ -241,6 +251,8 @@ def _falls(bodies: RigidBodies, imbalance: Array, rounds: int) -> SearchResult:
     unbalanced = np.flatnonzero(bodies.free)[size > max(BALANCED, 1e-3 * float(size.max()))]
     names = bodies.drawn.names
     parts = tuple(names[k] for k in np.flatnonzero(np.isin(bodies.of_part, unbalanced)).tolist())
+    touched = bodies.of_part[np.concatenate([points.part_a, points.part_b])[np.tile(points.bears, 2)]]
     return SearchResult(
-        "falls", bodies, rounds, parts, why="no forces balance the parts at the points within reach"
-    )
+        "falls", bodies, rounds, parts, why="no forces balance the parts at the points within reach",
+        hangs=not np.isin(np.flatnonzero(bodies.free), touched).all(),
+    )  # fmt: skip

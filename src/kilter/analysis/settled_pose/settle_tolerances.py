@@ -29,3 +29,11 @@ SLENDER = 1e-3
 """Least cross product of two edges, over the product of the sizes, that has a direction [-]."""
 INSIDE = 0.3
 """Least depth of a feature inside the other part, over its penetration along the normal [-]."""
+THINNEST = 1e-4
+"""Least width of an overlap of faces that carries force, over the size of the smaller part [-]. The
+detection of contacts does not count thinner strips as areas."""
+LEVEL = 1e-5
+"""Tilt of two faces above which they touch with an edge [rad]."""
+NORMAL = 1e-3
+"""Largest angle between the normal of a closed point and the directions in which the surfaces of
+both parts face each other there [rad]; as large as the angle of touching faces."""

@@ -1,0 +1,207 @@
+"""Verification of a pose at rest: gaps and normals from the geometry, and forces at closed points.
+
+A pose is at rest if no two parts overlap deeper than a tolerance, and if forces in Coulomb's cones
+balance every part at closed points alone. A point with a normal n from part a to part b is closed if
+
+- the sum of its distances from the surfaces of a and b is at most the tolerance, and
+- n lies in the cone of the outward normals of the faces of a at the point, and -n in that of b.
+
+The overlaps are those of kilter's detection of contacts with this tolerance. No solver and no number
+of the search takes part: the same functions verify a proof file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from kilter.analysis.settled_pose.near_points import NearPoints, surface_gaps
+from kilter.analysis.settled_pose.settle_tolerances import CLOSED, NORMAL
+from kilter.arrays import Array, Index, Mask
+from kilter.assembly import Assembly, GivenContact
+from kilter.assembly.geometry import Geometry
+from kilter.contact import ContactSet, Tolerance, detect
+from kilter.contact.contact_tolerances import ROUNDINGS
+from kilter.contact.planar.facets import Facets, find_facets
+from kilter.errors import some_names
+
+__all__ = ["ClosedContacts", "closed_contacts", "closed_gap", "closed_points", "deepest_overlap"]
+
+WARPS = 2.0
+"""Least gap that counts as closed, in multiples of the warp of a face: both faces of a contact may
+be warped [-]."""
+FIT = 1e-9
+"""Slack of the sides of a facet for a point on it, over the reach of the facet [-]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ClosedContacts:
+    """The contacts of a pose at points that are closed.
+
+    Attributes
+    ----------
+    assembly : Assembly
+        The assembly in this pose, with the closed points as its only contacts.
+    contacts : ContactSet
+        These contacts.
+    widest_gap : float
+        Widest gap of a closed point [length unit].
+    deepest_overlap : float
+        Deepest overlap of two parts [length unit]; 0 without overlaps.
+    fault : str
+        Reason why the pose is not at rest whatever the forces, as a clause; empty if none is known.
+    """
+
+    assembly: Assembly
+    contacts: ContactSet
+    widest_gap: float
+    deepest_overlap: float
+    fault: str
+
+
+def closed_gap(assembly: Assembly) -> float:
+    """Gap at which a point counts as closed [length unit].
+
+    It is a fraction of the median size of the parts, and at least the rounding of coordinates and
+    the warp of flat faces, whose corners lie off their common plane.
+    """
+    geometry = assembly.geometry
+    facets = find_facets(geometry)
+    owner = np.repeat(np.arange(len(facets)), np.diff(facets.corner_start))
+    offset = geometry.vertices[facets.corners] - facets.origin[owner]
+    warp = np.abs(np.einsum("ij,ij->i", offset, facets.normal[owner]))[~facets.curved[owner]]
+    free = ~geometry.grounded
+    size = float(np.median(geometry.size[free] if free.any() else geometry.size))
+    return max(
+        CLOSED * size,
+        ROUNDINGS * float(geometry.accuracy.max()),
+        WARPS * float(warp.max(initial=0.0)),
+    )
+
+
+def closed_contacts(
+    assembly: Assembly, points: NearPoints, *, progress: Callable[[str], None] | None = None
+) -> ClosedContacts:
+    """Keep the points of a pose that are closed, and find its deepest overlap.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    points : NearPoints
+        Points that the search regards as closed.
+    progress : callable, optional
+        Called with the name of each stage.
+    """
+    gap = closed_gap(assembly)
+    parts = np.column_stack([points.part_a, points.part_b])
+    apart, sound = closed_points(assembly.geometry, parts, points.point, points.normal, gap)
+    closed = (apart <= gap) & sound
+    points, parts = points.take(closed), parts[closed]
+    deepest, fault = deepest_overlap(assembly, gap, progress)
+    listed = _with_contacts(assembly, parts, points)
+    return ClosedContacts(
+        listed, detect.contacts(listed), float(apart[closed].max(initial=0.0)), deepest, fault
+    )
+
+
+def deepest_overlap(
+    assembly: Assembly, gap: float, progress: Callable[[str], None] | None = None
+) -> tuple[float, str]:
+    """Deepest overlap of two parts [length unit], and a clause if it exceeds `gap`, else ""."""
+    usual = assembly.tolerance or Tolerance()
+    tolerance = replace(usual, gap=gap, clearance=None)
+    contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
+    names, units = assembly.names, assembly.units
+    lowest = contacts.patch_gap[:, 0]
+    penetration = max(0.0, -float(lowest.min(initial=0.0)))
+    if contacts.overlaps:
+        worst = max(contacts.overlaps, key=lambda overlap: overlap.depth)
+        both = some_names([names[k] for k in worst.parts])
+        return max(worst.depth, penetration), f"{both} overlap by {worst.depth:.3g} {units}"
+    if penetration > 2 * gap:
+        both = some_names([names[k] for k in contacts.patch_parts[int(lowest.argmin())]])
+        return penetration, f"{both} penetrate each other by {penetration:.3g} {units}"
+    return penetration, ""
+
+
+def closed_points(
+    geometry: Geometry, parts: Index, points: Array, normals: Array, gap: float
+) -> tuple[Array, Mask]:
+    """Gap of each point, and whether its normal fits the faces of both parts there.
+
+    Parameters
+    ----------
+    geometry : Geometry
+    parts : ndarray of int, shape (n, 2)
+        Parts a and b.
+    points, normals : ndarray, shape (n, 3)
+        Points [length unit] and unit normals from a to b.
+    gap : float
+        Largest distance of a point from a face on which it lies [length unit].
+
+    Returns
+    -------
+    apart : ndarray, shape (n,)
+        Sum of the distances from the surfaces of both parts [length unit].
+    sound : ndarray of bool, shape (n,)
+    """
+    facets = find_facets(geometry)
+    sound = np.ones(len(points), dtype=bool)
+    for k in range(len(points)):
+        for part, sign in zip(parts[k].tolist(), (1.0, -1.0), strict=True):
+            normal = sign * normals[k]
+            sound[k] &= _in_cone(_normals_at(geometry, facets, part, points[k], gap), normal)
+    return surface_gaps(geometry, parts, points), sound
+
+
+def _normals_at(
+    geometry: Geometry, facets: Facets, part: int, point: Array, gap: float
+) -> Array:
+    """Outward normals of the faces of a part on which a point lies within `gap`, shape (m, 3)."""
+    rows = np.arange(facets.start[part], facets.start[part + 1])
+    height = np.einsum("fi,fi->f", point - facets.origin[rows], facets.normal[rows])
+    away = np.linalg.norm(point - facets.origin[rows], axis=1)
+    near = (np.abs(height) <= gap) & (away <= facets.reach[rows] + gap) & ~facets.curved[rows]
+    on = [row for row in rows[near].tolist() if _on_facet(geometry, facets, row, point, gap)]
+    surface = np.arange(*geometry.surfaces.start[part : part + 2])
+    if not len(surface):
+        return facets.normal[on]
+    each = np.tile(point, (len(surface), 1))
+    surface = surface[np.abs(geometry.surfaces.distance(surface, each)) <= gap]
+    outward = geometry.surfaces.outward(surface, np.tile(point, (len(surface), 1)))
+    return np.concatenate([facets.normal[on], outward])
+
+
+def _on_facet(geometry: Geometry, facets: Facets, row: int, point: Array, gap: float) -> bool:
+    """Whether a point near the plane of a facet lies within the facet, or within `gap` beside."""
+    rows = facets.corners[facets.corner_start[row] : facets.corner_start[row + 1]]
+    corners = geometry.vertices[rows]
+    loops = corners[None] if facets.convex[row] else corners.reshape(-1, 3, 3)
+    along = np.roll(loops, -1, axis=1) - loops
+    inward = np.cross(facets.normal[row], along)
+    inward /= np.maximum(np.linalg.norm(inward, axis=2), 1e-300)[..., None]
+    depth = np.einsum("lci,lci->lc", point - loops, inward).min(axis=1)
+    return bool(depth.max() >= -gap - FIT * facets.reach[row])
+
+
+def _in_cone(rays: Array, direction: Array) -> bool:
+    """Whether a unit direction lies in the cone of unit rays, within the angle `NORMAL`."""
+    if not len(rays):
+        return False
+    if (rays @ direction).max() >= np.cos(NORMAL):
+        return True
+    from scipy.optimize import nnls
+
+    return bool(nnls(rays.T, direction)[1] <= NORMAL)
+
+
+def _with_contacts(assembly: Assembly, parts: Index, points: NearPoints) -> Assembly:
+    """The assembly with points as its only contacts."""
+    names = assembly.names
+    given = [
+        GivenContact((names[a], names[b]), [points.point[k]], points.normal[k], mu=points.mu[k])
+        for k, (a, b) in enumerate(parts.tolist())
+    ]
+    return replace(assembly, contacts=given, detect=False)

@@ -1,0 +1,359 @@
+"""`kilter.settle`: the pose at rest near the drawn pose of an assembly.
+
+Drawn parts often overlap or hang by a fraction of a millimetre. `settle` moves them until they
+touch and forces at closed points hold them. "At rest" is verified independently of the search:
+contacts are detected anew, gaps are measured on the geometry, and a certificate proves the forces
+(`kilter.analysis.settled_pose.rest_proof`). The pose is neither unique nor proved to be the
+nearest, and the state "falls" is no proof of a fall.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kilter.analysis.check import check
+from kilter.analysis.settled_pose.rest_proof import ClosedContacts, closed_contacts, closed_gap
+from kilter.analysis.settled_pose.rest_search import RestState, SearchResult, search_rest
+from kilter.analysis.settled_pose.rigid_bodies import RigidBodies, rigid_bodies
+from kilter.analysis.settled_pose.settle_tolerances import REACH
+from kilter.analysis.settled_pose.vertical_drop import drop_hanging
+from kilter.analysis.verdict.verdict import Verdict
+from kilter.arrays import Array
+from kilter.assembly import Assembly
+from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
+from kilter.contact import ContactSet, Tolerance, detect
+from kilter.errors import InputError
+from kilter.tell.json_answer import Answer
+from kilter.tell.levels import REQUIRE, holds, level_rank, require_level
+from kilter.tell.settle_words import settle_sentence
+from kilter.threads import on_one_thread
+from kilter.validate import number
+from kilter.work import EFFORT
+
+if TYPE_CHECKING:
+    from kilter.tell.answer_data.settle_data import SettleData
+
+__all__ = ["Settled", "settle"]
+
+MARGIN = 3.0
+"""Default reach, in multiples of the widest gap or overlap that was found."""
+WIDER = 4.0
+"""Factor of the default reach in a second attempt, if a part touches nothing within the first."""
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Settled(Answer):
+    """Answer of `kilter.settle`: the pose at rest, or the reason why there is none.
+
+    Attributes
+    ----------
+    drawn, assembly : Assembly
+        The assembly in the drawn pose, and in the last pose of the search. Points of loads, joints
+        and bonds have moved with their parts.
+    state : {"at-rest", "does-not-fit", "falls", "not-found"}
+    distance, angle : ndarray, shape (N,)
+        Movement of the centre of mass of each part [length unit], and its rotation [deg].
+    rounds : int
+    reach : float
+        Largest gap that the search considered [length unit].
+    parts : tuple of str
+        Parts that fall, that do not fit, or that are out of reach.
+    depth : float
+        Depth of the overlap that no small motion opens [length unit]; 0 if all open.
+    why : str
+        Cause of a failure as a clause; empty at rest.
+    closed : ClosedContacts or None
+        Contacts of the pose at closed points; None unless the search ended at rest.
+    closed_verdict : Verdict or None
+        Verdict on forces at the closed points alone.
+    tolerance : float
+        Gap that counts as closed [length unit].
+    before, after : Verdict or None
+        Verdicts of `kilter.check` on the drawn and on the settled pose.
+    require : str
+    dropped : float
+        Largest distance of a fall before the search [length unit].
+    warnings : tuple of str
+    seconds : float
+    """
+
+    answer: ClassVar[str] = "settle"
+
+    drawn: Assembly
+    assembly: Assembly
+    state: RestState
+    distance: Array
+    angle: Array
+    rounds: int
+    reach: float
+    parts: tuple[str, ...]
+    depth: float
+    why: str
+    closed: ClosedContacts | None
+    closed_verdict: Verdict | None
+    tolerance: float
+    before: Verdict | None
+    after: Verdict | None
+    require: str
+    dropped: float
+    warnings: tuple[str, ...]
+    seconds: float
+
+    @property
+    def level(self) -> str | None:
+        """Level of the pose at rest, the higher of both verdicts on it; None in other states.
+
+        The verdicts are that on all detected contacts, and that on the closed points alone.
+        """
+        if self.state != "at-rest":
+            return None
+        verdicts = [v for v in (self.after, self.closed_verdict) if v is not None]
+        return max((v.level for v in verdicts), key=level_rank, default=None)
+
+    @property
+    def at_rest(self) -> bool:
+        """True if the parts are at rest at the required level."""
+        return self.state == "at-rest" and holds(self.level, self.require)
+
+    def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
+        """The proof that the pose is at rest, for `kilter.verify` with the settled assembly.
+
+        Raises
+        ------
+        InputError
+            If the parts are not at rest.
+        """
+        if self.closed_verdict is None or self.state != "at-rest":
+            raise InputError(
+                f"the parts are not at rest: {self.why}", hint="only a pose at rest has a proof"
+            )
+        return self.closed_verdict.proof(options=options)
+
+    def to_dict(self) -> SettleData:
+        """The answer as JSON data, as ``kilter settle --json`` prints it."""
+        names = self.drawn.names
+        moved = np.flatnonzero((self.distance > 0) | (self.angle > 0))
+        data: SettleData = {
+            "sentence": "",  # made below from the other data
+            "state": self.state,
+            "level": self.level,
+            "units": self.drawn.units,
+            "moved": [
+                {
+                    "part": names[k],
+                    "distance": float(self.distance[k]),
+                    "angle_deg": float(self.angle[k]),
+                }
+                for k in moved[np.argsort(-self.distance[moved], kind="stable")].tolist()
+            ],
+            "widest_gap": None if self.closed is None else self.closed.widest_gap,
+            "deepest_overlap": None if self.closed is None else self.closed.deepest_overlap,
+            "carries": self._carrying_pairs(),
+            "rounds": self.rounds,
+            "reach": self.reach,
+            "tolerance": self.tolerance,
+            "dropped": self.dropped,
+            "parts": list(self.parts),
+            "depth": self.depth,
+            "why": self.why,
+            "before": None if self.before is None else self.before.verdict,
+            "after": None if self.after is None else self.after.verdict,
+            "closed_level": None if self.closed_verdict is None else self.closed_verdict.level,
+            "require": self.require,
+            "warnings": list(self.warnings),
+            "seconds": self.seconds,
+        }
+        data["sentence"] = settle_sentence(data)
+        return data
+
+    def _carrying_pairs(self) -> list[list[str]]:
+        """Names of the pairs of parts that touch at closed points."""
+        if self.closed is None:
+            return []
+        pairs = np.unique(np.sort(self.closed.contacts.patch_parts, axis=1), axis=0)
+        return [[self.drawn.names[a], self.drawn.names[b]] for a, b in pairs.tolist()]
+
+    def __repr__(self) -> str:
+        far = float(self.distance.max(initial=0.0))
+        return f"<Settled: {self.state}, moved {far:.3g} {self.drawn.units}>"
+
+
+@on_one_thread
+def settle(
+    assembly: AssemblyOrPath,
+    *,
+    reach: float | None = None,
+    keep: str | Iterable[str] = (),
+    drop: bool = False,
+    friction: float | None = None,
+    down: ArrayLike | None = None,
+    ground: str | Iterable[str] = (),
+    floor: bool | float | None = None,
+    contacts: ContactSet | None = None,
+    tolerance: Tolerance | None = None,
+    require: str = REQUIRE,
+    effort: float = EFFORT,
+    progress: Callable[[str], None] | None = None,
+) -> Settled:
+    """Move the parts of an assembly by little until they touch and rest on each other.
+
+    Parameters
+    ----------
+    assembly : Assembly, or path
+        At least one part is held. Held parts do not move.
+    reach : float, optional
+        Largest permitted movement of a part [length unit]. By default it is three times the widest
+        gap or overlap of the drawn pose; the answer states it.
+    keep : str or iterable of str
+        Parts that must not move although they are not held; ``*`` and ``?`` are wildcards.
+    drop : bool
+        Whether hanging parts first fall straight down until they meet another part.
+    friction, down, ground, floor : optional
+        Changes of the assembly before the question, as in `kilter.check`.
+    contacts : ContactSet, optional
+        Contacts of the drawn assembly; by default they are detected.
+    require : {"equilibrium", "settles", "proved", "strict"}
+        Level from which the pose counts as at rest for `Settled.at_rest`.
+    tolerance, effort, progress : optional
+        As in `kilter.check`, for the verdicts before and after.
+
+    Returns
+    -------
+    Settled
+
+    Raises
+    ------
+    InputError
+        If no part is held, or an argument is invalid.
+
+    Examples
+    --------
+    >>> from kilter import Box, Part
+    >>> table = Part("table", Box(4, 4, 1), [0, 0, -0.5], grounded=True)
+    >>> box = Part("box", Box(1, 1, 1), [0, 0, 0.501])
+    >>> answer = settle(Assembly([table, box]))
+    >>> answer.state, answer.level, answer.distance.round(6).tolist()
+    ('at-rest', 'proved', [0.0, 0.001])
+    """
+    started = time.perf_counter()
+    tell = progress or (lambda stage: None)
+    require = require_level(require, strict=True)
+    assembly = asked_assembly(
+        assembly, "settle", contacts, friction=friction, down=down, ground=ground, floor=floor
+    )
+    assembly.require_grounded()
+    most = None if reach is None else number(reach, "reach", lowest=0)
+    if most == 0.0:
+        raise InputError("reach is 0", hint="give a length above zero")
+    kept = assembly.matching(keep)
+    if contacts is None:
+        contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
+    common = {"require": require, "effort": effort}
+    before = check(assembly, contacts=contacts, progress=progress, **common)
+    bodies = rigid_bodies(assembly, kept)
+    dropped = 0.0
+    refusal = _refusal(assembly)
+    if refusal:
+        found = SearchResult("not-found", bodies, 0, why=refusal)
+        used = most or 0.0
+    else:
+        if drop:
+            tell("drop")
+            bodies, dropped = drop_hanging(bodies)
+        found, used = _search(bodies, contacts, most, dropped, tell)
+    settled = found.bodies.assembly()
+    closed = closed_verdict = after = None
+    if found.state == "at-rest":
+        tell("verification")
+        assert found.points is not None
+        closed = closed_contacts(settled, found.points, progress=progress)
+        closed_verdict = check(closed.assembly, contacts=closed.contacts, **common)
+        why = _unproved(closed, closed_verdict)
+        if why:
+            found = replace(found, state="not-found", why=why)
+        else:
+            after = check(settled, tolerance=tolerance, progress=progress, **common)
+    distance, angle = found.bodies.movements()
+    return Settled(
+        assembly,
+        settled,
+        found.state,
+        distance,
+        angle,
+        found.rounds,
+        used,
+        found.parts,
+        found.depth,
+        found.why,
+        closed,
+        closed_verdict,
+        closed_gap(settled),
+        before,
+        after,
+        require,
+        dropped,
+        tuple(dict.fromkeys(before.warnings if after is None else after.warnings)),
+        time.perf_counter() - started,
+    )
+
+
+def _search(
+    bodies: RigidBodies,
+    contacts: ContactSet,
+    most: float | None,
+    dropped: float,
+    tell: Callable[[str], None],
+) -> tuple[SearchResult, float]:
+    """Search with the given reach, or with one or two reaches from the gaps of the drawn pose.
+
+    Returns the result and the reach [length unit].
+    """
+    if most is not None:
+        limit = most + dropped
+        return search_rest(bodies, reach=most, most=limit, progress=tell), most
+    reach = _default_reach(bodies.drawn, contacts, dropped)
+    found = search_rest(bodies, reach=reach, most=None, progress=tell)
+    if not found.hangs:
+        return found, reach
+    wider = search_rest(bodies, reach=WIDER * reach, most=None, progress=tell)
+    return (wider, WIDER * reach) if wider.state == "at-rest" else (found, reach)
+
+
+def _default_reach(assembly: Assembly, contacts: ContactSet, dropped: float) -> float:
+    """Reach from the widest gap and the deepest overlap of the drawn pose [length unit]."""
+    geometry = assembly.geometry
+    size = float(np.median(geometry.size[~geometry.grounded]))
+    gaps = [overlap.depth for overlap in contacts.overlaps]
+    gaps += [abs(pair.gap) for pair in contacts.rejected if abs(pair.gap) < size]
+    if not dropped:
+        gaps += [neighbour.gap for neighbour in contacts.neighbours]
+    return MARGIN * max([REACH / MARGIN * size, *gaps])
+
+
+def _refusal(assembly: Assembly) -> str:
+    """Reason why an assembly of this kind cannot be settled, as a clause; empty if it can."""
+    if assembly.contacts or not assembly.detect:
+        return "the file lists contacts, whose gaps no geometry shows; use --contacts geometry"
+    if assembly.straps:
+        return "straps are not settled: their pull changes with the pose"
+    if assembly.geometry.grounded.all():
+        return "every part is held"
+    return ""
+
+
+def _unproved(closed: ClosedContacts, verdict: Verdict) -> str:
+    """Reason why the verification does not confirm the pose, as a clause; empty if it does."""
+    if closed.fault:
+        return f"the search ended at rest, but {closed.fault}"
+    if verdict.level is None:
+        return (
+            "the search ended at rest, but no forces at the points that the geometry shows closed "
+            "are proved to balance the parts"
+        )
+    return ""
