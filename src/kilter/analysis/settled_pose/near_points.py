@@ -4,8 +4,8 @@ Each point has a unit normal n from part a to part b, and a gap g. If the parts 
 displacements, the gap changes by n . (v_b(x) - v_a(x)). Three families give the points:
 
 - Opposed flat faces: the corners of the polygon in which the faces overlap. A corner of a part is
-  compared with the plane of the other face. At a crossing of edges the normal is that of the face
-  on which an edge of the other face closes first; of parallel faces it is the mean normal.
+  compared with the plane of the other face. At a crossing of edges the normal lies across both; for
+  parallel faces it is the mean normal.
 - Pairs of convex flat parts without such a polygon: a separating plane (`separating_planes`).
 - All other pairs: kilter's own detection of curved faces, edges and corners with a gap tolerance
   as large as the reach.
@@ -20,12 +20,13 @@ import numpy as np
 from kilter.analysis.settled_pose.separating_planes import separating_points
 from kilter.analysis.settled_pose.settle_tolerances import (
     COINCIDES,
+    CROSSING,
     FACING,
     INSIDE,
     LEVEL,
     THINNEST,
 )
-from kilter.arrays import TINY, Array, Index, Mask, Rows, columns
+from kilter.arrays import TINY, Array, Index, Mask, Rows, columns, unit_rows
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.broad import facet_pairs
@@ -135,8 +136,8 @@ def _flat_points(
     faced = np.zeros(len(search.pairs), dtype=bool)
     faced[frames.pair[frame]] = True
     owner = np.repeat(frame, count)
-    edge_of = _touching_sides(search, frames, frame, corner, count)
-    points = _corner_points(search, frames, owner, corner, edge_of)
+    crossing = _crossing_normals(search, frames, frame, corner, count)
+    points = _corner_points(search, frames, owner, corner, crossing)
     return replace(points, bears=np.repeat(bears, count)), faced
 
 
@@ -188,26 +189,39 @@ def _width(corners: Array) -> float:
     return 2 * float(np.sqrt(max(least, 0.0) / len(corners)))
 
 
-def _touching_sides(
+def _crossing_normals(
     search: ContactSearch, frames: FacetFrame, frame: Index, corner: Array, count: Index
-) -> Index:
-    """For each corner of the overlaps of tilted faces, the face that touches with an edge there.
+) -> Array:
+    """Normal across both edges that cross at each corner of the overlaps of tilted faces, (n, 3).
 
-    Of the two sides of the overlap that meet at a corner, the side with the smaller gap touches
-    first. It lies on an edge of the face 0 (i) or 1 (j); -1: the faces are nearly parallel.
+    The sides of an overlap lie on edges of either face. For nearly parallel edges the normal is
+    that of the face on which the other face closes first: of both sides that meet at the corner,
+    the side with the smaller gap. NaN: the faces are nearly parallel.
     """
-    face = np.full(len(corner), -1)
+    normal = np.full((len(corner), 3), np.nan)
     first = np.concatenate([[0], np.cumsum(count)]).astype(np.int64)
     for k in np.flatnonzero(frames.angle[frame] > LEVEL):
-        span = slice(first[k], first[k + 1])
-        polygon, row = corner[span], np.array([frame[k]])
-        gaps = frames.gaps(polygon[None], row)[0]
-        after, before = np.roll(polygon, -1, axis=0), np.roll(polygon, 1, axis=0)
-        next_lower = np.roll(gaps, -1) < np.roll(gaps, 1)
-        middle = (polygon + np.where(next_lower[:, None], after, before)) / 2
-        off = [_boundary_distance(search, frames, int(frame[k]), side, middle) for side in (0, 1)]
-        face[span] = np.where(off[0] < off[1], 0, 1)
-    return face
+        span, row = slice(first[k], first[k + 1]), int(frame[k])
+        polygon = corner[span]
+        gaps = frames.gaps(polygon[None], np.array([row]))[0]
+        along = np.roll(polygon, -1, axis=0) - polygon
+        middle = polygon + along / 2
+        off = [_boundary_distance(search, frames, row, side, middle) for side in (0, 1)]
+        face = np.where(off[0] < off[1], 0, 1)  # of the side that begins at each corner
+        basis = np.stack([frames.u[row], frames.v[row]])
+        rise = np.einsum("ki,ki->k", along, frames.slope[row][face])
+        lifted = unit_rows(along @ basis + rise[:, None] * frames.normal[row])
+        across = np.cross(np.roll(lifted, 1, axis=0), lifted)
+        across *= np.sign(across @ frames.normal[row])[:, None]
+        sine = np.linalg.norm(across, axis=1)
+        lower = np.where(np.roll(gaps, -1) < np.roll(gaps, 1), face, np.roll(face, 1))
+        facets = search.facets
+        planes = np.stack([-facets.normal[frames.j[row]], facets.normal[frames.i[row]]])
+        skew = (sine > CROSSING) & (face != np.roll(face, 1))
+        normal[span] = np.where(
+            skew[:, None], across / np.maximum(sine, TINY)[:, None], planes[lower]
+        )
+    return normal
 
 
 def _boundary_distance(
@@ -232,7 +246,7 @@ def _boundary_distance(
 
 
 def _corner_points(
-    search: ContactSearch, frames: FacetFrame, owner: Index, corner: Array, edge_of: Index
+    search: ContactSearch, frames: FacetFrame, owner: Index, corner: Array, crossing: Array
 ) -> NearPoints:
     """The candidate point of each corner (u, v) of an overlap, in the frame `owner`."""
     if not len(owner):
@@ -252,9 +266,9 @@ def _corner_points(
         gap[rows] = np.einsum("ij,ij->i", at - facets.origin[other[rows]], n)
         point[rows], normal[rows] = at, -sign * n
         done[rows] = True
-    for side, other, sign in ((0, j, 1.0), (1, i, -1.0)):
-        rows = np.flatnonzero((edge_of == side) & ~done)
-        normal[rows] = -sign * facets.normal[other[rows]]
+    rows = np.flatnonzero(~done & np.isfinite(crossing[:, 0]))
+    gap[rows] *= np.einsum("ij,ij->i", normal[rows], crossing[rows])
+    normal[rows] = crossing[rows]
     a, b = search.pairs[frames.pair[owner]].T
     return _points((a, b, point, normal, gap, np.ones(len(a), dtype=bool)))
 
