@@ -48,6 +48,8 @@ if TYPE_CHECKING:
     from kilter.analysis.scene_states.object_states import scene as scene
     from kilter.analysis.scene_states.scene_report import SceneObject as SceneObject
     from kilter.analysis.scene_states.scene_report import SceneReport as SceneReport
+    from kilter.analysis.settled_pose.settle import Settled as Settled
+    from kilter.analysis.settled_pose.settle import settle as settle
     from kilter.analysis.transport.carrier import CarrierMotion as CarrierMotion
     from kilter.analysis.transport.carrier_path import CarrierPath as CarrierPath
     from kilter.analysis.transport.transport import Transport as Transport
@@ -125,6 +127,7 @@ _HOMES = {
     "report": "kilter.publish",
     "save": "kilter.contact.fits.choices_saving",
     "scene": "kilter.analysis.scene_states.object_states",
+    "settle": "kilter.analysis.settled_pose.settle",
     "transport": "kilter.analysis.transport.transport",
     "verify": "kilter.analysis.verification",
     "view": "kilter.workbench.view",
@@ -179,6 +182,7 @@ _HOMES = {
     "Report": "kilter.publish",
     "SceneObject": "kilter.analysis.scene_states.scene_report",
     "SceneReport": "kilter.analysis.scene_states.scene_report",
+    "Settled": "kilter.analysis.settled_pose.settle",
     "Shown": "kilter.notebook",
     "State": "kilter.analysis.planning.states.state",
     "States": "kilter.analysis.planning.states.states",

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from kilter.analysis.placing.place import Places
     from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region
+    from kilter.analysis.settled_pose.settle import Settled
     from kilter.analysis.transport.transport import Transport
     from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly import Assembly
@@ -145,7 +146,7 @@ def _changed(subject: Any, verb: str, contacts: ContactSet | None, **changes: An
     from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly.verb_keywords import asked_assembly, require_unchanged
 
-    if not isinstance(subject, Verdict | Region | Order | Transport | Places):
+    if not isinstance(subject, Verdict | Region | Order | Settled | Transport | Places):
         return asked_assembly(subject, verb, contacts, **changes)
     require_unchanged(subject, **changes)
     return subject
@@ -291,7 +292,7 @@ def _require_steps(order: Order) -> None:
 
 
 def draw(
-    subject: AssemblyOrPath | Verdict | Region | Order | Transport | Places,
+    subject: AssemblyOrPath | Verdict | Region | Order | Settled | Transport | Places,
     out: str | Path | None = None,
     *,
     friction: float | None = None,
@@ -313,7 +314,7 @@ def draw(
 
     Parameters
     ----------
-    subject : Assembly, path, Verdict, Region, Order, Transport or Places
+    subject : Assembly, path, Verdict, Region, Order, Settled, Transport or Places
         An answer is drawn unchanged. For an assembly, the answer selected by `what` is computed.
     out : path, optional
         File of the figure, ending in .svg, .png or .pdf.
@@ -350,9 +351,11 @@ def draw(
     from kilter.analysis.placing.place import Places
     from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region
+    from kilter.analysis.settled_pose.settle import Settled
     from kilter.analysis.transport.transport import Transport
     from kilter.show.canvas import encode_figure
     from kilter.show.figures import draw_assembly
+    from kilter.show.movement_figure import draw_movement
     from kilter.show.plan_figure import draw_plan
     from kilter.show.sphere import draw_region
 
@@ -373,6 +376,10 @@ def draw(
     )
     if isinstance(answer, Region):
         figure = draw_region(answer)
+    elif isinstance(answer, Settled):
+        figure = draw_movement(
+            answer.drawn, answer.movement, answer.to_dict()["sentence"], view=view
+        )
     elif isinstance(answer, Transport):
         figure = _draw_transport(answer)
     elif isinstance(answer, Places):
@@ -438,11 +445,12 @@ def answer_to_draw(
     from kilter.analysis.placing.place import Places
     from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region, region
+    from kilter.analysis.settled_pose.settle import Settled
     from kilter.analysis.transport.transport import Transport
     from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly.assembly import require_assembly
 
-    if isinstance(subject, Verdict | Region | Order | Transport | Places):
+    if isinstance(subject, Verdict | Region | Order | Settled | Transport | Places):
         return subject
     require_assembly(subject, "draw")
     if time_limit is not None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -22,6 +22,11 @@ from kilter.analysis.planning.plan_proof_form import (
     require_hold_form,
     require_lashing_form,
     require_plan_form,
+)
+from kilter.analysis.settled_pose.rest_recheck import (
+    at_closed_points,
+    is_proof_of_rest,
+    open_point_objections,
 )
 from kilter.assembly import Assembly, require_assembly
 from kilter.assembly.strap_ends import end_words, with_ends_of
@@ -175,11 +180,32 @@ def verify(
                 assembly, reading, tolerance=tolerance, progress=progress
             )
         require_assembly(assembly, "verify")
+        if not several and is_proof_of_rest(first):
+            return _verify_rest(assembly, first, progress)
         touching = known or contacts(assembly, tolerance=tolerance, progress=progress)
         recompute = verify_bundle if several else verify_proof
         return recompute(assembly, touching, data)
     except InputError as error:
         raise error.located(file=file) from None
+
+
+def _verify_rest(
+    assembly: Assembly, proof: dict[str, Any], progress: Callable[[str], None] | None
+) -> Verification:
+    """Verify a proof that a pose is at rest: its points are closed, and its forces balance."""
+    if progress is not None:
+        progress("gaps at the points of the proof")
+    listed = at_closed_points(assembly, proof)
+    result = verify_proof(listed, contacts(listed), proof)
+    objections = open_point_objections(assembly, proof)
+    gap = f"{proof['rest']['gap']:.3g} {assembly.units}"
+    note = f"at rest: {len(proof['points'])} points closed to {gap}, no deeper overlap"
+    return replace(
+        result,
+        holds=result.holds and not objections,
+        reasons=(*objections, *result.reasons),
+        notes=result.notes if objections else (note, *result.notes),
+    )
 
 
 def _digest(path: Path) -> str | None:

@@ -53,8 +53,9 @@ def _plans() -> tuple[Command, ...]:
     from kilter.cli.packing_plans import check_plan
     from kilter.cli.placing import place
     from kilter.cli.planning import plan
+    from kilter.cli.resting import settle
 
-    return hold, improve, plan, place, check_plan
+    return hold, improve, plan, place, check_plan, settle
 
 
 def _others() -> tuple[Command, ...]:
@@ -72,7 +73,7 @@ LOADERS: dict[Callable[[], tuple[Command, ...]], tuple[str, ...]] = {
     _judging: ("check", "contacts", "example", "verify"),
     _directions: ("margin", "orient", "region"),
     _pages: ("draw", "report", "view"),
-    _plans: ("hold", "improve", "plan", "place", "check-plan"),
+    _plans: ("hold", "improve", "plan", "place", "check-plan", "settle"),
     _others: ("batch", "doctor", "mcp", "save", "scene", "transport"),
 }
 """Functions that import the commands of these names."""

@@ -15,6 +15,7 @@ __all__ = [
     "PLACE",
     "PLAN",
     "SCENE",
+    "SETTLE",
     "SOME_ERRORS",
     "USAGE",
     "VERDICT",
@@ -44,6 +45,8 @@ PACKING = {"falls": 1, "undecided": 4}
 """Codes of `check-plan` if the pile does not stand after an item."""
 SCENE = {"faults": 1, "open": 4}
 """Codes of `scene` if some objects float, overlap or fall, or if some states are open."""
+SETTLE = {"falls": 1, "does-not-fit": 1, "not-found": 4}
+"""Codes of `settle` if the parts do not come to rest."""
 DOCTOR = {True: 0, False: 1}
 """Codes of `doctor`: do all installed parts work?"""
 SOME_ERRORS = 1

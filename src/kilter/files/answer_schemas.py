@@ -28,6 +28,7 @@ from kilter.tell.answer_data.packing_data import PackingData
 from kilter.tell.answer_data.place_data import PlaceData
 from kilter.tell.answer_data.plan_data import HoldData, PlanData
 from kilter.tell.answer_data.scene_data import SceneData
+from kilter.tell.answer_data.settle_data import SettleData
 from kilter.tell.answer_data.transport_data import TransportData
 from kilter.tell.json_answer import SCHEMA_VERSION
 
@@ -47,6 +48,7 @@ ANSWERS: dict[str, Any] = {
     "plan": PlanData,
     "region": RegionData,
     "scene": SceneData,
+    "settle": SettleData,
     "transport": TransportData,
     "verify": VerifyData,
 }

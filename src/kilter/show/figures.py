@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly import Assembly
 
-__all__ = ["VIEW", "camera_of", "draw_assembly", "draw_region"]
+__all__ = ["VIEW", "camera_of", "draw_assembly", "draw_region", "picture_limits"]
 
 
 VIEW = (-32.0, 22.0)
@@ -95,7 +95,7 @@ def draw_assembly(
     axes = figure.add_axes((0.09, 0.11, *SPACE))
     axes.set_axis_off()
     camera = camera_of(assembly, view)
-    low, high = _limits(assembly, camera, figure)
+    low, high = picture_limits(assembly, camera, figure)
     size = float((high - low).max())
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
     entries, faces = draw_parts(axes, assembly, camera, size)
@@ -128,7 +128,7 @@ def camera_of(assembly: Assembly, view: tuple[float, float] | None) -> Camera:
     return Camera.at(azimuth, elevation, turn)
 
 
-def _limits(assembly: Assembly, camera: Camera, figure: Figure) -> tuple[Array, Array]:
+def picture_limits(assembly: Assembly, camera: Camera, figure: Figure) -> tuple[Array, Array]:
     """Lower left and upper right corner of the picture, around free parts and nearby held parts."""
     geometry = assembly.geometry
     flat = camera.flat(geometry.vertices)

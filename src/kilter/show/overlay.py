@@ -165,9 +165,20 @@ def draw_fall(axes: Axes, verdict: Verdict, camera: Camera, end: Array) -> list[
 
     `end`, shape (N, 6): shift [length unit] and rotation vector [rad] of each part.
     """
+    words = "after a small push, without friction"
+    return draw_displaced(axes, verdict.assembly, camera, end, words)
+
+
+def draw_displaced(
+    axes: Axes, assembly: Assembly, camera: Camera, end: Array, words: str
+) -> list[tuple[Any, str]]:
+    """Draw the edges of displaced parts as dashed lines; return the legend entry with `words`.
+
+    `end`, shape (N, 6): shift [length unit] and rotation vector [rad] of each part.
+    """
     from scipy.spatial import ConvexHull
 
-    assembly, center = verdict.assembly, verdict.assembly.geometry.center
+    center = assembly.geometry.center
     fallen = np.flatnonzero(end.any(axis=1))
     if len(fallen) > GHOSTS:
         return []
@@ -177,7 +188,7 @@ def draw_fall(axes: Axes, verdict: Verdict, camera: Camera, end: Array) -> list[
         flat = camera.flat((corners - center[k]) @ turns[0].T + center[k] + end[k, :3])
         # a ball has no feature edges: draw its outline on the page
         lines.append(flat[pairs if len(pairs) else ConvexHull(flat).simplices])
-    return _outlines(axes, np.concatenate(lines), "after a small push, without friction")
+    return _outlines(axes, np.concatenate(lines), words)
 
 
 def _corners(assembly: Assembly, parts: Index) -> list[tuple[int, Array, Index]]:

@@ -21,6 +21,7 @@ from kilter.tell.place_words import place_facts
 from kilter.tell.plan_words import order_facts
 from kilter.tell.region_facts import orient_facts, region_facts
 from kilter.tell.scene_words import scene_facts
+from kilter.tell.settle_words import settle_facts
 from kilter.tell.shared_facts import (
     Answer,
     Fact,
@@ -47,6 +48,7 @@ KIND_OF_KEY = {
     "walls": "check-plan",
     "heaviest": "place",
     "objects": "scene",
+    "closed_level": "settle",
     "reasons": "verify",
     "certificate": "check",
 }
@@ -177,5 +179,6 @@ _FACTS_OF_KIND: dict[str, Callable[[Answer], list[Fact]]] = {
     "plan": order_facts,
     "region": region_facts,
     "scene": scene_facts,
+    "settle": settle_facts,
     "verify": _verify_facts,
 }

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from kilter.errors import some_names
-from kilter.tell.numbers import NO_ANGLE, count, number
+from kilter.tell.numbers import NO_ANGLE, count, number, plain
 from kilter.tell.shared_facts import Answer, Fact
 
-__all__ = ["moved_words", "settle_facts", "settle_sentence"]
+__all__ = ["moved_cells", "moved_head", "moved_words", "settle_facts", "settle_sentence"]
 
 SHOWN = 3
 """Largest number of parts that a sentence names."""
@@ -71,3 +71,14 @@ def settle_facts(answer: Answer) -> list[Fact]:
         facts.append(("dropped", f"{number(answer['dropped'], 3)} {units}"))
     facts.append(("rounds", str(answer["rounds"])))
     return facts
+
+
+def moved_head(answer: Answer) -> list[str]:
+    """Return the heads of the table of moved parts."""
+    return ["part", f"moved [{answer['units']}]", "turned [deg]"]
+
+
+def moved_cells(entry: Answer) -> list[str]:
+    """Return the cells of a moved part: its name, its movement and its rotation."""
+    angle = entry["angle_deg"] if entry["angle_deg"] > NO_ANGLE else 0.0
+    return [plain(entry["part"]), number(entry["distance"], 3), number(angle, 3)]

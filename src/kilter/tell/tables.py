@@ -18,6 +18,7 @@ from kilter.tell.open_words import settling_options
 from kilter.tell.packing_words import PACKING_HEAD, item_cells
 from kilter.tell.plan_words import step_cells
 from kilter.tell.scene_words import SCENE_HEAD, object_cells, scene_order
+from kilter.tell.settle_words import moved_cells, moved_head
 from kilter.tell.shared_facts import Answer
 from kilter.tell.words import NAMED
 
@@ -176,6 +177,8 @@ def tables(answer: Answer) -> list[Table]:
     if kind == "scene":
         rows = scene_order(answer["objects"])
         return [Table("objects:", SCENE_HEAD, rows, object_cells, complete=True)]
+    if kind == "settle" and answer["moved"]:
+        return [Table("moved:", moved_head(answer), answer["moved"], moved_cells)]
     if kind == "check-plan":
         return [Table("items:", PACKING_HEAD, list(enumerate(answer["items"], 1)), item_cells)]
     if kind == "check":

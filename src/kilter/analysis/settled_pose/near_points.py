@@ -124,7 +124,7 @@ def _flat_points(
     search: ContactSearch, reach: float, skip: RoundAndSharp | None = None
 ) -> tuple[NearPoints, Mask]:
     """Corners of the overlaps of opposed flat faces, and a mask of the pairs that have some."""
-    facets, geometry = search.facets, search.geometry
+    facets = search.facets
     margin = search.limits.margin
     pair, i, j = facet_pairs(facets, search.boxes, search.pairs, margin, float(np.cos(FACING)))
     flat = ~(facets.curved[i] | facets.curved[j])

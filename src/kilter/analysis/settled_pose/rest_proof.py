@@ -1,13 +1,13 @@
 """Verification of a pose at rest: gaps and normals from the geometry, and forces at closed points.
 
 A pose is at rest if no two parts overlap deeper than a tolerance, and if forces in Coulomb's cones
-balance every part at closed points alone. A point with a normal n from part a to part b is closed if
+balance every part at closed points alone. A point with a normal n from part a to b is closed if
 
 - the sum of its distances from the surfaces of a and b is at most the tolerance, and
 - n lies in the cone of the outward normals of the faces of a at the point, and -n in that of b.
 
-The overlaps are those of kilter's detection of contacts with this tolerance. No solver and no number
-of the search takes part: the same functions verify a proof file.
+The overlaps are those of kilter's detection of contacts with this tolerance. The search supplies
+only the points; the same functions verify a proof file.
 """
 
 from __future__ import annotations
@@ -156,9 +156,7 @@ def closed_points(
     return surface_gaps(geometry, parts, points), sound
 
 
-def _normals_at(
-    geometry: Geometry, facets: Facets, part: int, point: Array, gap: float
-) -> Array:
+def _normals_at(geometry: Geometry, facets: Facets, part: int, point: Array, gap: float) -> Array:
     """Outward normals of the faces of a part on which a point lies within `gap`, shape (m, 3)."""
     rows = np.arange(facets.start[part], facets.start[part + 1])
     height = np.einsum("fi,fi->f", point - facets.origin[rows], facets.normal[rows])

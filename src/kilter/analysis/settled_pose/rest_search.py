@@ -50,6 +50,8 @@ HARDER = 100.0
 """Factor by which both fall in a round that does not halve the widest gap."""
 CLOSES = 1e-5
 """Sum of force times gap, over the widest gap, at which a step has closed its points [-]."""
+SLACK = 1e-9
+"""Largest movement beyond the permitted movement, as a fraction of it [-]."""
 FINER = 10.0
 """Reach of the next round for parts that are not convex, in steps of this round."""
 
@@ -127,15 +129,15 @@ def search_rest(
         if isinstance(outcome, SearchResult):
             return outcome
         bodies = bodies.moved(outcome)
-        if most is not None and bodies.movements()[0].max() > most * (1 + 1e-9):
-            name = bodies.drawn.names[int(bodies.movements()[0].argmax())]
-            far = number(float(bodies.movements()[0].max()))
-            return SearchResult(
-                "not-found", bodies, rounds, (name,),
-                why=f"{name!r} would have to move {far} {bodies.drawn.units} or more, which is "
-                f"out of reach",
-            )  # fmt: skip
-    return SearchResult("not-found", bodies, ROUNDS, why=f"the gaps did not close in {ROUNDS} rounds")
+        distance = np.linalg.norm(bodies.movements()[:, :3], axis=1)
+        if most is not None and distance.max() > most * (1 + SLACK):
+            name = bodies.drawn.names[int(distance.argmax())]
+            far = f"{number(float(distance.max()), 3)} {bodies.drawn.units}"
+            why = f"{name!r} would have to move {far} or more, which is out of reach"
+            return SearchResult("not-found", bodies, rounds, (name,), why=why)
+    return SearchResult(
+        "not-found", bodies, ROUNDS, why=f"the gaps did not close in {ROUNDS} rounds"
+    )
 
 
 def _units(bodies: RigidBodies) -> tuple[float, float]:
@@ -241,9 +243,7 @@ def _does_not_fit(
     )  # fmt: skip
 
 
-def _falls(
-    bodies: RigidBodies, points: NearPoints, imbalance: Array, rounds: int
-) -> SearchResult:
+def _falls(bodies: RigidBodies, points: NearPoints, imbalance: Array, rounds: int) -> SearchResult:
     """The result for parts whose loads no forces balance at the points within reach."""
     size = np.abs(imbalance).reshape(-1, 6).max(axis=1)
     if not np.isfinite(size).all():
@@ -251,8 +251,13 @@ def _falls(
     unbalanced = np.flatnonzero(bodies.free)[size > max(BALANCED, 1e-3 * float(size.max()))]
     names = bodies.drawn.names
     parts = tuple(names[k] for k in np.flatnonzero(np.isin(bodies.of_part, unbalanced)).tolist())
-    touched = bodies.of_part[np.concatenate([points.part_a, points.part_b])[np.tile(points.bears, 2)]]
+    bearing = points.take(points.bears)
+    touched = bodies.of_part[np.concatenate([bearing.part_a, bearing.part_b])]
     return SearchResult(
-        "falls", bodies, rounds, parts, why="no forces balance the parts at the points within reach",
+        "falls",
+        bodies,
+        rounds,
+        parts,
+        why="no forces balance the parts at the points within reach",
         hangs=not np.isin(np.flatnonzero(bodies.free), touched).all(),
-    )  # fmt: skip
+    )

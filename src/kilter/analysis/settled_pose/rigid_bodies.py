@@ -98,17 +98,16 @@ class RigidBodies:
         """Body of a part, by name; 0 for the ground."""
         return 0 if name == GROUND else int(self.of_part[self.drawn.index[name]])
 
-    def movements(self) -> tuple[Array, Array]:
-        """Distance of the centre of mass of each part from the drawn one, and its turn [deg]."""
+    def movements(self) -> Array:
+        """Shift of the centre of mass of each part, and its rotation vector [rad], shape (N, 6)."""
         from scipy.spatial.transform import Rotation
 
-        center = self.drawn.geometry.center
-        body = self.of_part
+        center, body = self.drawn.geometry.center, self.of_part
         shift = np.einsum("nij,nj->ni", self.rotation[body], center - self.drawn_center[body])
         shift += self.center[body] - center
-        angle = np.degrees(Rotation.from_matrix(self.rotation).magnitude())[body]
-        still = ~self.moves[body]
-        return np.where(still, 0.0, np.linalg.norm(shift, axis=1)), np.where(still, 0.0, angle)
+        turn = Rotation.from_matrix(self.rotation).as_rotvec()[body]
+        six = np.concatenate([shift, turn], axis=1)
+        return np.where(self.moves[body, None], six, 0.0)
 
 
 def rigid_bodies(assembly: Assembly, keep: Collection[str]) -> RigidBodies:

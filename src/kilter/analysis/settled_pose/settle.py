@@ -12,6 +12,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -29,8 +30,10 @@ from kilter.assembly import Assembly
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.errors import InputError
+from kilter.mechanics.proof import digest_of
 from kilter.tell.json_answer import Answer
 from kilter.tell.levels import REQUIRE, holds, level_rank, require_level
+from kilter.tell.numbers import NO_ANGLE
 from kilter.tell.settle_words import settle_sentence
 from kilter.threads import on_one_thread
 from kilter.validate import number
@@ -45,6 +48,8 @@ MARGIN = 3.0
 """Default reach, in multiples of the widest gap or overlap that was found."""
 WIDER = 4.0
 """Factor of the default reach in a second attempt, if a part touches nothing within the first."""
+UNMOVED = 1e-3
+"""Movement that comes from rounding, as a fraction of the gap that counts as closed [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -57,8 +62,8 @@ class Settled(Answer):
         The assembly in the drawn pose, and in the last pose of the search. Points of loads, joints
         and bonds have moved with their parts.
     state : {"at-rest", "does-not-fit", "falls", "not-found"}
-    distance, angle : ndarray, shape (N,)
-        Movement of the centre of mass of each part [length unit], and its rotation [deg].
+    movement : ndarray, shape (N, 6)
+        Shift of the centre of mass of each part [length unit], and its rotation vector [rad].
     rounds : int
     reach : float
         Largest gap that the search considered [length unit].
@@ -88,8 +93,7 @@ class Settled(Answer):
     drawn: Assembly
     assembly: Assembly
     state: RestState
-    distance: Array
-    angle: Array
+    movement: Array
     rounds: int
     reach: float
     parts: tuple[str, ...]
@@ -104,6 +108,16 @@ class Settled(Answer):
     dropped: float
     warnings: tuple[str, ...]
     seconds: float
+
+    @property
+    def distance(self) -> Array:
+        """Movement of the centre of mass of each part [length unit], shape (N,)."""
+        return np.asarray(np.linalg.norm(self.movement[:, :3], axis=1))
+
+    @property
+    def angle(self) -> Array:
+        """Rotation of each part [deg], shape (N,)."""
+        return np.asarray(np.degrees(np.linalg.norm(self.movement[:, 3:], axis=1)))
 
     @property
     def level(self) -> str | None:
@@ -133,12 +147,15 @@ class Settled(Answer):
             raise InputError(
                 f"the parts are not at rest: {self.why}", hint="only a pose at rest has a proof"
             )
-        return self.closed_verdict.proof(options=options)
+        proof = self.closed_verdict.proof(options=options)
+        proof["rest"] = {"gap": self.tolerance}
+        proof["digest"] = digest_of(proof)
+        return proof
 
     def to_dict(self) -> SettleData:
         """The answer as JSON data, as ``kilter settle --json`` prints it."""
-        names = self.drawn.names
-        moved = np.flatnonzero((self.distance > 0) | (self.angle > 0))
+        names, distance, angle = self.drawn.names, self.distance, self.angle
+        moved = np.flatnonzero((distance > UNMOVED * self.tolerance) | (angle > NO_ANGLE))
         data: SettleData = {
             "sentence": "",  # made below from the other data
             "state": self.state,
@@ -147,10 +164,10 @@ class Settled(Answer):
             "moved": [
                 {
                     "part": names[k],
-                    "distance": float(self.distance[k]),
-                    "angle_deg": float(self.angle[k]),
+                    "distance": float(distance[k]),
+                    "angle_deg": float(angle[k]),
                 }
-                for k in moved[np.argsort(-self.distance[moved], kind="stable")].tolist()
+                for k in moved[np.argsort(-distance[moved], kind="stable")].tolist()
             ],
             "widest_gap": None if self.closed is None else self.closed.widest_gap,
             "deepest_overlap": None if self.closed is None else self.closed.deepest_overlap,
@@ -254,8 +271,8 @@ def settle(
     kept = assembly.matching(keep)
     if contacts is None:
         contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
-    common = {"require": require, "effort": effort}
-    before = check(assembly, contacts=contacts, progress=progress, **common)
+    decide = partial(check, require=require, effort=effort)
+    before = decide(assembly, contacts=contacts, progress=progress)
     bodies = rigid_bodies(assembly, kept)
     dropped = 0.0
     refusal = _refusal(assembly)
@@ -273,19 +290,17 @@ def settle(
         tell("verification")
         assert found.points is not None
         closed = closed_contacts(settled, found.points, progress=progress)
-        closed_verdict = check(closed.assembly, contacts=closed.contacts, **common)
+        closed_verdict = decide(closed.assembly, contacts=closed.contacts)
         why = _unproved(closed, closed_verdict)
         if why:
             found = replace(found, state="not-found", why=why)
         else:
-            after = check(settled, tolerance=tolerance, progress=progress, **common)
-    distance, angle = found.bodies.movements()
+            after = decide(settled, tolerance=tolerance, progress=progress)
     return Settled(
         assembly,
         settled,
         found.state,
-        distance,
-        angle,
+        found.bodies.movements(),
         found.rounds,
         used,
         found.parts,

@@ -65,9 +65,7 @@ def _hanging_groups(bodies: RigidBodies, contacts: ContactSet) -> Index:
     """Group of each part: 0 if it touches the ground, directly or through others; shape (N,)."""
     pairs = [contacts.patch_parts, *(np.array([o.parts]) for o in contacts.overlaps)]
     touching = bodies.of_part[np.concatenate(pairs)]
-    joined = [
-        [bodies.body_of(name) for name in joint.parts] for joint in bodies.drawn.joints
-    ]
+    joined = [[bodies.body_of(name) for name in joint.parts] for joint in bodies.drawn.joints]
     ends = np.concatenate([touching, np.array(joined, dtype=np.int64).reshape(-1, 2)])
     label = connected(len(bodies.mass), ends[:, 0], ends[:, 1])
     group = label[bodies.of_part] + 1
@@ -75,9 +73,7 @@ def _hanging_groups(bodies: RigidBodies, contacts: ContactSet) -> Index:
     return group
 
 
-def _free_fall(
-    contacts: ContactSet, parts: Index, inside: np.ndarray, down: np.ndarray
-) -> float:
+def _free_fall(contacts: ContactSet, parts: Index, inside: np.ndarray, down: np.ndarray) -> float:
     """Distance that parts fall together until other parts stop them; 0 if nothing does."""
     sweeps = Sweeps(contacts)
     direction = (float(down[0]), float(down[1]), float(down[2]))

@@ -37,14 +37,12 @@ class SettleData(TypedDict):
     reach: Annotated[float, Field(description="largest gap considered [length unit]")]
     tolerance: Annotated[float, Field(description="gap that counts as closed [length unit]")]
     dropped: Annotated[float, Field(description="largest fall before the search [length unit]")]
-    parts: Annotated[list[str], Field(description="parts that fall, do not fit or are out of reach")]
+    parts: Annotated[list[str], Field(description="parts that fall, do not fit, are out of reach")]
     depth: Annotated[float, Field(description="of the overlap that remains [length unit]")]
     why: Annotated[str, Field(description="cause of a failure; empty at rest")]
     before: Annotated[str | None, Field(description="verdict on the drawn pose")]
     after: Annotated[str | None, Field(description="verdict on the pose at rest")]
-    closed_level: Annotated[
-        str | None, Field(description="level of forces at closed points alone")
-    ]
+    closed_level: Annotated[str | None, Field(description="level of forces at closed points alone")]
     require: str
     warnings: list[str]
     seconds: float

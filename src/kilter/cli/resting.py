@@ -1,0 +1,206 @@
+"""The command `settle`: the pose at rest near the drawn pose."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from kilter.cli.asked import Asked
+from kilter.cli.declarations import Option
+from kilter.cli.exit_codes import HOLDS, LOWER, SETTLE
+from kilter.cli.options import Json, Require, asks
+from kilter.cli.output import Progress, as_json, emit, tell_warnings, tell_written, write_whole
+from kilter.errors import InputError
+from kilter.tell.levels import REQUIRE
+
+if TYPE_CHECKING:
+    from kilter.analysis.settled_pose.settle import Settled
+
+__all__ = ["settle"]
+
+MOVED = "Movement"
+PICTURES = (".svg", ".png", ".pdf")
+USD = (".usd", ".usda", ".usdc")
+
+
+@asks(searches=True, proves=True, answers=False)
+def settle(
+    asked: Asked,
+    reach: Annotated[
+        float | None,
+        Option(
+            "--reach",
+            metavar="LENGTH",
+            help="Largest permitted movement of a part (file units); by default three times the "
+            "widest gap or overlap.",
+            rich_help_panel=MOVED,
+            show_default=False,
+        ),
+    ] = None,
+    keep: Annotated[
+        list[str] | None,
+        Option(
+            "--keep",
+            metavar="NAME",
+            help="A part that must not move although it is not held. Repeatable; * and ? are "
+            "wildcards.",
+            rich_help_panel=MOVED,
+            show_default=False,
+        ),
+    ] = None,
+    drop: Annotated[
+        bool,
+        Option(
+            "--drop",
+            help="First let hanging parts fall straight down until they meet another part.",
+            rich_help_panel=MOVED,
+        ),
+    ] = False,
+    require: Require = REQUIRE,
+    json: Json = False,
+    output: Annotated[
+        Path | None,
+        Option(
+            "-o",
+            "--output",
+            metavar="OUT",
+            help="Write the pose at rest: X.kilter.json (choices about FILE), X.xml (MJCF), X.glb, "
+            "X.usda (a layer over a USD file), X.json (COMPAS), or a figure X.svg, X.png, X.pdf "
+            "with magnified movements.",
+            show_default=False,
+        ),
+    ] = None,
+) -> int:
+    """Move parts that overlap or hang by a little until they rest on each other.
+
+    The answer states how far each part moves, the widest remaining gap, and the verdicts before and
+    after. At rest means: no overlap, and forces at closed points hold every part. The pose is not
+    unique, and "falls" is no proof that the assembly falls.
+
+    Exit code: 0 at rest at the level of --require, 3 at rest at a lower level, 1 it falls or does
+    not fit, 4 no pose was found.
+    """
+    from kilter.analysis.settled_pose.settle import settle as find
+    from kilter.tell.text import text_of
+
+    if output is not None:
+        _require_form(output, asked)
+    asked.apart(output)
+    with Progress(asked.quiet) as progress:
+        assembly, contacts = asked.read(progress)
+        answer = find(
+            assembly,
+            reach=reach,
+            keep=keep or (),
+            drop=drop,
+            contacts=contacts,
+            require=require,
+            tolerance=asked.tolerance,
+            effort=asked.effort,
+            progress=progress,
+        )
+        data = answer.to_dict()
+        if output is not None and (answer.state == "at-rest" or output.suffix in PICTURES):
+            progress("output")
+            _write(answer, asked, output)
+    posed = replace(asked, reading=_with_poses(asked, answer))
+    after = posed.keep_proof(answer.proof if answer.state == "at-rest" else None, data)
+    tell_warnings(data["warnings"], asked.quiet or json)
+    if json:
+        emit(as_json(data), None)
+    else:
+        emit(text_of(data) + after, None)
+    if output is not None and answer.state == "at-rest":
+        tell_written(output, "pose at rest", asked.quiet)
+    elif output is not None and output.suffix not in PICTURES:
+        tell_warnings([f"{output} was not written: no pose at rest was found"], asked.quiet)
+    if answer.at_rest:
+        return HOLDS
+    return LOWER if answer.state == "at-rest" else SETTLE[answer.state]
+
+
+def _require_form(output: Path, asked: Asked) -> None:
+    """Raise an error if an output file has an unknown ending or an unsuitable place."""
+    suffix = output.suffix.lower()
+    if suffix in PICTURES:
+        from kilter.publish import require_figure
+
+        require_figure(output, None)
+    elif output.name.endswith(".kilter.json"):
+        if asked.file == "-":
+            raise InputError(
+                "choices about standard input cannot be written", hint="give a file or a folder"
+            )
+        from kilter.files.choices_writing import choices_about, require_place
+
+        require_place(output)
+        source = asked.source or Path(asked.file)
+        if source.exists():
+            choices_about(source, output.parent, {})
+    elif suffix not in (".xml", ".glb", ".json", *USD):
+        raise InputError(
+            f"{suffix or 'a file without ending'} is no format of a pose", file=str(output),
+            hint="give X.kilter.json, X.xml, X.glb, X.usda, X.json, X.svg or X.png",
+        )  # fmt: skip
+
+
+def _with_poses(asked: Asked, answer: Settled) -> Any:
+    """The options of reading with the settled poses of all moved parts."""
+    poses = {
+        part.name: {
+            "position": part.pose.position.tolist(),
+            "rotation": part.pose.rotation.tolist(),
+        }
+        for part, drawn in zip(answer.assembly.parts, answer.drawn.parts, strict=True)
+        if part.pose != drawn.pose
+    }
+    entries = {**asked.reading.entries}
+    if poses:
+        entries["poses"] = {**entries.get("poses", {}), **poses}
+    return replace(asked.reading, entries=entries)
+
+
+def _write(answer: Settled, asked: Asked, output: Path) -> None:
+    """Write the pose in the format that the ending of the file names."""
+    suffix = output.suffix.lower()
+    if suffix in PICTURES:
+        from kilter.publish import draw
+
+        draw(answer, output)
+    elif output.name.endswith(".kilter.json"):
+        _write_kilter(answer, asked, output)
+    elif suffix == ".xml":
+        write_whole(output, answer.assembly.to_mjcf())
+    elif suffix == ".glb":
+        from kilter.files import write_bytes
+        from kilter.show.glb_film import Film
+
+        write_bytes(output, Film(answer.assembly).to_bytes("pose at rest"))
+    elif suffix in USD:
+        from kilter.files.usd.usd_poses import write_usd_poses
+
+        source = asked.source or Path(asked.file)
+        write_usd_poses(source, output, answer.drawn, answer.assembly)
+    else:
+        from kilter.files.compas_writing import to_compas
+
+        write_whole(output, to_compas(answer.assembly))
+
+
+def _write_kilter(answer: Settled, asked: Asked, output: Path) -> None:
+    """Write choices with the new poses; the complete assembly if choices cannot express the pose.
+
+    Points of loads, joints and bonds move with their parts, which choices do not state.
+    """
+    drawn, settled = answer.drawn, answer.assembly
+    entries = ("loads", "joints", "bonds")
+    if any(getattr(drawn, name) != getattr(settled, name) for name in entries):
+        from kilter.files import dump
+
+        dump(settled, output)
+        return
+    from kilter.contact.fits.choices_saving import save_reading
+
+    source = asked.source or Path(asked.file)
+    save_reading(source, output, _with_poses(asked, answer), asked.all_touch.saved())

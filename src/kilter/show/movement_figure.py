@@ -1,0 +1,88 @@
+"""Figure of small movements: the drawn assembly, and dashed outlines at magnified movements."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kilter.arrays import Array
+from kilter.assembly import Assembly
+from kilter.show.canvas import legend, new_figure, title
+from kilter.show.figures import HEIGHT, NAMED, SPACE, WIDTH, camera_of, picture_limits
+from kilter.show.overlay import draw_displaced, draw_gravity, draw_names
+from kilter.show.solids import draw_parts
+from kilter.tell.numbers import number
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["draw_movement", "magnification"]
+
+SHARE = 0.12
+"""Length of the farthest movement in the figure, over the size of the picture [-]."""
+MOST_TURN = 0.5
+"""Largest magnified rotation [rad]."""
+
+
+def magnification(movement: Array, size: float) -> float:
+    """Factor by which movements, shape (N, 6), are magnified in a picture of a size [length unit].
+
+    It is 1, 2 or 5 times a power of ten, and at least 1.
+
+    Examples
+    --------
+    >>> magnification(np.array([[0.001, 0, 0, 0, 0, 0]]), 1.0)
+    100.0
+    """
+    shift = float(np.linalg.norm(movement[:, :3], axis=1).max(initial=0.0))
+    turn = float(np.linalg.norm(movement[:, 3:], axis=1).max(initial=0.0))
+    most = min(SHARE * size / max(shift, 1e-300), MOST_TURN / max(turn, 1e-300), 1e9)
+    power = 10.0 ** np.floor(np.log10(max(most, 1.0)))
+    steps = [step for step in (1.0, 2.0, 5.0) if step * power <= max(most, 1.0)]
+    return float(steps[-1] * power)
+
+
+def draw_movement(
+    assembly: Assembly,
+    movement: Array,
+    sentence: str,
+    *,
+    view: tuple[float, float] | None = None,
+) -> Figure:
+    """Draw an assembly with dashed outlines of its parts after magnified movements.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        In the drawn pose.
+    movement : ndarray, shape (N, 6)
+        Shift of the centre of mass of each part [length unit], and its rotation vector [rad].
+    sentence : str
+        Title of the figure.
+    view : (float, float), optional
+        Azimuth and elevation of the eye [deg].
+
+    Raises
+    ------
+    InputError
+        If matplotlib is not installed.
+    """
+    figure = new_figure(WIDTH, HEIGHT)
+    axes = figure.add_axes((0.09, 0.11, *SPACE))
+    axes.set_axis_off()
+    camera = camera_of(assembly, view)
+    low, high = picture_limits(assembly, camera, figure)
+    size = float((high - low).max())
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+    entries, faces = draw_parts(axes, assembly, camera, size)
+    if movement.any():
+        factor = magnification(movement, size)
+        words = "at rest" if factor == 1.0 else f"at rest, movements x {number(factor)}"
+        entries += draw_displaced(axes, assembly, camera, factor * movement, words)
+    if len(assembly.parts) <= NAMED:
+        draw_names(axes, assembly, faces)
+    draw_gravity(axes, camera)
+    title(figure, sentence)
+    legend(figure, entries)
+    return figure
