@@ -26,6 +26,7 @@ WRITERS = {
     "plan": "kilter.analysis.planning.order.order.Order",
     "region": "kilter.analysis.regions.region.Region",
     "scene": "kilter.analysis.scene_states.scene_report.SceneReport",
+    "settle": "kilter.analysis.settled_pose.settle.Settled",
     "transport": "kilter.analysis.transport.transport.Transport",
     "verify": "kilter.analysis.verification.Verification",
 }

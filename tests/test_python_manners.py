@@ -275,6 +275,7 @@ VERBS = {
     "region": "assembly",
     "report": "assembly",
     "scene": "assembly",
+    "settle": "assembly",
     "states": "assembly",
     "transport": "assembly",
 }

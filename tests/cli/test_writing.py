@@ -40,6 +40,7 @@ WRITERS = {
     "report.html": ["report", FILE, "--quiet", "-o"],
     "place.json": ["place", FILE, "--quiet", "--json", "--box", ".5x.5x.5", "--mass", "1", "-o"],
     "scene.json": ["scene", FILE, "--quiet", "--json", "-o"],
+    "settle.svg": ["settle", FILE, "--quiet", "-o"],
     "packed.json": ["check-plan", PACKED, "--quiet", "--json", "-o"],
     "draw.svg": ["draw", FILE, "--quiet", "-o"],
     "draw.png": ["draw", FILE, "--quiet", "-o"],

@@ -125,7 +125,10 @@ def _placing(folder: Path) -> list[str]:
 COMMANDS: dict[str, Callable[[Path], list[str]]] = {
     **{
         verb: _of_file(verb)
-        for verb in ("contacts", "hold", "margin", "orient", "plan", "region", "scene", "transport")
+        for verb in (
+            *("contacts", "hold", "margin", "orient", "plan", "region", "scene", "settle"),
+            "transport",
+        )
     },
     "check": _suggesting,
     "check-plan": _packing,

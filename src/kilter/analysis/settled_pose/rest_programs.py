@@ -129,8 +129,8 @@ class RestPrograms:
         """
         deep = float(-self.gap.min(initial=0.0))
         count, rows = len(self.columns), len(self.gap)
-        if deep == 0.0:
-            return 0.0, np.zeros(rows)
+        if deep == 0.0 or not count:
+            return deep, (self.gap <= -deep).astype(np.float64)
         matrix = block_array(
             [
                 [self._joints(), csc_array((len(self.drift), 1))],
@@ -227,6 +227,8 @@ class RestPrograms:
     def _step(self, weights: Array, cost: Array, gap: Array, scale: float) -> Array | None:
         """Minimise weights p^2 / 2 + cost.p under gap + J_n p >= 0; None without a solution."""
         stop_if_late()
+        if not len(self.columns):  # every free body is kept in place
+            return None if min(gap.min(initial=0.0), 0.0) < 0.0 else np.zeros(0)
         joints = self._joints()
         matrix = csc_array(_stacked([csr_array(joints), csr_array(-self.rates)]))
         program = ConicProgram(

@@ -72,10 +72,8 @@ class SearchResult:
         Depth of the overlap that cannot be opened [length unit].
     why : str
         Cause of a failure as a clause.
-    hangs : bool
-        Whether a body has no point within reach that could carry it.
     points : NearPoints or None
-        At rest: the points that the search regards as closed.
+        Points of the last pose that the search regards as closed, those within bodies included.
     """
 
     state: RestState
@@ -84,7 +82,6 @@ class SearchResult:
     parts: tuple[str, ...] = ()
     depth: float = 0.0
     why: str = ""
-    hangs: bool = False
     points: NearPoints | None = None
 
 
@@ -118,16 +115,16 @@ def search_rest(
     for rounds in range(ROUNDS + 1):
         stop_if_late()
         assembly = bodies.assembly()
-        points = find_near_points(assembly, reach, state.fine_reach)
-        points = _between_bodies(bodies, points)
+        every = find_near_points(assembly, reach, state.fine_reach)
+        points = _between_bodies(bodies, every)
         if not len(points):
-            return SearchResult(
-                "not-found", bodies, rounds, why="no two parts come within reach", hangs=True
-            )
+            why = "no two parts come within reach"
+            return SearchResult("not-found", bodies, rounds, why=why)
         programs = RestPrograms.of(bodies, points, length, weight)
         outcome = _round(bodies, programs, points, state, rounds, reach)
         if isinstance(outcome, SearchResult):
-            return outcome
+            closed = every.bears & (np.abs(every.gap) <= SEARCH_CLOSED * length)
+            return replace(outcome, points=every.take(closed))
         bodies = bodies.moved(outcome)
         distance = np.linalg.norm(bodies.movements()[:, :3], axis=1)
         if most is not None and distance.max() > most * (1 + SLACK):
@@ -172,7 +169,7 @@ def _round(
         closed = programs.bears & (np.abs(gap) <= SEARCH_CLOSED)
         _, imbalance = programs.carry(np.zeros(len(gap)), closed)
         if np.abs(imbalance).max(initial=0.0) <= BALANCED:
-            return SearchResult("at-rest", bodies, rounds, points=points.take(closed))
+            return SearchResult("at-rest", bodies, rounds)
     opened = gap
     if max(deep, off) > SEARCH_CLOSED:
         apart = programs.push_apart()
@@ -194,7 +191,7 @@ def _round(
     state.tell(f"round {rounds + 1}: widest gap {number(state.wide * programs.length)}")
     state.stuck += state.wide > before / 2 or state.wide <= SEARCH_CLOSED
     if state.stuck > 1 and short > BALANCED:
-        return _falls(bodies, points, imbalance, rounds)
+        return _falls(bodies, imbalance, rounds)
     scale = max(state.wide, SEARCH_CLOSED)
     motion = _closing_step(programs, forces, scale, least, state.stuck)
     if motion is None:
@@ -243,7 +240,7 @@ def _does_not_fit(
     )  # fmt: skip
 
 
-def _falls(bodies: RigidBodies, points: NearPoints, imbalance: Array, rounds: int) -> SearchResult:
+def _falls(bodies: RigidBodies, imbalance: Array, rounds: int) -> SearchResult:
     """The result for parts whose loads no forces balance at the points within reach."""
     size = np.abs(imbalance).reshape(-1, 6).max(axis=1)
     if not np.isfinite(size).all():
@@ -251,13 +248,5 @@ def _falls(bodies: RigidBodies, points: NearPoints, imbalance: Array, rounds: in
     unbalanced = np.flatnonzero(bodies.free)[size > max(BALANCED, 1e-3 * float(size.max()))]
     names = bodies.drawn.names
     parts = tuple(names[k] for k in np.flatnonzero(np.isin(bodies.of_part, unbalanced)).tolist())
-    bearing = points.take(points.bears)
-    touched = bodies.of_part[np.concatenate([bearing.part_a, bearing.part_b])]
-    return SearchResult(
-        "falls",
-        bodies,
-        rounds,
-        parts,
-        why="no forces balance the parts at the points within reach",
-        hangs=not np.isin(np.flatnonzero(bodies.free), touched).all(),
-    )
+    why = "no forces balance the parts at the points within reach"
+    return SearchResult("falls", bodies, rounds, parts, why=why)

@@ -128,7 +128,8 @@ def rigid_bodies(assembly: Assembly, keep: Collection[str]) -> RigidBodies:
     of_part = np.searchsorted(others, label[:-1]) + 1
     of_part[label[:-1] == label[-1]] = 0
     bodies = len(others) + 1
-    mass = np.bincount(of_part, geometry.mass, minlength=bodies)
+    mass = np.zeros(bodies)
+    np.add.at(mass, of_part, geometry.mass)
     center = np.zeros((bodies, 3))
     np.add.at(center, of_part, geometry.mass[:, None] * geometry.center)
     center /= np.maximum(mass, np.finfo(float).tiny)[:, None]

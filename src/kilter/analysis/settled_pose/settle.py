@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
+from kilter.analysis.settled_pose.near_points import find_near_points
 from kilter.analysis.settled_pose.rest_proof import ClosedContacts, closed_contacts, closed_gap
 from kilter.analysis.settled_pose.rest_search import RestState, SearchResult, search_rest
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies, rigid_bodies
@@ -46,8 +47,8 @@ __all__ = ["Settled", "settle"]
 
 MARGIN = 3.0
 """Default reach, in multiples of the widest gap or overlap that was found."""
-WIDER = 4.0
-"""Factor of the default reach in a second attempt, if a part touches nothing within the first."""
+WIDER = 10.0
+"""Factor of the default reach in a second attempt, if more pairs of parts come within it."""
 UNMOVED = 1e-3
 """Movement that comes from rounding, as a fraction of the gap that counts as closed [-]."""
 
@@ -234,11 +235,11 @@ def settle(
     friction, down, ground, floor : optional
         Changes of the assembly before the question, as in `kilter.check`.
     contacts : ContactSet, optional
-        Contacts of the drawn assembly; by default they are detected.
+        Contacts of this assembly; by default they are detected from its geometry.
     require : {"equilibrium", "settles", "proved", "strict"}
-        Level from which the pose counts as at rest for `Settled.at_rest`.
+        Level from which the answer is yes. `Settled.at_rest` is true from this level.
     tolerance, effort, progress : optional
-        As in `kilter.check`, for the verdicts before and after.
+        As in `kilter.check`. They concern the verdicts before and after.
 
     Returns
     -------
@@ -334,10 +335,22 @@ def _search(
         return search_rest(bodies, reach=most, most=limit, progress=tell), most
     reach = _default_reach(bodies.drawn, contacts, dropped)
     found = search_rest(bodies, reach=reach, most=None, progress=tell)
-    if not found.hangs:
+    if found.state in ("at-rest", "does-not-fit") or not _more_pairs(bodies, reach):
         return found, reach
+    tell("wider reach")
     wider = search_rest(bodies, reach=WIDER * reach, most=None, progress=tell)
     return (wider, WIDER * reach) if wider.state == "at-rest" else (found, reach)
+
+
+def _more_pairs(bodies: RigidBodies, reach: float) -> bool:
+    """Whether more pairs of parts come within the wider reach of a second attempt."""
+    assembly = bodies.assembly()
+    pairs = []
+    for distance in (reach, WIDER * reach):
+        points = find_near_points(assembly, distance, distance)
+        bearing = points.take(points.bears)
+        pairs.append(set(zip(bearing.part_a.tolist(), bearing.part_b.tolist(), strict=True)))
+    return bool(pairs[1] - pairs[0])
 
 
 def _default_reach(assembly: Assembly, contacts: ContactSet, dropped: float) -> float:
