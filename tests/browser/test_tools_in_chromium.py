@@ -199,6 +199,9 @@ def test_a_hidden_moving_part_is_seen_at_first(opened: Callable) -> None:
     assert page.js("document.getElementById('see-through-of').value") == "rest"
     flags = "Array.from({length: 6}, (_, k) => window.kilter.stage.parts.data[16 * k + 15])"
     assert page.js(flags) == [1, 1, 1, 1, 1, 0]
+    # a selected part is opaque, too
+    page.js("window.kilter.select(2)")
+    assert page.js(flags) == [1, 1, 0, 1, 1, 0]
     # opaque again, and hidden: the words say so
     page.slide("see-through", 0)
     assert page.js(flags) == [0] * 6

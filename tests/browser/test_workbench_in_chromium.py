@@ -26,6 +26,7 @@ from kilter.workbench.server import Workbench
 pytestmark = pytest.mark.browser
 
 AS1 = Path(__file__).resolve().parents[3] / "shared" / "data" / "cax-if" / "as1-oc-214.stp"
+FOCUSED = "document.activeElement.textContent"
 HOSTILE = "<img src=x onerror=window.hit=1>"
 
 
@@ -145,6 +146,17 @@ def test_as1_with_keys_alone(user: Callable, folder: Path) -> None:
     page.press("Control+s")
     page.until("!window.bench.session.dirty")
     assert kilter.check(kilter.load(folder / "as1-oc-214.kilter.json")).verdict == "stable"
+    # opened again with keys alone, from another example in between: all choices are there
+    saved = page.choices()
+    for listed in ("#examples button", "#listed button"):
+        page.page.focus("body")
+        page.tab_to("#open-file").press("Enter").tab_to(listed)
+        while listed == "#listed button" and page.js(FOCUSED) != "as1-oc-214.kilter.json":
+            page.press("Tab").tab_to(listed)
+        page.after(lambda: page.press("Enter"))
+    assert page.choices() == saved
+    assert page.page.input_value("#friction-number") == "0.3"
+    assert page.text("verdict") == "Stable"
 
 
 def test_the_phase_is_stated_and_an_analysis_is_stopped(user: Callable) -> None:

@@ -27,6 +27,7 @@ const FACES = [
 const CUTS = [-1, -0.58, 0.58, 1]; // limits of the cells of a face: rim, middle, rim
 const HALF = 25; // half edge of the cube in units of its picture
 const FRONT = 0.02; // a face is drawn if its normal leans to the eye by more than this [-]
+const READABLE = 0.3; // a face at a larger angle to the screen shows no name: cosine of this angle [-]
 
 /**
  * Cells of the cube: {name, normal, corners, toward, label}. A cell in the middle of a face leads
@@ -92,7 +93,8 @@ export class Compass {
       if (seen.get(name)) polygon.setAttribute("points", corners.map((v) => place(v).join()).join(" "));
     }
     for (const { name, normal, along, up, text, outline } of this.labels) {
-      for (const element of [text, outline]) show(element, seen.get(name));
+      show(outline, seen.get(name));
+      show(text, turn(normal)[2] > READABLE);
       if (!seen.get(name)) continue;
       const corner = (u, v) => place(add(normal, add(scaled(along, u), scaled(up, v)))).join(" ");
       outline.setAttribute("d", `M${corner(-1, -1)}L${corner(1, -1)}L${corner(1, 1)}L${corner(-1, 1)}Z`);

@@ -198,7 +198,8 @@ export class Parts {
       this.put(k, 3, 0, this.shown(k) ? 1 : 0);
       const moves = this.moving[k] ? 2 : this.gripped[k] ? 4 : 0;
       this.put(k, 3, 2, (this.selected.has(k) ? 1 : 0) + moves);
-      this.put(k, 3, 3, this.veil.visible && !(this.sparing && this.moving[k]) ? 1 : 0);
+      const spared = this.sparing && (this.moving[k] || this.selected.has(k));
+      this.put(k, 3, 3, this.veil.visible && !spared ? 1 : 0);
     }
     this.texture.needsUpdate = true;
   }
@@ -253,7 +254,7 @@ export class Parts {
     if (normal) this.shared.plane.value.set(...normal, offset);
   }
 
-  /** Make all parts transparent by a share; `sparing`: except the moving parts. */
+  /** Make all parts transparent by a share; `sparing`: except the moving and the selected parts. */
   seeThrough(share, sparing = false) {
     this.material.face.uniforms.opacity.value = 1 - share;
     this.veil.visible = share > 0;

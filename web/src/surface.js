@@ -48,16 +48,20 @@ export function corners(shape) {
 /**
  * Measure from one point to another: {distance, step, angle, between}. `angle` is between the
  * planes at the points [rad], null without two normals; `between` is the distance of parallel
- * planes, null for other planes.
+ * planes, null for other planes. Lengths of the size of rounding errors are 0.
  */
 export function measured(first, second) {
-  const step = minus(second.at, first.at);
+  const given = minus(second.at, first.at);
+  const least = EXACT * Math.max(...first.at.map(Math.abs), ...second.at.map(Math.abs));
+  const rounded = (length) => (Math.abs(length) < least ? 0 : length);
+  const step = given.map(rounded);
   const result = { distance: norm(step), step, angle: null, between: null };
   if (!first.normal || !second.normal) return result;
   const sine = norm(cross(first.normal, second.normal));
   result.angle = Math.atan2(sine, Math.abs(dot(first.normal, second.normal)));
-  if (sine < PARALLEL) result.between = Math.abs(dot(step, first.normal));
+  if (sine < PARALLEL) result.between = Math.abs(rounded(dot(given, first.normal)));
   return result;
 }
 
+const EXACT = 1e-6; // lengths below this fraction of the coordinates are their rounding error [-]
 const PARALLEL = 1e-4; // planes are parallel if the sine of their angle is less than this [-]

@@ -73,4 +73,8 @@ test("distances, angles and the gap of parallel faces", () => {
   const tilted = measured(end([0, 0, 0], [0, 0, 1]), end([5, 1, 2], [0, Math.SQRT1_2, -Math.SQRT1_2]));
   near(tilted.angle, Math.PI / 4);
   assert.equal(tilted.between, null);
+  // rounding errors are no lengths, and small lengths at small coordinates are kept
+  const same = measured(end([1.8, -0.5, 1.9], [0, 1, 0]), end([2.8, -0.5 - 1.8e-15, 1.4], [0, 1, 0]));
+  assert.deepEqual([same.step[1], same.between], [0, 0]);
+  near(measured(end([0, 0, 0], [0, 0, 1]), end([0, 0, 1e-8], [0, 0, 1])).between, 1e-8, 1e-20);
 });
