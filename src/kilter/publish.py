@@ -142,6 +142,7 @@ def _changed(subject: Any, verb: str, contacts: ContactSet | None, **changes: An
     from kilter.analysis.placing.place import Places
     from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region
+    from kilter.analysis.settled_pose.settle import Settled
     from kilter.analysis.transport.transport import Transport
     from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly.verb_keywords import asked_assembly, require_unchanged
