@@ -232,3 +232,49 @@ def test_what_mjcf_has_no_word_for_is_refused() -> None:
     slide = kilter.Joint(("box", "ground"), "prismatic", axis=[1, 0, 0])
     with pytest.raises(InputError, match="MJCF has no prismatic joint"):
         kilter.Assembly([box], joints=[slide]).to_mjcf()
+
+
+FILTERED = """
+<mujoco>
+  <worldbody>
+    <geom name="floor" type="plane" size="5 5 .1"/>
+    <body name="base" pos="0 0 .5"><freejoint/>
+      <geom type="box" size=".5 .5 .5"/>
+      <body name="arm" pos="0 0 .9"><joint type="hinge" axis="0 1 0"/>
+        <geom type="box" size=".2 .2 .5"/></body>
+    </body>
+    <body name="ghost" pos="3 0 .4"><freejoint/>
+      <geom type="box" size=".5 .5 .5" contype="2" conaffinity="2"/></body>
+    <body name="a" pos="-3 0 .5"><freejoint/><geom type="box" size=".5 .5 .5"/></body>
+    <body name="b" pos="-3 0 1.4"><freejoint/><geom type="box" size=".5 .5 .5"/></body>
+  </worldbody>
+  <contact><exclude body1="a" body2="b"/></contact>
+</mujoco>
+"""
+
+
+def test_pairs_that_the_model_filters_do_not_touch() -> None:
+    """The pairs of `mj_collision`: child and parent, bits of geoms, and excluded pairs are none."""
+    model = mujoco.MjModel.from_xml_string(FILTERED)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    bodies = model.geom_bodyid[data.contact.geom]
+    names = {0: "floor"} | {k: model.body(k).name for k in range(1, model.nbody)}
+    expected = {frozenset((names[int(a)], names[int(b)])) for a, b in bodies}
+    assembly = kilter.load(model)
+    contacts = kilter.contacts(assembly)
+    touching = {frozenset(patch.parts) for patch in contacts}
+    overlapping = {frozenset(assembly.names[k] for k in pair.parts) for pair in contacts.overlaps}
+    assert touching | overlapping == expected
+    assert expected == {frozenset(("base", "floor")), frozenset(("a", "floor"))}
+    assert any("filters: " in note for note in assembly.notes)
+    everything = kilter.contacts(kilter.load(model, contacts="geometry"))
+    assert {"arm", "ghost", "b"} <= {
+        assembly.names[k] for p in everything.overlaps for k in p.parts
+    }
+
+
+def test_a_filtered_floor_carries_nothing() -> None:
+    report = kilter.scene(kilter.load(mujoco.MjModel.from_xml_string(FILTERED)))
+    assert (report["ghost"].state, report["ghost"].motion) == ("falls", "nothing is below it")
+    assert (report["b"].state, report["b"].other) == ("floats", "floor")

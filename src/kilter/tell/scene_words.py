@@ -40,6 +40,8 @@ def object_words(entry: Answer, units: str) -> str:
         words = f"floats by {size} above {name}"
     elif state == "overlaps":
         words = f"overlaps {name} by {size}"
+        if entry.get("geometry") == "visual":
+            words += " (its visual shape)"
     elif state == "falls":
         words = f"falls: {entry['motion']}" if entry.get("motion") else "falls"
     elif state == "open":

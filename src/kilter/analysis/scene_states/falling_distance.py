@@ -74,12 +74,16 @@ def falling_distance(
     x, y, z = down.tolist()
     direction: Direction = (x, y, z)
     slack = assembly.geometry.slack
+    # contacts without points: the pair never touches
+    apart = {frozenset(entry.parts) for entry in assembly.contacts if not len(entry.points)}
     best: StraightFall | None = None
     for other, bound in zip(*(a.tolist() for a in sweeps.under(parts, direction)), strict=True):
         spare = float(slack[parts].max() + slack[other])
         if best is not None and bound - spare >= best.distance:
             break
         for part in parts.tolist():
+            if frozenset((assembly.names[part], assembly.names[other])) in apart:
+                continue
             distance = sweeps.clearance(part, other, direction)
             if not np.isfinite(distance):
                 continue

@@ -60,13 +60,15 @@ class SceneObject:
     motion: str = ""
     if_held: tuple[str, ...] = ()
 
-    def to_dict(self, units: str) -> SceneObjectData:
+    def to_dict(self, units: str, geometry: str = "as-drawn") -> SceneObjectData:
         """JSON data of the object.
 
         Parameters
         ----------
         units : {"m", "cm", "mm", "in"}
             Length unit of the scene, for the words.
+        geometry : {"collider", "visual", "as-drawn"}
+            Kind of the shape that was used.
         """
         move = self.move
         pose = None
@@ -81,6 +83,7 @@ class SceneObject:
             "move": pose,  # type: ignore[typeddict-item]
             "motion": self.motion or None,
             "if_held": list(self.if_held),
+            "geometry": geometry,  # type: ignore[typeddict-item]
             "words": "",  # made below from the other data
         }
         data["words"] = object_words(data, units)
@@ -175,7 +178,10 @@ class SceneReport(Answer):
         units = self.assembly.units
         data: SceneData = {
             "sentence": "",  # made below from the other data
-            "objects": [entry.to_dict(units) for entry in self.objects],
+            "objects": [
+                entry.to_dict(units, part.geometry or "as-drawn")
+                for entry, part in zip(self.objects, self.assembly.parts, strict=True)
+            ],
             "counts": self.counts,
             "at_rest": self.at_rest,
             "level": self.level,

@@ -5,7 +5,9 @@ world is a held part, and a body fixed to the world is held. A plane is a table.
 are those of the model. Hinges, slides and balls are joints, free to move: motors, springs and
 limits are ignored. The friction coefficient of a pair is the larger of the two, as in MuJoCo, and 0
 if both have `condim` 1. Meshes keep their shape, although MuJoCo collides with their convex hulls.
-Lengths are metres.
+Pairs whose
+contacts the model filters do not touch: by the bits of their geoms, as parent and child, or as
+excluded pairs. Lengths are metres.
 """
 
 from __future__ import annotations
@@ -18,7 +20,7 @@ import numpy as np
 
 from kilter.arrays import Index, Mask
 from kilter.assembly import Assembly, Part
-from kilter.assembly.interactions import FrictionPair, Joint
+from kilter.assembly.interactions import FrictionPair, GivenContact, Joint
 from kilter.errors import InputError, nearest_name, some_names
 from kilter.files.file_tolerances import PARALLEL
 from kilter.files.format_options import FormatOptions
@@ -105,6 +107,8 @@ class _Model:
         self.parts: list[Part] = []
         self.rows: list[list[int]] = []
         """The geoms of each part."""
+        off = int(mujoco.mjtDisableBit.mjDSBL_FILTERPARENT)
+        self.filters_parents = not model.opt.disableflags & off
 
     def _pose(self, mujoco: Any, keyframe: str | None) -> None:
         """Set the model's pose to the named keyframe, or to the first keyframe, if any."""
@@ -147,7 +151,8 @@ class _Model:
         names = distinct([part.name for part in self.parts])
         parts = [replace(part, name=name) for part, name in zip(self.parts, names, strict=True)]
         joints = self._joints({part.name for part in parts})
-        friction, pairs = self._friction(parts)
+        near = _near_pairs(parts)
+        friction, pairs = self._friction(parts, near)
         left = self._ignored_features()
         return Assembly(
             parts,
@@ -155,6 +160,7 @@ class _Model:
             gravity=np.array(model.opt.gravity),
             friction=friction,
             friction_pairs=pairs,
+            contacts=self._filtered(parts, near),
             joints=joints,
             source=source,
             notes=[*self.notes, *([f"ignored: {left}"] if left else [])],
@@ -313,13 +319,15 @@ class _Model:
 
     # friction ------------------------------------------------------------------------
 
-    def _friction(self, parts: list[Part]) -> tuple[float, list[FrictionPair]]:
+    def _friction(
+        self, parts: list[Part], near: tuple[Index, Index]
+    ) -> tuple[float, list[FrictionPair]]:
         """The most frequent friction coefficient, and the pairs with another coefficient."""
         model = self.model
         part_mu = np.array([max(self._mu(geom) for geom in geoms) for geoms in self.rows])
         condim = [max(int(model.geom_condim[geom]) for geom in geoms) for geoms in self.rows]
         slick = np.array(condim) == 1
-        first, second = _near_pairs(parts)
+        first, second = near
         mu = np.maximum(part_mu[first], part_mu[second])
         mu[slick[first] & slick[second]] = 0.0
         free = np.array([not part.grounded for part in parts])
@@ -331,6 +339,35 @@ class _Model:
             FrictionPair((parts[a].name, parts[b].name), value)
             for a, b, value in zip(first.tolist(), second.tolist(), mu.tolist(), strict=True)
             if value != friction
+        ]
+
+    def _filtered(self, parts: list[Part], near: tuple[Index, Index]) -> list[GivenContact]:
+        """Near pairs with a free part that never touch in the model, as contacts without points."""
+        model = self.model
+        bits = np.zeros((2, len(self.rows)), dtype=np.int64)
+        for k, geoms in enumerate(self.rows):
+            bits[0, k] = np.bitwise_or.reduce(model.geom_contype[geoms])
+            bits[1, k] = np.bitwise_or.reduce(model.geom_conaffinity[geoms])
+        solid: Mask = (bits != 0).any(axis=0)  # parts without a collider have their visual shapes
+        weld = model.body_weldid[model.geom_bodyid[[geoms[0] for geoms in self.rows]]]
+        above = model.body_weldid[model.body_parentid[weld]]
+        free = np.array([not part.grounded for part in parts])
+        a, b = near
+        common: Index = (bits[0, a] & bits[1, b]) | (bits[0, b] & bits[1, a])
+        masked: Mask = solid[a] & solid[b] & (common == 0)
+        family = (weld[a] == weld[b]) & (weld[a] != 0)
+        if self.filters_parents:
+            family |= (above[a] == weld[b]) & (weld[b] != 0)
+            family |= (above[b] == weld[a]) & (weld[a] != 0)
+        bodies = model.geom_bodyid[[geoms[0] for geoms in self.rows]].astype(np.int64)
+        signs = np.minimum(bodies[a], bodies[b]) << 16 | np.maximum(bodies[a], bodies[b])
+        excluded = np.isin(signs, model.exclude_signature)
+        never: Mask = (masked | family | excluded) & (free[a] | free[b])
+        if never.any():
+            self.notes.append(f"pairs whose contacts the model filters: {int(never.sum())}")
+        return [
+            GivenContact((parts[i].name, parts[k].name), [], [0, 0, 1])
+            for i, k in zip(a[never].tolist(), b[never].tolist(), strict=True)
         ]
 
     def _mu(self, geom: int) -> float:
@@ -346,7 +383,6 @@ class _Model:
             "joint limits": int(np.count_nonzero(model.jnt_limited)),
             "tendons": model.ntendon,
             "joint frictions": int(np.count_nonzero(model.dof_frictionloss)),
-            "excluded pairs": model.nexclude,
         }
         return ", ".join(f"{count} {word}" for word, count in counts.items() if count)
 

@@ -19,6 +19,7 @@ from kilter.files.limits import Tally
 from kilter.files.one_body import compose, one_body
 from kilter.files.usd.usd_objects import UsdObject, find_objects
 from kilter.files.usd.usd_physics import (
+    filtered_pairs,
     find_joints,
     friction_of_parts,
     mass_of_object,
@@ -88,6 +89,7 @@ def _assembly(scene: UsdScene, path: Path, choices: FormatOptions) -> Assembly:
         friction=friction,
         friction_pairs=pairs,
         joints=find_joints(scene, bodies, notes),
+        contacts=filtered_pairs(scene, bodies),
         source=str(path),
         notes=notes,
     )

@@ -18,7 +18,7 @@ import shapely
 
 from kilter.arrays import Index
 from kilter.assembly import Part
-from kilter.assembly.interactions import FrictionPair, Joint
+from kilter.assembly.interactions import FrictionPair, GivenContact, Joint
 from kilter.assembly.part import GROUND
 from kilter.files.usd.usd_objects import UsdObject, matrix_of
 from kilter.files.usd.usd_shapes import AXES, rigid_part
@@ -26,7 +26,13 @@ from kilter.files.usd.usd_stage import UsdScene
 from kilter.rigid import Pose
 from kilter.shape.primitives import surface
 
-__all__ = ["find_joints", "friction_of_parts", "mass_of_object", "static_friction"]
+__all__ = [
+    "filtered_pairs",
+    "find_joints",
+    "friction_of_parts",
+    "mass_of_object",
+    "static_friction",
+]
 
 REACH = 1.0
 """Distance of two parts up to which their friction is read [sizes of the smaller box]."""
@@ -197,6 +203,31 @@ def find_joints(scene: UsdScene, objects: Mapping[str, UsdObject], notes: list[s
     if ignored:
         notes.append(f"ignored joints: {ignored}")
     return joints
+
+
+def filtered_pairs(scene: UsdScene, objects: Mapping[str, UsdObject]) -> list[GivenContact]:
+    """Pairs of objects that never touch in the stage, as contacts without points.
+
+    These are the bodies of a joint, unless it enables their collision, and filtered pairs.
+    """
+    from pxr import UsdPhysics
+
+    pairs: set[tuple[str, str]] = set()
+    for prim in scene.stage.Traverse():
+        ends: list[tuple[str, str]] = []
+        if prim.IsA(UsdPhysics.Joint):
+            entry = UsdPhysics.Joint(prim)
+            if not entry.GetCollisionEnabledAttr().Get():
+                first, second = entry.GetBody0Rel().GetTargets(), entry.GetBody1Rel().GetTargets()
+                ends = [(str(a), str(b)) for a in first for b in second]
+        if prim.HasAPI(UsdPhysics.FilteredPairsAPI):
+            targets = UsdPhysics.FilteredPairsAPI(prim).GetFilteredPairsRel().GetTargets()
+            ends += [(str(prim.GetPath()), str(path)) for path in targets]
+        for each in ends:
+            a, b = (_owner(path, objects) for path in each)
+            if a is not None and b is not None and a is not b:
+                pairs.add((min(a.name, b.name), max(a.name, b.name)))
+    return [GivenContact(pair, [], [0, 0, 1]) for pair in sorted(pairs)]
 
 
 def _owner(path: str, objects: Mapping[str, UsdObject]) -> UsdObject | None:

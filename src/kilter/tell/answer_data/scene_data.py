@@ -42,6 +42,9 @@ class SceneObjectData(TypedDict):
         list[str],
         Field(description="objects with a fault that were held as drawn for this state"),
     ]
+    geometry: Annotated[
+        Literal["collider", "visual", "as-drawn"], Field(description="kind of the shape used")
+    ]
     words: str
 
 
