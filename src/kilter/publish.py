@@ -209,19 +209,20 @@ def _page(
     return Report(html, str(answers.given.check["verdict"]))
 
 
-def animate(subject: Order | Region | Verdict, out: str | Path | None = None) -> bytes:
+def animate(subject: Order | Region | Verdict | Transport, out: str | Path | None = None) -> bytes:
     """Export a plan or a motion as an animated GLB file, for any glTF viewer.
 
     The film of a plan inserts each part along its path and marks held parts; without animation,
     a viewer shows the complete assembly. The film of a verdict moves the moving parts along their
     impending motion until parts would overlap. The parts of a balanced assembly fall along their
-    path (`kilter.second_order.answer.path_places`). Lengths are metres and y is up, as required by
-    glTF.
+    path (`kilter.second_order.answer.path_places`). The film of an answer about transport shows the
+    mechanism that starts first. Lengths are metres and y is up, as required by glTF.
 
     Parameters
     ----------
-    subject : Order or Verdict
-        Answer of `kilter.plan` or `kilter.check`; a region has no motion and is rejected.
+    subject : Order, Verdict or Transport
+        Answer of `kilter.plan`, `kilter.check` or `kilter.transport`; a region has no motion and is
+        rejected.
     out : path, optional
         File of the film, ending in .glb.
 
@@ -242,12 +243,15 @@ def animate(subject: Order | Region | Verdict, out: str | Path | None = None) ->
     b'glTF'
     """
     from kilter.analysis.planning.order.order import Order
+    from kilter.analysis.transport.transport import Transport
     from kilter.analysis.verdict.verdict import Verdict
 
     if out is not None:
         require_ending(out, FILMS, "film")
     if isinstance(subject, Verdict):
         film = _film_of(subject)
+    elif isinstance(subject, Transport):
+        film = _film_of_mechanism(subject)
     else:
         from kilter.show.plan_film import film_of_plan
 
@@ -274,6 +278,23 @@ def _film_of(verdict: Verdict) -> bytes:
     if path is not None:
         return film_of_fall(verdict.assembly, path.motions, path.lengths)
     return film_of_motion(verdict.assembly, free_travel(verdict))
+
+
+def _film_of_mechanism(answer: Transport) -> bytes:
+    """GLB film of the motion that starts first on an accelerated carrier, seen from the carrier."""
+    from kilter.analysis.margins.load_limit import starting
+    from kilter.analysis.verdict.free_travel import travel_along
+    from kilter.show.motion_film import film_of_motion
+
+    mechanism = answer.mechanism
+    if mechanism is None:
+        raise InputError(
+            "no part is known to move, so there is no motion to show",
+            hint="ask for accelerations that are not carried",
+        )
+    moving = set(starting(answer.program, mechanism))
+    screws = mechanism.motion * [[float(name in moving)] for name in answer.program.names]
+    return film_of_motion(answer.assembly, travel_along(answer.assembly, screws))
 
 
 def _path_of(verdict: Verdict) -> PathPlaces | None:

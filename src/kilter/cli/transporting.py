@@ -165,6 +165,16 @@ def transport(
             show_default=False,
         ),
     ] = None,
+    film: Annotated[
+        Path | None,
+        Option(
+            "--film",
+            metavar="OUT.glb",
+            help="Also write a film of the parts that start to move first, seen from the carrier.",
+            rich_help_panel=FORM,
+            show_default=False,
+        ),
+    ] = None,
     require: Require = REQUIRE,
 ) -> int:
     """Find how hard a carrier may accelerate, brake and turn before a part on it moves.
@@ -181,6 +191,11 @@ def transport(
     if figure is not None:
         _require_figure(figure, [accelerate, turn, turn_faster, code])
         asked.apart(figure)
+    if film is not None:
+        from kilter import publish
+
+        publish.require_ending(film, publish.FILMS, "film")
+        asked.apart(film)
     motion = _motion(accelerate, turn, turn_faster, about)
     with Progress(asked.quiet) as progress:
         assembly, contacts = asked.read(progress)
@@ -205,9 +220,14 @@ def transport(
 
             progress("figure")
             publish.draw(answer, figure)
+        if film is not None:
+            progress("film")
+            publish.animate(answer, film)
     data = answer.to_dict()
     after = asked.keep_proof(answer.proof if _has_proof(answer) else None, data)
-    asked.tell(data, after=after + (f"\nfigure       written to {figure}" if figure else ""))
+    for name, file in (("figure", figure), ("film", film)):
+        after += f"\n{name:13s}written to {file}" if file else ""
+    asked.tell(data, after=after)
     return _exit_code(answer)
 
 

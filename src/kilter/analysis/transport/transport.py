@@ -46,7 +46,7 @@ from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance
 from kilter.errors import InputError, TimeLimitReached
 from kilter.mechanics.bundle import make_bundle
-from kilter.mechanics.certificate import part_sizes
+from kilter.mechanics.certificate import MotionProof, part_sizes
 from kilter.mechanics.program import Program, build_program
 from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import REQUIRE, holds, level_rank, require_level
@@ -267,6 +267,23 @@ class Transport(AnswerInWords):
         }
         answer["sentence"] = transport_sentence(answer)
         return answer
+
+    @property
+    def mechanism(self) -> MotionProof | None:
+        """The motion that starts first: beyond the least limit, along the path, or of the question.
+
+        With collapse multipliers, the motion of the least multiplier; None without a known motion.
+        """
+        multipliers = [entry for entry in self.collapse if entry.mechanism is not None]
+        if multipliers:
+            return min(multipliers, key=lambda entry: entry.alpha0).mechanism
+        limits = [case.factor for case in self.cases if case.factor is not None]
+        if self.path is not None and self.path.limit is not None:
+            limits.append(self.path.limit)
+        if self.least is not None:
+            limits.append(self.least.limit)
+        first = min(limits, key=lambda limit: limit.value, default=None)
+        return None if first is None else first.mechanism
 
     def rows(self, *, inner: bool = True) -> tuple[Array, Array]:
         """Linear constraints ``A @ y <= b`` on the motion of the carrier, for a planner of paths.

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly import Assembly
 
-__all__ = ["free_travel"]
+__all__ = ["free_travel", "travel_along"]
 
 REACH = 0.35
 """Largest travel of the fastest part over the extent of the assembly [-]."""
@@ -55,14 +55,36 @@ def free_travel(verdict: Verdict) -> Array:
             hint="a film shows how parts start to move; kilter.draw makes a figure",
             option="a film shows how parts start to move; -o figure.svg is a figure",
         )
+    screws = np.where(motion.moves[:, None], motion.acceleration, 0.0)
+    screws[:, :3] /= metres_per_unit(assembly.units)
+    return travel_along(assembly, screws)
+
+
+def travel_along(assembly: Assembly, screws: Array) -> Array:
+    """Displacement of each part along given motions until a part would enter another part.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    screws : ndarray, shape (N, 6)
+        Motion of each part in the world frame, of any common size: of its centre of mass [length
+        unit] and rotation vector [rad].
+
+    Returns
+    -------
+    ndarray, shape (N, 6)
+
+    Raises
+    ------
+    InputError
+        If there are more than 3,000 parts.
+    """
     if len(assembly) > MOST:
         raise InputError(
             f"a film of {len(assembly)} parts is too large: the limit is {MOST} parts",
             hint="leave parts out with assembly.without(...)",
             option="leave parts out with --without NAME",
         )
-    screws = np.where(motion.moves[:, None], motion.acceleration, 0.0)
-    screws[:, :3] /= metres_per_unit(assembly.units)
     speed = np.linalg.norm(screws[:, :3], axis=1)
     speed = speed + assembly.geometry.radius * np.linalg.norm(screws[:, 3:], axis=1)
     extent = float(np.ptp(assembly.geometry.vertices, axis=0).max())
