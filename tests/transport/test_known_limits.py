@@ -108,6 +108,26 @@ def test_rolling_carrier_lets_a_flat_box_slide() -> None:
     assert _limit(tilted, motion) == pytest.approx(closed, rel=1e-6)
 
 
+def test_middle_of_a_roll_beside_a_sideways_acceleration() -> None:
+    """o^2 = (g - a0 h / b) / z: the box tips, since its spin takes weight from it."""
+    wide, high, sideways = 0.3, 0.6, 2.0
+    assembly = stack_on_deck([[wide, wide, high]], 0.8)
+    squared = (G - sideways * high / wide) / (1.5 + high / 2)
+    assert squared == pytest.approx(3.227778, abs=1e-6)
+    for share, held in ((1 - SIDE, True), (1 + SIDE, False)):
+        motion = CarrierMotion(
+            [-sideways, 0, 0], [0, np.sqrt(share * squared), 0], about=[0, 0, -1.5]
+        )
+        assert _holds(assembly, motion) == held
+
+
+def test_half_of_gravity_is_a_tilt_of_26_565_degrees() -> None:
+    """A box of b / h = 1 / 2 carries 0.5 g and this tilt, and not more."""
+    assembly = stack_on_deck([[1, 1, 2]], 0.8)
+    limit = _limit(assembly, CarrierMotion([G, 0, 0]))
+    assert np.degrees(np.arctan(limit)) == pytest.approx(26.56505, abs=1e-5)
+
+
 @pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("assembly", "expected"),
