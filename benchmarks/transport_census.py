@@ -3,9 +3,11 @@
     python benchmarks/transport_census.py                    300 assemblies, 20 directions each
     python benchmarks/transport_census.py 60 --first 100     seeds 100 to 159
     python benchmarks/transport_census.py 60 --family stack  a single family
+    python benchmarks/transport_census.py 40 --family cad    drawn CAD with friction 0.3 (slower)
 
 Families: stack (boxes of random size, turn, density, friction, gravity), arch, pile, wedge, round
-(`tests/scenes/random_turned.py`), voronoi (3D cells with shared faces). Directions are random in
+(`tests/scenes/random_turned.py`), voronoi (3D cells with shared faces); on request also cad
+(`cad_assemblies.py`, with pairs that overlap or look fastened joined). Directions are random in
 space. For each direction the limit of the acceleration is computed; then `check` of the assembly
 that feels the acceleration must hold at (1 - 1e-3) of the limit and must not hold at (1 + 1e-3) of
 it. For a quarter of the directions the carrier also turns, and the loads of the turn are given to
@@ -16,9 +18,11 @@ from __future__ import annotations
 
 import argparse
 import collections
+import dataclasses
 import os
 import signal
 import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -57,7 +61,23 @@ def assembly_of(family: str, seed: int) -> kilter.Assembly:
         return random_stack(seed)
     if family == "voronoi":
         return random_voronoi(seed)
+    if family == "cad":
+        return drawn_cad(seed)
     return random_turned(family, seed)
+
+
+def drawn_cad(seed: int) -> kilter.Assembly:
+    """A drawn CAD assembly on its base, friction 0.3; pairs that overlap are joined."""
+    from cad_assemblies import draw, write_drawn  # needs OCCT
+
+    with tempfile.TemporaryDirectory() as folder:
+        drawn = kilter.load(write_drawn(draw(seed), Path(folder) / "drawn.step"))
+    parts = [
+        dataclasses.replace(part, grounded=part.name.split("/")[-1] == "base")
+        for part in drawn.parts
+    ]
+    assembly = dataclasses.replace(drawn, parts=parts, friction=0.3)
+    return kilter.fastened(assembly, suggested=True, overlaps=True)
 
 
 def motions(seed: int, count: int, planar: bool, size: float) -> list[CarrierMotion]:
@@ -142,7 +162,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("count", nargs="?", type=int, default=300)
     parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--family", choices=FAMILIES)
+    parser.add_argument("--family", choices=(*FAMILIES, "cad"))
     parser.add_argument("--directions", type=int, default=20)
     given = parser.parse_args()
     counts: collections.Counter[str] = collections.Counter()
