@@ -137,7 +137,11 @@ def _mirrored_unit(
 ) -> None:
     """Add the mirror image of a sub-assembly on the far side of the base, one level deeper."""
     site = str(rng.choice(sorted(groups)))
-    nodes = [(name, mirrored(placed(solid, at), FAR), None) for name, solid, at in groups[site]]
+    nodes = []
+    for name, solid, at in groups[site]:
+        if name in drawn.inches:  # its numbers are inches, and those of the image millimetres
+            solid = scaled(solid, INCH)
+        nodes.append((name, mirrored(placed(solid, at), FAR), None))
     drawn.tree.append(("far_side", [(f"unit_{site}", nodes, None)], None))
     own = {name for name in drawn.falls if name.split("_")[0] == site}
     drawn.falls -= own
@@ -150,7 +154,7 @@ def draw(seed: int) -> Drawn:
     rng = np.random.default_rng(seed)
     drawn = Drawn(units=str(rng.choice(UNITS)))
     far = rng.random() < 0.15
-    base = box((-100, -100, -10), (FAR + 100 if far else 100, 100, 0))
+    base = box((-100, -100, -10), (2 * FAR + 100 if far else 100, 100, 0))
     drawn.add("base", eased(engraved_text(base, "TOP", (-95, 85, 0), 8.0, 0.3), rng, 1.0))
     count = int(rng.integers(1, 8))
     for k, place in enumerate(rng.permutation(len(SITES))[:count].tolist()):
