@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -19,6 +20,7 @@ from kilter.contact import ContactSet, contacts
 from kilter.contact.open_pairs import OpenPair, rigid_groups
 from kilter.mechanics.merged_parts import merge_parts
 from kilter.mechanics.program import Program, build_program
+from kilter.scenes.pieces import block
 
 
 def joined(program: Program, group: Index, pairs: list[OpenPair]) -> bool | None:
@@ -139,3 +141,20 @@ def test_a_dome_of_a_thousand_pairs_is_searched_within_its_work() -> None:
     assert answer is not None
     assert joined(program, group, list(answer.pairs)) is True
     assert answer.programs < 300
+
+
+@pytest.mark.parametrize(("play", "first"), [(0.01, "plate"), (0.5, "nut")])
+def test_a_clearance_too_wide_for_a_fit_is_the_last_to_be_asked_about(play, first) -> None:
+    """A screw that hangs between a plate with a hole and a nut of free-form threads, both held."""
+    parts = [block(name, [3 * k, 0, 0], [3 * k + 1, 1, 1]) for k, name in enumerate("abc")]
+    names = ("plate", "nut", "screw")
+    held = [
+        replace(part, name=n, grounded=n != "screw") for part, n in zip(parts, names, strict=True)
+    ]
+    assembly = Assembly(held)
+    pairs = [OpenPair((0, 2), "clearance", gap=play), OpenPair((1, 2), "free-form", gap=0.0)]
+    program = build_program(assembly, contacts(assembly))
+    answer = find_deciding(program, rigid_groups(assembly), pairs)
+    assert answer is not None
+    assert answer.smallest
+    assert [names[pair.parts[0]] for pair in answer.pairs] == [first]

@@ -7,9 +7,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from kilter.assembly import Assembly, Part
 from kilter.contact import Tolerance
 from kilter.contact import contact_tolerances as t
-from kilter.contact.gaps import nearest_gap, touches
+from kilter.contact.gaps import nearest_gap, reach_of, touches
+from kilter.shape.primitives import Box
 from literals import unnamed
 
 CHAINS = [
@@ -39,6 +41,19 @@ def test_one_true_normal_found_from_both_sides_is_one() -> None:
 
 def test_gaps_that_are_looked_at_hold_the_cluster() -> None:
     assert 1 < t.CLUSTER < t.LOOKED_AT_GAPS
+
+
+def test_a_gap_tolerance_as_wide_as_a_play_adds_little_to_the_reach() -> None:
+    # its limit lies above the reach of the default tolerance, and that of narrow ones grows with it
+    assert t.LOOKED_AT_GAPS * t.GAP < t.LOOKED_AT_SIZE
+    geometry = Assembly([Part("cube", Box([1, 1, 1]))]).geometry
+    size = float(geometry.size[0])
+    for gap, reach in (
+        (1e-5, t.LOOKED_AT_GAPS * 1e-5),
+        (1e-3, t.LOOKED_AT_SIZE * size),
+        (0.02, t.CLUSTER * 0.02),
+    ):
+        assert reach_of(geometry, Tolerance(gap=gap)) == pytest.approx([reach / 2])
 
 
 @pytest.mark.slow

@@ -500,12 +500,10 @@ def test_suggested_and_overlaps_join_and_say_what():
         (("bolt", "nut"), "thread"),
         (("leg", "lid"), "overlap"),
     ]
-    assert joined.notes == (
-        "fastened as suggested, 2 pairs: 'bolt' and 'nut' (thread), 'leg' and 'lid' (overlap)",
-    )
+    assert joined.notes == ()  # an effect that the user requested is no warning
     over = fastened(loose, overlaps=True)
     assert [j.parts for j in over.joints] == [("leg", "lid")]
-    assert over.notes == ("fastened as they overlap, 1 pair: 'leg' and 'lid' (overlap)",)
+    assert over.notes == ()
     both = fastened(loose, [("lid", "leg")], suggested=True, overlaps=True)
     assert [(j.parts, j.why) for j in both.joints] == [
         (("lid", "leg"), ""),
@@ -558,3 +556,42 @@ def test_full_names_join_a_pin_with_play_and_wildcards_do_not():
     assert [j.parts for j in fastened(loose, [("pin", "plate")]).joints] == [("pin", "plate")]
     with pytest.raises(InputError, match="nothing to fasten"):
         fastened(loose, [("p?n", "plate")])
+
+
+def test_full_names_join_a_ring_that_overlaps_its_pin_by_less_than_the_gap_tolerance():
+    """A ring drawn undeformed: its inner face lies 0.05 inside the pin that it hangs on."""
+    loose = Assembly([pin("pin", 1.0, 6.0), tube("seal", 0.95, 2.0, 1.0)])
+    wide = Tolerance(gap=0.1)
+    assert [j.parts for j in fastened(loose, [("pin", "seal")], tolerance=wide).joints] == [
+        ("pin", "seal")
+    ]
+    apart = Assembly([pin("pin", 1.0, 6.0), tube("seal", 0.95, 2.0, 1.0, [4, 0, 0])])
+    with pytest.raises(InputError, match="nothing to fasten"):
+        fastened(apart, [("pin", "seal")], tolerance=wide)
+
+
+def test_a_wide_gap_tolerance_keeps_a_press_fit_and_makes_no_thread_of_a_clearance():
+    ring = tube("ring", 1.0, 2.0, 4.0, grounded=True)
+    wide = Tolerance(gap=0.2)
+    for radius, kinds in ((1.01, ["press fit"]), (0.9, [])):
+        assembly = Assembly([ring, pin("pin", radius, 6.0)])
+        contacts = detect.contacts(assembly, tolerance=wide)
+        assert [s.kind for s in suggest_joints(assembly, contacts)] == kinds
+
+
+def test_copies_of_an_overlapping_pair_share_its_depth_and_volume():
+    corner = Prism([[0, 0], [3, 0], [3, 1], [1, 1], [1, 3], [0, 3]], 2.0)
+    shapes = {"corner": corner, "sunk": Box([1.5, 1.5, 1.5])}
+    inside = Pose([1.55, 1.55, 0])  # the box reaches 0.2 into both arms of the corner
+    places = [Pose([7.0 * k, 3.0 * k, k], turn([1, 2, 3], 25 * k)) for k in range(3)]
+    parts = [
+        Part(f"{name}-{k}", shape, place if name == "corner" else place @ inside)
+        for k, place in enumerate(places)
+        for name, shape in shapes.items()
+    ]
+    overlaps = detect.contacts(Assembly(parts)).overlaps
+    (single,) = detect.contacts(Assembly(parts[:2])).overlaps
+    assert [overlap.parts for overlap in overlaps] == [(0, 1), (2, 3), (4, 5)]
+    for overlap in overlaps:
+        assert overlap.depth == pytest.approx(single.depth, rel=1e-9)
+        assert overlap.volume == pytest.approx(single.volume, rel=1e-9)

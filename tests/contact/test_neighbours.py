@@ -60,6 +60,25 @@ def test_a_play_below_a_floating_part_is_a_remedy_and_a_wide_gap_is_none() -> No
         assert all(remedy.leads_to == "stable" for remedy in remedies)
 
 
+@pytest.mark.parametrize("sunk", [0.02, 0.04])
+def test_a_play_is_closed_together_with_joints_of_parts_that_overlap_by_less(sunk: float) -> None:
+    """An arm is sunk into a post sideways: a tolerance above `sunk` finds no overlap there."""
+    hook = block("hook", [-1, -1, 0.03], [1, 1, 1.03])
+    post = block("post", [2, -1, 0], [3, 1, 4], grounded=True)
+    arm = block("arm", [3 - sunk, -0.5, 2], [4, 0.5, 3])
+    (remedy,) = check(Assembly([BASE, hook, post, arm])).remedies
+    joined = "--fasten-suggested" if sunk > 0.03 else "--fasten post arm --fasten-suggested"
+    assert (remedy.option, remedy.level) == (f"{joined} --gap 0.0303", "proved")
+
+
+def test_the_play_of_one_part_asks_the_next_question_about_another() -> None:
+    hook = block("hook", [-1, -1, 0.03], [1, 1, 1.03])
+    ring = tube("ring", 1.1, 2.0, 4.0, [0, 9, 5], grounded=True)
+    shaft = pin("shaft", 1.0, 4.0, [0, 9, 5])  # a play too wide for this gap tolerance
+    (remedy,) = check(Assembly([BASE, hook, ring, shaft])).remedies
+    assert (remedy.option, remedy.leads_to) == ("--gap 0.0303", "undecided")
+
+
 def test_a_gap_of_round_faces_is_right_within_what_is_told() -> None:
     ball = Part("ball", Sphere(2.0), Pose([0, 0, 2.75]))
     found = only(Assembly([BASE, ball]))

@@ -43,6 +43,9 @@ value lets thin plates touch through their own thickness."""
 LOOKED_AT_GAPS = 100.0
 """Reach of the search in gap tolerances [-]. A larger value shows more near faces in the histogram
 and the rejected pairs, and costs time."""
+LOOKED_AT_SIZE = 0.01
+"""Upper limit of this reach, as a fraction of the size of the smaller part, for gap tolerances as
+wide as the play of a part [-]. A larger value compares faces all over both parts."""
 LOOKED_AT_ANGLE = 0.05
 """Largest angle between two near faces that are compared [rad]; also the largest error of an angle
 that rounding may explain."""
@@ -130,6 +133,9 @@ COINCIDENT = 0.5
 """Parts that share more than this fraction of the volume of the smaller part are rejected [-]."""
 SAME_SHAPE = 1e-6
 """Largest relative difference of volume, radius and inertia between copies of a part [-]."""
+COPY_PLACE = 1e-6
+"""Pairs of copies whose relative poses differ by less than this fraction of the gap tolerance share
+the result of an overlap [-]."""
 INSIDE = 0.99
 """A part lies inside another if they share more than this fraction of its volume [-]."""
 FIT_LENGTH = 1e-3

@@ -28,6 +28,7 @@ from kilter.contact.contact_tolerances import (
     CLUSTER,
     GAP,
     LOOKED_AT_GAPS,
+    LOOKED_AT_SIZE,
     LOOSE_ANGLE,
     LOOSE_GAP,
     ROUNDINGS,
@@ -163,7 +164,16 @@ def reach_of(geometry: Geometry, tolerance: Tolerance) -> Array:
     rough = tolerance.gap_of(geometry.size)
     if tolerance.gap is None:
         rough = np.maximum(rough, ROUNDINGS * geometry.accuracy)
-    return np.maximum(LOOKED_AT_GAPS * rough / 2, CLUSTER * (tolerance.clearance or 0.0))
+    return np.maximum(_compared(rough, geometry.size) / 2, CLUSTER * (tolerance.clearance or 0.0))
+
+
+def _compared(gap: Array, size: Array) -> Array:
+    """Widest gap at which faces are compared, for a gap tolerance and the sizes of parts.
+
+    A tolerance as wide as the play of a part only adds the gaps of its cluster: a hundred times
+    such a tolerance would compare all faces of both parts.
+    """
+    return np.maximum(np.minimum(LOOKED_AT_GAPS * gap, LOOKED_AT_SIZE * size), CLUSTER * gap)
 
 
 def gap_limits(geometry: Geometry, facets: Facets, pairs: Index, tolerance: Tolerance) -> GapLimits:
@@ -173,7 +183,8 @@ def gap_limits(geometry: Geometry, facets: Facets, pairs: Index, tolerance: Tole
     thickness = 2 * geometry.volume / surface
     thin = THICKNESS * np.minimum(thickness[a], thickness[b])
     rounding = 2 * (geometry.accuracy[a] + geometry.accuracy[b])
-    wanted = tolerance.gap_of(np.minimum(geometry.size[a], geometry.size[b]))
+    smaller = np.minimum(geometry.size[a], geometry.size[b])
+    wanted = tolerance.gap_of(smaller)
     gap = wanted
     if tolerance.gap is None:
         # not through thin plates, but never below the rounding of the coordinates
@@ -182,7 +193,7 @@ def gap_limits(geometry: Geometry, facets: Facets, pairs: Index, tolerance: Tole
     return GapLimits(
         gap=gap,
         closed=np.maximum(gap, clearance + rounding) if clearance else gap,
-        margin=np.maximum(LOOKED_AT_GAPS * wanted, np.maximum(gap, CLUSTER * clearance)),
+        margin=np.maximum(_compared(wanted, smaller), np.maximum(gap, CLUSTER * clearance)),
         rounding=rounding,
         coarse=rounding > thin,
     )

@@ -54,7 +54,7 @@ def check_facts(answer: Answer) -> list[Fact]:
         ("mass", f"{mass(_free_mass(answer['parts']))} (all free parts)"),
         ("gravity", gravity_phrase(answer)),
         ("contacts", counts(**answer["contacts"])),
-        *joint_facts(answer),
+        *joint_facts(answer, listed=True),
         ("proof", _proof(answer)),
     ]
     facts += open_facts(answer)

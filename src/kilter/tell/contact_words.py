@@ -15,32 +15,42 @@ __all__ = ["copy_warnings", "gap_words", "group_warnings", "lone_warnings", "ove
 
 Entry = Mapping[str, Any]
 FEW = 3
-"""Largest number of misplaced copies that a warning names."""
-LISTED = 20
-"""Largest number of overlaps that are listed."""
+"""Largest number of misplaced copies, and of overlaps in one line, that a warning names."""
+LISTED = 4
+"""Largest number of overlaps that have a warning each."""
 ROUND = 0.005
 """An accuracy below this fraction of a gap is not shown, since the gap has three digits [-]."""
 
 
 def overlap_warnings(overlaps: Sequence[Entry], units: str) -> list[str]:
-    """Return a warning for each pair of parts that occupy the same space.
+    """Return a warning for each pair of parts that occupy the same space; one line for many pairs.
 
     Examples
     --------
     >>> overlap = {"parts": ["a", "b"], "why": "overlap", "depth": 2.0, "volume": 0.5}
     >>> overlap_warnings([overlap], "mm")
     ["'a' and 'b' overlap, 2 mm deep, volume 0.5 mm^3; an overlap is not a contact"]
+    >>> overlap_warnings([overlap] * 4 + [overlap | {"depth": 3.0}], "mm")
+    ["5 pairs overlap: 'a' and 'b' (3 mm deep), 'a' and 'b' (2 mm deep), 'a' and 'b' (2 mm deep) \
+and 2 more; an overlap is not a contact"]
     """
+    if len(overlaps) > LISTED:
+        deepest = sorted(overlaps, key=lambda overlap: -overlap["depth"])
+        pairs = ["{!r} and {!r}".format(*overlap["parts"]) for overlap in deepest]
+        words = [
+            f"{pair} ({overlap['depth']:.3g} {units} deep)"
+            for pair, overlap in zip(pairs, deepest, strict=True)
+        ]
+        return [f"{len(words)} pairs overlap: {some(words, FEW)}; an overlap is not a contact"]
     lines = []
-    for overlap in overlaps[:LISTED]:
+    for overlap in overlaps:
         first, second = overlap["parts"]
         size = "" if overlap["volume"] is None else f", volume {overlap['volume']:.3g} {units}^3"
         lines.append(
             f"{first!r} and {second!r} {overlap['why']}, {overlap['depth']:.3g} {units} deep{size};"
             " an overlap is not a contact"
         )
-    more = len(overlaps) - LISTED
-    return [*lines, *([f"{more} more pairs overlap"] if more > 0 else [])]
+    return lines
 
 
 def copy_warnings(odd: Sequence[tuple[str, Sequence[str], str]]) -> list[str]:

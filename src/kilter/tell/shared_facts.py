@@ -55,10 +55,13 @@ def bond_words(share: float, fail: Sequence[Sequence[str]]) -> str:
     return f"{words}; {names} fail{'s' if len(fail) == 1 else ''} first"
 
 
-def joint_facts(answer: Answer) -> list[Fact]:
-    """Return a line for each kind of joint, with the number of such joints."""
+def joint_facts(answer: Answer, *, listed: bool = False) -> list[Fact]:
+    """Return a line for each kind of joint, with the number of such joints.
+
+    `listed`: whether a table of the answer names the joints that options made.
+    """
     facts: list[Fact] = []
-    joints = answer.get("joints", ())
+    joints = [joint for joint in answer.get("joints", ()) if not (listed and joint.get("why"))]
     short = shortened(dict.fromkeys(name for joint in joints for name in joint["parts"]))
     for kind in dict.fromkeys(joint["kind"] for joint in joints):
         pairs = [

@@ -50,6 +50,10 @@ LEAST_ROWS = 100
 """Cost of building a program, expressed as a number of contact rows."""
 FREE_ROWS = 50_000
 """Rows that each search may solve, however small the assembly; they take about a second."""
+WIDE_CLEARANCE = 0.02
+"""A clearance is too wide for a fit above this fraction of the radius of the smaller part [-]. The
+loosest fit H11/c11 of ISO 286 has a radial clearance of 2 to 4 % of the radius of a shaft of 6 to
+30 mm, and parts are at least as long as wide."""
 WRENCHES = (1e-2, 1e-6)
 """Pairs with a wrench above this are joined, in multiples of the typical weight [-]. The second
 value serves if the first set does not hold."""
@@ -99,7 +103,7 @@ def find_deciding(
     DecidingPairs or None
         None if there are no open pairs, or if all pairs joined are not proved to hold.
     """
-    ranked = sorted(pairs, key=lambda pair: (KINDS.index(pair.kind), abs(pair.gap or 0.0)))
+    ranked = sorted(pairs, key=lambda pair: _unlikeliness(pair, program.radius))
     ends = np.array([pair.parts for pair in ranked]).reshape(-1, 2)
     search = _PairSearch(program, group, ends, work)
     if not pairs or search.holds(range(len(ranked))) is not True:
@@ -113,6 +117,16 @@ def find_deciding(
         irreducible = not search.ended and not search.doubtful
     deciding = tuple(ranked[k] for k in sorted(chosen))
     return DecidingPairs(deciding, smallest, irreducible, search.programs)
+
+
+def _unlikeliness(pair: OpenPair, radius: Array) -> tuple[bool, int, float]:
+    """Key that sorts open pairs from the likeliest contact to the least likely.
+
+    A clearance too wide for a fit comes last: a shaft there touches its hole only by chance.
+    """
+    gap = abs(pair.gap or 0.0)
+    wide = pair.kind == "clearance" and gap > WIDE_CLEARANCE * radius[list(pair.parts)].min()
+    return bool(wide), KINDS.index(pair.kind), gap
 
 
 class _PairSearch:

@@ -4,10 +4,10 @@ A remedy is a set of options of the command line. It is applied to the assembly 
 it (joints, tolerance, friction), and the cascade of `kilter.check` decides the result at the
 required level. The answer prints the option with this result.
 
-All tries together have the work of the verdict itself, or `LEAST_WORK` if that is more. First each
-option is decided by equilibrium forces, which cost about as much as an unstable verdict. Then the
-remaining work decides the options at the required level. For an option that this work does not
-decide, the answer reports only that equilibrium forces exist.
+All tries together have the work of the verdict itself and of a detection of contacts, or
+`LEAST_WORK` if that is more. First each option is decided by equilibrium forces, which cost about
+as much as an unstable verdict. Then the remaining work decides the options at the required level.
+For an option that this work does not decide, the answer reports only that equilibrium forces exist.
 """
 
 from __future__ import annotations
@@ -43,6 +43,9 @@ LEAST_WORK = 100_000.0
 It pays for the equilibrium forces of `MOST` options on 300 contact rows. Without it, an option that
 needs friction could not be tried: its decision takes two programs, an unstable verdict only one.
 """
+PLAY_DECISIONS = 4
+"""Work of all tries together, in verdicts such as the present one, if a gap tolerance may close the
+play of a part: it is tried after the likely joints, and with them."""
 DECISION, ROW = 10_000.0, 40.0
 """Units of a decision by equilibrium forces beside the solvers: in all, and per contact row."""
 DETECTION, VERTEX = 10_000.0, 50.0
@@ -63,9 +66,11 @@ LITTLE_FRICTION = 0.01
 PLAY = 0.02
 """Largest gap below a part that touches nothing if a tolerance that closes the gap is tried, as a
 fraction of the size of the smaller part [-]; a larger value tries wider gaps."""
-PLAY_VERTICES = 30_000
+PLAY_VERTICES = 150_000
 """Largest number of vertices of an assembly for which such a tolerance is tried; with more, the
-second search of contacts may take longer than the rest of the check."""
+second search of contacts takes too long."""
+MOST_NAMED = 12
+"""Largest number of overlapping pairs that a remedy joins by their names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,9 +130,10 @@ class _Change:
 
     @property
     def shown_by_the_drawing(self) -> bool:
-        """True if these options only leave copies out, and join the pairs that look fastened."""
-        shown = replace(self, without=(), suggested=False)
-        return shown == _Change() and self != _Change()
+        """True if these options only leave copies out, join likely pairs and close a play."""
+        shown = replace(self, without=(), suggested=False, fasten=(), gap=None)
+        joins_or_closes = not self.fasten or self.gap is not None
+        return shown == _Change() and self != _Change() and joins_or_closes
 
     def apply(
         self, assembly: Assembly, contacts: ContactSet, detected: dict[_Detection, ContactSet]
@@ -148,13 +154,15 @@ class _Change:
                     else detect.contacts(assembly, tolerance=tolerance)
                 )
             contacts = detected[key]
+        if self.fasten:  # needs the nearest parts, which parts of a contact set do not have
+            assembly = fastened(assembly, self.fasten, contacts=contacts)
+            contacts = contacts.of(assembly)
         if self.without:
             assembly = assembly.without(self.without)
             contacts = contacts_among(contacts, assembly)
-        if self.fasten or self.suggested or self.overlaps:
+        if self.suggested or self.overlaps:
             assembly = fastened(
                 assembly,
-                self.fasten,
                 suggested=self.suggested,
                 overlaps=self.overlaps,
                 contacts=contacts,
@@ -209,7 +217,8 @@ def find_remedies(
     """
     if decision.verdict not in ("unstable", "undecided"):
         return ()
-    units = _decision_units(decision) + _detection_units(assembly)
+    decisions = 1 if _closing_gap(contacts) is None else PLAY_DECISIONS
+    units = decisions * _decision_units(decision) + _detection_units(assembly)
     tries = _Tries(decision, require, work, work.beside(max(units, LEAST_WORK)))
     detected: dict[_Detection, ContactSet] = {}
     for change in _changes(assembly, contacts, decision):
@@ -268,10 +277,11 @@ class _Tries:
     expected: float = 0.0
 
     def needs_less_than(self, change: _Change) -> bool:
-        """Whether a try with less friction, and no other option, already holds the assembly."""
-        return change.friction == FRICTION and any(
-            hopeful.change == _Change(friction=LITTLE_FRICTION) for hopeful in self.hopeful
-        )
+        """Whether a try with fewer joints, or only with less friction, holds the assembly."""
+        less = _Change(friction=LITTLE_FRICTION) if change.friction == FRICTION else None
+        if change.fasten and change.gap is not None:
+            less = replace(change, fasten=())
+        return any(hopeful.change == less for hopeful in self.hopeful)
 
     def by_forces(
         self,
@@ -369,6 +379,16 @@ def _changes(assembly: Assembly, contacts: ContactSet, decision: Decision) -> It
     gap = _closing_gap(contacts)
     if gap is not None and len(assembly.geometry.vertices) <= PLAY_VERTICES:
         yield replace(likely, gap=gap)
+        # faces that overlap by less than this gap count as touching, and no longer as an overlap
+        over = {frozenset(overlap.parts) for overlap in contacts.overlaps}
+        names = assembly.names
+        within = tuple(
+            pair
+            for pair in joined
+            if frozenset(map(names.index, pair)) in over and not set(left_out) & set(pair)
+        )
+        if 0 < len(within) <= MOST_NAMED:
+            yield replace(likely, gap=gap, fasten=within)
     if smooth and len(contacts):
         yield _Change(friction=LITTLE_FRICTION)
         yield _Change(friction=FRICTION)

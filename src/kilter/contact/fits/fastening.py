@@ -2,13 +2,14 @@
 
 By name: every two matching parts that touch. As suggested: the pairs that
 `kilter.contact.fits.suggestions` takes for fixed. As they overlap: every pair that shares volume,
-except the same body twice. Joints that were not named pair by pair are reported with their reason:
-`Joint.why`, and a note of the assembly.
+except the same body twice. Joints that were not named pair by pair state their reason: `Joint.why`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+
+import numpy as np
 
 from kilter.assembly import Assembly, Bond, Joint
 from kilter.contact import detect
@@ -16,14 +17,12 @@ from kilter.contact.contact_set import ContactSet
 from kilter.contact.fits.open_choices import with_decided_pairs
 from kilter.contact.fits.suggestions import Suggestion, suggest_joints, touching_pairs
 from kilter.contact.gaps import Tolerance
-from kilter.errors import InputError, some, some_names
+from kilter.errors import InputError, some_names
 from kilter.files.reading import Reading
 
 __all__ = ["fasten_as_read", "fastened"]
 
 Pair = tuple[str, ...]
-MOST_NAMED_PAIRS = 20
-"""Largest number of pairs that a note names; the joints of an answer list all."""
 
 
 def fastened(
@@ -55,8 +54,7 @@ def fastened(
     Returns
     -------
     Assembly
-        Its notes name the pairs that `suggested` and `overlaps` joined, or state that there were
-        none.
+        Its notes state if `suggested` or `overlaps` joined no pair.
 
     Raises
     ------
@@ -94,12 +92,12 @@ def fastened(
 def _fasten_found(
     assembly: Assembly, contacts: ContactSet, *, suggested: bool, overlaps: bool
 ) -> Assembly:
-    """The assembly with fixed joints at suggested or overlapping pairs, and a note about them."""
+    """Join suggested or overlapping pairs by fixed joints; add a note if there are none."""
     suggestions = [s for s in suggest_joints(assembly, contacts) if s.fixed]
     if suggested:
         how = "as suggested", "no pair looks fastened"
         assembly = assembly.with_joints(
-            _suggested_joints(suggestions), notes=[_fastening_note(suggestions, *how)]
+            _suggested_joints(suggestions), notes=_nothing_fastened(suggestions, *how)
         )
     if overlaps:
         overlapping = {
@@ -108,7 +106,7 @@ def _fasten_found(
         suggestions = [s for s in suggestions if frozenset(s.parts) in overlapping]
         how = "as they overlap", "no overlapping pair can be joined"
         joints = [] if suggested else _suggested_joints(suggestions)
-        assembly = assembly.with_joints(joints, notes=[_fastening_note(suggestions, *how)])
+        assembly = assembly.with_joints(joints, notes=_nothing_fastened(suggestions, *how))
     return assembly
 
 
@@ -184,16 +182,20 @@ def _touching_matches(
 
 
 def _pairs_with_play(assembly: Assembly, contacts: ContactSet) -> set[Pair]:
-    """Names, in both orders, of shafts in holes with clearance: threads drawn with their play.
+    """Names, in both orders, of parts that do not touch as drawn, so only full names join them.
 
-    They do not touch as drawn, so only their full names join them.
+    They are shafts in holes with clearance (threads drawn with their play), and parts that touch
+    nothing but are nearer to another part than the gap tolerance: they overlap by less, as an
+    O-ring does, and the overlapping faces are not parallel.
     """
-    pairs = {
-        tuple(assembly.names[k] for k in pair.parts)
-        for pair in contacts.open_pairs
-        if pair.kind == "clearance"
-    }
-    return pairs | {pair[::-1] for pair in pairs}
+    nearest = contacts.neighbours
+    size = assembly.geometry.size
+    smaller = np.minimum(size[[n.part for n in nearest]], size[[n.other for n in nearest]])
+    gap = contacts.tolerance.gap_of(smaller)
+    pairs = [pair.parts for pair in contacts.open_pairs if pair.kind == "clearance"]
+    pairs += [(n.part, n.other) for n, most in zip(nearest, gap, strict=True) if n.gap <= most]
+    names = {(assembly.names[a], assembly.names[b]) for a, b in pairs}
+    return {*names, *(pair[::-1] for pair in names)}
 
 
 def _parts_matching(assembly: Assembly, pattern: str) -> set[str]:
@@ -263,13 +265,12 @@ def _suggested_joints(suggestions: Sequence[Suggestion]) -> list[Joint]:
     return [Joint(s.parts, why=s.kind) for s in suggestions]
 
 
-def _fastening_note(suggestions: Sequence[Suggestion], how: str, nothing: str) -> str:
-    """Note for the user that names the joined pairs and the reason; or the text `nothing`."""
-    if not suggestions:
-        return f"nothing is fastened {how}: {nothing}"
-    pairs = [f"{s.parts[0]!r} and {s.parts[1]!r} ({s.kind})" for s in suggestions]
-    many = "1 pair" if len(pairs) == 1 else f"{len(pairs)} pairs"
-    return f"fastened {how}, {many}: {some(pairs, MOST_NAMED_PAIRS)}"
+def _nothing_fastened(suggestions: Sequence[Suggestion], how: str, nothing: str) -> list[str]:
+    """A note that an option joins no pair, with the reason `nothing`; empty if it joins some.
+
+    Joined pairs need no note, since the user requested them: the joints of the answer name them.
+    """
+    return [] if suggestions else [f"nothing is fastened {how}: {nothing}"]
 
 
 def _no_contact_error(

@@ -20,7 +20,7 @@ from kilter.arrays import TINY, Array, Mask, nearest
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.contact_set import INTERFERE, SAME_BODY, Overlap
-from kilter.contact.contact_tolerances import SAME_PLACE
+from kilter.contact.contact_tolerances import COPY_PLACE, SAME_PLACE
 from kilter.contact.face_patches import FacePatches, in_patch
 from kilter.contact.fits.coaxial import coaxial_fits
 from kilter.contact.fits.part_solids import PartSolids
@@ -74,6 +74,7 @@ def find_overlaps(
     if not overlaps and not len(rows):
         return ()
     overlap_search = _OverlapSearch(face_patches)
+    known: dict[tuple[object, ...], Overlap | None] = {}
     for row in rows.tolist():
         parts = (int(a[row]), int(b[row]))
         if parts in recorded:
@@ -82,13 +83,31 @@ def find_overlaps(
         if both_convex[row]:
             overlap = _convex_overlap(overlap_search, parts, float(tolerance[row]))
         else:
-            overlap = _general_overlap(overlap_search, row, parts, float(tolerance[row]))
+            copy = _copy_key(assembly, parts, float(tolerance[row]))
+            if copy not in known:
+                known[copy] = _general_overlap(overlap_search, row, parts, float(tolerance[row]))
+            found = known[copy]
+            overlap = None if found is None else replace(found, parts=parts)
         if overlap is not None:
             overlaps.append(overlap)
     return tuple(
         _with_volume(overlap_search, overlap, tolerances)
         for overlap in _with_interference(assembly, overlaps, tolerances)
     )
+
+
+def _copy_key(assembly: Assembly, parts: tuple[int, int], tolerance: float) -> tuple[object, ...]:
+    """Key that is equal for pairs of copies in the same relative pose, whose overlap is equal.
+
+    The poses are rounded to `COPY_PLACE` of the gap tolerance.
+    """
+    a, b = (assembly.parts[k] for k in parts)
+    turn = a.pose.matrix.T
+    step = COPY_PLACE * tolerance
+    size = float(assembly.geometry.size[list(parts)].max())
+    place = np.round(turn @ (b.pose.position - a.pose.position) / step)
+    angles = np.round(turn @ b.pose.matrix * (size / step))
+    return (id(a.shape), id(b.shape), tolerance, *place.tolist(), *angles.ravel().tolist())
 
 
 FINER = 2

@@ -22,14 +22,14 @@ The kinds, the most certain first:
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import INTERFERE, SAME_BODY, ContactSet, Overlap
-from kilter.contact.contact_tolerances import ANGLE, AXIS_ROUNDING, PRESS_FIT, THREAD
+from kilter.contact.contact_tolerances import ANGLE, AXIS_ROUNDING, GAP, PRESS_FIT, THREAD
 from kilter.contact.fits.coaxial import Fit, coaxial_fits, is_tube
 from kilter.errors import shell_words
 
@@ -113,10 +113,14 @@ def suggest_joints(assembly: Assembly, contacts: ContactSet) -> list[Suggestion]
     overlaps = {_key(overlap.parts): overlap for overlap in contacts.overlaps}
     joinable = [pair for pair in near_pairs if _may_join(assembly, pair)]
     fits: dict[frozenset[int], Fit] = {}
-    for fit in coaxial_fits(assembly, joinable, contacts.tolerance, thickest=THREAD):
+    user_gap = contacts.tolerance.gap or 0.0
+    # the fit as drawn: a gap tolerance of the user makes no thread of a clearance or a press fit
+    drawn = replace(contacts.tolerance, gap=None, relative_gap=GAP)
+    for fit in coaxial_fits(assembly, joinable, drawn, thickest=THREAD):
         key = _key(fit.parts)
         # a clearance holds nothing, also if a tolerance counts it as closed
-        if fit.kind == "clearance" or (fit.tight and key not in overlaps):
+        closed = key in overlaps or fit.interference <= user_gap
+        if fit.kind == "clearance" or (fit.tight and not closed):
             continue
         if key not in fits or (fit.tight, fit.length) > (fits[key].tight, fits[key].length):
             fits[key] = fit
