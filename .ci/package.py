@@ -6,7 +6,7 @@ python .ci/package.py --extras    also resolve each extra, without installing it
 python .ci/package.py --notebooks run each notebook in a new environment, from the wheel
 python .ci/package.py -o dist     keep the distributions
 
-The checks need the extra `release`.
+The checks need the tools of .ci/package-requirements.txt.
 """
 
 from __future__ import annotations
@@ -102,6 +102,18 @@ def check_metadata(wheel: Path, source: Path) -> None:
     print(run(tool("check-jsonschema"), "--builtin-schema", schema, *workflows).strip())
 
 
+def check_paper(folder: Path) -> None:
+    """Compile the paper of the software."""
+    import pypandoc
+
+    out, options = folder / "paper.html", ["--citeproc", f"--bibliography={ROOT}/paper/paper.bib"]
+    pypandoc.convert_file(
+        str(ROOT / "paper/paper.md"), "html", extra_args=[*options, "--standalone"], outputfile=out
+    )
+    require("???" not in out.read_text(encoding="utf-8"), "the paper cites what is not listed")
+    print("paper/paper.md: compiles")
+
+
 def install(wheel: Path, version: str, python: str, folder: Path) -> None:
     """Install the wheel on a Python of a version, and check an example."""
     found = shutil.which(f"python{python}")
@@ -159,6 +171,7 @@ def main() -> None:
         check_files(wheel, source)
         version = check_version(wheel)
         check_metadata(wheel, source)
+        check_paper(folder)
         if given.pythons:
             for python in PYTHONS:
                 install(wheel, version, python, folder)

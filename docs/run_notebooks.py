@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import base64
 import io
+import json
 import re
 import sys
 from pathlib import Path
@@ -74,9 +75,7 @@ def texts(notebook: Any) -> list[str]:
 
 def extras(path: Path) -> str:
     """Extras that a notebook names in its installation command, with commas."""
-    import nbformat
-
-    text = nbformat.read(path, as_version=4).cells[0].source
+    text = "".join(json.loads(path.read_text(encoding="utf-8"))["cells"][0]["source"])
     found = re.search(r'pip install "kilter\[([a-z,]+)\]"', text)
     if not found:
         raise ValueError(f"{path.name}: its first cell names no installation command")

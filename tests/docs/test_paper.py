@@ -40,7 +40,7 @@ def test_the_sections_are_those_that_the_journal_requires() -> None:
 
 @pytest.mark.slow
 def test_the_paper_compiles(tmp_path: Path) -> None:
-    pypandoc = pytest.importorskip("pypandoc", reason="pip install 'kilter[release]'")
+    pypandoc = pytest.importorskip("pypandoc", reason="pip install pypandoc_binary")
     out = tmp_path / "paper.html"
     options = ["--citeproc", "--standalone", f"--bibliography={FOLDER / 'paper.bib'}"]
     pypandoc.convert_file(str(FOLDER / "paper.md"), "html", extra_args=options, outputfile=out)
