@@ -56,6 +56,7 @@ __all__ = [
     "bounding",
     "find_optimum",
     "hipo_available",
+    "longer_basis",
     "near_its_bound",
     "new_highs",
     "solve_linear",
@@ -395,6 +396,16 @@ def _with_values(values: Array, index: Index, new: Array) -> Array:
     result = values.copy()
     result[index] = new
     return result
+
+
+def longer_basis(basis: Any, columns: int, rows: int) -> Any:
+    """Basis of a program with further columns at their lower bounds, and further basic rows."""
+    longer = highspy.HighsBasis()
+    lower, basic = highspy.HighsBasisStatus.kLower, highspy.HighsBasisStatus.kBasic
+    longer.col_status = [*basis.col_status, *[lower] * columns]
+    longer.row_status = [*basis.row_status, *[basic] * rows]
+    longer.valid = True
+    return longer
 
 
 def new_highs(tolerance: float) -> Any:

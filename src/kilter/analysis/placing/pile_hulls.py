@@ -1,0 +1,192 @@
+"""Convex hulls of few points around many places at once.
+
+A place is the origin of its points. `surround` decides for each place whether it lies in the hull
+of its points, and returns up to three of them with positive weights whose mean is the place.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kilter.arrays import TINY, Array, Index, Mask
+
+__all__ = ["Surround", "fan_weights", "surround", "surrounding_triangles"]
+
+ON_EDGE = 1e-9
+"""Largest angle by which a place may lie beside an edge of its hull [rad]; a proof decides."""
+AT_POINT = 1e-12
+"""A place nearer to a point than this fraction of the reach of its points is at this point [-]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surround:
+    """Places and the hulls of their points.
+
+    Attributes
+    ----------
+    inside : ndarray of bool, shape (m,)
+        The place is in the hull, or on its edge within rounding.
+    which : ndarray of int, shape (m, 3)
+        Points whose weighted mean is the place.
+    weight : ndarray, shape (m, 3)
+        Their weights, which sum to 1.
+    away : ndarray, shape (m, 2)
+        Unit direction away from all points, for places outside.
+    """
+
+    inside: Mask
+    which: Index
+    weight: Array
+    away: Array
+
+
+def surround(points: Array, valid: Mask) -> Surround:
+    """Decide for each place whether it lies in the hull of its points.
+
+    Parameters
+    ----------
+    points : ndarray, shape (m, q, 2)
+        Points relative to their place.
+    valid : ndarray of bool, shape (m, q)
+        Points that exist; a place without points is outside.
+
+    Examples
+    --------
+    >>> square = np.array([[-1.0, -1], [1, -1], [1, 1], [-1, 1]])
+    >>> found = surround(np.stack([square, square + 3]), np.ones((2, 4), bool))
+    >>> found.inside.tolist()
+    [True, False]
+    >>> (found.weight[0] @ square[found.which[0]]).tolist()
+    [0.0, 0.0]
+    """
+    m, q = valid.shape
+    rows = np.arange(m)
+    count = valid.sum(axis=1)
+    angle = np.where(valid, np.arctan2(points[..., 1], points[..., 0]), np.inf)
+    order = np.argsort(angle, axis=1)
+    angle = np.take_along_axis(angle, order, axis=1)
+    last = np.maximum(count - 1, 0)
+    k = np.arange(q)
+    after = np.where(k < last[:, None], np.minimum(k + 1, q - 1), 0)
+    with np.errstate(invalid="ignore"):
+        turn = np.take_along_axis(angle, after, axis=1) - angle
+        turn = np.where(k == last[:, None], turn + 2 * np.pi, turn)
+    turn = np.where(k < count[:, None], turn, -np.inf)
+    widest = turn.argmax(axis=1)
+    gap = turn[rows, widest]
+    inside = (count > 0) & (gap <= np.pi + ON_EDGE)
+    on_edge = inside & (gap >= np.pi - ON_EDGE)
+
+    # inside: the first point, and the two beside the opposite direction
+    with np.errstate(invalid="ignore"):
+        before = (angle <= angle[:, :1] + np.pi).sum(axis=1) - 1
+    before = np.clip(before, 0, last)
+    which = np.stack([np.zeros(m, np.int64), before, after[rows, before]], axis=1)
+    edge = np.stack([widest, after[rows, widest], widest], axis=1)
+    which = np.where(on_edge[:, None], edge, which)
+    which = np.take_along_axis(order, which, axis=1)
+    a, b, c = (points[rows, which[:, i]] for i in range(3))
+    weight = np.stack([_cross(b, c), _cross(c, a), _cross(a, b)], axis=1)
+    length_a, length_b = np.linalg.norm(a, axis=1), np.linalg.norm(b, axis=1)
+    along = np.stack([length_b, length_a, 0 * length_a], axis=1)
+    weight = np.where(on_edge[:, None], along, np.maximum(weight, 0.0))
+    total = weight.sum(axis=1)
+    inside &= total > TINY
+    weight = weight / np.maximum(total, TINY)[:, None]
+
+    distance = np.where(valid, np.linalg.norm(points, axis=2), np.inf)
+    nearest = distance.argmin(axis=1)
+    reach = np.where(valid, distance, 0.0).max(axis=1, initial=0.0)
+    at_point = (count > 0) & (distance[rows, nearest] <= AT_POINT * reach)
+    inside |= at_point
+    which = np.where(at_point[:, None], nearest[:, None], which)
+    weight = np.where(at_point[:, None], np.array([1.0, 0.0, 0.0]), weight)
+
+    middle = angle[rows, widest] + gap / 2
+    away = np.stack([np.cos(middle), np.sin(middle)], axis=1)
+    away = np.where((count > 0)[:, None], away, 0.0)
+    return Surround(inside, which, weight, away)
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """Cross products of vectors in the plane, shape (...,)."""
+    product: Array = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+    return product
+
+
+def fan_weights(point: Array, polygon: Array, count: Index) -> tuple[Index, Array]:
+    """Three corners of a convex polygon, and weights whose mean is a point in it, both (t, 3).
+
+    Parameters
+    ----------
+    point : ndarray, shape (t, 2)
+    polygon : ndarray, shape (t, q, 2)
+        Corners anticlockwise, padded.
+    count : ndarray of int, shape (t,)
+        Number of corners, at least 3.
+
+    Examples
+    --------
+    >>> square = np.array([[[0.0, 0], [1, 0], [1, 1], [0, 1]]])
+    >>> which, weight = fan_weights(np.array([[0.25, 0.75]]), square, np.array([4]))
+    >>> which.tolist(), weight.tolist()
+    ([[0, 2, 3]], [[0.25, 0.25, 0.5]])
+    """
+    t, q = polygon.shape[:2]
+    arm = polygon - point[:, None]
+    first = arm[:, :1]
+    b, c = arm[:, 1:-1], arm[:, 2:]
+    weight = np.stack([_cross(b, c), _cross(c, first), _cross(first, b)], axis=2)
+    total = weight.sum(axis=2)
+    real = (np.arange(q - 2) < count[:, None] - 2) & (total > TINY)
+    weight = weight / np.where(real, total, 1.0)[..., None]
+    least = np.where(real, weight.min(axis=2), -np.inf)
+    best = least.argmax(axis=1)
+    chosen = np.maximum(weight[np.arange(t), best], 0.0)
+    total = chosen.sum(axis=1)
+    chosen = chosen / np.where(total > 0, total, 1.0)[:, None]
+    which = np.stack([0 * best, best + 1, best + 2], axis=1)
+    return which, chosen
+
+
+def surrounding_triangles(points: Array, valid: Mask) -> tuple[Index, Index, Array]:
+    """All triangles of points around each place.
+
+    Returns
+    -------
+    place : ndarray of int, shape (t,)
+        Ascending.
+    which : ndarray of int, shape (t, 3)
+        Points of each triangle.
+    weight : ndarray, shape (t, 3)
+        Weights whose mean is the place.
+    """
+    m, q = valid.shape
+    a, b, c = _triples(q)
+    cross = _cross(points[:, :, None], points[:, None, :])
+    ab, bc, ca = cross[:, a, b], cross[:, b, c], cross[:, c, a]
+    total = ab + bc + ca
+    sign = np.where(total < 0, -1.0, 1.0)
+    slack = -1e-12 * np.abs(total)
+    is_around = (sign * ab >= slack) & (sign * bc >= slack) & (sign * ca >= slack)
+    is_around &= np.abs(total) > TINY
+    is_around &= valid[:, a] & valid[:, b] & valid[:, c]
+    place, triple = np.nonzero(is_around)
+    which = np.stack([a[triple], b[triple], c[triple]], axis=1)
+    weight = np.stack([bc[place, triple], ca[place, triple], ab[place, triple]], axis=1)
+    weight = weight / total[place, triple][:, None]
+    return place, which, weight
+
+
+_TRIPLES: dict[int, tuple[Index, Index, Index]] = {}
+
+
+def _triples(q: int) -> tuple[Index, Index, Index]:
+    """All a < b < c below q."""
+    if q not in _TRIPLES:
+        a, b, c = np.meshgrid(*(np.arange(q),) * 3, indexing="ij")
+        keep = (a < b) & (b < c)
+        _TRIPLES[q] = (a[keep], b[keep], c[keep])
+    return _TRIPLES[q]
