@@ -104,9 +104,9 @@ def surround(points: Array, valid: Mask) -> Surround:
     which = np.where(at_point[:, None], nearest[:, None], which)
     weight = np.where(at_point[:, None], np.array([1.0, 0.0, 0.0]), weight)
 
-    middle = angle[rows, widest] + gap / 2
-    away = np.stack([np.cos(middle), np.sin(middle)], axis=1)
-    away = np.where((count > 0)[:, None], away, 0.0)
+    first = np.where(count > 0, angle[rows, widest], 0.0)
+    middle = first + np.where(count > 0, gap, 0.0) / 2
+    away = np.stack([np.cos(middle), np.sin(middle)], axis=1) * (count > 0)[:, None]
     return Surround(inside, which, weight, away)
 
 

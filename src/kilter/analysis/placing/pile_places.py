@@ -174,12 +174,15 @@ def _tip_alone(asked: _Question, decision: Decision) -> None:
 # step 2 --------------------------------------------------------------------------------------
 
 
-def _carry(asked: _Question, decision: Decision) -> None:
-    """Places whose centre is a mean of places at which the weight is carried."""
+def _carry(asked: _Question, decision: Decision, among: Mask | None = None) -> None:
+    """Places whose centre is a mean of places at which the weight is carried.
+
+    `among`, shape (m,), restricts the places.
+    """
     pile, touch = asked.pile, asked.touch
     if pile.forces is None:
         return
-    rows = np.flatnonzero(decision.state == OPEN)
+    rows = np.flatnonzero((decision.state == OPEN) & (True if among is None else among))
     if not len(rows):
         return
     carried = pile.carried
@@ -445,27 +448,36 @@ def lowest_planes(points: Array, heights: Array, center: Array) -> Array:
 def _by_programs(asked: _Question, decision: Decision) -> None:
     """Solve programs of open places until none is left; the answers decide further places."""
     tried = np.zeros(len(decision.state), dtype=bool)
+    pile = asked.pile
     while True:
         rows = np.flatnonzero((decision.state == OPEN) & ~tried)
         if not len(rows):
             return
-        row = _next_place(asked, rows)
-        tried[row] = True
-        decision.programs += 1
-        known = len(asked.pile.motions.power)
-        if _solve_place(asked, decision, row):
-            _carry(asked, decision)
-        if len(asked.pile.motions.power) > known:
-            _fall_with_pile(asked, decision, np.arange(known, len(asked.pile.motions.power)))
+        group = _largest_group(asked, rows)
+        known = len(pile.motions.power)
+        found = False
+        for row in _outermost(asked.center[group]):
+            tried[group[row]] = True
+            decision.programs += 1
+            found |= _solve_place(asked, decision, int(group[row]))
+        if found:
+            tops = np.flatnonzero(asked.touch.carries[group[0]])
+            _carry(asked, decision, asked.touch.carries[:, tops].any(axis=1))
+        if len(pile.motions.power) > known:
+            _fall_with_pile(asked, decision, np.arange(known, len(pile.motions.power)))
 
 
-def _next_place(asked: _Question, rows: Index) -> int:
-    """The middle place of the largest group of open places on the same tops."""
-    _, group, count = np.unique(
-        asked.touch.carries[rows], axis=0, return_inverse=True, return_counts=True
-    )
-    members = np.flatnonzero(group.reshape(-1) == count.argmax())
-    return int(rows[members[len(members) // 2]])
+def _largest_group(asked: _Question, rows: Index) -> Index:
+    """The largest group of open places on the same tops."""
+    carries = np.packbits(asked.touch.carries[rows], axis=1)
+    _, group, count = np.unique(carries, axis=0, return_inverse=True, return_counts=True)
+    return rows[group.reshape(-1) == count.argmax()]
+
+
+def _outermost(center: Array) -> list[int]:
+    """The outermost places of a group along both diagonals: at most four."""
+    along = center @ np.array([[1.0, 1.0], [1.0, -1.0]])
+    return list(dict.fromkeys([*along.argmax(axis=0).tolist(), *along.argmin(axis=0).tolist()]))
 
 
 def _solve_place(asked: _Question, decision: Decision, row: int) -> bool:
