@@ -60,6 +60,16 @@ def check_plan(
             show_default=False,
         ),
     ] = None,
+    walls: Annotated[
+        tuple[float, float] | None,
+        Option(
+            "--walls",
+            metavar="LENGTH WIDTH",
+            help="Inner size of four held walls from the origin of x and y, as tall as the pile: "
+            "those of a roll container.",
+            show_default=False,
+        ),
+    ] = None,
     transport: Annotated[
         bool,
         Option(
@@ -92,6 +102,7 @@ def check_plan(
             friction=friction,
             pallet=pallet,
             held=None if held is None else _held_parts(held),
+            walls=walls,
             require=require,
             carried=transport,
             progress=progress,

@@ -19,7 +19,7 @@ import shapely
 from kilter.analysis.check import check
 from kilter.analysis.transport.transport import transport
 from kilter.analysis.verdict.verdict import Verdict
-from kilter.arrays import Index
+from kilter.arrays import Array, Index
 from kilter.assembly import Assembly, Part
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.sub_contacts import contacts_among
@@ -166,6 +166,7 @@ def check_plan(
     friction: float = 0.0,
     pallet: tuple[float, float] | None = None,
     held: Assembly | None = None,
+    walls: tuple[float, float] | None = None,
     require: str = REQUIRE,
     carried: bool = False,
     tolerance: Tolerance | None = None,
@@ -189,6 +190,9 @@ def check_plan(
         extends beyond the pile.
     held : Assembly, optional
         Held parts around the pile, such as the walls of a roll container.
+    walls : (float, float), optional
+        Inner length and width of four held walls from the origin of x and y, as tall as the pile
+        [length unit].
     require : {"equilibrium", "settles", "proved", "strict"}
         Level from which an item stands.
     carried : bool
@@ -203,7 +207,7 @@ def check_plan(
     Raises
     ------
     InputError
-        If the plan is invalid, or two boxes are in the same place.
+        If the plan is invalid, two boxes are in the same place, or a box lies beyond the walls.
 
     Examples
     --------
@@ -223,6 +227,8 @@ def check_plan(
     whole = _with_base(pile, plan, pallet)
     if held is not None:
         whole = whole.merged(held.with_friction(friction), prefix="")
+    if walls is not None:
+        whole = whole.with_parts(_given_walls(plan, walls))
     tell("contacts")
     contacts = detect.contacts(whole, tolerance=tolerance, progress=progress)
     verdicts, items = [], []
@@ -241,7 +247,9 @@ def check_plan(
         tuple(items),
         None if first is None else first + 1,
         "" if first is None else _reason(plan, first, verdicts[first]),
-        None if first is None or held is not None else _walled(pile, plan, pallet, require, effort),
+        None
+        if first is None or held is not None or walls is not None
+        else _walled(pile, plan, pallet, require, effort),
         _carried(whole, contacts) if carried and first is None else (),
         require,
         tuple(contacts.remarks()),
@@ -357,15 +365,9 @@ ABOVE = 1e-3
 """Height above the underside of a box up to which the top of a box below it lies [heights]."""
 
 
-def _walled(
-    pile: Assembly,
-    plan: PackingPlan,
-    pallet: tuple[float, float] | None,
-    require: str,
-    effort: float,
-) -> WallsData:
-    """Whether each item stands if smooth walls stand around the pile, and their inner size."""
-    low, high = plan.low, plan.high
+def _walls(low: Array, high: Array, top: float) -> list[Part]:
+    """Four held walls around the space between two corners, up to a height."""
+    low, high = np.array(low), np.array([high[0], high[1], top])
     thick = THICK * float((high - low).max())
     walls = []
     for axis in (0, 1):
@@ -376,6 +378,43 @@ def _walled(
             middle[axis] = end[axis] + side * thick / 2
             name = f"{WALL} {'xy'[axis]}{'-+'[side > 0]}"
             walls.append(Part(name, Box(size), Pose(middle), grounded=True, density=1000.0))
+    return walls
+
+
+def _given_walls(plan: PackingPlan, size: Sequence[float]) -> list[Part]:
+    """Held walls of a given inner size; an error if a box lies beyond them."""
+    if not (len(size) == 2 and min(size) > 0):
+        raise InputError(f"walls are {size}", hint="give an inner length and width above 0")
+    slack = BEYOND * max(size)
+    for box in plan.boxes:
+        if any(
+            box.corner[k] < -slack or box.corner[k] + box.size[k] > size[k] + slack for k in (0, 1)
+        ):
+            word = "item" if plan.order else "line"
+            raise InputError(
+                f"{word} {box.line}: {box.name!r:.60} lies beyond the walls, which are "
+                f"{size[0]:g} x {size[1]:g} {plan.units} inside",
+                file=plan.source or None,
+                hint="correct its place, or the size of the walls",
+            )
+    low, high = np.array([0.0, 0.0, plan.low[2]]), np.array([*size, plan.high[2]])
+    return _walls(low, high, float(plan.high[2]))
+
+
+BEYOND = 1e-6
+"""A box may lie beyond a wall by this fraction of the size of the walls [-]."""
+
+
+def _walled(
+    pile: Assembly,
+    plan: PackingPlan,
+    pallet: tuple[float, float] | None,
+    require: str,
+    effort: float,
+) -> WallsData:
+    """Whether each item stands if smooth walls stand around the pile, and their inner size."""
+    low, high = plan.low, plan.high
+    walls = _walls(low, high, high[2])
     whole = _with_base(pile, plan, pallet).with_parts(walls)
     contacts = detect.contacts(whole)
     first = None

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kilter.analysis.check import check
+from kilter.analysis.check import check, check_equilibrium
 from kilter.analysis.placing.pile_contacts import BoxRows, Touching
 from kilter.analysis.placing.pile_friction import decide_rough, rough_program
 from kilter.analysis.placing.pile_places import FALLS, OPEN, STANDS, Decision, decide_places
@@ -25,10 +25,10 @@ from kilter.analysis.placing.pile_state import PileState
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array, Index, Mask
 from kilter.assembly import Assembly, Part
+from kilter.contact import detect
 from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box
-from kilter.tell.levels import holds
 from kilter.threads import on_one_thread
 from kilter.units import metres_per_unit
 from kilter.validate import finite, in_range, number
@@ -277,10 +277,15 @@ class Pile:
 
     @property
     def stands(self) -> bool | None:
-        """Whether the pile stands without friction; None if this is not decided."""
-        if self._state.forces is not None:
+        """Whether the pile stands, at the level equilibrium; None if open pairs leave it open."""
+        state = self._state
+        if state.forces is not None:
             return True
-        return False if self._state.falls else None
+        if self.mu == 0 and state.falls:
+            return False
+        if state.checked is None:
+            state.checked = (_stands_by_check(self.assembly()),)
+        return state.checked[0]
 
     def verdict(self) -> Verdict:
         """The verdict of `kilter.check` on the pile, with the level equilibrium."""
@@ -330,7 +335,31 @@ class Pile:
             decide_rough(
                 self._state.rough, self._state.statics.boxes, self.mu, new, touch, decision
             )
+        self._decide_by_check(size, mass, touch, decision)
         return touch, decision
+
+    def _decide_by_check(
+        self, size: Array, mass: float, touch: Touching, decision: Decision
+    ) -> None:
+        """Decide the places that are still open as `kilter.check` does: open pairs, close limits."""
+        rows = np.flatnonzero(decision.state == OPEN)
+        if not len(rows):
+            return
+        pile = self.assembly()
+        for row in rows.tolist():
+            low = np.append(touch.corner[row], touch.height[row])
+            part = Part(f"box {len(self) + 1}", Box(size), Pose(low + size / 2), mass=mass)
+            stands = _stands_by_check(pile.with_parts([part]))
+            decision.programs += 1
+            if stands is not None:
+                decision.state[row] = STANDS if stands else FALLS
+        decision.count("check", int((decision.state[rows] != OPEN).sum()))
+
+
+def _stands_by_check(assembly: Assembly) -> bool | None:
+    """Whether forces of equilibrium exist, by `kilter.check`; None if this is undecided."""
+    verdict = check_equilibrium(assembly, detect.contacts(assembly))
+    return None if verdict.verdict == "undecided" else verdict.level is not None
 
 
 def _with_pushes(

@@ -20,7 +20,6 @@ LBCP: arXiv 2507.09123 (load bearable convex polygons).
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array, vstack
@@ -37,6 +36,7 @@ from kilter.analysis.placing.pile_statics import (
 from kilter.arrays import TINY, Array, Index, Mask
 from kilter.contact.planar.polygons import clip_convex, convex_hull, polygon_area
 from kilter.mechanics.mechanics_tolerances import RULED_OUT, TOLERANCE
+from kilter.mechanics.program import Program
 
 __all__ = ["Carried", "Motions", "PileState"]
 
@@ -137,7 +137,8 @@ class PileState:
         self.carried = carried
         self.motions = motions
         self._program: PlaceProgram | None = None
-        self.rough: Any = None
+        self.rough: tuple[Program, bool] | None = None
+        self.checked: tuple[bool | None] | None = None
 
     @classmethod
     def of_base(cls, base: BoxRows) -> PileState:
