@@ -1,9 +1,10 @@
 """Census of `kilter.Pile`: places on random piles, compared with `kilter.check`.
 
     python benchmarks/pile_census.py [PILES] [FIRST SEED] [--boxes N] [--places P] [--mu MU]
-                                     [--limit SECONDS]
+                                     [--limit SECONDS] [--aligned]
 
-Each pile grows by random boxes of irregular size and mass. Half of the places are on a grid, so
+Each pile grows by random boxes of irregular size and mass; with --aligned, the sizes are multiples
+of the step, so that most faces are flush. Half of the places are on a grid, so
 that sides are flush, the others anywhere. Half of the heights are equal or differ by about the gap
 tolerance, so that boxes rest on several others, or nearly do. Of the places at which the pile
 stands, low ones are preferred, so there are overhangs that later boxes hold down. Then
@@ -41,6 +42,7 @@ def main() -> int:
     parser.add_argument("--places", type=int, default=30)
     parser.add_argument("--mu", type=float, default=0.0)
     parser.add_argument("--limit", type=float, default=60.0)
+    parser.add_argument("--aligned", action="store_true")
     given = parser.parse_args()
     answers: Counter[tuple[str, str]] = Counter()
     steps: Counter[str] = Counter()
@@ -48,11 +50,11 @@ def main() -> int:
     for seed in range(given.first, given.first + given.piles):
         started = time.process_time()
         rng = np.random.default_rng(seed)
-        pile = random_pile(rng, given.boxes, given.mu, started + given.limit)
+        pile = random_pile(rng, given, started + given.limit)
         if len(pile) < given.boxes:
             print(f"seed {seed}: {len(pile)} boxes at the time limit", flush=True)
         for _ in range(QUESTIONS):
-            size, mass = random_box(rng)
+            size, mass = random_box(rng, given.aligned)
             began = time.process_time()
             fit = pile.fits(size, mass, STEP)
             took = time.process_time() - began
@@ -86,19 +88,21 @@ def main() -> int:
     return 1 if wrong else 0
 
 
-def random_box(rng: np.random.Generator) -> tuple[np.ndarray, float]:
+def random_box(rng: np.random.Generator, aligned: bool) -> tuple[np.ndarray, float]:
     """Size and mass of a box; half of the heights are equal up to about the gap tolerance."""
+    if aligned:
+        return rng.integers(2, 9, 3) * STEP, float(rng.uniform(0.5, 12))
     height = float(rng.choice([*HEIGHTS, *rng.uniform(0.06, 0.25, 3)]))
     height += float(rng.choice([0.0, 0.0, 1e-6, 4e-6, 1e-4])) * rng.choice([-1, 1])
     return np.append(rng.uniform(0.08, 0.45, 2), height), float(rng.uniform(0.5, 12))
 
 
-def random_pile(rng: np.random.Generator, boxes: int, mu: float, until: float) -> Pile:
+def random_pile(rng: np.random.Generator, given: argparse.Namespace, until: float) -> Pile:
     """A pile that grows at random places at which it stands."""
-    pile = Pile(BASE, mu)
-    while len(pile) < boxes and time.process_time() < until:
-        size, mass = random_box(rng)
-        shift = rng.uniform(0, STEP, 2) * rng.integers(0, 2)
+    pile = Pile(BASE, given.mu)
+    while len(pile) < given.boxes and time.process_time() < until:
+        size, mass = random_box(rng, given.aligned)
+        shift = rng.uniform(0, STEP, 2) * (0 if given.aligned else rng.integers(0, 2))
         fit = pile.fits(size, mass, STEP)
         standing = np.argwhere(fit.mask)
         if not len(standing):

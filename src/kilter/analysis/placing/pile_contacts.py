@@ -5,7 +5,7 @@ most the gap tolerance of the pair, and lands on the highest top below it. Its c
 rectangles, and the tolerances are those of `kilter.contact.gaps` and `kilter.contact.open_pairs`:
 
     carries      both faces are within the gap tolerance, and the rectangle is wider than twice it
-    may carry    also thinner rectangles and edges that meet: contacts without a certain normal
+    may carry    also thinner rectangles, whose edges may carry
     unsure       faces nearer than the loose tolerance that do not touch: any force and torque
     beside       touching sides; without friction and walls they carry no force (`pile_statics`)
 """
@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.arrays import Array, Mask
-from kilter.contact.contact_tolerances import GAP, LOOSE_GAP, THICKNESS
+from kilter.contact.contact_tolerances import GAP, LOOSE_GAP, MEETS_EXACTLY, THICKNESS
 
 __all__ = ["BoxRows", "Touching", "joined_boxes", "touching"]
 
@@ -145,7 +145,8 @@ def touching(boxes: BoxRows, size: Array, corner: Array) -> Touching:
     drop = height[:, None] - top
     meets = narrow >= -gap
     level = np.abs(drop) <= gap
-    may_carry = meets & level
+    # two edges that meet part sideways, so without friction they carry nothing
+    may_carry = (narrow > MEETS_EXACTLY * smaller) & level
     carries = may_carry & (narrow >= THIN * gap)
     unsure = (drop > gap) & (drop <= loose) & (narrow > THIN * gap)
 
@@ -174,6 +175,6 @@ def touching(boxes: BoxRows, size: Array, corner: Array) -> Touching:
         may_carry,
         beside,
         unsure.any(axis=1),
-        (meets_side & ~beside).any(axis=1) | (may_carry & ~carries).any(axis=1),
+        (meets_side & ~beside).any(axis=1) | (meets & level & ~carries).any(axis=1),
         drop,
     )

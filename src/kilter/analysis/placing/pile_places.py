@@ -23,6 +23,7 @@ from scipy.sparse import csr_array
 
 from kilter.analysis.placing.pile_contacts import Touching
 from kilter.analysis.placing.pile_hulls import fan_weights, surround, surrounding_triangles
+from kilter.analysis.placing.pile_program import PlaceAnswer
 from kilter.analysis.placing.pile_state import PileState
 from kilter.analysis.placing.pile_statics import heights_of, rectangle_corners
 from kilter.arrays import TINY, Array, Index, Mask
@@ -458,7 +459,6 @@ def _by_programs(asked: _Question, decision: Decision) -> None:
         found = False
         for row in _outermost(asked.center[group]):
             tried[group[row]] = True
-            decision.programs += 1
             found |= _solve_place(asked, decision, int(group[row]))
         if found:
             tops = np.flatnonzero(asked.touch.carries[group[0]])
@@ -481,43 +481,69 @@ def _outermost(center: Array) -> list[int]:
 
 
 def _solve_place(asked: _Question, decision: Decision, row: int) -> bool:
-    """Decide a place by a program; return whether forces were found that others may use."""
+    """Decide a place by a program; return whether forces were found that others may use.
+
+    A motion must exclude the contacts that may carry too. If there are any, it comes from a second
+    program, which is the only one if the centre lies beside the certain contacts.
+    """
     pile = asked.pile
-    chosen = np.flatnonzero(asked.sure[row])
-    center = asked.center[row]
-    box = asked.box[row, chosen]
-    points = asked.points[row, chosen] + center
-    answer = pile.program.solve(box, points, center, asked.radius, asked.weight)
-    rows, line = np.array([row]), np.zeros(len(box), dtype=np.int64)
-    if answer.share >= WHOLE:
-        proved = _check_carried(
-            asked, rows, answer.forces[None], line, box, points, answer.pushes
-        )
-        if proved[0]:
-            pushes = answer.pushes
-            decision.state[row] = STANDS
-            decision.forces[row] = answer.forces, box, points, pushes
-            decision.count("programs", 1)
-            if pile.forces is not None:
-                _remember(asked, answer.forces, box, points, pushes)
+    points, sure, valid = asked.points[row], asked.sure[row], asked.valid[row]
+    only_sure = bool((sure == valid).all() and pile.statics.contacts.sure.all())
+    if only_sure or surround(points[None], sure[None]).inside[0]:
+        decision.programs += 1
+        answer = _ask_program(asked, row, sure, possible=False)
+        if answer.share >= WHOLE and _accept_forces(asked, decision, row, answer):
             return pile.forces is not None
-    if np.isfinite(answer.motion).all() and not asked.touch.unsure[row]:
-        scale = max(float(pile.statics.sizes(answer.motion).max(initial=0.0)), TINY)
-        known = pile.add_motion(answer.motion)
-        if known and pile.motions.sure[-1]:
-            number = np.array([len(pile.motions.power) - 1])
-            valid = asked.valid[row]
-            at = asked.points[row, valid]
-            motion = pile.motions.motion[-1]
-            height = heights_of(motion[asked.box[row, valid]], (at + center)[:, None])[:, 0]
-            plane = answer.plane / scale
-            plane = np.array([plane[0] + plane[1:] @ center, plane[1], plane[2]])
-            plane[0] += max(float((height - plane[0] - at @ plane[1:]).max(initial=0.0)), 0.0)
-            if _check_falls(asked, number, plane[None], np.zeros(1))[0]:
-                decision.state[row] = FALLS
-                decision.motions[row] = motion, _absolute(plane, center)
-                decision.count("programs", 1)
+        if only_sure:
+            _accept_motion(asked, decision, row, answer)
+            return False
+    decision.programs += 1
+    _accept_motion(asked, decision, row, _ask_program(asked, row, valid, possible=True))
     return False
+
+
+def _ask_program(asked: _Question, row: int, chosen: Mask, possible: bool) -> PlaceAnswer:
+    """Solve the program of a place with the chosen contact points."""
+    center = asked.center[row]
+    points = asked.points[row, chosen] + center
+    program = asked.pile.program(possible)
+    return program.solve(asked.box[row, chosen], points, center, asked.radius, asked.weight)
+
+
+def _accept_forces(asked: _Question, decision: Decision, row: int, answer: PlaceAnswer) -> bool:
+    """Check the forces that a program proposes for a place, and keep them."""
+    pile, sure = asked.pile, asked.sure[row]
+    box, points = asked.box[row, sure], asked.points[row, sure] + asked.center[row]
+    line = np.zeros(len(box), dtype=np.int64)
+    forces = answer.forces[None]
+    if not _check_carried(asked, np.array([row]), forces, line, box, points, answer.pushes)[0]:
+        return False
+    decision.state[row] = STANDS
+    decision.forces[row] = answer.forces, box, points, answer.pushes
+    decision.count("programs", 1)
+    if pile.forces is not None:
+        _remember(asked, answer.forces, box, points, answer.pushes)
+    return True
+
+
+def _accept_motion(asked: _Question, decision: Decision, row: int, answer: PlaceAnswer) -> None:
+    """Check the motion that a program proposes for a place, and keep it."""
+    pile, valid, center = asked.pile, asked.valid[row], asked.center[row]
+    if not np.isfinite(answer.motion).all() or asked.touch.unsure[row]:
+        return
+    scale = max(float(pile.statics.sizes(answer.motion).max(initial=0.0)), TINY)
+    if not (pile.add_motion(answer.motion) and pile.motions.sure[-1]):
+        return
+    at, motion = asked.points[row, valid], pile.motions.motion[-1]
+    height = heights_of(motion[asked.box[row, valid]], (at + center)[:, None])[:, 0]
+    plane = answer.plane / scale
+    plane = np.array([plane[0] + plane[1:] @ center, plane[1], plane[2]])
+    plane[0] += max(float((height - plane[0] - at @ plane[1:]).max(initial=0.0)), 0.0)
+    number = np.array([len(pile.motions.power) - 1])
+    if _check_falls(asked, number, plane[None], np.zeros(1))[0]:
+        decision.state[row] = FALLS
+        decision.motions[row] = motion, _absolute(plane, center)
+        decision.count("programs", 1)
 
 
 def _remember(asked: _Question, forces: Array, box: Index, points: Array, pushes: Array) -> None:

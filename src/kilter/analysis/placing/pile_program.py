@@ -57,15 +57,17 @@ class PlaceProgram:
     statics : PileStatics
     stands : bool
         Whether the pile stands by itself.
+    possible : bool
+        Whether contacts without a certain area carry too. A motion then excludes them.
     """
 
-    def __init__(self, statics: PileStatics, stands: bool) -> None:
+    def __init__(self, statics: PileStatics, stands: bool, possible: bool = False) -> None:
         self.statics = statics
         self.stands = stands
         free = statics.weight[1:]
         self.unit = float(np.exp(np.log(free).mean())) if len(free) else 1.0
         self._per_row = np.repeat(self.unit / free, 3)
-        rows, columns, values = statics.entries()
+        rows, columns, values = statics.entries(possible)
         used, position = np.unique(columns, return_inverse=True)
         self._used = used
         self._entries = rows, position.reshape(-1), values * self._per_row[rows]

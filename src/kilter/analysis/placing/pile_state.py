@@ -136,7 +136,7 @@ class PileState:
         self.forces = forces
         self.carried = carried
         self.motions = motions
-        self._program: PlaceProgram | None = None
+        self._programs: dict[bool, PlaceProgram] = {}
         self.rough: tuple[Program, bool] | None = None
         self.checked: tuple[bool | None] | None = None
 
@@ -150,12 +150,14 @@ class PileState:
         )
         return cls(statics, np.empty(0), carried, _no_motions(1))
 
-    @property
-    def program(self) -> PlaceProgram:
-        """The program of places on this pile."""
-        if self._program is None:
-            self._program = PlaceProgram(self.statics, self.forces is not None)
-        return self._program
+    def program(self, possible: bool) -> PlaceProgram:
+        """The program of places on this pile; with contacts without a certain area if possible."""
+        possible &= not self.statics.contacts.sure.all()
+        if possible not in self._programs:
+            self._programs[possible] = PlaceProgram(
+                self.statics, self.forces is not None, possible
+            )
+        return self._programs[possible]
 
     @property
     def falls(self) -> bool:

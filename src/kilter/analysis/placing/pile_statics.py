@@ -120,14 +120,17 @@ class PileStatics:
         arm = (point - self.center[box, :2]) / self.radius[box][..., None]
         return np.concatenate([np.ones((*arm.shape[:-1], 1)), arm], axis=-1)
 
-    def entries(self) -> tuple[Index, Index, Array]:
-        """Row, column and value of the entries of the matrix; forces in N, rows in N."""
+    def entries(self, possible: bool = False) -> tuple[Index, Index, Array]:
+        """Row, column and value of the entries of the matrix; forces in N, rows in N.
+
+        If `possible` is true, contacts without a certain area carry too.
+        """
         contacts = self.contacts
         points = contacts.corners.reshape(-1, 2)
         rows, columns, values = [], [], []
         for ends, sign in ((contacts.upper, 1.0), (contacts.lower, -1.0)):
             box = np.repeat(ends, 4)
-            chosen = np.flatnonzero((box > 0) & np.repeat(contacts.sure, 4))
+            chosen = np.flatnonzero((box > 0) & np.repeat(contacts.sure | possible, 4))
             lever = sign * self.levers(box[chosen], points[chosen])
             rows.append((3 * (box[chosen] - 1)[:, None] + np.arange(3)).ravel())
             columns.append(np.repeat(chosen, 3))
