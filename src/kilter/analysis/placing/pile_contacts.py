@@ -97,10 +97,10 @@ class Touching:
         Height of its underside [length unit].
     low, high : ndarray, shape (m, n, 2)
         Rectangle in which the box and a box of the pile overlap from above.
-    carries, may_carry, beside : ndarray of bool, shape (m, n)
-    unsure, doubtful : ndarray of bool, shape (m,)
-        Near faces without a contact; edges or corners of sides that meet (they matter with friction
-        only).
+    carries, may_carry, beside, near : ndarray of bool, shape (m, n)
+        As in the docstring of the module; `near` pairs are unsure.
+    doubtful : ndarray of bool, shape (m,)
+        Edges or corners meet (this matters with friction only).
     drop : ndarray, shape (m, n)
         Height of the underside over each top [length unit].
     """
@@ -112,9 +112,15 @@ class Touching:
     carries: Mask
     may_carry: Mask
     beside: Mask
-    unsure: Mask
+    near: Mask
     doubtful: Mask
     drop: Array
+
+    @property
+    def unsure(self) -> Mask:
+        """Places at which a near pair is unsure, shape (m,)."""
+        unsure: Mask = self.near.any(axis=1)
+        return unsure
 
 
 def touching(boxes: BoxRows, size: Array, corner: Array) -> Touching:
@@ -165,7 +171,9 @@ def touching(boxes: BoxRows, size: Array, corner: Array) -> Touching:
         unsure |= (apart > gap) & (apart <= loose) & wide
     # an underside of the pile level with the top of the new box, above its edge
     under = np.abs(boxes.low[:, 2] - height[:, None] - size[2]) <= loose
-    unsure |= under & meets
+    overhung = under & (narrow > MEETS_EXACTLY * smaller)
+    unsure |= overhung
+    doubtful = (meets_side & ~beside) | (meets & ((level & ~carries) | (under & ~overhung)))
     return Touching(
         corner,
         height,
@@ -174,7 +182,7 @@ def touching(boxes: BoxRows, size: Array, corner: Array) -> Touching:
         carries,
         may_carry,
         beside,
-        unsure.any(axis=1),
-        (meets_side & ~beside).any(axis=1) | (meets & level & ~carries).any(axis=1),
+        unsure,
+        doubtful.any(axis=1),
         drop,
     )

@@ -75,7 +75,8 @@ class _Question:
     """A box, its places and its contact points, padded to equal number.
 
     `points`, shape (m, 4 k, 2), are the corners of all contacts that may carry, relative to the
-    centre; `box` and `valid`, shape (m, 4 k); `sure` marks those of an area.
+    centre; `box` and `valid`, shape (m, 4 k); `sure` marks those of an area, and
+    `unsure`, shape (m,), places with an unsure pair.
     """
 
     pile: PileState
@@ -87,6 +88,7 @@ class _Question:
     box: Index
     valid: Mask
     sure: Mask
+    unsure: Mask
 
 
 def decide_places(
@@ -143,6 +145,7 @@ def _question(pile: PileState, size: Array, weight: float, touch: Touching) -> _
         np.repeat(boxes, 4, axis=1),
         np.repeat(valid, 4, axis=1),
         np.repeat(sure, 4, axis=1),
+        touch.unsure,
     )
 
 
@@ -152,7 +155,7 @@ def _question(pile: PileState, size: Array, weight: float, touch: Touching) -> _
 def _tip_alone(asked: _Question, decision: Decision) -> None:
     """Places whose centre lies beside the hull of all contact points."""
     found = surround(asked.points, asked.valid)
-    rows = np.flatnonzero(~found.inside & ~asked.touch.unsure)
+    rows = np.flatnonzero(~found.inside & ~asked.unsure)
     away = found.away[rows]
     height = -np.einsum("mqi,mi->mq", asked.points[rows], away)
     height = np.where(asked.valid[rows], height, np.inf)
@@ -330,7 +333,7 @@ def _fall_with_pile(asked: _Question, decision: Decision, which: Index) -> None:
     pile = asked.pile
     motions = pile.motions
     which = which[motions.sure[which]]
-    rows = np.flatnonzero((decision.state == OPEN) & ~asked.touch.unsure)
+    rows = np.flatnonzero((decision.state == OPEN) & ~asked.unsure)
     many = asked.valid[rows].sum(axis=1) > WIDEST_ENVELOPE
     rows = rows[~many]
     if not len(which) or not len(rows):
@@ -529,7 +532,7 @@ def _accept_forces(asked: _Question, decision: Decision, row: int, answer: Place
 def _accept_motion(asked: _Question, decision: Decision, row: int, answer: PlaceAnswer) -> None:
     """Check the motion that a program proposes for a place, and keep it."""
     pile, valid, center = asked.pile, asked.valid[row], asked.center[row]
-    if not np.isfinite(answer.motion).all() or asked.touch.unsure[row]:
+    if not np.isfinite(answer.motion).all() or asked.unsure[row]:
         return
     scale = max(float(pile.statics.sizes(answer.motion).max(initial=0.0)), TINY)
     if not (pile.add_motion(answer.motion) and pile.motions.sure[-1]):

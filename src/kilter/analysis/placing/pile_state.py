@@ -217,10 +217,8 @@ class PileState:
         """
         below = np.flatnonzero(touch.may_carry[0])
         number = len(self.statics.boxes)
-        unsure = np.empty((0, 2), np.int64)
-        if touch.unsure[0]:
-            near = near_boxes(self.statics.boxes, box)
-            unsure = np.stack([near, np.full(len(near), number)], axis=1)
+        near = np.flatnonzero(touch.near[0])
+        unsure = np.stack([near, np.full(len(near), number)], axis=1)
         contacts = PileContacts(
             below,
             np.full(len(below), number),
@@ -235,13 +233,6 @@ class PileState:
         for motion in _ridden(self, contacts, box):
             state.add_motion(motion)
         return state
-
-
-def near_boxes(boxes: BoxRows, box: BoxRows) -> Index:
-    """Boxes of a pile that come near a box without carrying it: a superset."""
-    reach = 2e-3 * np.minimum(boxes.size, box.size[0])[:, None]
-    meets = (boxes.low <= box.high + reach) & (boxes.high >= box.low - reach)
-    return np.flatnonzero(meets.all(axis=1))
 
 
 def _no_motions(count: int) -> Motions:
