@@ -76,7 +76,9 @@ def main() -> int:
                     wrong += 1
                     print(f"seed {seed}: {pair} at {i}, {j} of {size}, {mass}", flush=True)
     compared = sum(answers.values())
-    print(f"{given.piles} piles of {given.boxes} boxes, mu {given.mu:g}; {compared} places compared")
+    print(
+        f"{given.piles} piles of {given.boxes} boxes, mu {given.mu:g}; {compared} places compared"
+    )
     print(f"contradictions: {wrong}")
     for (ours, theirs), number in sorted(answers.items()):
         print(f"  Pile {ours}, check {theirs}: {number}")

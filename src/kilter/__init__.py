@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     from kilter.analysis.margins.margin import margin as margin
     from kilter.analysis.placing.check_plan import CheckedPlan as CheckedPlan
     from kilter.analysis.placing.check_plan import check_plan as check_plan
-    from kilter.analysis.placing.pile import Pile as Pile
-    from kilter.analysis.placing.pile import PileFit as PileFit
+    from kilter.analysis.placing.piles.pile import Pile as Pile
+    from kilter.analysis.placing.piles.pile import PileFit as PileFit
     from kilter.analysis.placing.place import Places as Places
     from kilter.analysis.placing.place import box_to_place as box_to_place
     from kilter.analysis.placing.place import place as place
@@ -176,8 +176,8 @@ _HOMES = {
     "Order": "kilter.analysis.planning.order.order",
     "PartAnswer": "kilter.analysis.verdict.part_answer",
     "Patch": "kilter.contact.patch",
-    "Pile": "kilter.analysis.placing.pile",
-    "PileFit": "kilter.analysis.placing.pile",
+    "Pile": "kilter.analysis.placing.piles.pile",
+    "PileFit": "kilter.analysis.placing.piles.pile",
     "Places": "kilter.analysis.placing.place",
     "PointForces": "kilter.analysis.verdict.part_answer",
     "PlanRules": "kilter.analysis.planning.order.plan_rules",

@@ -8,7 +8,7 @@ import pytest
 import kilter
 from kilter import InputError, Pile, PileFit
 from kilter.analysis.check import check_equilibrium
-from kilter.analysis.placing.pile_hulls import surround
+from kilter.analysis.placing.piles.pile_hulls import surround
 from kilter.contact import contacts
 from kilter.mechanics.certificate import check_forces, check_motion
 from kilter.mechanics.program import Program, build_program
@@ -54,7 +54,7 @@ def test_the_heaviest_load_beyond_the_edge(x: float, heaviest: float) -> None:
 
 @pytest.mark.parametrize(("weight", "half", "load"), [(2, 0.1, 1), (2, 0.1, 8), (3, 0.15, 2.5)])
 def test_a_load_on_a_seesaw(weight: float, half: float, load: float) -> None:
-    """a (1 + W / w) from the middle; a second equal load on the other side stands anywhere."""
+    """The limit is a (1 + W / w) from the middle; a second load farther out balances the first."""
     pile = Pile((2, 1))
     pile.add((2 * half, 1, 0.5), 5, (1 - half, 0))
     pile.add((2, 1, 0.1), weight, (0, 0))
@@ -74,7 +74,7 @@ def test_a_load_on_a_seesaw(weight: float, half: float, load: float) -> None:
 
 
 def test_a_box_that_bridges_two_planks() -> None:
-    """x (3 - 1.1 / (.7 - x)) = .05 for a box of 3 kg over two planks of 1 kg."""
+    """The limit: x (3 - 1.1 / (.7 - x)) = .05, for a box of 3 kg over two planks of 1 kg."""
     pile = Pile((2, 1))
     for x in (0.6, 1.4):
         pile.add((0.1, 1, 0.5), 5, (x - 0.05, 0))
@@ -272,7 +272,11 @@ def test_units_gravity_and_mass_do_not_change_the_answer() -> None:
         return found
 
     known = masks(1.0, 1.0, 9.81, "m")
-    for other in (masks(1000, 1, 9.81, "mm"), masks(1, 1e-6, 1.62, "m"), masks(100, 1e3, 9.81, "cm")):
+    for other in (
+        masks(1000, 1, 9.81, "mm"),
+        masks(1, 1e-6, 1.62, "m"),
+        masks(100, 1e3, 9.81, "cm"),
+    ):
         assert all((one == two).all() for one, two in zip(known, other, strict=True))
 
 

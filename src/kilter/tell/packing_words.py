@@ -62,7 +62,13 @@ def packing_facts(answer: Answer) -> list[Fact]:
             )
         )
         lean = "a pile in a roll container leans on its walls"
-        facts.append(("missing", f"the plan names no walls; if {lean}, give their size with --walls or their parts with --held"))
+        facts.append(
+            (
+                "missing",
+                f"the plan names no walls; if {lean}, give their size with --walls "
+                "or their parts with --held",
+            )
+        )
     for entry in answer["carried"]:
         size = "up to 100 g" if entry["g"] is None else f"{number(entry['g'])} g"
         facts.append((f"carried {entry['direction']}", size))

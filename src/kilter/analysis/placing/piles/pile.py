@@ -4,9 +4,10 @@ A packing program asks thousands of times whether the pile still stands with the
 answers for all places of a grid at once, with the equilibrium of the whole pile as `kilter.check`
 decides it (level: equilibrium), and keeps what it learns for the next question.
 
-Without friction the steps are those of `kilter.analysis.placing.pile_places`. With friction a place
-that stands without friction stands, a box without a neighbour beside it tips off alone, and the
-other places are programs in Coulomb's cones (`kilter.analysis.placing.pile_friction`).
+Without friction the steps are those of `pile_places`. With friction, a place that stands without
+friction stands, a box without a neighbour beside it tips off alone, and the other places are
+programs in Coulomb's cones (`pile_friction`). Places that are still open are left to
+`kilter.check` itself.
 """
 
 from __future__ import annotations
@@ -18,10 +19,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check, check_equilibrium
-from kilter.analysis.placing.pile_contacts import BoxRows, Touching
-from kilter.analysis.placing.pile_friction import decide_rough, rough_program
-from kilter.analysis.placing.pile_places import FALLS, OPEN, STANDS, Decision, decide_places
-from kilter.analysis.placing.pile_state import PileState
+from kilter.analysis.placing.piles.pile_contacts import BoxRows, Touching
+from kilter.analysis.placing.piles.pile_friction import decide_rough, rough_program
+from kilter.analysis.placing.piles.pile_places import decide_places
+from kilter.analysis.placing.piles.pile_question import FALLS, OPEN, STANDS, PlaceDecision
+from kilter.analysis.placing.piles.pile_state import PileState, corner_shares
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array, Index, Mask
 from kilter.assembly import Assembly, Part
@@ -75,11 +77,12 @@ class PileFit:
     y: Array
     programs: int
     steps: dict[str, int] = field(repr=False)
-    decision: Decision | None = field(repr=False)
+    decision: PlaceDecision | None = field(repr=False)
     rows: Index = field(repr=False)
 
-    def __iter__(self) -> Iterator[Array]:
-        return iter((self.mask, self.heights))
+    def __iter__(self) -> Iterator[Array | Mask]:
+        yield self.mask
+        yield self.heights
 
     @property
     def share(self) -> float:
@@ -136,9 +139,7 @@ class Pile:
     ) -> None:
         lengths = finite(base, (2,), "base of the pile")
         if not (lengths > 0).all():
-            raise InputError(
-                f"base of the pile is {lengths.tolist()}", hint="give lengths above 0"
-            )
+            raise InputError(f"base of the pile is {lengths.tolist()}", hint="give lengths above 0")
         in_range(lengths, "base of the pile")
         metres_per_unit(units)
         self.base: Array = lengths
@@ -312,17 +313,13 @@ class Pile:
         """Valid size and mass of a box."""
         lengths = finite(size, (3,), "size of the box")
         if not (lengths > 0).all():
-            raise InputError(
-                f"size of the box is {lengths.tolist()}", hint="give lengths above 0"
-            )
+            raise InputError(f"size of the box is {lengths.tolist()}", hint="give lengths above 0")
         in_range(lengths, "size of the box")
         kilograms = number(mass, "mass of the box", lowest=0, above=True)
         in_range(kilograms, "mass of the box")
         return lengths, kilograms
 
-    def _decide(
-        self, size: Array, mass: float, corner: Array
-    ) -> tuple[Touching, Decision]:
+    def _decide(self, size: Array, mass: float, corner: Array) -> tuple[Touching, PlaceDecision]:
         """Contacts and states of places."""
         touch = self._state.touching(size, corner)
         weight = mass * self.gravity
@@ -339,9 +336,9 @@ class Pile:
         return touch, decision
 
     def _decide_by_check(
-        self, size: Array, mass: float, touch: Touching, decision: Decision
+        self, size: Array, mass: float, touch: Touching, decision: PlaceDecision
     ) -> None:
-        """Decide the places that are still open as `kilter.check` does: open pairs, close limits."""
+        """Decide the places that are still open by `kilter.check`: open pairs, close limits."""
         rows = np.flatnonzero(decision.state == OPEN)
         if not len(rows):
             return
@@ -362,12 +359,8 @@ def _stands_by_check(assembly: Assembly) -> bool | None:
     return None if verdict.verdict == "undecided" else verdict.level is not None
 
 
-def _with_pushes(
-    touch: Touching, forces: Array, box: Index, points: Array, pushes: Array
-) -> Array:
+def _with_pushes(touch: Touching, forces: Array, box: Index, points: Array, pushes: Array) -> Array:
     """Forces at the contacts of the pile and of a new box; `pushes` act at points on boxes."""
-    from kilter.analysis.placing.pile_state import corner_shares
-
     below = np.flatnonzero(touch.may_carry[0])
     new = np.zeros((len(below), 4))
     slot = np.searchsorted(below, box)

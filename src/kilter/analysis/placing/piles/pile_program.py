@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csc_array
 
-from kilter.analysis.placing.pile_statics import PileStatics
+from kilter.analysis.placing.piles.pile_statics import PileStatics
 from kilter.arrays import Array, Index
 from kilter.solvers.highs import KeptProgram, longer_basis
 from kilter.solvers.problem import LinearProgram
@@ -26,7 +26,7 @@ __all__ = ["PlaceAnswer", "PlaceProgram"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlaceAnswer:
-    """What a program proposes for a place; the caller checks it.
+    """Forces, or a motion, that a program proposes for a place; the caller checks them.
 
     Attributes
     ----------
@@ -75,7 +75,9 @@ class PlaceProgram:
         self._basis: Any = None
         self.solves = 0
 
-    def solve(self, box: Index, point: Array, center: Array, radius: float, weight: float) -> PlaceAnswer:
+    def solve(
+        self, box: Index, point: Array, center: Array, radius: float, weight: float
+    ) -> PlaceAnswer:
         """Solve the program of a box that lies on points of boxes of the pile.
 
         Parameters
@@ -114,7 +116,11 @@ class PlaceProgram:
         arm = np.concatenate([np.ones((q, 1)), (point - center) / radius], axis=1)
         parts = [
             (rows, 1 + columns, values),
-            (row.ravel(), np.repeat(1 + used + below, 3), down.ravel() * self._per_row[row.ravel()]),
+            (
+                row.ravel(),
+                np.repeat(1 + used + below, 3),
+                down.ravel() * self._per_row[row.ravel()],
+            ),
         ]
         new_rows = 3 if q else 0
         if q:
@@ -173,6 +179,6 @@ _NOTHING = (np.empty(0, np.int64), np.empty((0, 2)), np.zeros(2))
 
 
 def _fields(y: Array, center: Array, radius: Array) -> Array:
-    """Fields of heights (a, b, c) from the speed of each centre and turns x radius, shape (k, 3)."""
+    """Fields of heights from the speed of each centre and turns x radius, shape (k, 3)."""
     slope = y[:, 1:] / radius
     return np.concatenate([(y[:, 0] - (slope * center).sum(axis=1))[:, None], slope], axis=1)

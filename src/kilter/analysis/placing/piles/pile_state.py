@@ -24,10 +24,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.sparse import csr_array, vstack
 
-from kilter.analysis.placing.pile_contacts import BoxRows, Touching, touching
-from kilter.analysis.placing.pile_hulls import fan_weights
-from kilter.analysis.placing.pile_program import PlaceProgram
-from kilter.analysis.placing.pile_statics import (
+from kilter.analysis.placing.piles.pile_contacts import BoxRows, Touching, touching
+from kilter.analysis.placing.piles.pile_hulls import fan_weights, lowest_planes
+from kilter.analysis.placing.piles.pile_program import PlaceProgram
+from kilter.analysis.placing.piles.pile_statics import (
     PileContacts,
     PileStatics,
     heights_of,
@@ -38,10 +38,34 @@ from kilter.contact.planar.polygons import clip_convex, convex_hull, polygon_are
 from kilter.mechanics.mechanics_tolerances import RULED_OUT, TOLERANCE
 from kilter.mechanics.program import Program
 
-__all__ = ["Carried", "Motions", "PileState"]
+__all__ = ["Carried", "Motions", "Pattern", "PileState", "corner_shares"]
 
 FLAT_POLYGON = 1e-9
 """A polygon of loads with less area over the area of the top is not used [-]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pattern:
+    """Loads on several tops that the pile carries together.
+
+    Attributes
+    ----------
+    entry : int
+        Entry of `Carried` with the forces.
+    most : float
+        Largest sum of the loads [N].
+    resultant : ndarray, shape (2,)
+        Place of their resultant.
+    boxes, points, shares : ndarray, shape (k,), (k, 2) and (k,)
+        The boxes, the points of the loads on them, and the shares of the sum [-].
+    """
+
+    entry: int
+    most: float
+    resultant: Array
+    boxes: Index
+    points: Array
+    shares: Array
 
 
 @dataclass(eq=False)
@@ -60,8 +84,7 @@ class Carried:
         Entries of each box whose points are the corners of its polygon of rays, anticlockwise.
     points : dict
         Entries of the kind point, by box.
-    patterns : list of (int, ndarray, ndarray, ndarray)
-        Entry, boxes, points and shares of each pattern.
+    patterns : list of Pattern
     """
 
     point: Array
@@ -69,7 +92,7 @@ class Carried:
     change: csr_array
     polygons: list[Index]
     points: dict[int, list[int]] = field(default_factory=dict)
-    patterns: list[tuple[int, Index, Array, Array]] = field(default_factory=list)
+    patterns: list[Pattern] = field(default_factory=list)
 
     def add(self, point: Array, most: float, change: Array) -> int:
         """Append an entry, and return its number."""
@@ -88,7 +111,8 @@ class Carried:
         hull = convex_hull(self.point[entries])
         # the corners of the hull are points of the entries
         nearest = np.abs(hull[:, None] - self.point[entries][None]).sum(axis=2).argmin(axis=1)
-        return entries[nearest]
+        corners: Index = entries[nearest]
+        return corners
 
 
 @dataclass(eq=False)
@@ -154,9 +178,7 @@ class PileState:
         """The program of places on this pile; with contacts without a certain area if possible."""
         possible &= not self.statics.contacts.sure.all()
         if possible not in self._programs:
-            self._programs[possible] = PlaceProgram(
-                self.statics, self.forces is not None, possible
-            )
+            self._programs[possible] = PlaceProgram(self.statics, self.forces is not None, possible)
         return self._programs[possible]
 
     @property
@@ -164,7 +186,8 @@ class PileState:
         """Whether a motion proves that the pile falls."""
         motions = self.motions
         needed = np.maximum(
-            TOLERANCE * motions.size * motions.weight, RULED_OUT * motions.violation * motions.weight
+            TOLERANCE * motions.size * motions.weight,
+            RULED_OUT * motions.violation * motions.weight,
         )
         return bool((motions.sure & (motions.power > needed)).any())
 
@@ -309,8 +332,6 @@ def corner_shares(points: Array, low: Array, high: Array) -> Array:
 
 def _ridden(state: PileState, contacts: PileContacts, box: BoxRows) -> list[Array]:
     """The motions of a pile with a new box that falls as far as its contacts permit."""
-    from kilter.analysis.placing.pile_places import lowest_planes
-
     motions = state.motions
     if not len(motions.power):
         return []

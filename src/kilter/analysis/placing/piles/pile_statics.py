@@ -8,28 +8,26 @@ it is an affine field of heights, w(x, y) = a + b x + c y:
     w of the upper box >= w of the lower box at the corners of each contact
 
 Horizontal motions, each box away from the origin as in a similarity, open all contacts of sides
-without power: so a field of heights is a motion of the whole pile (`spread_motion`).
+without power: so a field of heights is a motion of the whole pile.
 
 Both checks have the criteria and tolerances of `kilter.mechanics.certificate`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from kilter.analysis.placing.pile_contacts import BoxRows
-from kilter.arrays import TINY, Array, Index, Mask
+from kilter.analysis.placing.piles.pile_contacts import BoxRows, joined_boxes
+from kilter.arrays import Array, Index, Mask
 from kilter.mechanics.mechanics_tolerances import (
     LARGEST_FORCES,
     NO_EXCUSE,
-    RULED_OUT,
-    STILL,
     TOLERANCE,
 )
 
-__all__ = ["PileContacts", "PileStatics", "rectangle_corners"]
+__all__ = ["PileContacts", "PileStatics", "heights_of", "rectangle_corners"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,8 +87,8 @@ def rectangle_corners(low: Array, high: Array) -> Array:
 class PileStatics:
     """Equations of the free boxes of a pile.
 
-    Box j of the pile has the rows 3 (j - 1) to 3 j, in units of its weight: force, and moments about
-    its centre over its radius. Contact c has the columns 4 c to 4 c + 4, a corner each.
+    Box j of the pile has the rows 3 (j - 1) to 3 j: force, and moments about its centre over its
+    radius. Contact c has the columns 4 c to 4 c + 4, a corner each.
 
     Attributes
     ----------
@@ -171,9 +169,8 @@ class PileStatics:
             Sum of the forces of this load [N].
         """
         push = (forces >= 0).all(axis=1)
-        push &= ~(forces.reshape(len(forces), -1, 4) > 0).any(axis=2)[:, ~self.contacts.sure].any(
-            axis=1
-        )
+        uncertain = np.repeat(~self.contacts.sure, 4)
+        push &= ~(forces[:, uncertain] > 0).any(axis=1)
         imbalance = self.wrenches(forces) + load
         imbalance[:, :, 0] -= self.weight
         size = np.sqrt((imbalance**2).sum(axis=2))[:, 1:]
@@ -217,8 +214,6 @@ class PileStatics:
 
     def with_box(self, box: BoxRows, contacts: PileContacts, weight: float) -> PileStatics:
         """The pile with a further box and its contacts."""
-        from kilter.analysis.placing.pile_contacts import joined_boxes
-
         return PileStatics(
             joined_boxes(self.boxes, box),
             self.contacts.join(contacts),

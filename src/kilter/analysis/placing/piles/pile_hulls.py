@@ -12,7 +12,15 @@ import numpy as np
 
 from kilter.arrays import TINY, Array, Index, Mask
 
-__all__ = ["Surround", "fan_weights", "surround", "surrounding_triangles"]
+__all__ = [
+    "Surround",
+    "absolute_plane",
+    "fan_weights",
+    "lowest_planes",
+    "plane_through",
+    "surround",
+    "surrounding_triangles",
+]
 
 ON_EDGE = 1e-9
 """Largest angle by which a place may lie beside an edge of its hull [rad]; a proof decides."""
@@ -163,8 +171,7 @@ def surrounding_triangles(points: Array, valid: Mask) -> tuple[Index, Index, Arr
     weight : ndarray, shape (t, 3)
         Weights whose mean is the place.
     """
-    m, q = valid.shape
-    a, b, c = _triples(q)
+    a, b, c = _triples(valid.shape[1])
     cross = _cross(points[:, :, None], points[:, None, :])
     ab, bc, ca = cross[:, a, b], cross[:, b, c], cross[:, c, a]
     total = ab + bc + ca
@@ -190,3 +197,46 @@ def _triples(q: int) -> tuple[Index, Index, Index]:
         keep = (a < b) & (b < c)
         _TRIPLES[q] = (a[keep], b[keep], c[keep])
     return _TRIPLES[q]
+
+
+def plane_through(points: Array, heights: Array) -> Array:
+    """Fields (a, b, c) through three points each, shape (m, 3)."""
+    one, two = points[:, 1] - points[:, 0], points[:, 2] - points[:, 0]
+    det = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
+    det = np.where(np.abs(det) > TINY, det, np.inf)
+    up_one, up_two = heights[:, 1] - heights[:, 0], heights[:, 2] - heights[:, 0]
+    b = (up_one * two[:, 1] - up_two * one[:, 1]) / det
+    c = (up_two * one[:, 0] - up_one * two[:, 0]) / det
+    a = heights[:, 0] - b * points[:, 0, 0] - c * points[:, 0, 1]
+    return np.stack([a, b, c], axis=1)
+
+
+def absolute_plane(plane: Array, center: Array) -> Array:
+    """A field about a centre as a field about the origin."""
+    return np.array([plane[0] - plane[1:] @ center, plane[1], plane[2]])
+
+
+def lowest_planes(points: Array, heights: Array, center: Array) -> Array:
+    """The planes above heights at points that are lowest at a centre, about the origin.
+
+    Parameters
+    ----------
+    points : ndarray, shape (q, 2)
+        Relative to the centre.
+    heights : ndarray, shape (k, q)
+    center : ndarray, shape (2,)
+
+    Returns
+    -------
+    ndarray, shape (k, 3)
+        NaN if the centre is outside of the hull of the points.
+    """
+    _, corner, weight = surrounding_triangles(points[None], np.ones((1, len(points)), dtype=bool))
+    if not len(corner):
+        return np.full((len(heights), 3), np.nan)
+    best = (heights[:, corner] * weight).sum(axis=2).argmax(axis=1)
+    support = corner[best]
+    planes = plane_through(points[support], np.take_along_axis(heights, support, axis=1))
+    under = heights - planes[:, :1] - planes[:, 1:] @ points.T
+    planes[:, 0] += np.maximum(under.max(axis=1), 0.0)
+    return np.stack([absolute_plane(plane, center) for plane in planes])

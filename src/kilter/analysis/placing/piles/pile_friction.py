@@ -7,13 +7,12 @@ is beside it. Every other place is decided as `kilter.check` decides it, from ro
 
 from __future__ import annotations
 
-
 import numpy as np
 
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.placing.pile_contacts import BoxRows, Touching
-from kilter.analysis.placing.pile_places import FALLS, OPEN, STANDS, Decision
-from kilter.analysis.placing.pile_statics import rectangle_corners
+from kilter.analysis.placing.piles.pile_contacts import BoxRows, Touching
+from kilter.analysis.placing.piles.pile_question import FALLS, OPEN, STANDS, PlaceDecision
+from kilter.analysis.placing.piles.pile_statics import rectangle_corners
 from kilter.arrays import Array, Index
 from kilter.assembly import Assembly
 from kilter.contact import detect
@@ -39,7 +38,7 @@ def decide_rough(
     mu: float,
     new: BoxRows,
     touch: Touching,
-    decision: Decision,
+    decision: PlaceDecision,
 ) -> None:
     """Decide the places that the steps without friction leave open, or only exclude without it.
 
@@ -55,7 +54,7 @@ def decide_rough(
         The new box alone, with a corner at the origin.
     touch : Touching
         Its contacts at the places.
-    decision : Decision
+    decision : PlaceDecision
         Without friction; it is changed to that with friction.
     """
     alone = np.zeros(len(decision.state), dtype=bool)

@@ -119,8 +119,7 @@ class Touching:
     @property
     def unsure(self) -> Mask:
         """Places at which a near pair is unsure, shape (m,)."""
-        unsure: Mask = self.near.any(axis=1)
-        return unsure
+        return np.asarray(self.near.any(axis=1))
 
 
 def touching(boxes: BoxRows, size: Array, corner: Array) -> Touching:
@@ -152,14 +151,12 @@ def touching(boxes: BoxRows, size: Array, corner: Array) -> Touching:
     meets = narrow >= -gap
     level = np.abs(drop) <= gap
     # two edges that meet part sideways, so without friction they carry nothing
-    may_carry = (narrow > MEETS_EXACTLY * smaller) & level
+    may_carry = np.asarray((narrow > MEETS_EXACTLY * smaller) & level)
     carries = may_carry & (narrow >= THIN * gap)
     unsure = (drop > gap) & (drop <= loose) & (narrow > THIN * gap)
 
     # sides: the gap along one axis, the overlap along the other and along the vertical
-    tall = np.minimum(top, height[:, None] + size[2]) - np.maximum(
-        boxes.low[:, 2], height[:, None]
-    )
+    tall = np.minimum(top, height[:, None] + size[2]) - np.maximum(boxes.low[:, 2], height[:, None])
     beside = np.zeros_like(carries)
     meets_side = np.zeros_like(carries)
     for axis in (0, 1):

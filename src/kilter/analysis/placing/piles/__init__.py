@@ -1,0 +1,1 @@
+"""Piles of boxes as arrays, for packing loops."""
