@@ -152,3 +152,61 @@ def test_a_level_below_the_required_level_is_named() -> None:
     assert not answer["stands"]
     assert answer["first"] is None
     assert answer["sentence"].endswith("not strict.")
+
+
+LEANING = ("a", (1, 1, 1), 1, (0.05, 0.1, 0)), ("b", (1, 1, 1), 1, (0.65, 0.1, 1))
+"""A box whose centre lies 0.1 beside the box below it."""
+
+
+def test_given_walls_hold_a_pile_that_leans_on_them() -> None:
+    """With friction at a flush wall the upper box stands, without the wall it falls."""
+    plan = plan_of(*LEANING)
+    assert check_plan(plan, friction=0.5, require="equilibrium").first == 2
+    flush = check_plan(plan, friction=0.5, walls=(1.65, 1.2), require="equilibrium")
+    assert flush.first is None
+    assert flush.walls is None
+    assert check_plan(plan, friction=0.5, walls=(1.75, 1.2), require="equilibrium").first == 2
+    walls = [part for part in flush.assembly.parts if part.name.startswith("wall")]
+    assert len(walls) == 4
+    assert all(part.grounded for part in walls)
+
+
+@pytest.mark.parametrize(
+    ("walls", "said"),
+    [
+        (("1.5", "1"), "item 2: 'b' lies beyond the walls, which are 1.5 x 1 m inside"),
+        (("0", "1"), "give an inner length and width above 0"),
+    ],
+)
+def test_wrong_walls_are_a_sentence(
+    walls: tuple[str, str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = "name,length,width,height,mass,x,y,z\na,1,1,1,1,0,0,0\nb,1,1,1,1,0.6,0,1\n"
+    assert main(["check-plan", str(written(tmp_path, text)), "--walls", *walls]) == 2
+    error = capsys.readouterr().err
+    assert said.replace("item 2", "line 3") in error
+    assert error.count("\n") == 1
+
+
+def test_a_box_list_is_planned_from_above(tmp_path: Path) -> None:
+    """Boxes in the reverse order of their heights, each with its centre over the box below."""
+    rows = [f"b{k},1,1,1,1,{0.1 * (k % 2)},0,{k}\n" for k in reversed(range(8))]
+    path = written(tmp_path, "name,length,width,height,mass,x,y,z\n" + "".join(rows))
+    order = kilter.plan(
+        kilter.load(path, floor=True), rules=kilter.PlanRules(directions=[(0, 0, 1)])
+    )
+    assert order.found
+    assert [step.parts for step in order.steps] == [(f"b{k}",) for k in range(8)]
+
+
+@pytest.mark.slow
+def test_a_roll_container_stands_between_its_walls() -> None:
+    """Known answers of the roll containers of BED-BPP with walls at their extents."""
+    if not DATA.exists():
+        pytest.skip("../shared/data is not here")
+    plan = load_plan(DATA, order="00100003")
+    walls = tuple(float(size) for size in (plan.high - plan.low)[:2])
+    assert check_plan(plan, friction=0.5, require="equilibrium").first == 17
+    held = check_plan(plan, friction=0.5, walls=walls, require="equilibrium")
+    assert held.first is None
+    assert held.stands
