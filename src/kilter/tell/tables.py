@@ -122,9 +122,10 @@ def sentences(answer: Answer) -> list[str]:
     if kind == "improve":
         return [improve_sentence(answer)]
     lines = [str(answer["sentence"])]
-    moving = sum(part["moves"] for part in answer.get("parts", ()))
-    if kind == "check" and answer["verdict"] == "unstable" and moving > NAMED:
-        lines.append(f"Fastest: {answer['summary']}.")
+    if kind == "check" and answer["verdict"] == "unstable":
+        moving = sum(part["moves"] for part in answer["parts"])
+        if moving > NAMED:
+            lines.append(f"Fastest: {answer['summary']}.")
     return lines
 
 
