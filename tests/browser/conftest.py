@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from driver import Page as Link
 from opened_page import Opened
 from workbench_page import WorkbenchPage
 
@@ -129,21 +130,20 @@ def user(chromium: Any, bench: Workbench, folder: Path) -> Iterator[Callable[...
     pages: list[WorkbenchPage] = []
 
     def open_(what: Assembly | str | None, **options: Any) -> WorkbenchPage:
-        options.setdefault("viewport", {"width": 1360, "height": 900})
+        options.setdefault("viewport", {"width": 1040, "height": 680})
         context = chromium.new_context(**options)
         page = WorkbenchPage(context.new_page(), bench, folder)
         pages.append(page)
-        page.begin()
-        if page.js("Boolean(window.bench.session.file)"):
-            page.js("window.bench.act({do: 'close'})")
-            page.until("!window.bench.session.file")
+        # the file of the test before is closed without a page: each page is loaded once
+        link = Link(bench)
+        assert link.say(do="close")["ok"]
+        link.close()
         for path in folder.iterdir():
             path.unlink()
         if isinstance(what, str):
             what = scene(what)
         if what is not None:
             kilter.dump(what, folder / "file.kilter.json")
-        page.page.reload()
         page.begin()
         if what is not None:
             page.after(lambda: page.page.click("#listed button"))
