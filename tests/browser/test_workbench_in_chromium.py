@@ -178,6 +178,56 @@ def test_the_phase_is_stated_and_an_analysis_is_stopped(user: Callable) -> None:
     page.click("#do-hold")
 
 
+def overhang() -> Assembly:
+    """A plank that extends .3 beyond the edge of a table at x = 0."""
+    table = Part("table", Box([2, 1, 1]), Pose([-1, 0, -0.5]), grounded=True)
+    return Assembly([table, Part("plank", Box([1, 1, 0.1]), Pose([-0.2, 0, 0.05]), mass=2)])
+
+
+def test_the_box_to_place_follows_the_pointer_and_shows_whether_it_stands(user: Callable) -> None:
+    page = user(overhang())
+    page.page.click("#tab-place")
+    page.page.fill("#place-size", "0.2 0.2 0.1")
+    page.page.fill("#place-mass", "4")
+    page.page.press("#place-mass", "Enter")
+    page.until("!window.bench.tabs.asked.size && window.bench.tabs.results.has('place')", 60)
+    assert page.text("tab-command").endswith("place file.kilter.json --box 0.2x0.2x0.1 --mass 4")
+
+    page.page.wait_for_timeout(300)
+    asked = len(page.asked)
+    page.js(
+        "(() => { window.sent = []; const { link } = window.bench; const send = link.send.bind(link);"
+        " link.send = (action) => { window.sent.push(action); return send(action); }; })()"
+    )
+    page.page.locator("#picture").scroll_into_view_if_needed()
+    seen = []
+    # the heaviest reach of 4 kg is W (L/2 - e) / w = .1
+    for x in (-0.3, 0.04, 0.16, 0.25):
+        spot_ = page.js(
+            "([x, y, z]) => { const { stage, page } = window.kilter;"
+            " const box = stage.canvas.getBoundingClientRect();"
+            " const at = stage.onScreen([x, y, z].map((c, k) => c - page.center[k]));"
+            " return [box.left + at[0], box.top + at[1]]; }",
+            [x, -0.1, 0.1],
+        )
+        page.page.mouse.move(*spot_)
+        page.until("document.getElementById('place-state').textContent.startsWith('x ')")
+        seen.append(page.js("document.getElementById('place-state').dataset.state"))
+        assert page.js("window.kilter.stage.places.part.visible")
+    part = kilter.box_to_place([0.2, 0.2, 0.1], 4)
+    verdicts = [
+        kilter.place(overhang(), part, at=[x, -0.1]).at.verdict.verdict
+        for x in (-0.3, 0.04, 0.16, 0.25)
+    ]
+    assert [state == "stands" for state in seen] == [word == "stable" for word in verdicts]
+    assert seen == ["stands", "stands", "falls", "falls"]
+    assert (page.js("window.sent"), len(page.asked)) == ([], asked)
+    shown = page.drawn()
+    page.page.click("#tab-place")  # the closed tab shows no map
+    assert page.drawn() != shown
+    assert not page.js("window.kilter.stage.places.group.visible")
+
+
 def test_the_friction_slider_changes_the_verdict_of_the_arch_at_its_limit(user: Callable) -> None:
     page = user("arch")
     page.page.focus("#friction")

@@ -10,6 +10,7 @@ import time
 import urllib.error
 import urllib.request
 from pathlib import Path
+from typing import Any
 
 import pytest
 from driver import Page
@@ -69,6 +70,33 @@ def test_tabs_have_answer_and_command(page: Page) -> None:
         assert (tab["name"], tab["error"]) == (name, "")
         assert tab["command"] == f"kilter {name} f8.kilter.json --ground C2"
         assert "<" in tab["html"]
+
+
+def test_the_map_of_places_is_that_of_its_command(
+    page: Page, folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kilter.dump(scene("tower"), folder / "tower.kilter.json")
+    assert page.say(do="open", file="tower.kilter.json")["ok"]
+    page.answer()
+    page.say(do="ask", tab="place", options={"size": [0.5, 0.5, 0.25], "mass": 2})
+    tab = page.hear(lambda message: message.get("is") == "tab")
+    assert tab["command"] == "kilter place tower.kilter.json --box 0.5x0.5x0.25 --mass 2"
+    assert tab["place"]["below"] == pytest.approx(0.125)
+    monkeypatch.chdir(folder)
+    capsys.readouterr()
+    assert main([*shlex.split(tab["command"])[1:], "--json"]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    for key in ("levels", "best", "sentence"):
+        assert printed[key] == tab["data"][key]
+
+
+@pytest.mark.parametrize("options", [{}, {"size": [1, 1, 1]}, {"size": [1, 1, -1], "mass": 1}])
+def test_a_wrong_box_to_place_is_a_sentence(page: Page, options: dict[str, Any]) -> None:
+    page.after(do="hold", parts=["C2"], on=True)
+    page.say(do="ask", tab="place", options=options)
+    tab = page.hear(lambda message: message.get("is") == "tab")
+    assert tab["name"] == "place"
+    assert tab["error"]
 
 
 def test_two_states_are_compared(page: Page) -> None:

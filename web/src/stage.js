@@ -22,6 +22,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { Arrows } from "./arrows.js";
 import { Ghost } from "./ghost.js";
 import { Parts } from "./parts.js";
+import { PlaceLayer } from "./place_layer.js";
 import { sphereView } from "./sphere.js";
 import { meet } from "./surface.js";
 import { scaled, unit } from "./vector.js";
@@ -56,7 +57,8 @@ export class Stage {
     this.lines.frustumCulled = false;
     this.lines.visible = false;
     this.ghost = new Ghost();
-    this.root.add(this.parts.group, this.lines, this.ghost.group);
+    this.places = new PlaceLayer();
+    this.root.add(this.parts.group, this.lines, this.ghost.group, this.places.group);
     this.scene.add(this.root);
     // arrows are drawn after the parts, with a separate depth buffer, so that they lie on top
     this.over = new Scene();
@@ -301,7 +303,7 @@ export class Stage {
   /** Part numbers, counted from 1, in `width` x `height` pixels; the bottom row first. */
   numbers(width, height) {
     const { renderer, camera, parts } = this;
-    const hidden = [parts.veil, parts.edges, parts.patches, parts.cut, this.lines, this.ghost.group];
+    const hidden = [parts.veil, parts.edges, parts.patches, parts.cut, this.lines, this.ghost.group, this.places.group];
     const were = hidden.map((object) => object.visible);
     hidden.forEach((object) => (object.visible = false));
     parts.faces.material = parts.material.number;
@@ -448,6 +450,7 @@ export class Stage {
     this.open.theme(style("open"), style("ink"));
     this.lines.material.color.set(style("soft"));
     this.ghost.theme(style);
+    this.places.theme(style);
     this.draw();
   }
 }

@@ -9,6 +9,7 @@ from typing import Any
 from kilter.analysis.check import check, check_equilibrium
 from kilter.analysis.everything import full_answer, only_given
 from kilter.analysis.margins.margin import margin
+from kilter.analysis.placing.place import Places, box_to_place, place
 from kilter.analysis.planning.hold.hold import hold
 from kilter.analysis.planning.order.plan import plan
 from kilter.analysis.transport.transport import transport
@@ -192,6 +193,18 @@ def _transport(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tu
     return answer, words
 
 
+def _place(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple[Any, list[str]]:
+    size = [float(x) for x in options.get("size") or ()]
+    if len(size) != 3 or "mass" not in options:
+        raise InputError(
+            "the box to place is not given", hint="give its three lengths and its mass"
+        )
+    mass = float(options["mass"])
+    part = box_to_place(size, mass)
+    answer = place(prepared.assembly, part, contacts=prepared.contacts, progress=tell)
+    return answer, ["--box", "x".join(f"{x:.15g}" for x in size), "--mass", f"{mass:.15g}"]
+
+
 def _contacts(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple[Any, list[str]]:
     return prepared.contacts, []
 
@@ -202,6 +215,7 @@ TABS = {
     "plan": _plan,
     "hold": _hold,
     "transport": _transport,
+    "place": _place,
     "contacts": _contacts,
 }
 """Function of each tab: it returns the answer, and the further words of its command."""
@@ -241,4 +255,17 @@ def tab_data(
         "sentence": data.get("sentence", ""),
         "command": command(name, keys, saved, words),
         "orientation": orientation,
+        "place": _placed_part(answer) if isinstance(answer, Places) else None,
+    }
+
+
+def _placed_part(answer: Places) -> dict[str, Any] | None:
+    """The part of a map of places for the picture: corners of its underside, and its heights."""
+    prism = answer.prism
+    if prism is None:
+        return None
+    return {
+        "footprint": prism.footprint.tolist(),
+        "below": prism.below,
+        "above": prism.above,
     }

@@ -5,6 +5,7 @@ import { unpacked } from "../data.js";
 import { id, on } from "../dom.js";
 import { readTables } from "../tables.js";
 import { button, entry, numbersOf, refill } from "./entries.js";
+import { Places } from "./places.js";
 import { sentence } from "./start.js";
 
 const TABS = {
@@ -14,6 +15,7 @@ const TABS = {
   plan: "Order",
   hold: "What to hold",
   transport: "Transport",
+  place: "Place",
   contacts: "Contacts",
   compare: "Compare",
 };
@@ -25,6 +27,7 @@ export class Tabs {
     this.results = new Map();
     this.asked = new Set();
     this.now = null;
+    this.places = new Places(bench);
     this.buttons = Object.entries(TABS).map(([name, label], k) => {
       const element = button(label, () => this.show(this.now === name ? null : name));
       element.id = `tab-${name}`;
@@ -99,6 +102,8 @@ export class Tabs {
 
   draw() {
     this.mark();
+    const map = this.now === "place" && this.results.get("place");
+    this.places.tell(map && map.place ? map : null);
     const { session } = this.bench;
     const count = session?.changes.length ?? 0;
     id("tab-changes").textContent = count ? `Changes (${count})` : "Changes";
@@ -133,6 +138,7 @@ export class Tabs {
     if (this.now === "compare") return this.comparison();
     if (this.now === "margin") return [again("With the capacity of each part", () => ({ loads: true }))];
     if (this.now === "transport") return this.transport();
+    if (this.now === "place") return this.places.controls((options) => this.ask(options));
     const list = AT_ONCE.includes(this.now) && !result ? [again("Compute", () => ({}))] : [];
     if (this.now === "orient" && result && result.orientation) {
       list.push(
