@@ -196,7 +196,8 @@ def test_the_box_to_place_follows_the_pointer_and_shows_whether_it_stands(user: 
     page.page.wait_for_timeout(300)
     asked = len(page.asked)
     page.js(
-        "(() => { window.sent = []; const { link } = window.bench; const send = link.send.bind(link);"
+        "(() => { window.sent = []; const { link } = window.bench;"
+        " const send = link.send.bind(link);"
         " link.send = (action) => { window.sent.push(action); return send(action); }; })()"
     )
     page.page.locator("#picture").scroll_into_view_if_needed()
