@@ -191,6 +191,7 @@ def test_the_box_to_place_follows_the_pointer_and_shows_whether_it_stands(user: 
     page.page.fill("#place-mass", "4")
     page.page.press("#place-mass", "Enter")
     page.until("!window.bench.tabs.asked.size && window.bench.tabs.results.has('place')", 60)
+    assert page.text("sheet-error") == ""
     assert page.text("tab-command").endswith("place file.kilter.json --box 0.2x0.2x0.1 --mass 4")
 
     page.page.wait_for_timeout(300)

@@ -21,7 +21,11 @@ export class Places {
       input.value = this.entered[key];
       input.setAttribute("aria-label", label);
       input.addEventListener("input", () => (this.entered[key] = input.value));
-      input.addEventListener("keydown", (e) => e.key === "Enter" && compute());
+      input.addEventListener("keydown", (e) => {
+        if (e.key !== "Enter") return;
+        e.preventDefault(); // the button that takes the focus, Stop, is not pressed
+        compute();
+      });
       return input;
     };
     const units = this.bench.report?.page.units ?? "";
