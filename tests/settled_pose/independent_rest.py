@@ -76,10 +76,10 @@ def closed_forces(assembly: Assembly, gap: float) -> list[tuple[int, int, np.nda
 def _crossings(assembly: Assembly, gap: float) -> list[tuple[int, int, np.ndarray, np.ndarray]]:
     """Corners of the overlaps of faces in the same plane that are corners of neither part."""
     points = []
-    for a, b in itertools.combinations(range(len(assembly)), 2):
+    for a, b in itertools.permutations(range(len(assembly)), 2):
         _, normals_a, offsets_a = hull_of(assembly, a)
         _, normals_b, offsets_b = hull_of(assembly, b)
-        if abs(separation(assembly, a, b)) > gap:
+        if abs(separation(assembly, min(a, b), max(a, b))) > gap:
             continue
         for k, l in itertools.product(range(len(normals_a)), range(len(normals_b))):
             if normals_a[k] @ normals_b[l] > -1 + 1e-4:

@@ -12,13 +12,15 @@ from kilter.cli.asked import Asked
 from kilter.cli.declarations import Argument, Option
 from kilter.cli.each import check_each, code_of
 from kilter.cli.exit_codes import VERIFY, WRITTEN
-from kilter.cli.options import FORM, File, Files, Json, Output, Quiet, Require, asks
+from kilter.cli.options import FORM, TOUCH, File, Files, Json, Output, Quiet, Require, asks
 from kilter.cli.output import Progress, as_json, emit, keep_apart, tell_written, write_whole
 from kilter.errors import InputError
 from kilter.tell.levels import REQUIRE
 
 if TYPE_CHECKING:
     from kilter.analysis.verdict.verdict import Verdict
+    from kilter.assembly import Assembly
+    from kilter.contact import ContactSet
     from kilter.tell.answer_data.check_data import CheckData
 
 __all__ = ["check", "contacts", "example", "verify"]
@@ -47,6 +49,14 @@ def check(
             "--forces",
             help="List the contact forces of an equilibrium, the greatest first.",
             rich_help_panel=FORM,
+        ),
+    ] = False,
+    settled: Annotated[
+        bool,
+        Option(
+            "--settle",
+            help="Check the pose at rest near the drawn pose, as 'kilter settle' finds it.",
+            rich_help_panel=TOUCH,
         ),
     ] = False,
     suggest: Annotated[
@@ -83,9 +93,15 @@ def check(
             raise InputError(
                 f"{len(files)} files are given", hint=f"give a single file with {alone}"
             )
-        return check_each(asked, files, lambda each: _check_file(each, require, measures)[1])
+        return check_each(
+            asked, files, lambda each: _check_file(each, require, measures, settled)[1]
+        )
     asked = asked.of_file(files[0])
-    verdict, answer = _check_file(asked, require, measures)
+    if settled and asked.proof is not None:
+        raise InputError(
+            "--proof and --settle are given", hint="kilter settle --proof proves a settled pose"
+        )
+    verdict, answer = _check_file(asked, require, measures, settled)
     after = asked.keep_proof(None if verdict.certificate is None else verdict.proof, answer)
     if not suggest and verdict.verdict != "stable" and not asked.json:
         after = _joint_hint(verdict) + after
@@ -99,8 +115,14 @@ def check(
     return code_of(answer)
 
 
-def _check_file(asked: Asked, require: str, measures: bool) -> tuple[Verdict, CheckData]:
-    """Check a single file; return its verdict, and the answer with the reading time."""
+def _check_file(
+    asked: Asked, require: str, measures: bool, settled: bool = False
+) -> tuple[Verdict, CheckData]:
+    """Check a single file; return its verdict, and the answer with the reading time.
+
+    If `settled`, the verdict is that of the pose at rest near the drawn pose, and its sentence
+    states the movement. Without such a pose, the drawn pose is checked, with a warning.
+    """
     from kilter.analysis.check import check as decide
 
     with Progress(asked.quiet) as progress:
@@ -108,6 +130,9 @@ def _check_file(asked: Asked, require: str, measures: bool) -> tuple[Verdict, Ch
         assembly, contact_set = asked.read(progress)
         _ = assembly.geometry
         read = time.perf_counter() - started
+        words = ("", "")
+        if settled:
+            assembly, contact_set, words = _settled(asked, assembly, contact_set, progress)
         verdict = decide(
             assembly,
             contacts=contact_set,
@@ -120,8 +145,35 @@ def _check_file(asked: Asked, require: str, measures: bool) -> tuple[Verdict, Ch
         )
         progress("motion")
         answer = verdict.to_dict()
+    answer["sentence"] = words[0] + answer["sentence"]
+    answer["warnings"] += [words[1]] if words[1] else []
     answer["seconds"] |= {"read": read, "total": time.perf_counter() - started}
     return verdict, answer
+
+
+def _settled(
+    asked: Asked, assembly: Assembly, contacts: ContactSet | None, progress: Progress
+) -> tuple[Assembly, ContactSet | None, tuple[str, str]]:
+    """The pose at rest near the drawn pose, with a prefix of the sentence and a warning.
+
+    Without a pose at rest, the assembly and its contacts are returned unchanged.
+    """
+    from kilter.analysis.settled_pose.settle import settle
+    from kilter.tell.settle_words import moved_words
+
+    answer = settle(
+        assembly,
+        contacts=contacts,
+        tolerance=asked.tolerance,
+        effort=0.0,
+        require="equilibrium",
+        progress=progress,
+    )
+    data = answer.to_dict()
+    if answer.state != "at-rest":
+        caution = f"not settled, so the drawn pose counts: {data['sentence']}"
+        return assembly, contacts, ("", caution)
+    return answer.assembly, None, (f"Settled by {moved_words(data)}: ", "")
 
 
 def _joint_hint(verdict: Verdict) -> str:
