@@ -212,6 +212,7 @@ _HOOKS = {
     "mass_of": "kilter.assembly.geometry",
     "read_chosen": "kilter.contact.fits.chosen",
     "scene_of": "kilter.files.objects.trimesh_objects",
+    "settle_remedy": "kilter.analysis.settled_pose.settle_remedy",
     "to_mjcf": "kilter.files.mjcf",
 }
 """Module of each function that lower packages call through `kilter.hooks`."""

@@ -288,3 +288,28 @@ def test_a_wrong_ending_is_an_error(tmp_path: Path, capsys: pytest.CaptureFixtur
     kilter.dump(Assembly([TABLE]), file)
     assert main(["settle", str(file), "-o", str(tmp_path / "x.doc")]) == 2
     assert "is no format of a pose" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("height", [0.4995, 0.5005], ids=["overlaps", "hangs"])
+def test_an_undecided_check_offers_the_pose_at_rest(
+    height: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from kilter.cli import main
+
+    drawn = Assembly([TABLE, box("box", [1, 1, 1], [0, 0, height])])
+    verdict = kilter.check(drawn)
+    assert verdict.verdict == "undecided"
+    assert {"option": "--settle", "leads_to": "stable", "level": "proved"} in [
+        remedy.to_dict() for remedy in verdict.remedies
+    ]
+    file = tmp_path / "drawn.kilter.json"
+    kilter.dump(drawn, file)
+    assert main(["check", str(file), "--quiet"]) == 4
+    assert "--settle: stable" in capsys.readouterr().out
+    assert main(["check", str(file), "--settle", "--quiet"]) == 0
+    assert capsys.readouterr().out.startswith("Settled by 0.0005 m: Stable")
+
+
+def test_a_decided_check_offers_no_movement() -> None:
+    drawn = Assembly([TABLE, box("box", [1, 1, 1], [0, 0, 0.5])])
+    assert not kilter.check(drawn).remedies

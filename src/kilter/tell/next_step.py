@@ -55,6 +55,7 @@ MEANT = {
     "--loose": "faces that nearly touch do touch",
     "--gap": "faces that nearly touch do touch",
     "--clearance": "shafts touch their holes",
+    "--settle": "the parts are moved until they touch",
     "--friction": "its contacts have this friction",
 }
 """Statement about an assembly that each option of a remedy makes."""

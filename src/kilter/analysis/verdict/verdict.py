@@ -47,6 +47,7 @@ from kilter.analysis.verdict.verdict_answer import (
 from kilter.arrays import Mask, sealed
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
+from kilter.hooks import hook
 from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
 from kilter.mechanics.mechanics_tolerances import STILL, TOLERANCE
 from kilter.mechanics.program import Program, build_program
@@ -341,9 +342,11 @@ class Verdict(InCells, Answer):
         if self.decision is None or self.time_limit is not None:
             return ()
         work = Work(units_of(self.effort), time_limit=self.seconds_left)
-        return find_remedies(
+        remedies = find_remedies(
             self.assembly, self.contacts, self.decision, require=self.require, work=work
         )
+        settled: Remedy | None = hook("settle_remedy")(self)
+        return remedies if settled is None else (*remedies, settled)
 
     @property
     def tolerance(self) -> float:

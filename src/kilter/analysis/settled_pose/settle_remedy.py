@@ -1,0 +1,34 @@
+"""The remedy `--settle`: the verdict on the pose at rest, where overlaps or near misses decide.
+
+It is tried for small assemblies only, since a search costs several conic programs.
+"""
+
+from __future__ import annotations
+
+from kilter.analysis.open_pairs.remedies import Remedy
+from kilter.analysis.settled_pose.settle import settle
+from kilter.analysis.verdict.verdict import Verdict
+from kilter.errors import KilterError
+
+__all__ = ["settle_remedy"]
+
+MOST_PARTS, MOST_POINTS = 40, 400
+"""Largest numbers of parts and contact points for which the pose at rest is searched for."""
+CLOSABLE = ("overlap", "near")
+"""Kinds of open pairs that a movement of parts can decide."""
+
+
+def settle_remedy(verdict: Verdict) -> Remedy | None:
+    """The verdict on the pose at rest near the drawn pose; None if it was not tried or found."""
+    assembly, contacts = verdict.assembly, verdict.contacts
+    kinds = {pair.kind for pair in contacts.open_pairs}
+    small = len(assembly) <= MOST_PARTS and len(contacts.points) <= MOST_POINTS
+    if verdict.verdict != "undecided" or not kinds & set(CLOSABLE) or not small:
+        return None
+    try:
+        answer = settle(assembly, contacts=contacts, require="equilibrium", effort=0.0)
+    except KilterError:
+        return None
+    if answer.state != "at-rest" or answer.after is None:
+        return None
+    return Remedy("--settle", answer.after.verdict, answer.level)
