@@ -31,7 +31,7 @@ from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.broad import facet_pairs
 from kilter.contact.contact_search import ContactSearch, begin_search
-from kilter.contact.contact_tolerances import LOOKED_AT_GAPS, SAME_PLACE
+from kilter.contact.contact_tolerances import CLUSTER, SAME_PLACE
 from kilter.contact.friction_coefficients import friction_coefficients
 from kilter.contact.gaps import Tolerance
 from kilter.contact.pair_findings import RoundAndSharp, find_round_and_sharp
@@ -81,7 +81,7 @@ def find_near_points(assembly: Assembly, reach: float, fine_reach: float) -> Nea
     fine_reach : float
         The same for all other pairs [length unit].
     """
-    search = begin_search(assembly, Tolerance(gap=reach / LOOKED_AT_GAPS), lambda stage: None)
+    search = begin_search(assembly, Tolerance(gap=reach / CLUSTER), lambda stage: None)
     facets, geometry = search.facets, search.geometry
     plain = facets.convex_part & (np.diff(geometry.surfaces.start) == 0)
     simple = plain[search.pairs].all(axis=1)
