@@ -7,14 +7,12 @@ import re
 import subprocess
 import sys
 from collections.abc import Awaitable, Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 import kilter
-from kilter import Pose
 from kilter.agents.short_answers import LIMIT
 from kilter.agents.tool_calls import ToolCalls
 from kilter.agents.tool_schemas import TOOLS
@@ -120,18 +118,6 @@ def dialogues() -> list[str]:
     return [block for block in re.findall(r"```text\n(.*?)```", text, re.S) if block[0] == ">"]
 
 
-def edited(folder: Path, file: str, places: dict[str, list[float]]) -> None:
-    """Move parts of a file to positions, as an agent edits it."""
-    assembly = kilter.load(folder / file)
-    parts = [
-        replace(part, pose=Pose(places[part.name], part.pose.rotation))
-        if part.name in places
-        else part
-        for part in assembly
-    ]
-    kilter.dump(replace(assembly, parts=parts, source=""), folder / file)
-
-
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("number", range(3))
 def test_the_dialogues_of_the_page_are_real(
@@ -143,12 +129,9 @@ def test_the_dialogues_of_the_page_are_real(
     exec(scene.split("```python\n")[1].split("```")[0], {})
     calls = ToolCalls(tmp_path)
     for call, shown in re.findall(r"^> (.*)\n([^>]*)", dialogues()[number], re.M):
-        words = re.fullmatch(r"(\w+) (?:(\S+) )?(\{.*\})", call)
+        words = re.fullmatch(r"(\w+) (\{.*\})", call)
         assert words is not None, call
-        if words[1] == "edit":
-            edited(tmp_path, words[2], json.loads(words[3]))
-            continue
-        done = calls.call(words[1], json.loads(words[3]))
+        done = calls.call(words[1], json.loads(words[2]))
         assert not done.failed, done.text
         place = 0
         for piece in shown.strip().split(" ... "):

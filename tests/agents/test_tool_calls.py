@@ -13,7 +13,7 @@ import pytest
 import kilter
 from kilter import Assembly, Box, Part
 from kilter.agents.short_answers import LIMIT
-from kilter.agents.tool_calls import ASK, Called, ToolCalls
+from kilter.agents.tool_calls import ASK, POSED, Called, ToolCalls
 from kilter.agents.tool_schemas import TOOLS
 
 TABLE = Part("table", Box([40, 40, 1]), [0, 0, -0.5], grounded=True)
@@ -39,12 +39,12 @@ def error(called: Called) -> str:
 
 
 def test_every_tool_has_a_question_and_a_short_schema() -> None:
-    assert {tool.name for tool in TOOLS} == {*ASK, "draw", "example"}
+    assert {tool.name for tool in TOOLS} == {*ASK, *POSED, "draw", "example"}
     for tool in TOOLS:
         assert len(json.dumps(tool.schema)) < 1500
         assert len(tool.description) < 130
-        names = set(tool.options) - {"at", "box", "mass", "turn", "what", "view", "name"}
-        if tool.name in ASK and tool.name != "place":
+        names = set(tool.options) - {"at", "box", "mass", "turn", "what", "view", "name", "output"}
+        if tool.name in {*ASK, *POSED} - {"place"}:
             import inspect
 
             assert names <= set(inspect.signature(getattr(kilter, tool.name)).parameters)
@@ -71,7 +71,7 @@ def test_a_check_names_the_moving_parts_and_the_whole_answer(calls: ToolCalls) -
 
 
 @pytest.mark.quick("check", "scene")
-@pytest.mark.parametrize("verb", sorted(ASK))
+@pytest.mark.parametrize("verb", sorted({*ASK, *POSED}))
 def test_equal_questions_have_equal_answers(verb: str, calls: ToolCalls) -> None:
     kilter.dump(kilter.example("tower"), calls.folder / "t.kilter.json")
     given: dict[str, Any] = {"file": "t.kilter.json"}
@@ -281,3 +281,29 @@ def test_a_picture_is_png_and_the_same_twice(calls: ToolCalls) -> None:
     assert first.image == calls.call("draw", {"file": "f.kilter.json"}).image
     turned = calls.call("draw", {"file": "f.kilter.json", "view": [80, 10]})
     assert turned.image != first.image
+
+
+# new poses ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("tool", ["scene", "settle"])
+def test_a_new_pose_is_a_new_file(tool: str, calls: ToolCalls) -> None:
+    sunk = Part("a", Box([1, 1, 1]), [0, 0, 0.495])
+    kilter.dump(Assembly([TABLE, sunk]), calls.folder / "s.kilter.json")
+    given: dict[str, Any] = {"file": "s.kilter.json", "output": "rest.kilter.json"}
+    if tool == "scene":
+        assert "give settle: true" in error(calls.call(tool, given))
+        given["settle"] = True
+    assert answer(calls.call(tool, given))["sentence"]
+    assert kilter.check(calls.folder / "rest.kilter.json").verdict == "stable"
+    assert "already exists" in error(calls.call(tool, given))
+    assert OUTSIDE in error(calls.call(tool, given | {"output": "../rest.kilter.json"}))
+    assert "no format of a pose" in error(calls.call(tool, given | {"output": "rest.py"}))
+
+
+def test_no_pose_at_rest_writes_nothing(calls: ToolCalls) -> None:
+    block = Part("a", Box([1, 1, 1]), [20.6, 0, 0.5])
+    kilter.dump(Assembly([TABLE, block]), calls.folder / "s.kilter.json")
+    given = {"file": "s.kilter.json", "output": "rest.kilter.json"}
+    assert "no pose at rest" in error(calls.call("settle", given))
+    assert not (calls.folder / "rest.kilter.json").exists()

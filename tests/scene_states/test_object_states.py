@@ -302,3 +302,72 @@ def test_the_page_shows_what_the_command_prints(
     capsys.readouterr()
     main(["scene", "kitchen.kilter.json"])
     assert capsys.readouterr().out == text.split("```text\n")[1].split("```")[0]
+
+
+# repair ---------------------------------------------------------------------------------------
+
+
+def test_a_repair_moves_objects_by_their_faults() -> None:
+    parts = [
+        cube("rests", -4, 0),
+        cube("floats", -2, 0.25),
+        cube("sunk", 0, -0.01),
+        cube("below", 2, 0),
+        cube("overhangs", 2.6, 1),
+        Part("ball", Sphere(0.5), [4, 0, 0.4995]),
+    ]
+    report = kilter.scene(Assembly([TABLE, *parts]), settle=True)
+    assert report.counts == {"at-rest": 5, "held": 1, "falls": 1}
+    assert report["overhangs"].state == "falls"
+    expected = {"floats": 0.25, "sunk": 0.01, "ball": 0.0005}
+    assert report.moved == pytest.approx(expected, rel=1e-6)
+    assert report.drawn is not None
+    assert kilter.scene(Assembly([TABLE, *parts])).moved == {}
+
+
+def test_a_scene_without_faults_stays_as_it_is() -> None:
+    drawn = Assembly([TABLE, cube("a", 0, 0), cube("b", 0.1, 1)])
+    report = kilter.scene(drawn, settle=True)
+    assert report.at_rest
+    assert report.assembly == drawn
+    assert report.moved == {}
+
+
+@pytest.mark.parametrize("ending", [".kilter.json", ".xml", ".glb"])
+def test_the_repaired_scene_is_written(
+    ending: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, out = str(tmp_path / "s.kilter.json"), tmp_path / f"out{ending}"
+    kilter.dump(Assembly([TABLE, cube("a", 0, 0.5), cube("b", 3, -0.01)]), file)
+    assert main(["scene", file, "--settle", "-o", str(out)]) == 0
+    assert "moved     2 objects by up to 0.5 m" in capsys.readouterr().out
+    if ending == ".xml":
+        pytest.importorskip("mujoco", reason="mujoco is not installed")
+    held = [] if ending != ".glb" else ["--ground", "table", "--up", "y"]
+    assert main(["scene", str(out), *held]) == 0
+
+
+def test_a_repaired_usd_scene_is_a_layer(tmp_path: Path) -> None:
+    pytest.importorskip("pxr", reason="usd-core is not installed: pip install 'kilter[usd]'")
+    from pxr import Usd, UsdGeom, UsdPhysics
+
+    file = tmp_path / "s.usda"
+    stage = Usd.Stage.CreateNew(str(file))
+    UsdGeom.SetStageUpAxis(stage, "Z")
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    for name, height in (("floor", -1.0), ("a", 1.5), ("b", 0.99)):
+        place = UsdGeom.Cube.Define(stage, f"/{name}")
+        place.AddTranslateOp().Set((4.0 if name == "b" else 0.0, 0.0, height))
+        UsdPhysics.CollisionAPI.Apply(place.GetPrim())
+        if name == "floor":
+            place.AddScaleOp().Set((9.0, 9.0, 1.0))
+        else:
+            UsdPhysics.RigidBodyAPI.Apply(place.GetPrim())
+    stage.GetRootLayer().Save()
+    before = file.read_bytes()
+    out = tmp_path / "rest.usda"
+    assert main(["scene", str(file)]) == 1
+    assert main(["scene", str(file), "--settle", "-o", str(out)]) == 0
+    assert main(["scene", str(out)]) == 0
+    assert file.read_bytes() == before
+    assert "subLayers" in out.read_text(encoding="utf-8")

@@ -78,7 +78,7 @@ def build_server(folder: str | Path) -> Any:
     lock = anyio.Lock()
 
     async def list_tools(context: Any, request: Any) -> Any:
-        writes = ("example",)
+        writes = ("example", "settle", "scene")
         tools = [
             types.Tool(
                 name=tool.name,

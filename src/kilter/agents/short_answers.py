@@ -44,7 +44,12 @@ KEYS: dict[str, tuple[str, ...]] = {
         "units", "warnings",
     ),
     "scene": (
-        "sentence", "at_rest", "level", "counts", "objects", "geometry", "units", "warnings",
+        "sentence", "at_rest", "level", "counts", "moved", "objects", "geometry", "units",
+        "warnings",
+    ),
+    "settle": (
+        "sentence", "state", "level", "moved", "widest_gap", "deepest_overlap", "parts", "depth",
+        "why", "before", "after", "units", "warnings",
     ),
     "transport": (
         "sentence", "carried", "verdict", "level", "limits", "cases", "units", "warnings",

@@ -21,6 +21,7 @@ from kilter.contact.fits.fastening import fastened
 from kilter.errors import InputError, nearest_name
 from kilter.files.reading import load
 from kilter.files.start_folder import only_below, require_below
+from kilter.files.usd.usd_poses import write_usd_poses
 from kilter.files.writing import to_text, write_text
 from kilter.publish import draw
 from kilter.scenes import SCENES
@@ -109,16 +110,46 @@ class ToolCalls:
         if tool.name == "example":
             return self._example(arguments.get("name"))
         resource = resource_name(tool.name, arguments)
+        file = str(arguments.get("file"))
         assembly = self._read({key: arguments.pop(key) for key in READING if key in arguments})
         if tool.name == "draw":
             return _draw(assembly, arguments)
-        answer = ASK[tool.name](assembly, arguments)
+        answer = self._asked(tool, file, assembly, arguments)
         text = self._relative(complete_text(answer))
         self.answers[resource] = text
         self.answers.move_to_end(resource)
         while len(self.answers) > KEPT:
             self.answers.popitem(last=False)
         return Called(self._relative(short_text(tool.name, answer, resource)))
+
+    def _asked(
+        self, tool: Tool, file: str, assembly: Assembly, arguments: dict[str, Any]
+    ) -> Mapping[str, Any]:
+        """Data of the answer to a question; a new pose is written to the file `output`."""
+        output = arguments.pop("output", None)
+        target = None if output is None else self._new_file(output)
+        if tool.name not in ("scene", "settle"):
+            return ASK[tool.name](assembly, arguments)
+        answer = POSED[tool.name](assembly, arguments)
+        if target is not None:
+            drawn = answer.drawn
+            if drawn is None or (tool.name == "settle" and answer.state != "at-rest"):
+                why = "give settle: true" if drawn is None else "no pose at rest was found"
+                raise InputError("nothing was written", file=output, hint=why)
+            _write_pose(self.path_of(file), target, drawn, answer.assembly)
+        data: Mapping[str, Any] = answer.to_dict()
+        return data
+
+    def _new_file(self, name: str) -> Path:
+        """Path of a file that does not exist yet, with the ending of a format of poses."""
+        path = self.path_of(name)
+        if path.exists():
+            raise InputError("already exists", file=name, hint="give another name")
+        if not name.endswith((".kilter.json", ".xml", ".usda")):
+            raise InputError(
+                "is no format of a pose", file=name, hint="give X.kilter.json, X.xml or X.usda"
+            )
+        return path
 
     def path_of(self, name: str) -> Path:
         """Path of a file of the start folder.
@@ -269,10 +300,24 @@ def _transport(assembly: Assembly, options: Mapping[str, Any]) -> Mapping[str, A
     return transport(assembly, **options).to_dict()
 
 
-def _scene(assembly: Assembly, options: Mapping[str, Any]) -> Mapping[str, Any]:
+def _scene(assembly: Assembly, options: Mapping[str, Any]) -> Any:
     from kilter.analysis.scene_states.object_states import scene
 
-    return scene(assembly, **options).to_dict()
+    return scene(assembly, **options)
+
+
+def _settle(assembly: Assembly, options: Mapping[str, Any]) -> Any:
+    from kilter.analysis.settled_pose.settle import settle
+
+    return settle(assembly, **options)
+
+
+def _write_pose(source: Path, target: Path, drawn: Assembly, assembly: Assembly) -> None:
+    """Write a new pose in the format that the ending of the file names."""
+    if target.suffix == ".usda":
+        write_usd_poses(source, target, drawn, assembly)
+    else:
+        write_text(target, assembly.to_mjcf() if target.suffix == ".xml" else to_text(assembly))
 
 
 ASK: dict[str, Callable[[Assembly, Mapping[str, Any]], Mapping[str, Any]]] = {
@@ -283,6 +328,10 @@ ASK: dict[str, Callable[[Assembly, Mapping[str, Any]], Mapping[str, Any]]] = {
     "plan": _plan,
     "place": _place,
     "transport": _transport,
-    "scene": _scene,
 }
 """Function that answers each question about an assembly."""
+POSED: dict[str, Callable[[Assembly, Mapping[str, Any]], Any]] = {
+    "scene": _scene,
+    "settle": _settle,
+}
+"""Function that answers each question whose answer may have a new pose."""

@@ -35,6 +35,7 @@ READING: dict[str, dict[str, Any]] = {
 }
 """Options of reading a file, of all tools with a file."""
 REQUIRE = {"type": "string", "enum": list(LEVELS[:-1]), "description": "level that counts as yes"}
+OUTPUT = {"type": "string", "description": "new file: X.kilter.json, X.xml, or X.usda for USD"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +86,13 @@ TOOLS: tuple[Tool, ...] = (
     Tool("hold", "The fewest supports that hold what falls.",
          {"require": REQUIRE, "most": {"type": "integer", "description": "largest number"}}),
     Tool("plan", "An order of assembly, with the parts to hold at each step.", {}),
+    Tool("settle", "Move parts that overlap or hang by a little until they rest on each other.", {
+        "require": REQUIRE,
+        "reach": {**NUMBER, "description": "largest movement [file units]"},
+        "drop": {"type": "boolean", "description": "let hanging parts fall first"},
+        "keep": {**NAMES, "description": "parts that must not move"},
+        "output": OUTPUT,
+    }),
     Tool("place", "Where does the next box stand, and how heavy may it be there?", {
         "box": {**VECTOR, "description": "length, width, height [file units]"},
         "mass": {**NUMBER, "description": "[kg]"},
@@ -94,7 +102,11 @@ TOOLS: tuple[Tool, ...] = (
     Tool("transport", "How hard may its carrier accelerate, brake and turn?",
          {"accelerate": {**VECTOR, "description": "is this acceleration carried? [m/s^2]"}}),
     Tool("scene", "The state of each object of a scene: at rest, floats, overlaps, falls. Clusters "
-         "are judged separately.", {"require": REQUIRE}),
+         "are judged separately.", {
+        "require": REQUIRE,
+        "settle": {"type": "boolean", "description": "repair the faults first"},
+        "output": {**OUTPUT, "description": "with settle: write the repaired scene here"},
+    }),
     Tool("draw", "A picture of the assembly with its motion or forces.", {
         "what": {"type": "string", "enum": ["assembly", "region"]},
         "view": {**POINT, "description": "azimuth and elevation of the eye [deg]"},

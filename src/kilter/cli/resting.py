@@ -15,9 +15,11 @@ from kilter.errors import InputError
 from kilter.tell.levels import REQUIRE
 
 if TYPE_CHECKING:
+    from kilter.analysis.scene_states.scene_report import SceneReport
     from kilter.analysis.settled_pose.settle import Settled
+    from kilter.assembly import Assembly
 
-__all__ = ["settle"]
+__all__ = ["require_pose_form", "settle", "write_pose"]
 
 MOVED = "Movement"
 PICTURES = (".svg", ".png", ".pdf")
@@ -85,7 +87,7 @@ def settle(
     from kilter.tell.text import text_of
 
     if output is not None:
-        _require_form(output, asked)
+        require_pose_form(output, asked)
     asked.apart(output)
     with Progress(asked.quiet) as progress:
         assembly, contacts = asked.read(progress)
@@ -103,7 +105,7 @@ def settle(
         data = answer.to_dict()
         if output is not None and (answer.state == "at-rest" or output.suffix in PICTURES):
             progress("output")
-            _write(answer, asked, output)
+            write_pose(answer, asked, output)
     posed = replace(asked, reading=_with_poses(asked, answer))
     after = posed.keep_proof(answer.proof if answer.state == "at-rest" else None, data)
     tell_warnings(data["warnings"], asked.quiet or json)
@@ -120,7 +122,7 @@ def settle(
     return LOWER if answer.state == "at-rest" else SETTLE[answer.state]
 
 
-def _require_form(output: Path, asked: Asked) -> None:
+def require_pose_form(output: Path, asked: Asked) -> None:
     """Raise an error if an output file has an unknown ending or an unsuitable place."""
     suffix = output.suffix.lower()
     if suffix in PICTURES:
@@ -145,14 +147,14 @@ def _require_form(output: Path, asked: Asked) -> None:
         )  # fmt: skip
 
 
-def _with_poses(asked: Asked, answer: Settled) -> Any:
+def _with_poses(asked: Asked, answer: Settled | SceneReport) -> Any:
     """The options of reading with the settled poses of all moved parts."""
     poses = {
         part.name: {
             "position": part.pose.position.tolist(),
             "rotation": part.pose.rotation.tolist(),
         }
-        for part, drawn in zip(answer.assembly.parts, answer.drawn.parts, strict=True)
+        for part, drawn in zip(answer.assembly.parts, _drawn(answer).parts, strict=True)
         if part.pose != drawn.pose
     }
     entries = {**asked.reading.entries}
@@ -161,13 +163,19 @@ def _with_poses(asked: Asked, answer: Settled) -> Any:
     return replace(asked.reading, entries=entries)
 
 
-def _write(answer: Settled, asked: Asked, output: Path) -> None:
+def _drawn(answer: Settled | SceneReport) -> Assembly:
+    """The assembly before the movement."""
+    return answer.assembly if answer.drawn is None else answer.drawn
+
+
+def write_pose(answer: Settled | SceneReport, asked: Asked, output: Path) -> None:
     """Write the pose in the format that the ending of the file names."""
     suffix = output.suffix.lower()
     if suffix in PICTURES:
+        from kilter.analysis.scene_states.scene_report import SceneReport
         from kilter.publish import draw
 
-        draw(answer, output)
+        draw(answer.assembly if isinstance(answer, SceneReport) else answer, output)
     elif output.name.endswith(".kilter.json"):
         _write_kilter(answer, asked, output)
     elif suffix == ".xml":
@@ -181,19 +189,19 @@ def _write(answer: Settled, asked: Asked, output: Path) -> None:
         from kilter.files.usd.usd_poses import write_usd_poses
 
         source = asked.source or Path(asked.file)
-        write_usd_poses(source, output, answer.drawn, answer.assembly)
+        write_usd_poses(source, output, _drawn(answer), answer.assembly)
     else:
         from kilter.files.compas_writing import to_compas
 
         write_whole(output, to_compas(answer.assembly))
 
 
-def _write_kilter(answer: Settled, asked: Asked, output: Path) -> None:
+def _write_kilter(answer: Settled | SceneReport, asked: Asked, output: Path) -> None:
     """Write choices with the new poses; the complete assembly if choices cannot express the pose.
 
     Points of loads, joints and bonds move with their parts, which choices do not state.
     """
-    drawn, settled = answer.drawn, answer.assembly
+    drawn, settled = _drawn(answer), answer.assembly
     entries = ("loads", "joints", "bonds")
     if any(getattr(drawn, name) != getattr(settled, name) for name in entries):
         from kilter.files import dump

@@ -2,17 +2,34 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Annotated
+
 from kilter.cli.asked import Asked
+from kilter.cli.declarations import Option
 from kilter.cli.exit_codes import HOLDS, LOWER, SCENE
 from kilter.cli.options import Require, asks
-from kilter.cli.output import Progress
+from kilter.cli.output import Progress, tell_written
+from kilter.cli.resting import require_pose_form, write_pose
 from kilter.tell.levels import REQUIRE
 
 __all__ = ["scene"]
 
 
 @asks(searches=True)
-def scene(asked: Asked, require: Require = REQUIRE) -> int:
+def scene(
+    asked: Asked,
+    require: Require = REQUIRE,
+    settle: Annotated[
+        bool,
+        Option(
+            "--settle",
+            help="First repair the scene: floating objects fall to their contact, and clusters "
+            "with faults settle. With -o, the repaired scene is written: X.usda (a layer over a "
+            "USD file), X.kilter.json, X.xml (MJCF), X.glb.",
+        ),
+    ] = False,
+) -> int:
     """Report for each object of a scene whether it is at rest, floats, overlaps or falls.
 
     Objects that touch each other form a cluster, and each cluster is judged by itself. Held are the
@@ -23,6 +40,9 @@ def scene(asked: Asked, require: Require = REQUIRE) -> int:
     """
     from kilter.analysis.scene_states.object_states import scene as find
 
+    output = asked.output if settle else None
+    if output is not None:
+        require_pose_form(output, asked)
     with Progress(asked.quiet) as progress:
         assembly, contacts = asked.read(progress)
         report = find(
@@ -32,9 +52,15 @@ def scene(asked: Asked, require: Require = REQUIRE) -> int:
             require=require,
             effort=asked.effort,
             time_limit=asked.time_limit,
+            settle=settle,
             progress=progress,
         )
+        if output is not None:
+            write_pose(report, asked, output)
+    if settle:
+        asked = replace(asked, output=None)
     asked.tell(report.to_dict())
+    tell_written(output, "repaired scene", asked.quiet)
     if report.faults:
         return SCENE["faults"]
     if any(entry.state == "open" for entry in report):

@@ -24,8 +24,8 @@ def mcp(
     """Serve the questions of kilter as tools for agents, on standard input and output.
 
     The server speaks the Model Context Protocol (extra 'mcp'). Its tools are check, contacts,
-    margin, hold, plan, place, transport, scene, draw and example. Each answer has at most 4 kB and
-    names the resource that has the whole answer.
+    margin, hold, plan, settle, place, transport, scene, draw and example. Each answer has at most
+    4 kB and names the resource that has the whole answer.
 
     Exit code: 0 when standard input ends.
     """

@@ -104,8 +104,13 @@ def scene_facts(answer: Answer) -> list[Fact]:
         f"{GEOMETRY[kind]} of {count(many, 'part')}" for kind, many in answer["geometry"].items()
     ]
     clusters = count(answer["clusters"], "cluster")
+    moved: list[Fact] = []
+    if answer["moved"]:
+        farthest = f"{number(max(answer['moved'].values()), 3)} {answer['units']}"
+        moved = [("moved", f"{count(len(answer['moved']), 'object')} by up to {farthest}")]
     return [
         ("held", some(held) or "no part (joints to the ground)"),
+        *moved,
         ("judged", f"{clusters} of touching objects, each by itself"),
         ("geometry", "; ".join(geometry)),
         ("gravity", gravity_phrase(answer)),

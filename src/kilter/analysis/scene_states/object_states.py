@@ -22,6 +22,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,6 +32,7 @@ from kilter.analysis.check import CUT, check
 from kilter.analysis.planning.order.sweeps import Sweeps
 from kilter.analysis.scene_states.falling_distance import falling_distance
 from kilter.analysis.scene_states.scene_graph import SceneGraph
+from kilter.analysis.scene_states.scene_repair import chosen_parts, settled_clusters
 from kilter.analysis.scene_states.scene_report import ObjectState, SceneObject, SceneReport
 from kilter.analysis.verdict.remarks import remarks
 from kilter.analysis.verdict.verdict import Verdict
@@ -62,6 +64,7 @@ def scene(
     require: str = REQUIRE,
     effort: float = EFFORT,
     time_limit: float | None = None,
+    settle: bool = False,
     progress: Callable[[str], None] | None = None,
 ) -> SceneReport:
     """Decide for each object of a scene whether it is at rest, floats, overlaps or falls.
@@ -92,6 +95,9 @@ def scene(
         cluster.
     time_limit : float, optional
         Time limit [s]. Clusters that are not judged until then are open.
+    settle : bool
+        Whether to repair the scene first: floating objects fall, and clusters with faults settle
+        (`kilter.settle`). The report is about the new poses; `SceneReport.drawn` has the old.
     progress : callable, optional
         Function that is called with the name of each stage.
 
@@ -127,6 +133,9 @@ def scene(
         contacts = detect.contacts(
             assembly, tolerance=tolerance, time_limit=time_limit, progress=progress
         )
+    if settle:
+        given = {"tolerance": tolerance, "require": require, "effort": effort, "progress": tell}
+        return _repaired(assembly, contacts, given, started)
     ends = None if time_limit is None else started + time_limit
     survey = _Survey(assembly, contacts.of(assembly), require, effort, ends, tell)
     survey.judge()
@@ -144,6 +153,25 @@ def scene(
         (*_warnings(assembly, contacts), *((CUT,) if survey.cut else ())),
         time.perf_counter() - started,
     )
+
+
+def _repaired(
+    assembly: Assembly, contacts: ContactSet, given: dict[str, Any], started: float
+) -> SceneReport:
+    """The report about a scene after its repair (`kilter.analysis.scene_states.scene_repair`)."""
+    first = scene(assembly, contacts=contacts, **given)
+    falls = {entry.name: entry.move for entry in first if entry.move is not None}
+    fallen = assembly.with_poses(falls) if falls else assembly
+    tolerance = given["tolerance"]
+    touching = detect.contacts(fallen, tolerance=tolerance) if falls else contacts
+    second = scene(fallen, contacts=touching, **given) if falls else first
+    faulty = {entry.name for entry in second if entry.state not in ("at-rest", "held")}
+    report = second
+    if faulty:
+        options = {key: given[key] for key in ("require", "effort", "progress")}
+        settled = settled_clusters(fallen, touching, faulty, **options)
+        report = scene(settled, **given)
+    return replace(report, drawn=assembly, seconds=time.perf_counter() - started)
 
 
 def _warnings(assembly: Assembly, contacts: ContactSet) -> list[str]:
@@ -240,7 +268,7 @@ class _Survey:
         beside = self.graph.beside(members)
         known = [k for k in beside.tolist() if k in self.states]
         chosen = np.sort(np.concatenate([members, beside]))
-        sub = _chosen_parts(self.assembly, chosen, known)
+        sub = chosen_parts(self.assembly, chosen, known)
         contacts = self.contacts
         if known:
             contacts = without_overlaps(contacts, known)
@@ -278,12 +306,13 @@ class _Survey:
                 self.states[k] = SceneObject(name, "falls", motion="nothing is below it")
             else:
                 other, touching = parts[fall.other].name, self._touching_gap(fall.part, fall.other)
+                moved = Pose(pose.position + fall.distance * self.down, pose.rotation)
                 if fall.distance <= touching:
                     # a round part that is sunk by less than its triangles show has no contact
                     state: ObjectState = "overlaps" if fall.distance < -touching else "open"
-                    self.states[k] = SceneObject(name, state, None, fall.distance, other)
+                    raised = moved if state == "overlaps" else None
+                    self.states[k] = SceneObject(name, state, None, fall.distance, other, raised)
                     continue
-                moved = Pose(pose.position + fall.distance * self.down, pose.rotation)
                 self.states[k] = SceneObject(
                     name, "floats", None, fall.distance, other, moved, if_held=if_held
                 )
@@ -368,24 +397,3 @@ def _worst_overlaps(assembly: Assembly, contacts: ContactSet) -> dict[int, Overl
 
 SAME_HEIGHT = 1e-6
 """Difference of the lowest points of two equally high parts [depths of their overlap]."""
-
-
-def _chosen_parts(assembly: Assembly, chosen: Index, held: list[int]) -> Assembly:
-    """The assembly of some of the parts, of which some are also held."""
-    parts = [assembly.parts[k] for k in chosen.tolist()]
-    names = {part.name for part in parts}
-    still = {assembly.names[k] for k in held}
-    if still:
-        parts = [replace(p, grounded=True) if p.name in still else p for p in parts]
-    inside = {*names, "ground"}
-    return replace(
-        assembly,
-        parts=parts,
-        notes=(),
-        friction_pairs=[e for e in assembly.friction_pairs if names.issuperset(e.parts)],
-        contacts=[e for e in assembly.contacts if names.issuperset(e.parts)],
-        joints=[e for e in assembly.joints if inside.issuperset(e.parts)],
-        bonds=[e for e in assembly.bonds if names.issuperset(e.parts)],
-        straps=[e for e in assembly.straps if inside.issuperset(e.parts)],
-        loads=[e for e in assembly.loads if e.part in names - still],
-    )

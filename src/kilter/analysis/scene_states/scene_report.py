@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar, Literal, get_args
 
+import numpy as np
+
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
@@ -44,7 +46,8 @@ class SceneObject:
     other : str or None
         The part above which it floats, that it overlaps, or whose contact is open.
     move : Pose or None
-        Pose of the part after a fall to the first contact, for a floating object.
+        Pose of the part after a vertical move to its first contact, for a floating object, and for
+        a round object that is sunk by less than the error of its triangles.
     motion : str
         First motion of a falling object, in words.
     if_held : tuple of str
@@ -109,6 +112,8 @@ class SceneReport(Answer):
         Level from which an object counts as at rest.
     warnings : tuple of str
     seconds : float
+    drawn : Assembly or None
+        The assembly before a repair; None without a repair.
     """
 
     answer: ClassVar[str] = "scene"
@@ -120,6 +125,7 @@ class SceneReport(Answer):
     require: str
     warnings: tuple[str, ...]
     seconds: float
+    drawn: Assembly | None = None
 
     def __iter__(self) -> Iterator[SceneObject]:
         return iter(self.objects)
@@ -168,6 +174,17 @@ class SceneReport(Answer):
         return min((entry.level for entry in free), key=level_rank)
 
     @property
+    def moved(self) -> dict[str, float]:
+        """Distance by which a repair moved the centre of mass of each object [length unit]."""
+        if self.drawn is None:
+            return {}
+        steps = self.assembly.geometry.center - self.drawn.geometry.center
+        lengths = np.linalg.norm(steps, axis=1).tolist()
+        before, after = self.drawn.parts, self.assembly.parts
+        rows = zip(before, after, lengths, strict=True)
+        return {old.name: length for old, new, length in rows if old.pose != new.pose}
+
+    @property
     def geometry(self) -> dict[str, int]:
         """Number of objects by the geometry that was used: "collider", "visual" or "as-drawn"."""
         counted = Counter(part.geometry or "as-drawn" for part in self.assembly.parts)
@@ -187,6 +204,7 @@ class SceneReport(Answer):
             "level": self.level,
             "require": self.require,
             "clusters": len(self.verdicts),
+            "moved": self.moved,
             "geometry": self.geometry,
             "gravity": self.assembly.gravity.tolist(),
             "friction": self.assembly.friction,

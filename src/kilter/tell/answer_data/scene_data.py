@@ -35,7 +35,8 @@ class SceneObjectData(TypedDict):
     ]
     other: str | None
     move: Annotated[
-        MoveData | None, Field(description="pose after a fall to the first contact, or null")
+        MoveData | None,
+        Field(description="pose after a vertical move to the first contact"),
     ]
     motion: Annotated[str | None, Field(description="first motion of a falling object")]
     if_held: Annotated[
@@ -60,6 +61,10 @@ class SceneData(TypedDict):
     level: Annotated[str | None, Field(description="lowest level of the objects")]
     require: str
     clusters: Annotated[int, Field(description="number of separately judged clusters")]
+    moved: Annotated[
+        dict[str, float],
+        Field(description="distance by which --settle moved each object [length unit]"),
+    ]
     geometry: Annotated[
         dict[str, int],
         Field(description="number of parts by the geometry used: collider, visual or as-drawn"),
