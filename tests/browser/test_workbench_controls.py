@@ -192,6 +192,18 @@ def test_a_computation_is_stopped_in_the_bar_and_started_again(user: Callable) -
     press(page, "Compute", "contacts")
 
 
+def test_places_are_mapped_by_the_button(user: Callable, capsys: Any, monkeypatch: Any) -> None:
+    page = user("tower")
+    page.page.click("#tab-place")
+    page.page.fill("#place-size", "small")
+    page.page.click("#sheet-controls button:has-text('Map the places')")
+    assert page.text("trouble-words").startswith("Give the size of the box")
+    page.page.fill("#place-size", "0.5 0.5 0.5")
+    page.page.fill("#place-mass", "2")
+    press(page, "Map the places", "place")
+    assert tab_agrees(page, "place", capsys, monkeypatch)["levels"]
+
+
 def test_two_states_are_compared(user: Callable) -> None:
     page = user("arch")
     page.enter("friction-number", "0.3")
@@ -291,6 +303,7 @@ FRICTION = "test_the_friction_slider_changes_the_verdict_of_the_arch_at_its_limi
 FLOOR = "test_floor_axis_and_gravity"
 VIEWS = "test_the_view_cube_and_keys_show_standard_views"
 TABS = "test_analyses_are_tabs_with_their_command"
+PLACE = "test_places_are_mapped_by_the_button"
 CONTROLS = {
     # the bar, the start page, the notices, the command
     "open-file": WRONG,
@@ -382,6 +395,10 @@ CONTROLS = {
     "tab-plan": OPTIONS,
     "tab-hold": "test_the_found_supports_are_held",
     "tab-transport": OPTIONS,
+    "tab-place": PLACE,
+    "place-size": PLACE,
+    "place-mass": PLACE,
+    "sheet-controls Map the places": PLACE,
     "tab-contacts": OPTIONS,
     "tab-compare": "test_two_states_are_compared",
     "copy-tab-command": OPTIONS,
@@ -497,7 +514,7 @@ def test_every_control_of_the_page_has_a_test(user: Callable) -> None:
             page.act(action)
         look()
         page.click("#undo")
-        for name in ("changes", "compare", "transport"):
+        for name in ("changes", "compare", "transport", "place"):
             page.page.click(f"#tab-{name}")
             look()
         page.page.click("#tab-margin")
