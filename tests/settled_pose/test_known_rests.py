@@ -313,3 +313,14 @@ def test_an_undecided_check_offers_the_pose_at_rest(
 def test_a_decided_check_offers_no_movement() -> None:
     drawn = Assembly([TABLE, box("box", [1, 1, 1], [0, 0, 0.5])])
     assert not kilter.check(drawn).remedies
+
+
+def test_a_time_limit_ends_the_search_with_a_sentence(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from kilter.cli import main
+
+    file = tmp_path / "arch.kilter.json"
+    kilter.dump(disturbed(arch(20).with_friction(0.6), 1e-3, 0)[0], file)
+    assert main(["settle", str(file), "--time-limit", "0", "--quiet"]) == 4
+    assert "the time limit of 0 s was reached" in capsys.readouterr().out

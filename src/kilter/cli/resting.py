@@ -13,6 +13,7 @@ from kilter.cli.options import Json, Require, asks
 from kilter.cli.output import Progress, as_json, emit, tell_warnings, tell_written, write_whole
 from kilter.errors import InputError
 from kilter.tell.levels import REQUIRE
+from kilter.work import stop_after
 
 if TYPE_CHECKING:
     from kilter.analysis.scene_states.scene_report import SceneReport
@@ -91,17 +92,18 @@ def settle(
     asked.apart(output)
     with Progress(asked.quiet) as progress:
         assembly, contacts = asked.read(progress)
-        answer = find(
-            assembly,
-            reach=reach,
-            keep=keep or (),
-            drop=drop,
-            contacts=contacts,
-            require=require,
-            tolerance=asked.tolerance,
-            effort=asked.effort,
-            progress=progress,
-        )
+        with stop_after(asked.time_limit):
+            answer = find(
+                assembly,
+                reach=reach,
+                keep=keep or (),
+                drop=drop,
+                contacts=contacts,
+                require=require,
+                tolerance=asked.tolerance,
+                effort=asked.effort,
+                progress=progress,
+            )
         data = answer.to_dict()
         if output is not None and (answer.state == "at-rest" or output.suffix in PICTURES):
             progress("output")
