@@ -335,22 +335,26 @@ def _search(
         return search_rest(bodies, reach=most, most=limit, progress=tell), most
     reach = _default_reach(bodies.drawn, contacts, dropped)
     found = search_rest(bodies, reach=reach, most=None, progress=tell)
-    if found.state in ("at-rest", "does-not-fit") or not _more_pairs(bodies, reach):
+    if found.state in ("at-rest", "does-not-fit") or not _more_pairs(bodies, reach, found.parts):
         return found, reach
     tell("wider reach")
     wider = search_rest(bodies, reach=WIDER * reach, most=None, progress=tell)
     return (wider, WIDER * reach) if wider.state == "at-rest" else (found, reach)
 
 
-def _more_pairs(bodies: RigidBodies, reach: float) -> bool:
-    """Whether more pairs of parts come within the wider reach of a second attempt."""
+def _more_pairs(bodies: RigidBodies, reach: float, parts: tuple[str, ...]) -> bool:
+    """Whether more pairs with one of `parts` come within the wider reach of a second attempt.
+
+    Without `parts`, every pair counts.
+    """
     assembly = bodies.assembly()
     pairs = []
     for distance in (reach, WIDER * reach):
         points = find_near_points(assembly, distance, distance)
         bearing = points.take(points.bears)
         pairs.append(set(zip(bearing.part_a.tolist(), bearing.part_b.tolist(), strict=True)))
-    return bool(pairs[1] - pairs[0])
+    falling = {assembly.index_of(name) for name in parts or assembly.names}
+    return any(falling.intersection(pair) for pair in pairs[1] - pairs[0])
 
 
 def _default_reach(assembly: Assembly, contacts: ContactSet, dropped: float) -> float:
