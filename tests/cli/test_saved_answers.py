@@ -141,7 +141,8 @@ def answer_of(words: tuple[str, ...], request: list[str]) -> tuple[int, Any]:
         return code, picture
     # the page states its file and the command that wrote it
     [name] = re.findall(rb"<title>(.*?) \xe2\x80\x93 kilter</title>", picture)
-    for stated in (b"<title>" + name, b"<bdi>" + name + b"</bdi>", b'"title":"' + name + b'"'):
+    heading = b'<bdi id="title">' + name + b"</bdi>"
+    for stated in (b"<title>" + name, heading, b'"title":"' + name + b'"'):
         assert picture.count(stated) == 1
         picture = picture.replace(stated, b"")
     page, commands = re.subn(rb"kilter report [^<]*</code>", b"", picture)
