@@ -68,6 +68,10 @@ class PileFit:
         Number of programs that were solved.
     steps : dict
         Number of places that each step decided.
+    decision : PlaceDecision or None
+        States of the places on the base with their forces and motions; None without such places.
+    rows : ndarray of int
+        Index of each place of `decision` in the flattened `mask`.
     """
 
     mask: Mask
@@ -118,11 +122,11 @@ class Pile:
     0.0
     >>> mask, heights = pile.fits((0.6, 0.4, 0.1), 2.0, 0.2)
     >>> mask.shape, int(mask.sum())
-    ((4, 3), 3)
-    >>> heights[1].tolist()
-    [0.2, 0.2, 0.2]
-    >>> mask[0].tolist(), heights[0].tolist()
-    ([False, True, False], [0.2, 0.2, 0.2])
+    ((6, 4), 9)
+    >>> mask[:4, :3].all(axis=1).tolist()  # the third row tips over the edge of the first box
+    [True, True, False, True]
+    >>> heights[:4, 0].tolist()
+    [0.2, 0.2, 0.2, 0.0]
     >>> pile.add((0.6, 0.4, 0.1), 2.0, (0.2, 0.2))
     0.2
     >>> pile.verdict().verdict
