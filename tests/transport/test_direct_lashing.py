@@ -12,7 +12,7 @@ from lashings import direct, random_direct
 from strap_program import least_share
 
 import kilter
-from kilter import InputError, Strap
+from kilter import Assembly, Box, InputError, Part, Strap
 from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
 from kilter.analysis.transport.carrier_path import CarrierPath
@@ -215,3 +215,23 @@ def test_loops_agree_with_an_independent_program(seed: int) -> None:
         return
     rounding = 1e-6 * max(1.0, factor.value)
     assert around - rounding <= factor.value <= inside + rounding
+
+
+def test_the_data_name_each_strap_and_its_pull() -> None:
+    """Without friction, level straps through the centre pull with m a in total."""
+    table = Part("table", Box(4, 4, 1), [0, 0, -0.5], grounded=True)
+    box = Part("box", Box(1, 1, 1), [0, 0, 0.5], mass=100)
+    straps = [
+        Strap([("ground", [2, 0, 0.5]), ("box", [0.5, 0, 0.5])], capacity=700, name="front"),
+        Strap([("ground", [-2, 0, 0.5]), ("box", [-0.5, 0, 0.5])], capacity=900),
+    ]
+    assembly = Assembly([table, box], straps=straps)
+    answer = kilter.transport(assembly, accelerate=[3, 0, 0], require="equilibrium").to_dict()
+    front, back = answer["straps"]
+    assert (front["name"], front["tension"], front["capacity"]) == ("front", None, 700)
+    assert (back["name"], back["capacity"]) == ("strap 2", 900)
+    # the box is carried along +x by the strap in front; equal pulls of both straps cancel
+    assert front["used"] - back["used"] == pytest.approx(300)
+    assert front["used"] <= 700
+    again = kilter.files.from_dict(kilter.files.to_dict(assembly))
+    assert [strap.name for strap in again.straps] == ["front", ""]

@@ -53,6 +53,8 @@ class Strap(Value):
     capacity : float, optional
         Largest pull LC [N] of a strap that is not tensioned, instead of `tension`. The pull is
         unknown, from 0 to LC.
+    name : str
+        Name of the strap in messages and answers; empty without a name.
 
     Raises
     ------
@@ -73,8 +75,11 @@ class Strap(Value):
     mu: float = 0.0
     tensioned: StrapEnd | None = None
     capacity: float | None = None
+    name: str = ""
 
     def __post_init__(self) -> None:
+        if not isinstance(self.name, str):
+            raise InputError(f"name of a strap is {self.name!r:.40}", hint="give a text")
         entries = list(self.path) if isinstance(self.path, list | tuple) else []
         if len(entries) < 2 or not all(
             isinstance(entry, list | tuple) and len(entry) == 2 and isinstance(entry[0], str)
@@ -199,6 +204,8 @@ class Strap(Value):
             data["mu"] = self.mu
         if self.tensioned is not None:
             data["tensioned"] = self.tensioned
+        if self.name:
+            data["name"] = self.name
         return data
 
     def __repr__(self) -> str:
@@ -207,12 +214,14 @@ class Strap(Value):
 
 
 def some(strap: Strap) -> str:
-    """Names of the parts of a strap, for messages.
+    """The name of a strap in messages: its own, or the names of its parts.
 
     Examples
     --------
     >>> some(Strap([("ground", [0, 0, 0]), ("box", [0, 0, 1])], 1.0))
     "'box'"
     """
+    if strap.name:
+        return repr(strap.name)
     names = dict.fromkeys(name for name in strap.parts if name != GROUND)
     return " and ".join(repr(name) for name in names) or repr(GROUND)

@@ -276,7 +276,7 @@ def _bond(entry: Any) -> Bond:
 
 def _strap(entry: Any) -> Strap:
     """Build the strap of a file entry."""
-    return Strap(entry.path, entry.tension, entry.mu, entry.tensioned, entry.capacity)
+    return Strap(entry.path, entry.tension, entry.mu, entry.tensioned, entry.capacity, entry.name)
 
 
 def _keep(

@@ -283,6 +283,7 @@ class BondEntry(Entry):
 class StrapEntry(Entry):
     """A belt that runs over parts along straight pieces, of known tension or of capacity."""
 
+    name: str = Field("", description="name of the strap in answers")
     path: Annotated[list[tuple[Name, Vector]], Field(min_length=2)] = Field(
         description='part and point of each end and corner, world frame; "ground" is the world'
     )

@@ -46,7 +46,7 @@ from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance
 from kilter.errors import InputError, TimeLimitReached
 from kilter.mechanics.bundle import make_bundle
-from kilter.mechanics.certificate import MotionProof, part_sizes
+from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
 from kilter.mechanics.program import Program, build_program
 from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import REQUIRE, holds, level_rank, require_level
@@ -63,6 +63,7 @@ if TYPE_CHECKING:
         DirectionLimitData,
         FirstMotionData,
         PolarData,
+        StrapUseData,
         TransportData,
     )
 
@@ -260,6 +261,7 @@ class Transport(AnswerInWords):
             "fc": self.fc,
             "code": self.code,
             "cases": [case.to_dict(program, self.require) for case in self.cases],
+            "straps": strap_uses(self.assembly, self.program, self._verdicts()),
             "speed": None if self.path is None else self.path.to_dict(program),
             "missing": dict(self.missing),
             "warnings": list(self.warnings),
@@ -284,6 +286,10 @@ class Transport(AnswerInWords):
             limits.append(self.least.limit)
         first = min(limits, key=lambda limit: limit.value, default=None)
         return None if first is None else first.mechanism
+
+    def _verdicts(self) -> list[Verdict]:
+        """Verdicts of the given motions; without a question, the verdict at rest."""
+        return [case.verdict for case in self.cases] or [self.rest]
 
     def rows(self, *, inner: bool = True) -> tuple[Array, Array]:
         """Linear constraints ``A @ y <= b`` on the motion of the carrier, for a planner of paths.
@@ -659,6 +665,28 @@ def _kind_of_motion(words: str) -> str:
     """
     first = words.split(maxsplit=1)[0]
     return first if first in ("slides", "tips") else words
+
+
+def strap_uses(
+    assembly: Assembly, program: Program, verdicts: Sequence[Verdict]
+) -> list[StrapUseData]:
+    """Tension or capacity of each strap, and its largest pull in the forces of the verdicts."""
+    proofs = [verdict.certificate for verdict in verdicts]
+    forces = [proof.forces for proof in proofs if isinstance(proof, ForceProof)]
+    first, _ = program.bounded_straps
+    pulls = iter(np.max([force[first] for force in forces], axis=0) if forces else [])
+    uses: list[StrapUseData] = []
+    for k, strap in enumerate(assembly.straps, 1):
+        pull = strap.tension if strap.capacity is None else next(pulls, None)
+        uses.append(
+            {
+                "name": strap.name or f"strap {k}",
+                "tension": strap.tension,
+                "capacity": strap.capacity,
+                "used": None if pull is None else float(pull),
+            }
+        )
+    return uses
 
 
 def carried_at(verdicts: Sequence[Verdict], require: str) -> bool | None:

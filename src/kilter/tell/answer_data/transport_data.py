@@ -102,6 +102,18 @@ class CollapseData(TypedDict):
     moves: list[str]
 
 
+class StrapUseData(TypedDict):
+    """A strap and its pull in the forces that prove that the assembly holds."""
+
+    name: str
+    tension: Annotated[float | None, Field(description="[N]; null: the strap has a capacity")]
+    capacity: Annotated[float | None, Field(description="[N]; null: the strap has a tension")]
+    used: Annotated[
+        float | None,
+        Field(description="largest pull over the cases [N]; null: not known"),
+    ]
+
+
 class PathData(TypedDict):
     """Largest factor on the speed along a path at which contact forces can hold the parts."""
 
@@ -144,6 +156,7 @@ class TransportData(TypedDict):
     fc: Annotated[float | None, Field(description="confidence factor FC [-]")]
     code: str | None
     cases: list[CaseData]
+    straps: list[StrapUseData]
     speed: Annotated[PathData | None, Field(description="of a path")]
     missing: dict[str, Reason]
     warnings: list[str]
