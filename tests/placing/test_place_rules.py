@@ -1,0 +1,85 @@
+"""Rules of packing programs beside kilter: `benchmarks/place_rules.py` and its table."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+FILE = ROOT / "benchmarks" / "place_rules.py"
+PAGE = ROOT / "docs" / "placing.md"
+PICTURE = ROOT / "docs" / "images" / "place-rules.svg"
+
+
+@pytest.fixture(scope="module")
+def benchmark() -> Iterator[ModuleType]:
+    spec = importlib.util.spec_from_file_location("place_rules", FILE)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # dataclasses look up their module there
+    spec.loader.exec_module(module)
+    yield module
+    del sys.modules[spec.name]
+
+
+def counts_of_page(benchmark: ModuleType):
+    """The counts in the table of the page."""
+    text = PAGE.read_text(encoding="utf-8")
+    counts = benchmark.RuleCounts()
+    [(stands, total)] = re.findall(r"stands at ([\d,]+) of ([\d,]+) places", text)
+    counts.stands = int(stands.replace(",", ""))
+    counts.falls = int(total.replace(",", "")) - counts.stands
+    for rule in benchmark.RULES:
+        row = rf"^\| {re.escape(rule)} \| ([\d,]+) \| \d+ % \| ([\d,]+) \| \d+ % \|$"
+        [(falls, rejected)] = re.findall(row, text, flags=re.M)
+        counts.accepted_falls[rule] = int(falls.replace(",", ""))
+        counts.rejected_stands[rule] = int(rejected.replace(",", ""))
+    return counts
+
+
+def test_two_stacks(benchmark: ModuleType) -> None:
+    """The row of kilter is 0 / 0; each stricter share of support accepts fewer places."""
+    counts = benchmark.counted([1, 2])
+    assert counts.stands > 0
+    assert counts.falls > 0
+    assert counts.stands + counts.falls + counts.undecided == 2 * benchmark.PLACES
+    assert counts.rechecked >= 15
+    assert counts.disagreements == 0
+    assert (counts.accepted_falls["kilter"], counts.rejected_stands["kilter"]) == (0, 0)
+    assert counts.accepted_falls["LBCP"] == 0
+    assert counts.rejected_stands["centre over the hull of its contact"] == 0
+    shares = ["60 % support", "75 % support", "full support"]
+    rejected = [counts.rejected_stands[rule] for rule in shares]
+    assert rejected == sorted(rejected)
+    assert rejected[-1] > 0
+
+
+def test_rules_and_program_on_a_counterbalanced_plank(benchmark: ModuleType) -> None:
+    """A load x beyond the edge stands up to W (L / 2 - e) / w = 0.16; LBCP ends at the edge."""
+    block, plank = [0, 0, 0, 1, 1, 0.5], [0.3, 0, 0.5, 1, 1, 0.125]
+    for beyond, stands, bearing in (
+        (-0.01, True, True),
+        (0.159, True, False),
+        (0.161, False, False),
+    ):
+        load = [1 + beyond - 0.0005, 0.4995, 0.625, 0.001, 0.001, 0.125]
+        boxes = np.array([block, plank, load])
+        assert benchmark.balanced(boxes, np.array([5, 2, 2.5])) is stands
+        answer = benchmark.answers(boxes, benchmark.load_bearing(boxes[:2]))
+        assert answer["LBCP"] is bearing
+        assert answer["full support"]
+
+
+def test_the_table_and_picture_of_the_page_are_those_of_the_command(benchmark: ModuleType) -> None:
+    counts = counts_of_page(benchmark)
+    assert counts.stands + counts.falls <= 60 * benchmark.PLACES
+    assert benchmark.table(counts) in PAGE.read_text(encoding="utf-8")
+    assert benchmark.figure(counts) == PICTURE.read_text(encoding="utf-8")
