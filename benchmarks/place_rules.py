@@ -241,8 +241,8 @@ def table(counts: RuleCounts) -> str:
     lines = [
         f"The stack stands at {counts.stands:,} of {counts.stands + counts.falls:,} places.",
         "",
-        "| rule | accepts, but the stack falls | share of accepted places | rejects, but the stack stands | "
-        "share of standing places |",
+        "| rule | accepts, but the stack falls | share of accepted places | "
+        "rejects, but the stack stands | share of standing places |",
         "|---|---|---|---|---|",
     ]
     for rule in RULES:
@@ -272,7 +272,10 @@ def figure(counts: RuleCounts) -> str:
         f"<style>text{{font:13px system-ui,sans-serif}}{light}"
         f"@media(prefers-color-scheme:dark){{{dark}}}</style>",
     ]
-    legend = (("falls", "of accepted places: falls"), ("rejected", "of standing places: rejected"))
+    legend = (
+        ("falls", "share of accepted places that fall"),
+        ("rejected", "share of standing places rejected"),
+    )
     for k, (name, words) in enumerate(legend):
         x = 12 + 260 * k
         lines.append(f'<rect class="{name}" x="{x}" y="8" width="{BAR}" height="{BAR - 3}"/>')
