@@ -20,6 +20,7 @@ __all__ = [
     "open_options",
     "pair_words",
     "remedy_facts",
+    "remedy_words",
     "rounded_up",
     "settling_options",
     "undecided_sentence",
@@ -171,18 +172,31 @@ def rounded_up(gap: float) -> float:
     return float(f"{math.ceil(above / step - 1e-9) * step:.3g}")
 
 
+def remedy_words(option: str, leads_to: str | None, moved: float | None, units: str) -> str:
+    """Return an option that was tried, with its result, in words.
+
+    Examples
+    --------
+    >>> remedy_words("--loose", "stable", None, "mm")
+    '--loose: stable'
+    >>> remedy_words("--settle", "stable", 0.41, "mm")
+    'kilter settle FILE: at rest after moving 0.41 mm, then stable'
+    """
+    result = REMEDY_RESULTS.get(leads_to, leads_to)
+    if moved is None:
+        return f"{option}: {result}"
+    return f"kilter settle FILE: at rest after moving {number(moved, 3)} {units}, then {result}"
+
+
 def remedy_facts(answer: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Return the lines about options that kilter tried as remedies, each with its result.
 
     Examples
     --------
-    >>> remedy_facts({"remedies": [{"option": "--loose", "leads_to": "stable", "level": "proved"}]})
+    >>> remedy_facts({"remedies": [{"words": "--loose: stable"}]})
     [('with', '--loose: stable')]
     """
-    rows = [
-        f"{remedy['option']}: {REMEDY_RESULTS.get(remedy['leads_to'], remedy['leads_to'])}"
-        for remedy in answer.get("remedies", ())
-    ]
+    rows = [remedy["words"] for remedy in answer.get("remedies", ())]
     return [("" if row else "with", words) for row, words in enumerate(rows)]
 
 

@@ -38,7 +38,8 @@ def settle_sentence(answer: Answer) -> str:
             return f"At rest as drawn: level {answer['level']}."
         return f"At rest after moving {moved_words(answer)}: level {answer['level']}."
     if answer["state"] == "falls":
-        return f"The assembly falls: no forces balance {names} at the points within reach."
+        points = answer["why"].partition(" at the points ")[2] or "within reach"
+        return f"The assembly falls: no forces balance {names} at the points {points}."
     if answer["state"] == "does-not-fit":
         depth = f"{number(answer['depth'], 3)} {answer['units']}"
         return f"The parts do not fit: small motions leave {names} overlapping by {depth}."
@@ -60,7 +61,10 @@ def settle_facts(answer: Answer) -> list[Fact]:
             )
         )
         facts.append(("carries", count(len(answer["carries"]), "pair") + " of parts touch"))
-        facts.append(("verdict", f"{answer['before']} as drawn, {answer['after']} at rest"))
+        rest = f"{answer['before']} as drawn, {answer['after']} at rest"
+        if answer["after_asked"] != answer["require"]:
+            rest += f" (levels above {answer['after_asked']} were not asked)"
+        facts.append(("verdict", rest))
         facts.append(("closed points", f"level {answer['closed_level']} on these alone"))
     else:
         facts.append(("reach", f"{number(answer['reach'], 3)} {units}"))

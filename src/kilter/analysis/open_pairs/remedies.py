@@ -27,7 +27,7 @@ from kilter.contact.fits.suggestions import suggest_joints
 from kilter.contact.sub_contacts import contacts_among
 from kilter.errors import InputError, shell_words
 from kilter.tell.levels import LEVELS
-from kilter.tell.open_words import OpenOption, open_options, rounded_up
+from kilter.tell.open_words import OpenOption, open_options, remedy_words, rounded_up
 from kilter.work import Work
 
 if TYPE_CHECKING:
@@ -87,15 +87,30 @@ class Remedy:
     level : str or None
         The level with these options; None if the assembly does not hold. It is "equilibrium" if
         nothing higher was decided.
+    moved : float or None
+        Largest movement of a part with the option ``--settle`` [length unit]; else None.
+    units : str
+        Unit of length of the movement.
+    poses : mapping or None
+        New poses of the parts that ``--settle`` moves, as entries of choices; else None.
     """
 
     option: str
     leads_to: str | None
     level: str | None
+    moved: float | None = None
+    units: str = ""
+    poses: dict[str, dict[str, list[float]]] | None = None
 
     def to_dict(self) -> RemedyData:
         """The remedy as JSON data."""
-        return {"option": self.option, "leads_to": self.leads_to, "level": self.level}
+        return {
+            "option": self.option,
+            "leads_to": self.leads_to,
+            "level": self.level,
+            "moved": self.moved,
+            "words": remedy_words(self.option, self.leads_to, self.moved, self.units),
+        }
 
 
 _Detection = tuple[float | None, Tolerance]

@@ -6,7 +6,9 @@ and moves the bodies. It ends in one of four states:
 
     at-rest        forces at closed points alone balance the load, and no gap is below -tolerance
     does-not-fit   no small motion opens all overlaps
-    falls          twice in a row no forces at the points within reach balance the load
+    falls          twice in a row no forces at the points within reach balance the load, or the gaps
+                   of the carrying points grow in three rounds in a row: each step that closes them
+                   opens others, and the closed points balance no load
     not-found      the rounds are used up, nothing lies within reach, or the solver failed
 
 The state at-rest is a claim of the search; `kilter.analysis.settled_pose.rest_proof` verifies it.
@@ -52,6 +54,12 @@ CLOSES = 1e-5
 """Sum of force times gap, over the widest gap, at which a step has closed its points [-]."""
 SLACK = 1e-9
 """Largest movement beyond the permitted movement, as a fraction of it [-]."""
+SAME = 0.01
+"""Fraction of the carrying points that may change while the step counts as unchanged [-]; the next
+round corrects the rest."""
+GROWS = 3
+"""Number of rounds in a row in which the widest gap of the carrying points grows until the
+assembly counts as falling. Assemblies that come to rest show at most two such rounds."""
 FINER = 10.0
 """Reach of the next round for parts that are not convex, in steps of this round."""
 
@@ -90,6 +98,7 @@ class _Progress:
     """Numbers that pass from round to round."""
 
     stuck: int = 0
+    grows: int = 0
     wide: float = np.inf
     fine_reach: float = np.inf
     tell: Callable[[str], None] = field(default=lambda stage: None)
@@ -190,8 +199,13 @@ def _round(
     state.wide = max(float(np.abs(gap[forces > least]).max(initial=0.0)), deep, off)
     state.tell(f"round {rounds + 1}: widest gap {number(state.wide * programs.length)}")
     state.stuck += state.wide > before / 2 or state.wide <= SEARCH_CLOSED
+    state.grows = state.grows + 1 if state.wide > before else 0
     if state.stuck > 1 and short > BALANCED:
-        return _falls(bodies, imbalance, rounds)
+        return _falls(bodies, imbalance, rounds, "within reach")
+    if state.grows >= GROWS:
+        _, imbalance = programs.carry(np.zeros(len(gap)), programs.bears & (gap <= SEARCH_CLOSED))
+        if np.abs(imbalance).max(initial=0.0) > BALANCED:
+            return _falls(bodies, imbalance, rounds, "that the search could close")
     scale = max(state.wide, SEARCH_CLOSED)
     motion = _closing_step(programs, forces, scale, least, state.stuck)
     if motion is None:
@@ -214,15 +228,18 @@ def _closing_step(
     """The motion, over `scale`, that closes the points with a force; forces are solved again."""
     kappa = KAPPA / HARDER ** min(stuck, 2)
     motion = None
-    for _ in range(AGAIN):
+    for solved in range(1, AGAIN + 1):
         push = np.where(forces > least, np.maximum(forces, 0.1), 0.0)
         motion = programs.close(push, scale, kappa)
         if motion is None:
             return None
         left = np.maximum(np.minimum(programs.gap / scale, 1e4) + programs.rates @ motion, 0.0)
-        if float(left @ push) < CLOSES:
+        if float(left @ push) < CLOSES or solved == AGAIN:
             break
         forces, _ = programs.carry(left / float(left.max()), programs.bears)
+        changed = np.count_nonzero((forces > least) != (push > 0.0))
+        if changed <= SAME * np.count_nonzero(push):
+            break
     return motion
 
 
@@ -240,13 +257,13 @@ def _does_not_fit(
     )  # fmt: skip
 
 
-def _falls(bodies: RigidBodies, imbalance: Array, rounds: int) -> SearchResult:
-    """The result for parts whose loads no forces balance at the points within reach."""
+def _falls(bodies: RigidBodies, imbalance: Array, rounds: int, points: str) -> SearchResult:
+    """The result for parts whose loads no forces balance; `points` is a clause about the points."""
     size = np.abs(imbalance).reshape(-1, 6).max(axis=1)
     if not np.isfinite(size).all():
         return SearchResult("not-found", bodies, rounds, why="the solver found no forces")
     unbalanced = np.flatnonzero(bodies.free)[size > max(BALANCED, 1e-3 * float(size.max()))]
     names = bodies.drawn.names
     parts = tuple(names[k] for k in np.flatnonzero(np.isin(bodies.of_part, unbalanced)).tolist())
-    why = "no forces balance the parts at the points within reach"
+    why = f"no forces balance the parts at the points {points}"
     return SearchResult("falls", bodies, rounds, parts, why=why)

@@ -49,6 +49,9 @@ MARGIN = 3.0
 """Default reach, in multiples of the widest gap or overlap that was found."""
 WIDER = 10.0
 """Factor of the default reach in a second attempt, if more pairs of parts come within it."""
+ROUGHLY = "equilibrium"
+"""Level asked of the drawn pose, and of all detected contacts if the closed points alone reach the
+required level: the search for higher levels takes longer than the search for the pose."""
 UNMOVED = 1e-3
 """Movement that comes from rounding, as a fraction of the gap that counts as closed [-]."""
 
@@ -81,7 +84,8 @@ class Settled(Answer):
     tolerance : float
         Gap that counts as closed [length unit].
     before, after : Verdict or None
-        Verdicts of `kilter.check` on the drawn and on the settled pose.
+        Verdicts of `kilter.check` on the drawn and on the settled pose. `before` is decided at the
+        level "equilibrium"; `after` too if the closed points alone reach the required level.
     require : str
     dropped : float
         Largest distance of a fall before the search [length unit].
@@ -182,6 +186,7 @@ class Settled(Answer):
             "why": self.why,
             "before": None if self.before is None else self.before.verdict,
             "after": None if self.after is None else self.after.verdict,
+            "after_asked": None if self.after is None else self.after.require,
             "closed_level": None if self.closed_verdict is None else self.closed_verdict.level,
             "require": self.require,
             "warnings": list(self.warnings),
@@ -272,8 +277,8 @@ def settle(
     kept = assembly.matching(keep)
     if contacts is None:
         contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
-    decide = partial(check, require=require, effort=effort)
-    before = decide(assembly, contacts=contacts, progress=progress)
+    decide = partial(check, effort=effort)
+    before = decide(assembly, contacts=contacts, require=ROUGHLY, progress=progress)
     bodies = rigid_bodies(assembly, kept)
     dropped = 0.0
     refusal = _refusal(assembly)
@@ -291,12 +296,13 @@ def settle(
         tell("verification")
         assert found.points is not None
         closed = closed_contacts(settled, found.points, progress=progress)
-        closed_verdict = decide(closed.assembly, contacts=closed.contacts)
+        closed_verdict = decide(closed.assembly, contacts=closed.contacts, require=require)
         why = _unproved(closed, closed_verdict)
         if why:
             found = replace(found, state="not-found", why=why)
         else:
-            after = decide(settled, tolerance=tolerance, progress=progress)
+            asked = ROUGHLY if holds(closed_verdict.level, require) else require
+            after = decide(settled, tolerance=tolerance, require=asked, progress=progress)
     return Settled(
         assembly,
         settled,

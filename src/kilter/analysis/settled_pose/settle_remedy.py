@@ -31,4 +31,5 @@ def settle_remedy(verdict: Verdict) -> Remedy | None:
         return None
     if answer.state != "at-rest" or answer.after is None:
         return None
-    return Remedy("--settle", answer.after.verdict, answer.level)
+    moved = float(answer.distance.max(initial=0.0))
+    return Remedy("--settle", answer.after.verdict, answer.level, moved, assembly.units)

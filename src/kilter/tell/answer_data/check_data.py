@@ -40,6 +40,11 @@ class RemedyData(TypedDict):
     option: str
     leads_to: Word | None
     level: LevelWord | None
+    moved: Annotated[
+        float | None,
+        Field(description="largest movement of a part [length unit]; null for other options"),
+    ]
+    words: str
 
 
 class NeutralData(TypedDict):

@@ -42,6 +42,9 @@ class SettleData(TypedDict):
     why: Annotated[str, Field(description="cause of a failure; empty at rest")]
     before: Annotated[str | None, Field(description="verdict on the drawn pose")]
     after: Annotated[str | None, Field(description="verdict on the pose at rest")]
+    after_asked: Annotated[
+        str | None, Field(description="level up to which the verdict on the pose at rest was asked")
+    ]
     closed_level: Annotated[str | None, Field(description="level of forces at closed points alone")]
     require: str
     warnings: list[str]
