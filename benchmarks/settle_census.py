@@ -32,6 +32,7 @@ from kilter.analysis.settled_pose.rigid_bodies import rigid_bodies
 from kilter.scenes.arches import arch
 from kilter.scenes.walls import wall
 from kilter.tell.levels import level_rank
+from kilter.work import stop_after
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path += [str(ROOT / "tests" / "settled_pose"), str(ROOT / "tests" / "scenes")]
@@ -163,7 +164,11 @@ def rejected(answer: kilter.Settled, flat: bool) -> str:
 
 
 def row_of(
-    kind: str, make: Callable[[np.random.Generator], Assembly], count: int, flat: bool
+    kind: str,
+    make: Callable[[np.random.Generator], Assembly],
+    count: int,
+    flat: bool,
+    seconds: float,
 ) -> Iterator[str]:
     """Lines about the assemblies of a kind: failures, then the row."""
     rest = false = lower = 0
@@ -175,7 +180,8 @@ def row_of(
             made = make(rng)
             level = kilter.check(made).level
             drawn, most = disturbed(made, rng)
-            answer = kilter.settle(drawn)
+            with stop_after(seconds):
+                answer = kilter.settle(drawn)
         except kilter.KilterError as error:
             yield f"  {kind} {seed}: {error}"
             continue
@@ -199,6 +205,7 @@ def row_of(
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("count", type=int, nargs="?", default=20, help="assemblies of each kind")
+    parser.add_argument("--seconds", type=float, default=20.0, help="time limit of a search [s]")
     parser.add_argument("--only", default="", help="kinds, with commas")
     options = parser.parse_args()
     print(f"{'kind':10} {'rest':12}  {'false':>5} {'lower':>5}  {'moved':12} {'CPU':>6}")
@@ -206,7 +213,7 @@ def main() -> None:
         for kind, make in kinds.items():
             if options.only and kind not in options.only.split(","):
                 continue
-            for line in row_of(kind, make, options.count, flat):
+            for line in row_of(kind, make, options.count, flat, options.seconds):
                 print(line, flush=True)
 
 

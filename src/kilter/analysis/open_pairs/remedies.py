@@ -91,8 +91,6 @@ class Remedy:
         Largest movement of a part with the option ``--settle`` [length unit]; else None.
     units : str
         Unit of length of the movement.
-    poses : mapping or None
-        New poses of the parts that ``--settle`` moves, as entries of choices; else None.
     """
 
     option: str
@@ -100,7 +98,6 @@ class Remedy:
     level: str | None
     moved: float | None = None
     units: str = ""
-    poses: dict[str, dict[str, list[float]]] | None = None
 
     def to_dict(self) -> RemedyData:
         """The remedy as JSON data."""
