@@ -42,7 +42,7 @@ IMPROVE = {True: 0, False: 1}
 PLACE = {"none": 1, "undecided": 4}
 """Codes of `place` if the part stands nowhere or not at the given place, or it is undecided."""
 PACKING = {"falls": 1, "undecided": 4}
-"""Codes of `check-plan` if the pile does not stand after an item."""
+"""Codes of `check-plan` if the pile does not stand, or an item is overloaded, after an item."""
 SCENE = {"faults": 1, "open": 4}
 """Codes of `scene` if some objects float, overlap or fall, or if some states are open."""
 SETTLE = {"falls": 1, "does-not-fit": 1, "not-found": 4}

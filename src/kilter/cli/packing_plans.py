@@ -24,7 +24,7 @@ def check_plan(
         Argument(
             metavar="PLAN",
             help="CSV with the header name,length,width,height,mass,x,y,z (corner with the least "
-            "coordinates) and optionally turned, or JSON of BED-BPP.",
+            "coordinates) and optionally turned and max_load (kg), or JSON of BED-BPP.",
             show_default=False,
         ),
     ],
@@ -86,7 +86,7 @@ def check_plan(
     If an item falls, the answer names the reason, and whether walls around the pile would hold it.
 
     Exit code: 0 the pile stands after each item at the level of --require, 3 at a lower level,
-    1 it falls after an item, 2 a wrong list, 4 undecided.
+    1 it falls or an item is overloaded, 2 a wrong list, 4 undecided.
     """
     from kilter.analysis.placing.check_plan import check_plan as decide
     from kilter.tell.text import text_of
@@ -111,7 +111,7 @@ def check_plan(
     tell_warnings(answer["warnings"], quiet or json)
     emit(as_json(answer) if json else text_of(answer), output)
     tell_written(output, f"answer of check-plan as {'JSON' if json else 'text'}", quiet)
-    if checked.first is not None:
+    if checked.first is not None or checked.overload is not None:
         return PACKING["falls"]
     if checked.undecided:
         return PACKING["undecided"]

@@ -4,7 +4,8 @@ Two forms are read:
 
     CSV        a header, then a row for each box: name, length, width, height, mass, x, y, z
                (the corner with the least coordinates), and optionally turned (1 or 90: length and
-               width exchanged). A unit may stand behind a name: "length/mm", "x [mm]", "mass/kg"
+               width exchanged) and max_load (the largest mass that its top may carry [kg]). A
+               unit may stand behind a name: "length/mm", "x [mm]", "mass/kg"
     BED-BPP    JSON: orders by name, each a list of items with "flb_coordinates" and "orientation"
 
 The boxes stand upright along x, y and z. Their order in the file is that of packing.
@@ -22,7 +23,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -49,10 +50,12 @@ NAMES = {
     "x": ("x",),
     "y": ("y",),
     "z": ("z",),
+    "max_load": ("max load", "max_load"),
     "turned": ("turned", "orientation", "rotated", "rotation"),
 }
 """Names of each column in a table, in lower case."""
 NEEDED = ("length", "width", "height", "mass", "x", "y", "z")
+MASSES = ("mass", "max_load")
 LENGTHS = ("length", "width", "height", "x", "y", "z")
 KNOWN_UNITS = ("m", "cm", "mm", "in")
 UNTURNED, TURNED = ("", "0", "false", "no"), ("1", "90", "true", "yes")
@@ -75,6 +78,8 @@ class PackedBox:
         Corner with the least coordinates [length unit].
     line : int
         Line of the table, or number of the item in its order, counted from 1.
+    max_load : float or None
+        Largest mass that its top may carry [kg]; None without a limit.
     """
 
     name: str
@@ -82,6 +87,7 @@ class PackedBox:
     mass: float
     corner: tuple[float, float, float]
     line: int
+    max_load: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -243,9 +249,7 @@ def _named(boxes: Sequence[PackedBox]) -> tuple[PackedBox, ...]:
     """The boxes with unique names: a repeated name gets the number of the box."""
     times = Counter(box.name for box in boxes)
     return tuple(
-        PackedBox(f"{box.name}#{k}", box.size, box.mass, box.corner, box.line)
-        if times[box.name] > 1
-        else box
+        replace(box, name=f"{box.name}#{k}") if times[box.name] > 1 else box
         for k, box in enumerate(boxes, 1)
     )
 
@@ -301,8 +305,8 @@ def _columns(header: Sequence[str]) -> tuple[dict[str, int], str | None]:
             if unit not in KNOWN_UNITS:
                 raise InputError(f"line 1: unknown unit {unit!r:.20}", hint="use m, cm, mm or in")
             units.add(unit)
-        if key == "mass" and unit not in (None, "kg"):
-            raise InputError(f"line 1: mass in {unit!r:.20}", hint="give the mass in kg")
+        if key in MASSES and unit not in (None, "kg"):
+            raise InputError(f"line 1: {key} in {unit!r:.20}", hint=f"give the {key} in kg")
     missing = [key for key in NEEDED if key not in found]
     if missing:
         raise InputError(
@@ -337,4 +341,13 @@ def _box_of_row(row: Sequence[str], columns: dict[str, int], line: int) -> Packe
     lengths = [value(key) for key in ("length", "width", "height")]
     corner = [value(key) for key in ("x", "y", "z")]
     name = cell("name") or f"box {line - 1}"
-    return _box(name, lengths, value("mass"), corner, turned in TURNED, line, "line")
+    box = _box(name, lengths, value("mass"), corner, turned in TURNED, line, "line")
+    if not cell("max_load"):
+        return box
+    limit = value("max_load")
+    if not (math.isfinite(limit) and limit >= 0):
+        raise InputError(
+            f"line {line}: max_load is {limit:g}",
+            hint="give a mass from 0, or leave the cell empty",
+        )
+    return replace(box, max_load=limit)

@@ -21,6 +21,13 @@ def packing_sentence(answer: Answer) -> str:
     'The pile stands after each of its 2 items.'
     """
     items = answer["items"]
+    over = answer.get("overload")
+    if over is not None and (answer["first"] is None or over["after"] <= answer["first"]):
+        return (
+            f"Item {over['after']}, {items[over['after'] - 1]['name']!r}, overloads "
+            f"{over['item']!r}: its top must carry {number(over['load'])} kg, and its limit is "
+            f"{number(over['max_load'])} kg."
+        )
     if answer["first"] is not None:
         item = items[answer["first"] - 1]
         return f"Item {answer['first']}, {item['name']!r}, falls: {answer['why']}."
@@ -49,6 +56,12 @@ def packing_facts(answer: Answer) -> list[Fact]:
     if answer["level"] is not None:
         facts.append(("level", answer["level"]))
     facts.append(("friction", number(answer["friction"])))
+    for item in answer["items"]:
+        if item["max_load"] is not None and item["top_load"] is not None:
+            load, limit = number(item["top_load"]), number(item["max_load"])
+            facts.append(
+                (f"load on {item['name']}", f"at least {load} kg; its limit is {limit} kg")
+            )
     walls = answer["walls"]
     if walls is not None:
         x, y = (number(size) for size in walls["inner_size"])

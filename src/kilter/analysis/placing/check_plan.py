@@ -2,14 +2,15 @@
 
 After item k the pile of the items 1 to k is decided as `kilter.check` decides it, on the contacts
 that all items have together. The first item after which the pile does not stand is reported with a
-reason: its centre of mass lies beside the area on which it rests, or it tips items below it.
+reason: its centre of mass lies beside the area on which it rests, or it tips items below it. An
+item with a limit is overloaded if all forces that balance the pile load its top beyond the limit.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
@@ -17,6 +18,7 @@ import numpy as np
 import shapely
 
 from kilter.analysis.check import check
+from kilter.analysis.placing.top_loads import least_top_load
 from kilter.analysis.transport.transport import transport
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array, Index
@@ -34,7 +36,12 @@ from kilter.threads import on_one_thread
 from kilter.work import EFFORT
 
 if TYPE_CHECKING:
-    from kilter.tell.answer_data.packing_data import PackingData, PackingItemData, WallsData
+    from kilter.tell.answer_data.packing_data import (
+        OverloadData,
+        PackingData,
+        PackingItemData,
+        WallsData,
+    )
 
 __all__ = ["CheckedItem", "CheckedPlan", "check_plan"]
 
@@ -59,12 +66,16 @@ class CheckedItem:
         Level of this verdict.
     support : tuple of (str, float)
         Parts on which the item rests, and the share of its underside on each [-].
+    top_load : float or None
+        Least mass that its top must carry in the finished pile [kg]; None if the item has no limit,
+        or if the load is not known.
     """
 
     box: PackedBox
     verdict: str
     level: str | None
     support: tuple[tuple[str, float], ...]
+    top_load: float | None = None
 
     def to_dict(self) -> PackingItemData:
         """JSON data of the item."""
@@ -75,6 +86,8 @@ class CheckedItem:
             "verdict": self.verdict,
             "level": self.level,
             "support": [{"part": name, "share": share} for name, share in self.support],
+            "max_load": self.box.max_load,
+            "top_load": self.top_load,
         }
 
 
@@ -93,6 +106,8 @@ class CheckedPlan(AnswerInWords):
         item.
     why : str
         Reason why the first item falls; empty without such an item.
+    overload : dict or None
+        The first item whose top must carry more than its limit.
     walls : dict or None
         Assumed walls around the pile, and whether each item stands between them. None unless an
         item falls.
@@ -110,6 +125,7 @@ class CheckedPlan(AnswerInWords):
     items: tuple[CheckedItem, ...]
     first: int | None
     why: str
+    overload: OverloadData | None
     walls: WallsData | None
     carried: tuple[tuple[str, float | None], ...]
     require: str
@@ -143,6 +159,7 @@ class CheckedPlan(AnswerInWords):
             "items": [item.to_dict() for item in self.items],
             "first": self.first,
             "why": self.why or None,
+            "overload": self.overload,
             "walls": self.walls,
             "friction": self.assembly.friction,
             "carried": [{"direction": name, "g": value} for name, value in self.carried],
@@ -231,13 +248,19 @@ def check_plan(
         whole = whole.with_parts(_given_walls(plan, walls))
     tell("contacts")
     contacts = detect.contacts(whole, tolerance=tolerance, progress=progress)
-    verdicts, items = [], []
+    verdicts: list[Verdict] = []
+    items: list[CheckedItem] = []
+    overload: OverloadData | None = None
+    loads: dict[str, float | None] = {}
     states = _states(whole, contacts, plan)
     for k, (box, (state, touching)) in enumerate(zip(plan.boxes, states, strict=True), 1):
         tell(f"item {k} of {len(plan.boxes)}")
         verdict = check(state, contacts=touching, require=require, effort=effort)
         verdicts.append(verdict)
         items.append(CheckedItem(box, str(verdict.verdict), verdict.level, _support(box, verdict)))
+        loads = _top_loads(plan.boxes[:k], verdict)
+        overload = overload or _overload(plan.boxes[:k], loads)
+    items = [replace(item, top_load=loads.get(item.box.name)) for item in items]
     falling = [k for k, item in enumerate(items) if item.verdict == "unstable"]
     first = falling[0] if falling else None
     tell("reason")
@@ -247,6 +270,7 @@ def check_plan(
         tuple(items),
         None if first is None else first + 1,
         "" if first is None else _reason(plan, first, verdicts[first]),
+        overload,
         None
         if first is None or held is not None or walls is not None
         else _walled(pile, plan, pallet, require, effort),
@@ -255,6 +279,29 @@ def check_plan(
         tuple(contacts.remarks()),
         time.perf_counter() - started,
     )
+
+
+def _top_loads(boxes: Sequence[PackedBox], verdict: Verdict) -> dict[str, float | None]:
+    """Least mass on the top of each item with a limit [kg]; None if it is not known."""
+    limited = [box.name for box in boxes if box.max_load is not None]
+    if not limited or verdict.level is None:
+        return dict.fromkeys(limited)
+    program = verdict.program
+    forces = {name: least_top_load(program, name) for name in limited}
+    return {name: None if force is None else force / program.g for name, force in forces.items()}
+
+
+def _overload(boxes: Sequence[PackedBox], loads: dict[str, float | None]) -> OverloadData | None:
+    """The first of the items whose top must carry more than its limit."""
+    for box in boxes:
+        load = loads.get(box.name)
+        if load is not None and box.max_load is not None and load > box.max_load * (1 + OVER):
+            return {"item": box.name, "after": len(boxes), "load": load, "max_load": box.max_load}
+    return None
+
+
+OVER = 1e-7
+"""A load beyond a limit by less than this fraction of the limit is within it [-]."""
 
 
 def _require_no_box_inside(plan: PackingPlan) -> None:

@@ -9,7 +9,7 @@ from typing_extensions import TypedDict
 
 from kilter.tell.answer_data.common_data import Units
 
-__all__ = ["PackingData", "PackingItemData", "SupportShareData", "WallsData"]
+__all__ = ["OverloadData", "PackingData", "PackingItemData", "SupportShareData", "WallsData"]
 
 
 class SupportShareData(TypedDict):
@@ -28,6 +28,20 @@ class PackingItemData(TypedDict):
     verdict: str
     level: str | None
     support: list[SupportShareData]
+    max_load: Annotated[float | None, Field(description="largest mass that its top may carry [kg]")]
+    top_load: Annotated[
+        float | None,
+        Field(description="least mass that its top must carry in the finished pile [kg]"),
+    ]
+
+
+class OverloadData(TypedDict):
+    """The first item whose top must carry more than its limit."""
+
+    item: str
+    after: Annotated[int, Field(description="the item that overloads it, counted from 1")]
+    load: Annotated[float, Field(description="least mass that its top must carry [kg]")]
+    max_load: Annotated[float, Field(description="[kg]")]
 
 
 class WallsData(TypedDict):
@@ -59,6 +73,7 @@ class PackingData(TypedDict):
     items: list[PackingItemData]
     first: Annotated[int | None, Field(description="the first item that falls, counted from 1")]
     why: str | None
+    overload: OverloadData | None
     walls: WallsData | None
     friction: float
     carried: list[CarriedData]
