@@ -69,7 +69,8 @@ def _downward_on(program: Program, k: int) -> Array:
     """1 for each contact row that presses on the top of a part, else 0; shape (K,)."""
     upward = program.normal[:, 2]
     top = ((program.part_a == k) & (upward > FLAT)) | ((program.part_b == k) & (upward < -FLAT))
-    return (top & ~program.angular).astype(float)
+    chosen: Array = (top & ~program.angular).astype(float)
+    return chosen
 
 
 def _of_rays(program: Program, rays: Program, top: Array) -> Array:
@@ -79,5 +80,5 @@ def _of_rays(program: Program, rays: Program, top: Array) -> Array:
     smooth, rough = np.flatnonzero(program.mu <= 0), program.rough
     sides = (len(rays.part_a) - len(smooth)) // len(rough)
     rows = np.concatenate([smooth, np.repeat(rough, sides)])
-    along: Array = np.einsum("ij,ij->i", rays.normal, program.normal[rows])
-    return top[rows] * along
+    along: Array = top[rows] * np.einsum("ij,ij->i", rays.normal, program.normal[rows])
+    return along
