@@ -121,8 +121,11 @@ def balances(assembly: Assembly, gap: float) -> float:
     weight = float(geometry.mass[free].mean() * np.linalg.norm(assembly.gravity))
     load = np.zeros((len(free), 6))
     load[:, :3] = geometry.mass[free][:, None] * assembly.gravity / weight
-    load = load.ravel()
-    matrix = np.array(columns).T if columns else np.zeros((len(load), 0))
+    # the parts of a planar assembly move in x-z only: two forces and a torque about y balance
+    freedoms = [0, 2, 4] if assembly.planar else list(range(6))
+    rows = (6 * np.arange(len(free))[:, None] + freedoms).ravel()
+    load = load.ravel()[rows]
+    matrix = np.array(columns).T[rows] if columns else np.zeros((len(load), 0))
     count = matrix.shape[1]
     # least t with |matrix f + load| <= t
     rows = np.block([[matrix, -np.ones((len(load), 1))], [-matrix, -np.ones((len(load), 1))]])
