@@ -53,7 +53,9 @@ def object_words(entry: Answer, units: str) -> str:
     else:
         words = state
     if entry["if_held"]:
-        words += f" (if {some([plain(other) for other in entry['if_held']], 3)} stays as drawn)"
+        names = some([plain(other) for other in entry["if_held"]], 3)
+        stays = "stays" if len(entry["if_held"]) == 1 else "stay"
+        words += f" (if {names} {stays} as drawn)"
     return words
 
 
