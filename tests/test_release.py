@@ -20,8 +20,9 @@ pytestmark = pytest.mark.skipif(
     not (PROGRAMS / "release.py").is_file(), reason="a source distribution has no folder .ci"
 )
 FILES = (
-    "src/kilter/__init__.py", "CITATION.cff", "conda/recipe.yaml", "CHANGELOG.md", "pyproject.toml",
-    "mkdocs.yml", "README.md", ".github/ISSUE_TEMPLATE/config.yml",
+    "src/kilter/__init__.py", "CITATION.cff", "conda/recipe.yaml", "docs/index.md",
+    "CHANGELOG.md", "pyproject.toml", "mkdocs.yml", "README.md",
+    ".github/ISSUE_TEMPLATE/config.yml",
 )  # fmt: skip
 REPOSITORY, SITE = "https://github.com/owner/kilter", "https://owner.github.io/kilter"
 
@@ -72,7 +73,7 @@ def test_an_address_reaches_each_file_and_can_be_changed(copy: Path) -> None:
     for path, before in untouched.items():
         text = path.read_text(encoding="utf-8")
         assert "example.org" not in text
-        unchanged = {"CHANGELOG.md", "__init__.py"}
+        unchanged = {"CHANGELOG.md", "__init__.py", "index.md"}
         assert (path.read_bytes() == before) == (path.name in unchanged), path.name
     with open(copy / "pyproject.toml", "rb") as stream:
         urls = tomllib.load(stream)["project"]["urls"]

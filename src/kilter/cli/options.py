@@ -161,7 +161,8 @@ Friction = Annotated[
     Option(
         "--friction",
         metavar="MU",
-        help="Friction coefficient of the contacts without a coefficient in the file.",
+        help="Friction coefficient of contacts without a coefficient of their own; it replaces the "
+        "default of the file.",
         rich_help_panel=HELD,
         show_default=False,
     ),

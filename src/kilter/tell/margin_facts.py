@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from kilter.errors import some
-from kilter.tell.numbers import angle, force, number, plain, vector
+from kilter.tell.numbers import angle, force, number, plain, rounded_up, vector
 from kilter.tell.shared_facts import Answer, Fact, bond_words, joint_facts
 
 __all__ = ["level_words", "margin_facts", "part_level_words"]
@@ -204,7 +204,7 @@ def _least_friction(answer: Answer) -> str:
             + _at_level(answer, "friction", number, bound="at mu =")
         )
     lower = answer["friction_limit"]["lower"]
-    words = f"mu >= {number(least)}, the same at every contact"
+    words = f"mu >= {rounded_up(least)}, the same at every contact"
     if least - lower > WIDE * least:
         words = (
             f"mu = {number(least)} at every contact is enough, mu = {number(lower)} is proved not "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 from dataclasses import dataclass
 
@@ -59,7 +60,14 @@ MEANT = {
     "--friction": "its contacts have this friction",
 }
 """Statement about an assembly that each option of a remedy makes."""
-CHECK = NextStep(("check",), "decides whether it stays together under gravity")
+SETTLED = NextStep(
+    ("scene", "--settle"), "moves floating and overlapping objects to rest, and judges them again"
+)
+CHECK = NextStep(
+    ("check",),
+    "decides whether it stays together under gravity; if nothing is held, add --ground NAME or "
+    "--floor",
+)
 
 
 def next_step(answer: Answer, name: str, *, bricks: bool = False) -> NextStep | None:
@@ -82,6 +90,9 @@ def next_step(answer: Answer, name: str, *, bricks: bool = False) -> NextStep | 
     ('plan', '-o', 'wall.html')
     """
     kind = kind_of(answer)
+    upward = _upward_axis(answer) if kind in ("check", "contacts") else None
+    if upward is not None:
+        return NextStep(("check", "--up", upward), f"decides it if {upward} points up in the file")
     if kind == "check":
         return _after_check(answer, bricks)
     if kind == "orient":
@@ -104,7 +115,18 @@ def next_step(answer: Answer, name: str, *, bricks: bool = False) -> NextStep | 
         return None if answer["verdict"] == "unstable" else LOADS
     if kind == "hold":
         return PLAN if answer["verdict"] == "held" else None
-    return CHECK if kind == "contacts" else None
+    if kind == "contacts":
+        return CHECK
+    if kind == "scene":
+        faults = any(entry["state"] in ("floats", "overlaps") for entry in answer["objects"])
+        return SETTLED if faults else None
+    return None
+
+
+def _upward_axis(answer: Answer) -> str | None:
+    """Return the axis that a warning proposes as the upward axis; None without such a warning."""
+    found = (re.search(r"give --up (-?[xyz])", text) for text in answer.get("warnings", ()))
+    return next((match[1] for match in found if match), None)
 
 
 def _after_check(answer: Answer, bricks: bool) -> NextStep:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterable
 
@@ -15,6 +16,7 @@ __all__ = [
     "number",
     "percent",
     "plain",
+    "rounded_up",
     "shortened",
     "vector",
 ]
@@ -36,6 +38,21 @@ def number(value: float, digits: int = 6) -> str:
     ('0', '0.333333', '210000')
     """
     return f"{float(value) + 0.0:.{digits}g}"
+
+
+def rounded_up(value: float, digits: int = 6) -> str:
+    """Return a positive number with its last digit rounded up: a bound that is still sufficient.
+
+    Examples
+    --------
+    >>> rounded_up(0.363970234), rounded_up(0.25)
+    ('0.363971', '0.25')
+    """
+    text = number(value, digits)
+    if float(text) >= value * (1 - NO_SHARE):
+        return text
+    last = 10.0 ** (math.floor(math.log10(value)) - digits + 1)
+    return number(float(text) + last, digits)
 
 
 def force(newtons: float) -> str:

@@ -336,7 +336,7 @@ def _across(area: shapely.Geometry) -> Array:
     return np.asarray(np.abs(sides[lengths.argmin()]))
 
 
-THIN = 0.75
+THIN = 1.0
 """Width of a strip that is not searched further [accuracies]."""
 STRIP = 0.5
 """Ratio of the sides of a rectangle below which it is a strip [-]."""
