@@ -167,7 +167,13 @@ def place(
         publish.draw(best, figure)
     data = best.to_dict()
     after = asked.keep_proof(None if best.undecided else best.proof, data)
-    asked.tell(data, after=after + (f"\nfigure       written to {figure}" if figure else ""))
+    given = (("--box", box), ("--mass", mass), ("--centre-within", centre_within), ("--part", part))
+    typed = [word for name, value in given if value is not None for word in (name, str(value))]
+    if len(turns) == 1 and turns[0]:
+        typed += ["--turn", f"{turns[0]:g}"]
+    asked.tell(
+        data, typed=typed, after=after + (f"\nfigure       written to {figure}" if figure else "")
+    )
     if best.stands:
         return HOLDS
     if best.undecided:

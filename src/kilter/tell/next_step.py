@@ -7,7 +7,7 @@ import shlex
 from dataclasses import dataclass
 
 from kilter.tell.facts import kind_of
-from kilter.tell.numbers import number
+from kilter.tell.numbers import near_zero, number
 from kilter.tell.shared_facts import Answer
 
 __all__ = ["NextStep", "next_step"]
@@ -60,6 +60,10 @@ MEANT = {
     "--friction": "its contacts have this friction",
 }
 """Statement about an assembly that each option of a remedy makes."""
+ALONE = NextStep(
+    ("check",),
+    "decides whether the assembly stands without the part: if it falls, no place is left",
+)
 SETTLED = NextStep(
     ("scene", "--settle"), "moves floating and overlapping objects to rest, and judges them again"
 )
@@ -117,6 +121,11 @@ def next_step(answer: Answer, name: str, *, bricks: bool = False) -> NextStep | 
         return PLAN if answer["verdict"] == "held" else None
     if kind == "contacts":
         return CHECK
+    if kind == "place" and answer["at"] is None:
+        if answer["best"] is None:
+            return ALONE
+        place = (number(near_zero(answer["best"][axis])) for axis in "xy")
+        return NextStep(("place", "--at", *place), "finds the level there, and the heaviest mass")
     if kind == "scene":
         faults = any(entry["state"] in ("floats", "overlaps") for entry in answer["objects"])
         return SETTLED if faults else None

@@ -13,6 +13,7 @@ __all__ = [
     "counts",
     "force",
     "mass",
+    "near_zero",
     "number",
     "percent",
     "plain",
@@ -23,6 +24,8 @@ __all__ = [
 
 NO_ANGLE = 1e-9
 """An angle below this is shown as 0, since it comes from rounding [deg]."""
+NO_LENGTH = 1e-12
+"""A coordinate below this is shown as 0, since it comes from rounding [length unit]."""
 NO_SHARE = 1e-9
 """A share below this is shown as 0, since it comes from rounding [-]."""
 MASSES = ((1e3, "t"), (1.0, "kg"), (1e-3, "g"), (1e-6, "mg"))
@@ -38,6 +41,17 @@ def number(value: float, digits: int = 6) -> str:
     ('0', '0.333333', '210000')
     """
     return f"{float(value) + 0.0:.{digits}g}"
+
+
+def near_zero(value: float) -> float:
+    """Return a coordinate, or 0 for one that comes from rounding.
+
+    Examples
+    --------
+    >>> near_zero(1e-16), near_zero(-0.25)
+    (0.0, -0.25)
+    """
+    return 0.0 if abs(value) < NO_LENGTH else value
 
 
 def rounded_up(value: float, digits: int = 6) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from kilter.tell.numbers import count, number
+from kilter.tell.numbers import count, near_zero, number
 from kilter.tell.shared_facts import Answer, Fact
 
 __all__ = ["place_facts", "place_sentence"]
@@ -26,7 +26,8 @@ def place_sentence(answer: Answer) -> str:
             return "No place is proved to stand, but some places are open."
         if best is None:
             return "There is no place at which the part stands."
-        where = f"x {number(best['x'])}, y {number(best['y'])}, height {number(best['height'])}"
+        x, y, height = (number(near_zero(best[key])) for key in ("x", "y", "height"))
+        where = f"x {x}, y {y}, height {height}"
         return (
             f"The part stands best with its centre at {where} {units}: {number(best['margin'])} "
             f"{units} from the nearest place that is not proved to stand."
