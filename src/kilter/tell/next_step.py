@@ -64,6 +64,7 @@ ALONE = NextStep(
     ("check",),
     "decides whether the assembly stands without the part: if it falls, no place is left",
 )
+RESTING = NextStep(("check", "--settle"), "decides at which level the pose at rest stays")
 SETTLED = NextStep(
     ("scene", "--settle"), "moves floating and overlapping objects to rest, and judges them again"
 )
@@ -126,6 +127,8 @@ def next_step(answer: Answer, name: str, *, bricks: bool = False) -> NextStep | 
             return ALONE
         place = (number(near_zero(answer["best"][axis])) for axis in "xy")
         return NextStep(("place", "--at", *place), "finds the level there, and the heaviest mass")
+    if kind == "settle":
+        return RESTING if answer["state"] == "at-rest" else CONTACTS
     if kind == "scene":
         faults = any(entry["state"] in ("floats", "overlaps") for entry in answer["objects"])
         return SETTLED if faults else None
