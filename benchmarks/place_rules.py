@@ -254,7 +254,7 @@ def table(counts: RuleCounts) -> str:
     return "\n".join(lines).replace("%", " %").replace("  %", " %")
 
 
-ROW, BAR, LEFT, LONG, TOP = 46, 15, 225, 300, 34
+ROW, BAR, LEFT, LONG, TOP = 46, 15, 240, 300, 34
 """Heights of a row and of a bar, left end and length of a full bar, height of the legend [px]."""
 
 
