@@ -1,4 +1,4 @@
-"""Build the distributions, and check what a stranger would install.
+"""Build the distributions, and check their files, metadata and installation.
 
 python .ci/package.py             build into a temporary folder, and check files and metadata
 python .ci/package.py --pythons   also install the wheel on each Python from 3.11 to 3.13 here

@@ -33,7 +33,7 @@ def functions() -> Iterator[tuple[str, Callable[..., Any]]]:
 
 
 def meaning(function: Callable[..., Any], keyword: str) -> str:
-    """What the docstring says about the default of a keyword; empty if it says nothing."""
+    """Sentence of the docstring about the default of a keyword; empty without such a sentence."""
     text = inspect.getdoc(function) or ""
     found = re.search(
         rf"(?m)^(?:\w+, )*{keyword}(?:, \w+)* ?:?[^\n]*\n((?:    [^\n]*\n?|\n)+)", text

@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[1]
 TESTS = ROOT / "tests/test_features.py"
 PAGE = ROOT / "docs/features.md"
 MISSING = "TestMissing"
-HEAD = """# Features, and what is missing
+HEAD = """# Features and missing features
 
 Each row is the name of a test in `tests/test_features.py`: a row exists because a test shows it.
 `python docs/build_features.py` writes this page.

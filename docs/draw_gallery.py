@@ -92,8 +92,10 @@ def thumbnail(picture: Path) -> bytes:
     """A picture reduced to the size of a thumbnail, on white."""
     from PIL import Image, ImageOps
 
+    from kilter.show.canvas import PAPER
+
     image = Image.open(picture).convert("RGB")
-    image = ImageOps.pad(image, (WIDTH, HEIGHT), Image.Resampling.LANCZOS, color="white")
+    image = ImageOps.pad(image, (WIDTH, HEIGHT), Image.Resampling.LANCZOS, color=PAPER)
     stream = io.BytesIO()
     image.save(stream, "WEBP", quality=70, method=6)
     return stream.getvalue()

@@ -506,7 +506,19 @@ def test_answers_travel_as_text_and_as_files(verb: str, tmp_path: Any) -> None:
 
 @pytest.mark.quick(3)
 @pytest.mark.parametrize(
-    "verb", ["check", "contacts", "region", "orient", "margin", "transport", "plan", "hold"]
+    "verb",
+    [
+        "check",
+        "contacts",
+        "region",
+        "orient",
+        "margin",
+        "transport",
+        "plan",
+        "hold",
+        "scene",
+        "settle",
+    ],
 )
 def test_the_sentence_of_an_answer_is_the_first_line_of_its_command(
     verb: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

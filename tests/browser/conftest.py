@@ -19,6 +19,7 @@ from kilter.analysis.everything import everything
 from kilter.scenes import scene
 from kilter.show.page import render
 from kilter.workbench.server import Workbench
+from served_workbench import bench, folder, no_earlier_session  # noqa: F401  fixtures
 
 CHROMIUM = os.environ.get("KILTER_CHROMIUM") or shutil.which("chromium")
 ARGUMENTS = [
@@ -105,23 +106,6 @@ def opened(chromium: Any, pages: Callable[[str], Path]) -> Iterator[Callable[...
         assert len(one.asked) == 1
     for context in contexts:
         context.close()
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("bench")
-
-
-@pytest.fixture(scope="module")
-def bench(folder: Path) -> Iterator[Workbench]:
-    with Workbench(None, folder=folder) as workbench:
-        yield workbench
-
-
-@pytest.fixture(autouse=True)
-def no_earlier_session(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The changes of a dropped file are kept in the user's folder: each test has its own."""
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
 
 
 @pytest.fixture

@@ -87,7 +87,7 @@ def test_a_user_acts_exports_drops_and_saves_through(
     page.until("document.getElementById('connection').hidden")
     assert page.text("title") == "tower.kilter.json"
     assert page.faults == []
-    # nothing was asked for outside of the path of the proxy
+    # every request was within the path of the proxy
     start = f":{port.port}{port.prefix}"
     assert all(start in url for url in page.asked if url.startswith("http"))
     assert all(path.startswith(port.prefix) for path in port.paths)

@@ -1,4 +1,4 @@
-"""The paper of the software has the required length, cites what is listed, and compiles."""
+"""The paper of the software has the required length, cites the listed works, and compiles."""
 
 from __future__ import annotations
 

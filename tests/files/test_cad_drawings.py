@@ -21,7 +21,7 @@ BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
 PLAYS = (20071, 20129, 20156, 20236, 20240, 20260)
 """A cover hangs on snap hooks with play, beside threads, press fits and O-rings."""
 COPIES = (20120,)
-"""Such a cover beside an O-ring that overlaps its pin, and a block inside its variant."""
+"""Drawing with a cover, an O-ring that overlaps its pin, and a block inside its variant."""
 MIRRORED = (20094, 20170)
 """A mirrored sub-assembly; a part of it was drawn in inches."""
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
+from planks import bridge, overhang
 
 import kilter
 from kilter import Assembly, Box, Part, Pose
@@ -19,13 +20,6 @@ from kilter.scenes import scene
 
 SMALL = [1e-3, 1e-3, 0.1]
 """A box that is small, so that its centre and its contact are at the same place."""
-
-
-def overhang(length: float, weight: float, beyond: float) -> Assembly:
-    """A plank that extends beyond the edge of a table at x = 0."""
-    table = Part("table", Box([4, 1, 1]), Pose([-2, 0, -0.5]), grounded=True)
-    middle = [beyond - length / 2, 0, 0.05]
-    return Assembly([table, Part("plank", Box([length, 1, 0.1]), Pose(middle), mass=weight)])
 
 
 def seesaw(weight: float, half: float) -> Assembly:
@@ -98,16 +92,6 @@ def test_order_decides_on_the_seesaw() -> None:
         inner.verdict.assembly, box_to_place([0.2, 0.2, 0.2], 1, name="light"), at=[-0.3, 0]
     )
     assert later.stands
-
-
-def bridge() -> Assembly:
-    parts = []
-    for k, x in enumerate((-0.4, 0.4)):
-        parts += [
-            Part(f"base-{k}", Box([0.1, 1, 1]), Pose([x, 0, -0.5]), grounded=True),
-            Part(f"plank-{k}", Box([0.5, 1, 0.1]), Pose([x, 0, 0.05]), mass=1),
-        ]
-    return Assembly(parts)
 
 
 @pytest.mark.slow

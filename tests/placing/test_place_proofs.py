@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from planks import bridge
 
 import kilter
 from kilter import Assembly, Box, Part, Pose
@@ -18,18 +19,6 @@ from kilter.analysis.placing.place import box_to_place, place
 from kilter.cli import main
 from kilter.errors import InputError
 from kilter.mechanics.proof import digest_of
-
-
-def bridge(friction: float = 0.0) -> Assembly:
-    """Two planks of equal height on bases; a box may rest on one of them or on both."""
-    parts = []
-    for k, x in enumerate((-0.4, 0.4)):
-        parts += [
-            Part(f"base-{k}", Box([0.1, 1, 1]), Pose([x, 0, -0.5]), grounded=True),
-            Part(f"plank-{k}", Box([0.5, 1, 0.1]), Pose([x, 0, 0.05]), mass=1),
-        ]
-    return Assembly(parts, friction=friction)
-
 
 BOX = box_to_place([0.7, 0.5, 0.2], 3)
 

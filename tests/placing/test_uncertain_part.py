@@ -9,22 +9,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
+from planks import bridge, overhang
 
 import kilter
-from kilter import Assembly, Box, Part, Places, Pose
+from kilter import Assembly, Places
 from kilter.analysis.placing.place import box_to_place, place
 from kilter.analysis.placing.uncertain_part import part_cases
 from kilter.cli import main
 from kilter.errors import InputError
 
 LENGTH, WEIGHT, BEYOND = 1.0, 2.0, 0.3
-
-
-def overhang() -> Assembly:
-    """A plank that extends .3 beyond the edge of a table at x = 0."""
-    table = Part("table", Box([4, 1, 1]), Pose([-2, 0, -0.5]), grounded=True)
-    middle = [BEYOND - LENGTH / 2, 0, 0.05]
-    return Assembly([table, Part("plank", Box([LENGTH, 1, 0.1]), Pose(middle), mass=WEIGHT)])
+PLANK = overhang(LENGTH, WEIGHT, BEYOND)
 
 
 @pytest.mark.parametrize(("mass", "share"), [((2, 5), 0.0), ((4, 4), 0.1), ((2, 5), 0.1)])
@@ -35,13 +30,19 @@ def test_the_worst_mass_and_centre_limit_a_load_on_a_plank(
     size = 0.2
     limit = WEIGHT * (LENGTH / 2 - BEYOND) / max(mass) - share * size
     part = box_to_place([size, size, 0.1], 1.0)
-    places = place(overhang(), part, mass=mass, center_within=share, accuracy=1e-3)
+    places = place(PLANK, part, mass=mass, center_within=share, accuracy=1e-3)
     level = places.levels[-1]
     assert level.stands.bounds[2] == pytest.approx(limit, abs=1e-9)
     # falls: with some mass and centre within the limits
     assert level.falls.covers(shapely.Point(limit + 1e-3, 0))
     for side in (-1e-6, 1e-6):
-        at = place(overhang(), part, at=[limit + side, 0], mass=mass, center_within=share).at
+        at = place(
+            PLANK,
+            part,
+            at=[limit + side, 0],
+            mass=mass,
+            center_within=share,
+        ).at
         assert at is not None
         assert (at.verdict.verdict == "unstable") == (side > 0)
         assert at.level == (None if side > 0 else "proved")
@@ -49,7 +50,12 @@ def test_the_worst_mass_and_centre_limit_a_load_on_a_plank(
 
 def test_the_heaviest_mass_has_every_centre() -> None:
     """With the centre up to .02 beyond x = .1, the heaviest load is W (L/2 - e) / .12."""
-    at = place(overhang(), box_to_place([0.2, 0.2, 0.1], 1.0), at=[0.1, 0], center_within=0.1).at
+    at = place(
+        PLANK,
+        box_to_place([0.2, 0.2, 0.1], 1.0),
+        at=[0.1, 0],
+        center_within=0.1,
+    ).at
     assert at is not None
     assert at.heaviest == pytest.approx(0.4 / 0.12, rel=1e-6)
 
@@ -63,7 +69,11 @@ def test_shifts_follow_the_axes_of_a_turned_box() -> None:
 def test_with_friction_corners_prove_equilibrium_alone() -> None:
     part = box_to_place([0.2, 0.2, 0.1], 1.0)
     answer = place(
-        overhang().with_friction(0.5), part, at=[-0.2, 0], mass=(1, 2), require="equilibrium"
+        PLANK.with_friction(0.5),
+        part,
+        at=[-0.2, 0],
+        mass=(1, 2),
+        require="equilibrium",
     )
     assert answer.stands
     assert answer.level == "equilibrium"
@@ -96,26 +106,16 @@ def mapped(mass: tuple[float, float], share: float) -> Places:
     return place(bridge(), LOAD, mass=mass, center_within=share, accuracy=0.08)
 
 
-def bridge() -> Assembly:
-    parts = []
-    for k, x in enumerate((-0.4, 0.4)):
-        parts += [
-            Part(f"base-{k}", Box([0.1, 1, 1]), Pose([x, 0, -0.5]), grounded=True),
-            Part(f"plank-{k}", Box([0.5, 1, 0.1]), Pose([x, 0, 0.05]), mass=1),
-        ]
-    return Assembly(parts)
-
-
 @pytest.mark.parametrize("mass", [0, -1, (5, 2), (0, 1), (1, 2, 3), "heavy", (1, np.inf)])
 def test_a_wrong_mass_is_refused(mass: object) -> None:
     with pytest.raises(InputError, match="mass"):
-        place(overhang(), box_to_place([0.1, 0.1, 0.1], 1), mass=mass)  # type: ignore[arg-type]
+        place(PLANK, box_to_place([0.1, 0.1, 0.1], 1), mass=mass)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("share", [-0.1, 0.5, np.nan])
 def test_a_wrong_share_is_refused(share: float) -> None:
     with pytest.raises(InputError, match="cent"):
-        place(overhang(), box_to_place([0.1, 0.1, 0.1], 1), center_within=share)
+        place(PLANK, box_to_place([0.1, 0.1, 0.1], 1), center_within=share)
 
 
 @pytest.mark.parametrize(
@@ -131,7 +131,7 @@ def test_wrong_limits_are_refused(
     words: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tmp_path / "plank.kilter.json"
-    kilter.dump(overhang(), file)
+    kilter.dump(PLANK, file)
     assert main(["place", str(file), "--box", "1x1x1", *words]) == 2
     error = capsys.readouterr().err
     assert said in error
@@ -140,7 +140,7 @@ def test_wrong_limits_are_refused(
 
 def test_the_answer_names_its_limits(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "plank.kilter.json"
-    kilter.dump(overhang(), file)
+    kilter.dump(PLANK, file)
     box = ["--box", "0.2x0.2x0.1", "--mass", "5..8", "--centre-within", "10%"]
     assert main(["place", str(file), *box, "--at", "-0.3", "0"]) == 0
     said = capsys.readouterr().out

@@ -11,23 +11,7 @@ from driver import Page
 import kilter
 from kilter.scenes import scene
 from kilter.workbench.server import Workbench
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("workbench")
-
-
-@pytest.fixture(scope="module")
-def bench(folder: Path) -> Iterator[Workbench]:
-    with Workbench(None, folder=folder) as workbench:
-        yield workbench
-
-
-@pytest.fixture(autouse=True)
-def no_earlier_session(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The changes of an uploaded file are kept in the user's folder: each test has its own."""
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+from served_workbench import bench, folder, no_earlier_session  # noqa: F401  fixtures
 
 
 @pytest.fixture

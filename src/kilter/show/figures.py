@@ -6,7 +6,7 @@ figures compute nothing that the answer does not contain. Gravity points down on
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -27,12 +27,13 @@ from kilter.show.solids import draw_parts
 from kilter.show.sphere import draw_region
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly import Assembly
 
-__all__ = ["VIEW", "camera_of", "draw_assembly", "draw_region", "picture_limits"]
+__all__ = ["VIEW", "camera_of", "draw_assembly", "draw_picture", "draw_region", "picture_limits"]
 
 
 VIEW = (-32.0, 22.0)
@@ -91,14 +92,7 @@ def draw_assembly(
     assembly = verdict.assembly
     names = len(assembly.parts) <= NAMED if names is None else names
     contacts = len(verdict.contacts) <= PATCHES if contacts is None else contacts
-    figure = new_figure(WIDTH, HEIGHT)
-    axes = figure.add_axes((0.09, 0.11, *SPACE))
-    axes.set_axis_off()
-    camera = camera_of(assembly, view)
-    low, high = picture_limits(assembly, camera, figure)
-    size = float((high - low).max())
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
-    entries, faces = draw_parts(axes, assembly, camera, size)
+    figure, axes, camera, size, entries, faces = draw_picture(assembly, view)
     if contacts:
         entries += draw_patches(axes, verdict, camera)
     entries += draw_straps(axes, assembly, camera)
@@ -116,6 +110,40 @@ def draw_assembly(
     title(figure, verdict.sentence, verdict.verdict)
     legend(figure, entries)
     return figure
+
+
+class PartsPicture(NamedTuple):
+    """A figure with the parts of an assembly, to which an answer adds its marks."""
+
+    figure: Figure
+    axes: Axes
+    camera: Camera
+    size: float
+    """Larger side of the picture [length unit]."""
+    entries: list[tuple[Any, str]]
+    """Entries of the legend."""
+    faces: list[tuple[int, Array]]
+    """Part and outline of each visible face."""
+
+
+def draw_picture(assembly: Assembly, view: tuple[float, float] | None) -> PartsPicture:
+    """Draw the parts of an assembly into a new figure.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    view : (float, float) or None
+        Azimuth and elevation of the eye [deg]; None for the default view.
+    """
+    figure = new_figure(WIDTH, HEIGHT)
+    axes = figure.add_axes((0.09, 0.11, *SPACE))
+    axes.set_axis_off()
+    camera = camera_of(assembly, view)
+    low, high = picture_limits(assembly, camera, figure)
+    size = float((high - low).max())
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+    entries, faces = draw_parts(axes, assembly, camera, size)
+    return PartsPicture(figure, axes, camera, size, entries, faces)
 
 
 def camera_of(assembly: Assembly, view: tuple[float, float] | None) -> Camera:

@@ -8,10 +8,9 @@ import numpy as np
 
 from kilter.arrays import Array
 from kilter.assembly import Assembly
-from kilter.show.canvas import legend, new_figure, title
-from kilter.show.figures import HEIGHT, NAMED, SPACE, WIDTH, camera_of, picture_limits
+from kilter.show.canvas import legend, title
+from kilter.show.figures import NAMED, draw_picture
 from kilter.show.overlay import draw_displaced, draw_gravity, draw_names
-from kilter.show.solids import draw_parts
 from kilter.tell.numbers import number
 
 if TYPE_CHECKING:
@@ -68,14 +67,7 @@ def draw_movement(
     InputError
         If matplotlib is not installed.
     """
-    figure = new_figure(WIDTH, HEIGHT)
-    axes = figure.add_axes((0.09, 0.11, *SPACE))
-    axes.set_axis_off()
-    camera = camera_of(assembly, view)
-    low, high = picture_limits(assembly, camera, figure)
-    size = float((high - low).max())
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
-    entries, faces = draw_parts(axes, assembly, camera, size)
+    figure, axes, camera, size, entries, faces = draw_picture(assembly, view)
     if movement.any():
         factor = magnification(movement, size)
         words = "at rest" if factor == 1.0 else f"at rest, movements x {number(factor)}"

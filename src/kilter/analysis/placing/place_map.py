@@ -336,8 +336,9 @@ def _across(area: shapely.Geometry) -> Array:
     return np.asarray(np.abs(sides[lengths.argmin()]))
 
 
-THIN = 1.0
-"""Width of a strip that is not searched further [accuracies]."""
+THIN = 0.75
+"""Width of a strip that is not searched further [accuracies]. It is below 1, since the strips of
+neighbouring cells may lie side by side."""
 STRIP = 0.5
 """Ratio of the sides of a rectangle below which it is a strip [-]."""
 

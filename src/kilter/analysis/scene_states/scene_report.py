@@ -15,7 +15,7 @@ from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.errors import InputError, nearest_name, some_names
 from kilter.rigid import Pose
-from kilter.tell.json_answer import Answer
+from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import holds, level_rank
 from kilter.tell.scene_words import object_words, scene_sentence
 
@@ -94,7 +94,7 @@ class SceneObject:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SceneReport(Answer):
+class SceneReport(AnswerInWords):
     """Answer of `kilter.scene`: the state of each object of a scene.
 
     ``for entry in report`` yields each `SceneObject`; ``report["cup"]`` is that of a part.

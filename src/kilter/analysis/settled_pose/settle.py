@@ -32,7 +32,7 @@ from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.errors import InputError
 from kilter.mechanics.proof import digest_of
-from kilter.tell.json_answer import Answer
+from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import REQUIRE, holds, level_rank, require_level
 from kilter.tell.numbers import NO_ANGLE
 from kilter.tell.settle_words import settle_sentence
@@ -57,7 +57,7 @@ UNMOVED = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Settled(Answer):
+class Settled(AnswerInWords):
     """Answer of `kilter.settle`: the pose at rest, or the reason why there is none.
 
     Attributes

@@ -1,4 +1,4 @@
-"""A pile with what is known about the loads it carries: forces, polygons of loads, motions.
+"""State of a pile: its boxes, and the known loads it carries (forces, polygons, motions).
 
 `Carried` entries are loads that forces carry beside the weights, as the change of all contact
 forces for a load of 1 N:
@@ -140,7 +140,7 @@ class Motions:
 
 
 class PileState:
-    """A pile of boxes, its equilibrium, and what is known about further loads.
+    """A pile of boxes, its equilibrium, and the known answers about further loads.
 
     Attributes
     ----------
