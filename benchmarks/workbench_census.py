@@ -31,6 +31,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "workbenc
 from driver import Page
 
 import kilter
+from kilter.assembly import Assembly
 from kilter.files.choices import Choices
 from kilter.files.choices_writing import write_choices
 from kilter.scenes import scene
@@ -104,12 +105,13 @@ def sequence(
     if not reply["ok"]:
         return [f"not opened: {reply['error']}"]
     page.answer()
+    drawn = kilter.load(file)
     found = []
     for k in range(changes):
-        request = random_request(page, rng)
+        request = random_request(page, drawn, rng)
         started = time.perf_counter()
         reply = page.say(**request)
-        if not reply["ok"]:
+        if not reply["ok"] or (request["do"] == "settle" and not settled(page)):
             continue  # a change that does not fit; its sentence is tested elsewhere
         first = page.hear(lambda m: m.get("is") in ("answer", "problem") and newest(page, m))
         quick.append(time.perf_counter() - started)
@@ -126,11 +128,22 @@ def sequence(
     return found
 
 
+def settled(page: Page) -> bool:
+    """Wait for the end of a search for the pose at rest; whether the parts have moved."""
+    state = page.last["session"]["state"]
+
+    def ends(message: dict[str, Any]) -> bool:
+        moved = message.get("is") == "session" and message["state"] > state
+        return moved or (message.get("is") == "tab" and message["name"] == "settle")
+
+    return page.hear(ends)["is"] == "session"
+
+
 def newest(page: Page, message: dict[str, Any]) -> bool:
     return message["state"] == page.last["session"]["state"]
 
 
-def random_request(page: Page, rng: random.Random) -> dict[str, Any]:
+def random_request(page: Page, drawn: Assembly, rng: random.Random) -> dict[str, Any]:
     """A random change of the present state, sometimes a wrong one."""
     session, parts = page.last["session"], page.last["scene"]["page"]["parts"]
     names = [*parts["full_names"], *page.last["scene"]["page"]["left_out"]]
@@ -141,7 +154,7 @@ def random_request(page: Page, rng: random.Random) -> dict[str, Any]:
     kinds = ["hold"] * 4 + ["friction"] * 3 + ["leave_out"] * 2 + walking
     kinds += ["floor", "fasten", "fasten_suggested", "fasten_overlaps", "pair", "material", "mass"]
     kinds += ["pair_friction", "joint", "load", "load_off", "scale_loads", "gravity", "density"]
-    kinds += ["bond", "tolerance", "loose"]
+    kinds += ["bond", "tolerance", "loose", "settle", "settle", "poses"]
     kind = rng.choice(kinds)
     count = len(session["changes"])
     values: dict[str, dict[str, Any]] = {
@@ -168,10 +181,23 @@ def random_request(page: Page, rng: random.Random) -> dict[str, Any]:
         "gravity": {"down": rng.choice([None, [0, 0, -1], [0.1, 0, -1], [0, -1, 0]])},
         "density": {"value": rng.choice([None, 500, 2000])},
         "tolerance": {"gap": rng.choice([None, 1e-4])},
+        "poses": {"poses": moved_slightly(drawn, rng)},
         "revert": {"index": rng.randrange(count) if count else 0},
         "go": {"index": rng.randint(0, count)},
     }
     return {"do": kind, **values.get(kind, {})}
+
+
+def moved_slightly(drawn: Assembly, rng: random.Random) -> dict[str, Any] | None:
+    """A part near its drawn pose, so that it overlaps or hangs by little; None: as in the file."""
+    part = rng.choice(drawn.parts)
+    if rng.random() < 0.2:
+        return None
+    size = float(drawn.geometry.size.min())
+    shift = [rng.uniform(-1, 1) * rng.choice([1e-4, 1e-3]) * size for _ in range(3)]
+    pose = part.pose
+    place = (pose.position + shift).tolist()
+    return {part.name: {"position": place, "rotation": pose.rotation.tolist()}}
 
 
 def compare(file: Path, keys: dict[str, Any], shown: dict[str, Any]) -> str:

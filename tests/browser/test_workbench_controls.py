@@ -126,6 +126,42 @@ def test_a_remedy_is_done(user: Callable, capsys: Any, monkeypatch: Any) -> None
     assert page.command_agrees(capsys, monkeypatch)["level"] is not None
 
 
+def test_the_parts_are_settled(user: Callable, capsys: Any, monkeypatch: Any) -> None:
+    page = user(two_open_pairs())
+    lids = "(z => [2, 4].map(k => z[3 * k + 2] - z[2]))(window.kilter.page.parts.position)"
+    assert page.js(lids) == pytest.approx([2.9, 2.9], abs=1e-6)  # above the base
+    assert "2 overlapping pairs: at rest after moving 0.1 m, then stable" in page.text("settle")
+    page.click("#settle button:has-text('Settle')")
+    assert page.text("verdict") == "Stable"
+    assert set(page.choices()["poses"]) == {"lid-1", "lid-2"}
+    assert page.js(lids) == pytest.approx([3.0, 3.0], abs=1e-6)
+    assert not page.page.query_selector("#settle button")
+    page.command_agrees(capsys, monkeypatch)
+    # undone and done again by keys
+    page.after(lambda: page.press("Control+z"))
+    assert page.js(lids) == pytest.approx([2.9, 2.9], abs=1e-6)
+    assert page.text("verdict") == "Undecided"
+    page.after(lambda: page.press("Control+y"))
+    assert page.text("verdict") == "Stable"
+    page.click("#joined button:has-text('Remove')")
+    assert "poses" not in page.choices()
+    assert page.text("verdict") == "Undecided"
+
+
+def test_settling_is_stopped_or_refused_beside_its_button(user: Callable) -> None:
+    wall = wall_of(300)
+    above = {part.name: Pose(part.pose.position * [1, 1, 1.001]) for part in wall.parts[1:]}
+    page = user(wall.with_poses(above))
+    page.page.click("#settle button:has-text('Settle')")
+    page.page.click("#settle button:has-text('Stop')")
+    page.until("document.getElementById('settle').textContent.includes('stopped')")
+    ends = [Part(f"end-{x}", Box([1, 1, 1]), Pose([x, 0, 0.5]), grounded=True) for x in (-1, 1)]
+    page = user(Assembly([*ends, Part("wedged", Box([1.1, 1, 1]), Pose([0, 0, 0.5]))]))
+    page.page.click("#settle button:has-text('Settle')")
+    page.until("document.getElementById('settle').textContent.includes('do not fit')")
+    assert page.page.is_visible("#settle button:has-text('Settle')")
+
+
 def test_analyses_with_options_are_repeated_by_their_commands(
     user: Callable, capsys: Any, monkeypatch: Any
 ) -> None:
@@ -363,6 +399,8 @@ CONTROLS = {
     "joint-axis": PAIR,
     "joined Remove": "test_every_entry_of_the_lists_is_removed",
     # to decide
+    "settle Settle": "test_the_parts_are_settled",
+    "settle Stop": "test_settling_is_stopped_or_refused_beside_its_button",
     "remedies Do it": "test_a_remedy_is_done",
     "suggestions *": SUGGESTED,
     "suggestions Join": SUGGESTED,
@@ -532,7 +570,7 @@ def test_every_control_of_the_page_has_a_test(user: Callable) -> None:
     assert without == [], "add the control and its test to the table CONTROLS of this file"
     seldom = {
         f"sheet-controls {label}" for label in ("Compute", "Stop", "Save the page of the plan")
-    }
+    } | {"settle Stop"}
     assert set(CONTROLS) - found - seldom == set(), "these controls are not on the page"
 
 

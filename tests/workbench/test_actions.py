@@ -55,6 +55,10 @@ EFFECTS = [
         {"do": "load", "part": "nut_1", "force": [0, 0, -5]},
         {"loads": [{"part": "nut_1", "force": [0.0, 0.0, -5.0]}]},
     ),
+    (
+        {"do": "poses", "poses": {"rod": {"position": [0, 0, 1], "rotation": [1, 0, 0, 0]}}},
+        {"poses": {"rod": {"position": [0.0, 0.0, 1.0], "rotation": [1.0, 0.0, 0.0, 0.0]}}},
+    ),
     ({"do": "gravity", "up": "y"}, {"up": "y"}),
     ({"do": "gravity", "down": [0, 0, 2]}, {"gravity": [0.0, 0.0, 9.81]}),
     ({"do": "units", "value": "mm"}, {"units": "mm"}),

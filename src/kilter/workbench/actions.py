@@ -124,6 +124,37 @@ def _mass(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     return _material(entry, keys, bodies)[0], f"{part}: {mass:g} kg"
 
 
+def _poses(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
+    """New poses of parts, as `kilter.workbench.settling` finds them; None: as in the file.
+
+    Loads, joints and bonds at points of these parts are replaced by the moved entries.
+    """
+    poses = action.get("poses")
+    if poses is None:
+        return {"poses": None}, "parts placed as in the file"
+    unknown = [name for name in poses if name not in bodies.names]
+    if unknown:
+        raise InputError(f"there is no part {_named(unknown)}", hint="settle the parts again")
+    for key, words in (("sha256", "for other content of the file"), ("units", "in other units")):
+        if key in action and action[key] != keys.get(key):
+            raise InputError(f"the poses are {words}", hint="settle the parts again")
+    new = {
+        name: {
+            "position": _vector(pose["position"], "the position"),
+            "rotation": [_finite(x, "the rotation") for x in pose["rotation"]],
+        }
+        for name, pose in poses.items()
+    }
+    changes: Keys = {"poses": {**keys.get("poses", {}), **new}}
+    for key, pairs in (action.get("replaced") or {}).items():
+        changes[key] = [
+            next((after for before, after in pairs if before == entry), entry)
+            for entry in keys.get(key, [])
+        ]
+    moved = action.get("moved")
+    return changes, f"settle: parts move by up to {moved}" if moved else f"place {_named([*new])}"
+
+
 # pairs ---------------------------------------------------------------------------------
 
 
@@ -272,6 +303,8 @@ GRAVITY = 9.81
 
 def _units(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     units = action.get("value")
+    if keys.get("poses"):
+        raise InputError("moved parts have poses in the present units", hint="undo the movement")
     return {"units": units}, f"units {units}" if units else "units as in the file"
 
 
@@ -306,6 +339,7 @@ ACTIONS: dict[str, Callable[[Action, Keys, OpenedParts], tuple[Keys, str]]] = {
     "pair": _decide,
     "material": _material,
     "mass": _mass,
+    "poses": _poses,
     "friction": _friction,
     "pair_friction": _pair_friction,
     "joint": _joint,

@@ -27,6 +27,7 @@ from kilter.tell.open_words import pair_words
 from kilter.workbench.command_line import command
 from kilter.workbench.live_assembly import Prepared
 from kilter.workbench.opened_parts import OpenedParts
+from kilter.workbench.settling import settle_offer
 
 __all__ = ["PHASES", "TABS", "answer_data", "prepared_check", "scene_data", "tab_data"]
 
@@ -129,6 +130,7 @@ def answer_data(verdict: Verdict, phase: str, center: Array) -> dict[str, Any]:
         "remedies": [
             {**remedy, "actions": _actions(remedy["option"])} for remedy in data["remedies"]
         ],
+        "settle": settle_offer(verdict) if complete else None,
         "html": answer_html(data) if complete else "",
         "check": {key: data[key] for key in ("verdict", "level", "why")},
     }
@@ -154,6 +156,8 @@ def _actions(option: str) -> list[dict[str, Any]]:
             actions.append({"do": "leave_out", "parts": [words.pop(0)], "on": True})
         elif name == "--ground":
             actions.append({"do": "hold", "parts": [words.pop(0)], "on": True})
+        elif name == "--settle":
+            actions.append({"do": "settle"})
         else:
             return []
     return actions

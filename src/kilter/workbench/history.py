@@ -162,6 +162,28 @@ class History:
         while len(self.changes) < count:
             self.redo()
 
+    def on(self, base: dict[str, Any]) -> tuple[History, list[str]]:
+        """The changes on other first choices, and the labels of the changes that do not fit.
+
+        Examples
+        --------
+        >>> history = History({"kilter": 1, "file": "a", "sha256": "1"}, OpenedParts(("rod",)))
+        >>> history.add({"do": "friction", "mu": 0.3})
+        >>> pose = {"rod": {"position": [0, 0, 1], "rotation": [1, 0, 0, 0]}}
+        >>> history.add({"do": "poses", "poses": pose, "sha256": "1"})
+        >>> changed, lost = history.on({"kilter": 1, "file": "a", "sha256": "2"})
+        >>> changed.keys["friction"], lost
+        (0.3, ['place rod'])
+        """
+        history, lost = History(base, self.bodies), []
+        for change in self.changes:
+            try:
+                history._append(change.action)
+            except InputError:
+                lost.append(change.label)
+        history.undone = list(self.undone)
+        return history, lost
+
     def _append(self, action: Mapping[str, Any]) -> None:
         keys, label = apply(action, self._states[-1], self.bodies)
         self.changes.append(Change(dict(action), label))

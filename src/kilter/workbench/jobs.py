@@ -27,6 +27,7 @@ from kilter.workbench.comparison import comparison_data
 from kilter.workbench.exports import export
 from kilter.workbench.live_assembly import LiveAssembly, Prepared
 from kilter.workbench.opened_parts import OpenedParts
+from kilter.workbench.settling import settling_action
 
 __all__ = ["Jobs"]
 
@@ -55,6 +56,7 @@ class Jobs:
             "open": self._open,
             "answer": self._answer,
             "tab": self._tab,
+            "settle": self._settle,
             "compare": self._compare,
             "export": self._export,
         }
@@ -117,6 +119,10 @@ class Jobs:
             progress=_teller(report),
         )
         report("tab", data)
+
+    def _settle(self, job: Job, report: Report) -> None:
+        """Find the poses at rest, and report the action that moves the parts."""
+        report("action", settling_action(self._prepare(job), job["keys"], _teller(report)))
 
     def _compare(self, job: Job, report: Report) -> None:
         """Compare the answers of two states of the session."""

@@ -24,6 +24,7 @@ from kilter.files.file_content import ENDINGS
 from kilter.files.fingerprint import fingerprint
 from kilter.files.writing import dump, write_text
 from kilter.scenes.registry import SCENES, scene
+from kilter.tell.numbers import count
 from kilter.workbench.actions import ACTIONS
 from kilter.workbench.command_line import command, needs_file, saved_name
 from kilter.workbench.history import History, autosave_path, upload_autosave_path
@@ -173,6 +174,9 @@ class Session:
             self._close()
         elif what == "ask":
             self._ask(message)
+        elif what == "settle":
+            self._require_file()
+            self.jobs.add(self.state, {"job": "settle", "keys": self.history.keys}, tab="settle")
         elif what == "compare":
             self._compare(message)
         elif what == "stop":
@@ -332,19 +336,20 @@ class Session:
         kept = self._autosave_path
         if given or not kept.is_file():
             return
+        base = self.history.base
         try:
             earlier = History.from_text(kept.read_bytes(), bodies)
+            before, now = (_without_place(keys) for keys in (earlier.base, base))
+            if before != now or not (earlier.changes or earlier.undone):
+                return
         except (InputError, OSError) as error:
             self.message = f"the changes of the earlier session could not be restored: {error}"
             return
-        before, now = (_without_place(keys) for keys in (earlier.base, self.history.base))
-        if before != now or not (earlier.changes or earlier.undone):
-            return
-        self.history = History(self.history.base, bodies, earlier.changes, earlier.undone)
-        count = len(self.history.changes)
-        if count:
-            changes = "1 change" if count == 1 else f"{count} changes"
+        self.history, lost = earlier.on(base)
+        changes = count(len(self.history.changes), "change")
+        if self.history.changes or lost:
             self.message = f"{changes} of the earlier session restored; undo takes them back"
+            self.message += _lost_words(lost)
 
     @property
     def _is_upload(self) -> bool:
@@ -446,22 +451,20 @@ class Session:
 
     def _reapply(self, history: History) -> None:
         """Apply the changes of a history to the file as it is now; name those that do not fit."""
-        lost = []
-        for change in history.changes:
-            try:
-                self.history.add(change.action)
-            except InputError:
-                lost.append(change.label)
+        history.bodies = self.history.bodies
+        self.history, lost = history.on(self.history.base)
         self._changed()
-        dropped = f"; these changes do not fit any more: {', '.join(lost)}" if lost else ""
-        self.message = f"the file changed and was read again{dropped}"
+        self.message = f"the file changed and was read again{_lost_words(lost)}"
         self.broadcast(self.session_data())
 
     # results of jobs -------------------------------------------------------------------
 
     def _pass_on(self, job: QueuedJob, kind: str, data: Any) -> None:
         """Send a result of the present state to the pages, and keep it for later pages."""
-        if job.state != self.state or kind not in ("scene", "answer", "tab"):
+        if job.state != self.state or kind not in ("scene", "answer", "tab", "action"):
+            return
+        if kind == "action":
+            self._do(job, data)
             return
         if kind == "scene":
             self._shapes = data["shapes"] or self._shapes
@@ -472,6 +475,15 @@ class Session:
             message = {"is": "tab", "state": self.state, "error": "", **data}
             self._sent.tabs[data["name"]] = message
         self.broadcast(message)
+
+    def _do(self, job: QueuedJob, action: Mapping[str, Any]) -> None:
+        """Do an action that a job has found, as if a page had sent it."""
+        try:
+            self.history.add(action)
+        except InputError as error:
+            self._tell_problem(job, error)
+            return
+        self._changed()
 
     def _tell_problem(self, job: QueuedJob, error: InputError) -> None:
         """Tell the pages why the present state, or a tab, has no answer."""
@@ -506,6 +518,11 @@ MOST_FILES = 500
 def _without_place(keys: Mapping[str, Any]) -> dict[str, Any]:
     """Choices without the name and the digest of their file."""
     return {key: value for key, value in keys.items() if key not in ("file", "sha256")}
+
+
+def _lost_words(labels: Sequence[str]) -> str:
+    """Words for changes that the content of the file no longer admits; empty without them."""
+    return f"; these changes do not fit any more: {', '.join(labels)}" if labels else ""
 
 
 def _examples() -> list[str]:

@@ -237,7 +237,9 @@ export class Workbench {
   }
 
   showTab(message) {
-    if (message.state === this.session.state) this.tabs.take(message);
+    if (message.state !== this.session.state) return;
+    if (message.name === "settle") this.decide.refused(message);
+    else this.tabs.take(message);
   }
 
   // helpers ---------------------------------------------------------------------------

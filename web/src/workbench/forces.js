@@ -102,6 +102,9 @@ export class Forces {
       ...(choices.friction_pairs ?? []).map((one) =>
         entry(`friction ${one.mu}: ${pair(one)}`, button("Remove", () => bench.act({ do: "pair_friction", parts: one.parts, mu: null }))),
       ),
+      ...(choices.poses
+        ? [entry(`moved: ${Object.keys(choices.poses).map(short).join(", ")}`, button("Remove", () => bench.act({ do: "poses", poses: null }), "places these parts as in the file"))]
+        : []),
       ...["fasten_suggested", "fasten_overlaps", "loose"]
         .filter((name) => choices[name])
         .map((name) => entry(SWITCHES[name], button("Remove", () => bench.act({ do: name, on: false })))),
