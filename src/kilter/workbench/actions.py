@@ -125,7 +125,7 @@ def _mass(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
 
 
 def _poses(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
-    """New poses of parts, as `kilter.workbench.settling` finds them; None: as in the file.
+    """New poses of parts, as `kilter.workbench.settle_change` finds them; None: as in the file.
 
     Loads, joints and bonds at points of these parts are replaced by the moved entries.
     """

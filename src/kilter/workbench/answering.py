@@ -27,7 +27,7 @@ from kilter.tell.open_words import pair_words
 from kilter.workbench.command_line import command
 from kilter.workbench.live_assembly import Prepared
 from kilter.workbench.opened_parts import OpenedParts
-from kilter.workbench.settling import settle_offer
+from kilter.workbench.settle_change import settle_offer
 
 __all__ = ["PHASES", "TABS", "answer_data", "prepared_check", "scene_data", "tab_data"]
 

@@ -167,11 +167,11 @@ class History:
 
         Examples
         --------
-        >>> history = History({"kilter": 1, "file": "a", "sha256": "1"}, OpenedParts(("rod",)))
+        >>> history = History({"kilter": 1, "file": "a", "sha256": "1" * 64}, OpenedParts(("rod",)))
         >>> history.add({"do": "friction", "mu": 0.3})
         >>> pose = {"rod": {"position": [0, 0, 1], "rotation": [1, 0, 0, 0]}}
-        >>> history.add({"do": "poses", "poses": pose, "sha256": "1"})
-        >>> changed, lost = history.on({"kilter": 1, "file": "a", "sha256": "2"})
+        >>> history.add({"do": "poses", "poses": pose, "sha256": "1" * 64})
+        >>> changed, lost = history.on({"kilter": 1, "file": "a", "sha256": "2" * 64})
         >>> changed.keys["friction"], lost
         (0.3, ['place rod'])
         """

@@ -27,7 +27,7 @@ from kilter.workbench.comparison import comparison_data
 from kilter.workbench.exports import export
 from kilter.workbench.live_assembly import LiveAssembly, Prepared
 from kilter.workbench.opened_parts import OpenedParts
-from kilter.workbench.settling import settling_action
+from kilter.workbench.settle_change import settling_action
 
 __all__ = ["Jobs"]
 
