@@ -18,6 +18,7 @@ from kilter import Assembly, Bond, Box, Part, Pose, Sphere
 from kilter.analysis.decision.decision import Decision
 from kilter.analysis.open_pairs import remedies
 from kilter.cli import main
+from kilter.contact import Tolerance
 from kilter.scenes import SCENES, arches, friction, scene, stacks
 from kilter.tell.text import text_of
 from kilter.work import Work
@@ -314,6 +315,53 @@ def test_a_costly_verdict_pays_for_the_required_level(monkeypatch: pytest.Monkey
     assert levels == [*["equilibrium"] * 3, "settles"]
     assert found == [("stable", "proved")]  # a larger change is not offered
     assert units <= 2e6
+
+
+@pytest.mark.parametrize("ball", [False, True])
+def test_a_remedy_that_holds_without_friction_has_the_verdict_of_check_whatever_its_work(
+    monkeypatch: pytest.MonkeyPatch, ball: bool
+) -> None:
+    """A box on a held box is stable, a ball on a held ball balanced; each floats by 1e-3."""
+    shapes = (Sphere(1.0), Sphere(0.5)) if ball else (Box(2, 2, 2), Box(1, 1, 1))
+    parts = [Part("base", shapes[0], grounded=True), Part("top", shapes[1], [0, 0, 1.501])]
+    monkeypatch.setattr(remedies, "_changes", lambda *_: iter([remedies._Change(gap=1.01e-3)]))
+    monkeypatch.setattr(remedies, "LEAST_WORK", 50_000.0)
+    decide, spent = remedies.decide, []
+
+    def costly(*arguments, work: Work, **options) -> Decision:
+        decision = decide(*arguments, work=work, **options)
+        spent.append(decision.units)
+        return replace(decision, units=1e9)
+
+    monkeypatch.setattr(remedies, "decide", costly)
+    floating = Assembly(parts)
+    remedy = kilter.check(floating).remedies[0]
+    typed = kilter.check(floating, tolerance=Tolerance(gap=1.01e-3))
+    assert len(spent) == 1
+    assert typed.verdict == ("balanced" if ball else "stable")
+    assert (remedy.option, remedy.leads_to, remedy.level) == (
+        "--gap 0.00101", typed.verdict, typed.level,
+    )  # fmt: skip
+
+
+@needs_shared
+@pytest.mark.slow
+def test_the_remedy_of_a_flange_has_the_verdict_of_its_own_check(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    pytest.importorskip("OCP")
+    command = ["check", str(SHARED / "cad/flange_coupling.step"), "--floor", "--up", "y", "--json"]
+    main(command)
+    (remedy,) = json.loads(capsys.readouterr().out)["remedies"]
+    assert remedy["option"] == "--fasten-suggested"
+    main([*command, remedy["option"]])
+    typed = json.loads(capsys.readouterr().out)
+    assert typed["verdict"] == "stable"
+    assert (remedy["leads_to"], remedy["level"]) == (typed["verdict"], typed["level"])
+    main(["margin", *command[1:-1], remedy["option"], "--quiet"])
+    text = capsys.readouterr().out
+    assert "at its limit  without friction the least tilt or push" in text
+    assert f"--floor {remedy['option']} --up y --friction 0.3\n" in text
 
 
 def test_a_guarantee_that_lacks_work_is_not_reported(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -200,3 +200,24 @@ def test_every_question_of_a_decision_is_charged() -> None:
     # the charge itself counts in the total a second time
     assert search.work.total - before == pytest.approx(2 * charged - DECISION, rel=0.2)
     assert charged > DECISION
+
+
+def test_limits_that_lack_work_are_one_warning_and_no_words_of_each_limit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    kilter.dump(stacks.block_on_slope(20.0, friction=0.5), "a.kilter.json")
+    command = ["margin", "a.kilter.json", "--require", "settles", "--effort", "0", "--loads"]
+    command += ["--push", "1", "0", "0", "--about", "0", "1", "0"]
+    monkeypatch.setattr("kilter.analysis.margins.level_limits.LEAST_UNITS", 1.0)
+    assert main([*command, "--json"]) == 0
+    at_level = json.loads(capsys.readouterr().out)["at_level"]
+    limits = [at_level[key] for key in ("tilt_deg", "about_deg", "friction")]
+    limits += [*at_level["load_factor"], *at_level["pushes"].values(), *at_level["loads"].values()]
+    assert sum(limit["why"] == "effort" for limit in limits) > 3
+    assert main(command) == 0
+    out, error = capsys.readouterr()
+    assert error.count("the work limit was reached before these limits at the level settles") == 1
+    assert "work limit" not in out
+    assert main([*command, "--quiet"]) == 0
+    assert "work limit" not in "".join(capsys.readouterr())

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 import kilter
+from kilter import Assembly, Box, Part, Sphere
 from kilter.cli import main
-from kilter.scenes import stacks
+from kilter.scenes import scene, stacks
 
 KEYS = {
     "joints",
@@ -119,3 +120,76 @@ def test_the_exit_code_says_nothing_of_the_verdict_which_comes_first(tower, caps
     answer = answered(capsys, "margin", "slope.json", "--effort", "0")
     assert next(iter(answer.items())) == ("verdict", "unstable")
     assert main(["check", "slope.json", "--effort", "0", "--quiet"]) == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "friction", "moved"),
+    [
+        ("tower", None, "without friction the least tilt or push in some directions moves it"),
+        ("paper-figure-9", None, "without friction the least push in some directions moves it"),
+        ("slope-with-friction", None, None),
+        ("tower", "0.3", None),
+    ],
+)
+def test_an_assembly_without_reserve_is_reported_with_the_option_that_helps(
+    tmp_path, monkeypatch, capsys, name, friction, moved
+):
+    monkeypatch.chdir(tmp_path)
+    kilter.dump(scene(name), "a.json")
+    typed = [] if friction is None else ["--friction", friction]
+    assert main(["margin", "a.json", *typed, "--quiet"]) == 0
+    text = capsys.readouterr().out
+    assert ("at its limit" in text) == (moved is not None)
+    if moved is not None:
+        assert f"{moved}; --friction MU states the friction of its contacts" in text
+        assert "next: kilter margin a.json --friction 0.3\n" in text
+        assert main(["margin", "a.json", "--friction", "0", "--quiet"]) == 0
+        assert "next: kilter margin a.json --friction 0.3\n" in capsys.readouterr().out
+
+
+def test_the_next_margin_asks_the_same_question_with_friction(tower, capsys):
+    kilter.dump(stacks.tower(2), "tower.json")
+    asked = ["--push", "1", "0", "0", "--part", "cube-1", "--loads", "--mu-range", "0.5", "1"]
+    assert main(["margin", tower, *asked, "--quiet"]) == 0
+    *_, line, _ = capsys.readouterr().out.splitlines()
+    words = line.removeprefix("next: kilter ").split()
+    assert words == ["margin", tower, *asked, "--friction", "0.3"]
+    assert main([*words, "--quiet"]) == 0
+    assert "at its limit" not in capsys.readouterr().out
+
+
+def test_a_ball_with_friction_is_at_its_limit_without_that_option(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    table = Part("table", Box(4, 4, 1), [0, 0, -0.5], grounded=True)
+    ball = Part("ball", Sphere(0.5), [0, 0, 0.5])
+    kilter.dump(Assembly([table, ball], friction=0.5), "a.json")
+    assert main(["margin", "a.json", "--quiet"]) == 0
+    text = capsys.readouterr().out
+    assert "at its limit  the least tilt or push in some directions moves it" in text
+    assert "--friction" not in text
+
+
+@pytest.mark.parametrize(
+    ("name", "option", "words"),
+    [
+        ("slope", {}, "LeastFriction(mu >= 0.363971, above 0.36397)"),
+        ("tower", {}, "LeastFriction(none is needed)"),
+        ("squeezed-block", {}, "LeastFriction(any mu above 0)"),
+    ],
+)
+def test_the_least_friction_prints_as_one_short_line(name, option, words):
+    margin = kilter.margin(scene(name), pushed=[], **option)
+    assert str(margin.friction) == repr(margin.friction) == words
+
+
+def test_every_limit_prints_as_one_short_line():
+    margin = kilter.margin(
+        stacks.block_on_slope(0.0, friction=0.5), push=[1, 0, 0], about=[0, 1, 0], loads=True
+    )
+    bonded = kilter.margin(scene("mortared-corbel"), pushed=[])
+    nearest = kilter.margin(scene("slope"), pushed=[]).nearest
+    limits = [margin.tilt, *margin.load_factor, *margin.pushes, *margin.loads, nearest, bonded.bond]
+    assert all(len(repr(limit)) < 60 for limit in limits)
+    assert repr(margin.tilt) == "TiltMargin(26.5651 deg)"  # arctan 1/2
+    assert repr(margin.load_factor[1]) == "Limit(0.5)"
+    assert repr(nearest) == "NearestHeld(20 deg away)"

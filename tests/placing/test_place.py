@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from kilter.analysis.placing.place import Places, box_to_place, place
 from kilter.cli import main
 from kilter.errors import InputError
 from kilter.scenes import scene
+from kilter.tell.text import text_of
 
 SMALL = [1e-3, 1e-3, 0.1]
 """A box that is small, so that its centre and its contact are at the same place."""
@@ -222,3 +224,46 @@ def test_a_given_place_has_no_figure(tmp_path: Path, capsys: pytest.CaptureFixtu
     words = ["--box", "0.1x0.1x0.1", "--mass", "1", "--at", "0", "0", "--figure", "m.svg"]
     assert main(["place", str(file), *words]) == 2
     assert "a map has a figure" in capsys.readouterr().err
+
+
+def density_warned(places: Places) -> bool:
+    return any("kg/m^3 assumed" in warning for warning in places.warnings)
+
+
+def with_plank(density: float | None, at: float, friction: float) -> Places:
+    """A box of 5 kg on a plank of .05 m^3 that extends .3 m beyond its table."""
+    table, plank = overhang(1, 2, 0.3).parts
+    plank = replace(plank, given_mass=None, density=density)
+    whole = Assembly([table, plank], friction=friction)
+    return place(whole, box_to_place(SMALL, 5.0), at=[at, 0])
+
+
+@pytest.mark.parametrize(
+    ("at", "friction", "warned", "verdicts"),
+    [
+        (-0.3, 0.0, False, {"stable"}),  # over the table
+        (0.1, 0.0, True, {"unstable", "stable"}),  # the plank is the counterweight
+        (-0.3, 0.5, False, {"stable"}),  # friction is not needed
+    ],
+)
+def test_the_default_density_is_a_warning_only_if_the_verdict_depends_on_it(
+    at: float, friction: float, warned: bool, verdicts: set[str]
+) -> None:
+    assert density_warned(with_plank(None, at, friction)) == warned
+    found = {with_plank(density, at, friction).at.verdict.verdict for density in (1.0, 1000.0, 1e5)}
+    assert found == verdicts
+
+
+def test_a_part_that_falls_at_every_density_has_no_warning() -> None:
+    beside = place(scene("tower"), box_to_place([1, 1, 1], 2.0), at=[0.6, 0])
+    assert not beside.stands
+    assert beside.at.heaviest == 0.0
+    assert "no mass is carried there" in text_of(beside.to_dict())
+    assert not density_warned(beside)
+
+
+def test_a_mixed_file_keeps_its_own_warning_about_density() -> None:
+    base = Part("base", Box([2, 2, 1]), Pose([0, 0, -0.5]), grounded=True)
+    light = Part("light", Box([1, 1, 1]), Pose([0, 0, 0.5]))
+    assembly = Assembly([base, light, Part("heavy", Box([1, 1, 1]), [0, 0, 1.5], mass=3.0)])
+    assert density_warned(place(assembly, box_to_place(SMALL, 1.0), at=[0, 0]))

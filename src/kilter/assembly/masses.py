@@ -14,7 +14,7 @@ from kilter.shape.primitives import Box, Cylinder, Sphere
 from kilter.shape.solid import Solid
 from kilter.units import metres_per_unit
 
-__all__ = ["DEFAULT_DENSITY", "box_sizes", "part_masses", "part_moments"]
+__all__ = ["DEFAULT_DENSITY", "box_sizes", "density_warnings", "part_masses", "part_moments"]
 
 DEFAULT_DENSITY = 1000.0
 """Density of a part without density and mass [kg/m^3]."""
@@ -94,20 +94,25 @@ def part_masses(
     given = np.array([part.given_mass is not None for part in parts])
     mass = density * cubic_metres
     mass[given] = [part.given_mass for part in parts if part.given_mass is not None]
-    free = np.array([not part.grounded for part in parts])
-    default = np.array([part.given_mass is None and part.density is None for part in parts])
-    if (default & free).any() and (~default & free).any():
-        assumed = some_names([p.name for p, d in zip(parts, default & free, strict=True) if d])
-        warnings.append(
-            f"density {DEFAULT_DENSITY:g} kg/m^3 assumed for {assumed}, "
-            "although other parts have a given mass or density: the verdict depends on the ratios"
-        )
+    warnings += density_warnings(parts)
     second = second * (mass / volume)[:, None, None]
     center = center.copy()
     for k, part in enumerate(parts):
         if part.center_of_mass is not None:
             center[k] = part.center_of_mass
     return mass, center, second
+
+
+def density_warnings(parts: Sequence[Part]) -> list[str]:
+    """The warning about the default density beside given masses; empty if it is not needed."""
+    free = [part for part in parts if not part.grounded]
+    assumed = [part.name for part in free if part.given_mass is None and part.density is None]
+    if len(assumed) in (0, len(free)):
+        return []
+    return [
+        f"density {DEFAULT_DENSITY:g} kg/m^3 assumed for {some_names(assumed)}, although other "
+        "parts have a given mass or density: the verdict may depend on the ratios"
+    ]
 
 
 def box_sizes(parts: Sequence[Part], which: Index) -> Array:

@@ -315,6 +315,8 @@ class Asked:
         request = self
         if "--down" in rest:
             request = replace(self, typed=replace(self.typed, down=None))
+        if "--friction" in rest:
+            request = replace(self, typed=replace(self.typed, friction=None))
         words = request.command(name, *(typed if name == kind_of(answer) else ()), *rest)
         return f"\n\nnext: {words}\n      {step.why}"
 

@@ -9,6 +9,7 @@ from kilter.cli.asked import Asked
 from kilter.cli.declarations import Argument, Option
 from kilter.cli.exit_codes import ORIENT, VERDICT, WRITTEN
 from kilter.cli.options import FORM, asks
+from kilter.cli.order_files import as_typed
 from kilter.cli.output import Progress
 from kilter.errors import InputError
 from kilter.work import stop_after
@@ -268,7 +269,19 @@ def margin(
             progress=progress,
         )
     data = answer.to_dict()
-    asked.tell(data, after=asked.keep_proof(answer.proof, data))
+    typed = as_typed(
+        push=push,
+        about=about,
+        part=part,
+        loads=loads,
+        bracket=bracket,
+        mass_range=mass_range,
+        com_range=com_range,
+        mu_range=mu_range,
+        normal_tilt=normal_tilt,
+        require=None if require == "equilibrium" else require,
+    )
+    asked.tell(data, after=asked.keep_proof(answer.proof, data), typed=typed)
     return WRITTEN
 
 

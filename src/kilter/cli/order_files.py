@@ -74,6 +74,8 @@ def as_typed(**given: Any) -> list[str]:
     --------
     >>> as_typed(hold=1, before=None, never_hold=["a", "b"])
     ['--hold', '1', '--never-hold', 'a', '--never-hold', 'b']
+    >>> as_typed(push=(1.0, 0.0, 0.5))
+    ['--push', '1', '0', '0.5']
     """
     words: list[str] = []
     for name, value in given.items():
@@ -82,6 +84,11 @@ def as_typed(**given: Any) -> list[str]:
             words.append(option)
         elif value is not None and value is not False:
             for entry in value if isinstance(value, list) else [value]:
-                names = pair_of(option, entry) if option in PAIRS else (str(entry),)
-                words += [option, *names]
+                values = entry if isinstance(entry, tuple) else (entry,)
+                if option in PAIRS:
+                    values = pair_of(option, entry)
+                words += [
+                    option,
+                    *(f"{v:.12g}" if isinstance(v, float) else str(v) for v in values),
+                ]
     return words

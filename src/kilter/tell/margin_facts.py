@@ -8,7 +8,7 @@ from kilter.errors import some
 from kilter.tell.numbers import angle, force, number, plain, rounded_up, vector
 from kilter.tell.shared_facts import Answer, Fact, bond_words, joint_facts
 
-__all__ = ["level_words", "margin_facts", "part_level_words"]
+__all__ = ["level_words", "margin_facts", "moved_by_least", "part_level_words"]
 
 LEVEL_WORDS = {
     "settles": ("it settles", "it does not settle"),
@@ -18,14 +18,13 @@ LEVEL_WORDS = {
 UNKNOWN = {
     "failed": "not known: the solver failed",
     "time": "not known: the time limit was reached",
-    "effort": "not known: the work limit was reached (--effort 2 allows more)",
 }
 """Words of a limit whose program no solver finished."""
 
 
 def margin_facts(answer: Answer) -> list[Fact]:
     """Return the lines below the sentence of `kilter margin`, each a term and its words."""
-    facts = [*joint_facts(answer), ("tilt", _tilt(answer))]
+    facts = [*joint_facts(answer), *_at_its_limit(answer), ("tilt", _tilt(answer))]
     about = answer["about"]
     if about is not None:
         turn = about["tilt_deg"]
@@ -50,6 +49,30 @@ def margin_facts(answer: Answer) -> list[Fact]:
     facts += _worst_case(answer["uncertainty"])
     helps = [remedy["sentence"] for remedy in answer["helps"]]
     return facts + [("" if k else "helps", words) for k, words in enumerate(helps)]
+
+
+def moved_by_least(answer: Answer) -> tuple[str, ...]:
+    """Return the causes, "tilt" or "push", of which the least in a direction moves the assembly.
+
+    Examples
+    --------
+    >>> moved_by_least({"tilt_deg": 0.0, "pushes": [{"force": 0.0}, {"force": None}]})
+    ('tilt', 'push')
+    """
+    pushed = any(push["force"] == 0.0 for push in answer["pushes"])
+    return ("tilt",) * (answer["tilt_deg"] == 0.0) + ("push",) * pushed
+
+
+def _at_its_limit(answer: Answer) -> list[Fact]:
+    """Return the line of an assembly without any reserve; no line if it has a reserve."""
+    causes = moved_by_least(answer)
+    if not causes:
+        return []
+    moved = f"the least {' or '.join(causes)} in some directions moves it"
+    if answer["level"] == "equilibrium":  # friction is stated already
+        return [("at its limit", moved)]
+    rub = "--friction MU states the friction of its contacts"
+    return [("at its limit", f"without friction {moved}; {rub}")]
 
 
 def _as_drawn(answer: Answer) -> str:
@@ -126,6 +149,9 @@ def level_words(
 ) -> str:
     """Return the words about a limit at a higher level; they continue an equilibrium phrase.
 
+    Empty if a work limit or time limit ended the search; a warning of the answer reports this for
+    all limits together.
+
     Parameters
     ----------
     level : {"settles", "proved"}
@@ -152,7 +178,7 @@ def level_words(
             f"; as drawn {fails}" if as_drawn else f"; {fails} with any coefficient that was tried"
         )
     if limit["why"] is not None:
-        return f"; the limit at the level {level} is {UNKNOWN[limit['why']]}"
+        return ""
     if limit["outside"] is None:
         return f"; {verb} {bound} {words(limit['inside'])}{more}, the largest value tried"
     apart = abs(limit["outside"] - limit["inside"])

@@ -7,6 +7,7 @@ import shlex
 from dataclasses import dataclass
 
 from kilter.tell.facts import kind_of
+from kilter.tell.margin_facts import moved_by_least
 from kilter.tell.numbers import near_zero, number
 from kilter.tell.shared_facts import Answer
 
@@ -25,6 +26,9 @@ HOLD = NextStep(("hold",), "finds the fewest supports that hold it")
 MARGIN = NextStep(
     ("margin",),
     "finds how far it may tilt, how little friction it needs and how much load it withstands",
+)
+ROUGH = NextStep(
+    ("margin", "--friction", "0.3"), "finds the margins if its contacts have this friction"
 )
 VIEW = NextStep(("view",), "shows its motion and its contact forces in 3D in the browser")
 CONTACTS = NextStep(
@@ -112,6 +116,8 @@ def next_step(answer: Answer, name: str, *, bricks: bool = False) -> NextStep | 
             return HOLD
         return None if answer["cases"] or answer["speed"] else CARRIED
     if kind == "margin":
+        if answer["level"] == "proved" and moved_by_least(answer):
+            return ROUGH
         return NextStep(("report", "-o", f"{name}.html"), "writes all answers to an offline page")
     if kind == "plan":
         shown = NextStep(("plan", "-o", f"{name}.html"), "writes a page that plays the steps")

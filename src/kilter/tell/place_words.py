@@ -66,7 +66,8 @@ def place_facts(answer: Answer) -> list[Fact]:
         if at["unlimited"]:
             facts.append(("heaviest", "any mass is carried there"))
         elif at["heaviest"] is not None:
-            facts.append(("heaviest", f"{number(at['heaviest'])} kg are carried there"))
+            heaviest = f"{number(at['heaviest'])} kg are" if at["heaviest"] else "no mass is"
+            facts.append(("heaviest", f"{heaviest} carried there"))
     limits = _limits(answer)
     if limits:
         facts.append(("part", limits))

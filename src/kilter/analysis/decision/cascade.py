@@ -46,7 +46,7 @@ from kilter.work import Work
 if TYPE_CHECKING:
     from kilter.friction.answer import FrictionAnswer
 
-__all__ = ["decide"]
+__all__ = ["decide", "with_second_order"]
 
 WEAK = "no forces of the certain contacts hold it"
 NEEDS_FRICTION = "without friction the certain contacts do not hold it"
@@ -105,7 +105,7 @@ def decide(
             decision = dataclasses.replace(decision, verdict="undecided", reasons=(reason,))
     elif second_order and decision.verdict == "stable" and decision.friction is None:
         work.fact("equilibrium", "it is stable to first order")
-        decision = _with_second_order(decision, assembly, contacts, require, work)
+        decision = with_second_order(decision, assembly, contacts, require, work)
     return dataclasses.replace(decision, units=work.total - before)
 
 
@@ -238,10 +238,20 @@ def _word_of(friction: FrictionAnswer) -> Word:
     return "settles" if friction.settles else "potentially-stable"
 
 
-def _with_second_order(
+def with_second_order(
     decision: Decision, assembly: Assembly, contacts: ContactSet, require: str, work: Work
 ) -> Decision:
-    """Extend a decision by second order (curvature): does a small push make it fall?"""
+    """Extend a decision that holds without friction by second order (curvature).
+
+    Second order separates balanced from stable: does a small push make it fall?
+
+    Parameters
+    ----------
+    decision : Decision
+        Its verdict is "stable", and its proof are forces without friction.
+    assembly, contacts, require, work
+        As in `decide`.
+    """
     # imported late, since the import is slow
     from kilter.second_order.answer.whole import find_second_order, with_rolling
 

@@ -42,7 +42,7 @@ GIVES = 1e-6
 """A bond gives way if it takes up more than this share of the work of the mechanism [-]."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class BondFactor:
     """The least fraction of its strength that every bond needs; it is the same for all bonds.
 
@@ -70,6 +70,9 @@ class BondFactor:
                 {"parts": list(assembly.bonds[k].parts), "share": share} for k, share in self.opens
             ],
         }
+
+    def __repr__(self) -> str:
+        return f"BondFactor({self.value:.6g})"
 
 
 def find_bond_factor(program: Program, contacts: ContactSet) -> BondFactor | NoLimit:

@@ -39,6 +39,7 @@ from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
+from kilter.tell.numbers import rounded_up
 
 if TYPE_CHECKING:
     from kilter.tell.answer_data.margin_data import FrictionLimitData
@@ -68,7 +69,7 @@ class Failing(NamedTuple):
     motion: MotionProof
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LeastFriction:
     """Bounds of the least friction coefficient: it is above `lower`, and at most `value`.
 
@@ -105,6 +106,11 @@ class LeastFriction:
             "residual": self.forces.residual,
             "moves": starting(program, self.mechanism),
         }
+
+    def __repr__(self) -> str:
+        if self.value == 0.0:
+            return f"LeastFriction({'none is needed' if self.attained else 'any mu above 0'})"
+        return f"LeastFriction(mu >= {rounded_up(self.value)}, above {self.lower:.6g})"
 
 
 def find_least_friction(

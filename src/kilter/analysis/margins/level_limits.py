@@ -31,6 +31,7 @@ from kilter.arrays import Array, cross
 from kilter.assembly import Assembly
 from kilter.assembly.interactions import Load
 from kilter.contact import ContactSet, detect
+from kilter.errors import some_names
 from kilter.work import Work
 
 if TYPE_CHECKING:
@@ -46,6 +47,13 @@ ROUGHER = (1.0 + NEAR, 1.5, 3.0, 10.0)
 """Friction coefficients that are decided first, as multiples of the least coefficient [-]."""
 SMALL_MU = 0.1
 """Replaces the least coefficient in these multiples if every positive coefficient holds [-]."""
+
+ENDED = {
+    "effort": "the work limit was reached before {limits} were found: {names} (a higher --effort "
+    "allows more)",
+    "time": "the time limit was reached before {limits} were found: {names}",
+}
+"""Words of limits whose search ended without a value, by the reason."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -112,6 +120,34 @@ class LevelLimits:
             "pushes": {part: _answer(push) for part, push in self.pushes.items()},
             "loads": {part: _answer(load) for part, load in self.loads.items()},
         }
+
+    def unknown_words(self) -> list[str]:
+        """Warnings that name all limits whose search ended without a value, one a reason.
+
+        Examples
+        --------
+        >>> pushes = {"a": NoLimit("effort"), "b": NoLimit("effort")}
+        >>> (words,) = LevelLimits("settles", tilt=NoLimit("effort"), pushes=pushes).unknown_words()
+        >>> words.removeprefix("the work limit was reached before these limits at the level ")
+        "settles were found: 'tilt', 'push of a', 'push of b' (a higher --effort allows more)"
+        """
+        named = [
+            *(("tilt", self.tilt), ("tilt about the axis", self.about)),
+            ("friction", self.friction),
+            *(("load factor", end) for end in self.factor),
+            *((f"push of {part}", push) for part, push in self.pushes.items()),
+            *((f"load on {part}", load) for part, load in self.loads.items()),
+        ]
+        words = []
+        for why, cause in ENDED.items():
+            ended = [
+                name for name, limit in named if isinstance(limit, NoLimit) and limit.why == why
+            ]
+            if ended:
+                limits = f"these limits at the level {self.level}"
+                names = some_names(list(dict.fromkeys(ended)))
+                words.append(cause.format(limits=limits, names=names))
+        return words
 
 
 def _answer(limit: LevelLimit | NoLimit | None) -> LevelLimitData | None:

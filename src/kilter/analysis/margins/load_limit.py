@@ -83,7 +83,7 @@ MODEST = 10.0
 Why = Literal["none", "failed", "time", "effort"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Limit:
     """The largest multiple of a load that contacts hold, with proofs that bound it on both sides.
 
@@ -119,6 +119,9 @@ class Limit:
                 if program.free[k]
             },
         }
+
+    def __repr__(self) -> str:
+        return f"Limit({self.value:.6g})"
 
 
 @dataclass(frozen=True, slots=True)

@@ -203,7 +203,10 @@ class MarginSteps:
         self.tell(f"limits at the level {level}")
         find = partial(find_level_limits, level=level, units=self.work.allowed, work=self.work)
         assembly, touching = self.question.assembly, self.verdict.contacts
-        return self.limit("limits at the level", find, assembly, touching, limits)
+        found = self.limit("limits at the level", find, assembly, touching, limits)
+        if found is not None:
+            self.warnings += found.unknown_words()
+        return found
 
     def helps(self, tilt: TiltMargin | None, factor: Limit | None) -> tuple[Help, ...]:
         """Changes of the assembly that raise the tilt margin, or else the load factor, most."""

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 __all__ = ["PartLoad", "find_part_load"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class PartLoad:
     """The largest load straight down, at its centre of mass, that a part takes [N].
 
@@ -59,6 +59,9 @@ class PartLoad:
             "residual": self.limit.forces.residual,
             "moves": starting(program, self.limit.mechanism),
         }
+
+    def __repr__(self) -> str:
+        return f"PartLoad({self.part!r}, {self.load:.6g} N)"
 
 
 def find_part_load(

@@ -36,7 +36,7 @@ PROGRAMS = 80
 """Largest number of programs for the weakest push of a part; then the gap stays open."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Push:
     """The largest push on a part, in a direction, that the assembly withstands.
 
@@ -70,6 +70,9 @@ class Push:
             "lower": finite(self.lower),
             "limit": self.limit.to_dict(program),
         }
+
+    def __repr__(self) -> str:
+        return f"Push({self.part!r}, {self.force:.6g} N)"
 
 
 def find_push(

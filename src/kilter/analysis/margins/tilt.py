@@ -62,7 +62,7 @@ PROGRAMS = 64
 of pi over their number, of the tangent, where the boundary is a circle around gravity."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class NearestHeld:
     """The held direction of gravity nearest to the given direction, and the angle between them.
 
@@ -83,8 +83,11 @@ class NearestHeld:
     down: Array
     mechanism: MotionProof | None
 
+    def __repr__(self) -> str:
+        return f"NearestHeld({np.degrees(self.angle):.6g} deg away)"
 
-@dataclass(frozen=True, slots=True, eq=False)
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class TiltMargin:
     """The least turn of gravity after which no contact forces hold the assembly.
 
@@ -111,6 +114,10 @@ class TiltMargin:
     toward: Array
     limit: Limit
     programs: int
+
+    def __repr__(self) -> str:
+        over = "" if self.angle < np.pi / 2 else "over "
+        return f"TiltMargin({over}{np.degrees(self.angle):.6g} deg)"
 
 
 def tilt_about(program: Program, axis: Array) -> tuple[float, Limit] | NoLimit:

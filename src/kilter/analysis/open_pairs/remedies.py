@@ -6,17 +6,20 @@ required level. The answer prints the option with this result.
 
 All tries together have the work of the verdict itself and of a detection of contacts, or
 `LEAST_WORK` if that is more. First each option is decided by equilibrium forces, which cost about
-as much as an unstable verdict. Then the remaining work decides the options at the required level.
-For an option that this work does not decide, the answer reports only that equilibrium forces exist.
+as much as an unstable verdict. An option with which the assembly holds without friction is proved
+then; only second order remains, with its own fixed work. For an option that needs friction, the
+remaining work decides the required level; if it is not sufficient, the answer reports only that
+equilibrium forces exist.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from math import inf
 from typing import TYPE_CHECKING
 
-from kilter.analysis.decision.cascade import decide
+from kilter.analysis.decision.cascade import decide, with_second_order
 from kilter.analysis.decision.decision import Decision
 from kilter.analysis.open_pairs.open_question import open_pairs_answer
 from kilter.assembly import Assembly
@@ -26,7 +29,7 @@ from kilter.contact.fits.fastening import fastened
 from kilter.contact.fits.suggestions import suggest_joints
 from kilter.contact.sub_contacts import contacts_among
 from kilter.errors import InputError, shell_words
-from kilter.tell.levels import LEVELS
+from kilter.tell.levels import holds
 from kilter.tell.open_words import OpenOption, open_options, remedy_words, rounded_up
 from kilter.work import Work
 
@@ -52,7 +55,8 @@ DETECTION, VERTEX = 10_000.0, 50.0
 """Units of a detection of contacts: in all, and per vertex. Round and oblique parts cost up to ten
 times more, for the verdict and for the tries.
 """
-SETTLED = LEVELS.index("settles")
+SETTLED = "settles"
+"""Level from which no larger change is offered."""
 FRICTION_WORK = 200_000.0
 """Least work with which the levels of friction are decided [units]; with less, nearly every answer
 is cut. The proof for one block on a slope needs as much.
@@ -331,10 +335,15 @@ class _Tries:
             if hopeful.decision.level is None:
                 yield hopeful.remedy(True)
                 continue
+            if hopeful.decision.friction is None:  # proved without friction
+                result = self._with_second_order(hopeful)
+                yield result
+                if holds(result.level, SETTLED):
+                    return  # later candidates change more of the assembly
+                continue
             share = self.budget.fraction_left(1 / (len(self.hopeful) - number)).left
-            rubs = hopeful.decision.friction is not None
-            if share < (FRICTION_WORK if rubs else _decision_units(hopeful.decision)):
-                yield hopeful.remedy(rubs and self.require == "equilibrium")
+            if share < FRICTION_WORK:
+                yield hopeful.remedy(self.require == "equilibrium")
                 continue
             part = self.work.whole(share, self.work.allowed)
             decision = decide(
@@ -351,8 +360,22 @@ class _Tries:
                 yield hopeful.remedy(False)
                 continue
             yield replace(hopeful, decision=decision).remedy(True)
-            if decision.level in LEVELS and LEVELS.index(decision.level) >= SETTLED:
-                return  # later candidates change more of the assembly
+            if holds(decision.level, SETTLED):
+                return
+
+    def _with_second_order(self, hopeful: _Try) -> Remedy:
+        """The remedy of a try that holds without friction, as a check of its own decides it.
+
+        Second order has the fixed work that it has in a check, whatever the other tries took.
+        """
+        decision = with_second_order(
+            hopeful.decision,
+            hopeful.assembly,
+            hopeful.contacts,
+            self.require,
+            self.work.whole(inf, self.work.allowed),
+        )
+        return replace(hopeful, decision=decision).remedy(True)
 
 
 def _decision_units(decision: Decision) -> float:

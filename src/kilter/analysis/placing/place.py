@@ -324,7 +324,7 @@ def place(
         decision = decide_at(
             assembly, part, limits, center_within, tops, at, require, tolerance, effort
         )
-        remarks = decision.verdict.contacts.remarks()
+        remarks = decision.remarks(assembly)
     else:
         prism, _ = case_prism(part, assembly.units)
         domain = map_domain(assembly, tops, prism)

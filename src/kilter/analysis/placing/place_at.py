@@ -10,12 +10,15 @@ import numpy as np
 
 from kilter.analysis.check import check
 from kilter.analysis.margins.load_limit import Limit, find_limit
+from kilter.analysis.placing.default_density import density_matters
 from kilter.analysis.placing.uncertain_part import part_cases
 from kilter.analysis.placing.upright_prisms import Top, placed_prism, shifted
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.assembly import Assembly, Part
+from kilter.assembly.masses import density_warnings
 from kilter.contact import Tolerance, detect
 from kilter.errors import InputError
+from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program, build_program
 from kilter.rigid import Pose
 from kilter.tell.levels import level_rank
@@ -75,6 +78,19 @@ class AtPlace:
             return level
         most = "equilibrium" if (self.verdict.contacts.patch_mu > 0).any() else "proved"
         return min(level, most, key=level_rank)
+
+    def remarks(self, base: Assembly) -> list[str]:
+        """Warnings about the assembly with the part.
+
+        The warning about the default density is left out if the verdict and the heaviest mass do
+        not depend on it, unless the assembly without the part (`base`) has this warning, too.
+        """
+        remarks = self.verdict.contacts.remarks()
+        idle = set(density_warnings(self.verdict.assembly.parts)) - {*base.geometry.warnings}
+        limited = self.heaviest is not None and 0.0 < self.heaviest < np.inf
+        if not idle or limited or any(map(density_matters, self.verdicts)):
+            return remarks
+        return [remark for remark in remarks if remark not in idle]
 
     def to_dict(self) -> AtPlaceData:
         """JSON data of the decision."""
@@ -168,7 +184,10 @@ def _lowered(assembly: Assembly, alone: Assembly, tops: Sequence[Top], x: float,
 
 
 def _heaviest(program: Program, name: str) -> float | None:
-    """Largest mass of a part that is carried [kg]; infinite without a limit, None if unknown."""
+    """Largest mass of a part that is carried [kg]; infinite without a limit, None if unknown.
+
+    0 if the largest mass is below the share of the weight that a certificate tolerates.
+    """
     k = program.names.index(name)
     weight = np.zeros((len(program.names), 6))
     weight[k, :3] = program.mass[k] * program.gravity
@@ -176,4 +195,7 @@ def _heaviest(program: Program, name: str) -> float | None:
     limit = find_limit(program, weight)
     if not isinstance(limit, Limit):
         return None
-    return float(program.mass[k] * (1 + limit.value)) if limit.value > -1 else None
+    share = 1 + limit.value
+    if share < -TOLERANCE:
+        return None
+    return float(program.mass[k] * share) if share > TOLERANCE else 0.0
