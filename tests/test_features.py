@@ -14,6 +14,7 @@ import trimesh
 
 import kilter
 from kilter import Assembly, Bond, Box, Joint, Load, Part, Pose, Sphere, Strap
+from kilter.agents.tool_calls import ToolCalls
 
 
 def table(size: float = 4.0) -> Part:
@@ -112,6 +113,31 @@ class TestQuestions:
     def test_stable_places_of_a_box_are_a_map(self) -> None:
         places = kilter.place(Assembly([table(1.0)]), Part("box", Box(0.2, 0.2, 0.2), mass=1))
         assert places.stands
+
+    def test_packing_plans_are_checked_item_by_item(self, tmp_path: Path) -> None:
+        plan = tmp_path / "plan.csv"
+        rows = ["x,y,z,length,width,height,mass", "0,0,0,1,1,1,5", "0.6,0,1,1,1,1,5"]
+        plan.write_text("\n".join(rows), encoding="utf-8")
+        assert kilter.check_plan(plan, units="m").first == 2
+
+    def test_parts_that_float_are_moved_to_a_pose_at_rest(self) -> None:
+        floating = stack(0).with_pose("upper", Pose([0, 0, 1.51]))
+        answer = kilter.settle(floating)
+        assert answer.state == "at-rest"
+        assert answer.movement[2, 2] == pytest.approx(-0.01, abs=1e-6)
+
+    def test_each_object_of_a_scene_has_a_state(self) -> None:
+        scene = stack(0.6) + Part("lamp", Box(1, 1, 1), [-1.4, 0, 0.6])
+        report = kilter.scene(scene)
+        states = {thing.name: thing.state for thing in report}
+        assert states["lamp"] == "floats"
+        assert states["upper"] == "falls"
+
+    def test_agents_ask_through_a_server(self, tmp_path: Path) -> None:
+        kilter.dump(stack(0.6), tmp_path / "a.kilter.json")
+        answer = ToolCalls(tmp_path).call("check", {"file": "a.kilter.json"})
+        assert not answer.failed
+        assert "upper" in answer.text
 
     def test_thousands_of_assemblies_are_checked_at_once(self) -> None:
         verdicts = kilter.check_many([stack(x) for x in (0.4, 0.6)]).verdict

@@ -59,8 +59,9 @@ def moved_by_least(answer: Answer) -> tuple[str, ...]:
     >>> moved_by_least({"tilt_deg": 0.0, "pushes": [{"force": 0.0}, {"force": None}]})
     ('tilt', 'push')
     """
+    tilted = bool(answer["tilt_deg"] == 0.0)
     pushed = any(push["force"] == 0.0 for push in answer["pushes"])
-    return ("tilt",) * (answer["tilt_deg"] == 0.0) + ("push",) * pushed
+    return ("tilt",) * tilted + ("push",) * pushed
 
 
 def _at_its_limit(answer: Answer) -> list[Fact]:

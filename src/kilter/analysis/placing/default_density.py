@@ -56,4 +56,5 @@ def _free_weights(program: Program) -> Array:
 def _default_weights(verdict: Verdict, program: Program) -> Array:
     """Weights of the free parts at the default density [N]; zero for the other parts, (N, 6)."""
     default = [part.density is None and part.given_mass is None for part in verdict.assembly.parts]
-    return _free_weights(program) * np.array(default)[:, None]
+    weights: Array = _free_weights(program) * np.array(default)[:, None]
+    return weights
