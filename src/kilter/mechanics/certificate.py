@@ -48,6 +48,7 @@ __all__ = [
     "check_forces",
     "check_motion",
     "needed_power",
+    "needed_powers",
     "part_sizes",
     "violations",
 ]
@@ -132,16 +133,16 @@ def balanced_parts(
     ----------
     program : Program
         Of a single assembly, or of several side by side.
-    imbalance, weight, sums : ndarray, shape (N,)
-        Imbalance, weight, and sum of the forces on each part [N].
-    total : ndarray, shape (N,), or float
+    imbalance, weight, sums : ndarray, shape (N,) or (n, N)
+        Imbalance, weight, and sum of the forces on each part [N]; or for each of n loads.
+    total : ndarray, shape (N,) or (n, 1), or float
         Weight of all free parts of the assembly of each part [N].
 
     Returns
     -------
-    relative : ndarray, shape (N,)
+    relative : ndarray, shape (N,) or (n, N)
         Imbalance over the greater of the weight and the forces; 0 for held parts [-].
-    balanced : ndarray of bool, shape (N,)
+    balanced : ndarray of bool, shape (N,) or (n, N)
         Parts that are in balance, or held.
     """
     scale = np.maximum(weight, sums)
@@ -200,17 +201,33 @@ def check_motion(program: Program, motion: Array) -> MotionProof:
 
 def _moving_weight(program: Program, motion: Array) -> tuple[float, float]:
     """Weight of the moving parts [N], and power that a motion must exceed to be a proof [W]."""
+    moving, tolerance = _moving_parts(program, motion)
+    weight = program.weight
+    return float(weight[moving].sum()), float((tolerance * weight)[moving].sum())
+
+
+def _moving_parts(program: Program, motion: Array) -> tuple[Mask, Array]:
+    """Mask of the moving parts, and the tolerance of the power of each part, shape (N,)."""
     sizes = part_sizes(program, motion, per_radius=False)
     moving = program.free & (sizes > STILL * float(sizes.max(initial=0.0)))
-    tolerance = np.maximum(TOLERANCE, COARSE_POWER * program.tolerance)
-    needed = float((tolerance * program.weight)[moving].sum())
-    return float(program.weight[moving].sum()), needed
+    return moving, np.maximum(TOLERANCE, COARSE_POWER * program.tolerance)
 
 
 def needed_power(program: Program, proof: MotionProof) -> float:
     """Power above which a motion, with its violation of contacts, is a proof [W]."""
-    weight, needed = _moving_weight(program, proof.motion)
-    return max(needed, RULED_OUT * proof.violation * weight)
+    return float(needed_powers(program, proof, program.weight[None])[0])
+
+
+def needed_powers(program: Program, proof: MotionProof, weight: Array) -> Array:
+    """Power above which a motion is a proof under each of n loads [W], shape (n,).
+
+    `weight`, shape (n, N), has the weight of each part under each load (`Program.weight`).
+    """
+    moving, tolerance = _moving_parts(program, proof.motion)
+    total = weight[:, moving].sum(axis=1)
+    needed = (tolerance * weight)[:, moving].sum(axis=1)
+    least: Array = np.maximum(needed, RULED_OUT * proof.violation * total)
+    return least
 
 
 def violations(program: Program, motion: Array) -> Array:
@@ -230,12 +247,12 @@ def violations(program: Program, motion: Array) -> Array:
 
 
 def part_sizes(program: Program, six: Array, *, per_radius: bool) -> Array:
-    """Size of each part's twist (angle x radius) or wrench (torque / radius), shape (N,).
+    """Size of each part's twist (angle x radius) or wrench (torque / radius), shape (..., N).
 
     Parameters
     ----------
     program : Program
-    six : ndarray, shape (N, 6)
+    six : ndarray, shape (..., N, 6)
         Twists or wrenches of all parts.
     per_radius : bool
         True for wrenches, False for twists.
@@ -243,9 +260,9 @@ def part_sizes(program: Program, six: Array, *, per_radius: bool) -> Array:
     length = 1 / program.radius if per_radius else program.radius
     with np.errstate(over="ignore"):  # an infinite size fails every check
         total: Array = np.sqrt(
-            (six[:, :3] ** 2).sum(axis=1) + (six[:, 3:] ** 2).sum(axis=1) * length**2
+            (six[..., :3] ** 2).sum(axis=-1) + (six[..., 3:] ** 2).sum(axis=-1) * length**2
         )
     if program.planar and per_radius:
         # the plane holds a force across it and torques about axes within it
-        total = np.sqrt(six[:, 0] ** 2 + six[:, 2] ** 2 + (six[:, 4] * length) ** 2)
+        total = np.sqrt(six[..., 0] ** 2 + six[..., 2] ** 2 + (six[..., 4] * length) ** 2)
     return total

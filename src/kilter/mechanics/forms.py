@@ -21,6 +21,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csc_array, eye_array, hstack, vstack
 
 from kilter.arrays import TINY, Array
@@ -59,6 +60,8 @@ class ScaledProblem:
         A.
     right : ndarray, shape (freedoms,)
         b.
+    weight : ndarray, shape (N,)
+        `Program.weight`.
     """
 
     program: Program
@@ -66,6 +69,7 @@ class ScaledProblem:
     unit: float
     matrix: csc_array
     right: Array
+    weight: Array
 
     def forces(self, columns: Array) -> Array:
         """Force of each row [N], shape (K,), from the scaled unknowns f of the equilibrium."""
@@ -90,65 +94,91 @@ class ScaledProblem:
 
     def openings(self) -> csc_array:
         """Matrix from scaled motions of free parts to gap openings of rows [length unit]."""
-        weight = np.repeat(
-            self.program.weight[self.program.free] / self.unit, len(self.program.freedoms)
-        )
+        weight = np.repeat(self.weight[self.program.free] / self.unit, len(self.program.freedoms))
         return csc_array(csc_array(self.matrix.multiply(weight[:, None])).T)
 
     def power(self) -> Array:
         """Vector whose product with a scaled motion is the power of the load in that motion."""
-        weight = self.program.weight[self.program.free]
+        weight = self.weight[self.program.free]
         return -self.right * np.repeat(weight, len(self.program.freedoms))
 
     def scaled_load(self, wrench: Array) -> Array:
         """Scale wrenches on all parts, shape (N, 6), as the right-hand side of the equilibrium."""
-        return _over_weight(self.program, self.frame, wrench)
+        return _over_weight(self.program, self.frame, self.weight, wrench)
 
     def over_weight(self, columns: Array) -> Array:
         """Scaled motion of the free parts: multipliers of equilibrium over the parts' weights."""
         program = self.program
-        return columns / np.repeat(program.weight[program.free], len(program.freedoms))
+        return columns / np.repeat(self.weight[program.free], len(program.freedoms))
 
 
-def scaled_problem(program: Program) -> ScaledProblem:
-    """Build the scaled equilibrium A f = b of a program."""
-    frame = np.eye(3)
-    if not program.planar:
-        frame = common_frame(program.normal, np.ones(len(program.normal)))
+def scaled_problem(program: Program, known: ScaledProblem | None = None) -> ScaledProblem:
+    """Build the scaled equilibrium A f = b of a program.
+
+    Parameters
+    ----------
+    program : Program
+    known : ScaledProblem, optional
+        Problem of the same parts with the same load. The first rows of `program` are its rows,
+        whose columns are not computed again. The centre of a part without such rows may differ.
+    """
+    first = 0
+    if known is not None:
+        frame, unit, right, weight = known.frame, known.unit, known.right, known.weight
+        first = known.matrix.shape[1]
+    else:
+        frame = np.eye(3)
+        if not program.planar:
+            frame = common_frame(program.normal, np.ones(len(program.normal)))
+        weight = program.weight
+        unit = float(np.exp(np.log(weight[program.free]).mean())) if program.free.any() else 1.0
+        right = _over_weight(program, frame, weight, program.load)
+    data, index, start = _columns(program, frame, unit / weight, first)
+    if known is not None:
+        before = known.matrix
+        data, index = np.append(before.data, data), np.append(before.indices, index)
+        start = np.append(before.indptr, before.indptr[-1] + start[1:])
+    matrix = csc_array((data, index, start), shape=(len(right), len(program.part_a)))
+    return ScaledProblem(program, frame, unit, matrix, right, weight)
+
+
+def _columns(
+    program: Program, frame: Array, per_weight: Array, first: int
+) -> tuple[Array, NDArray[np.int32], NDArray[np.int32]]:
+    """Entries, row indices and starts of the columns of A from the row `first` of a program.
+
+    `per_weight`, shape (N,), is the unit of force over the weight of each part.
+    """
     per = len(program.freedoms)
     column = np.full(len(program.names) + 1, -1)
     column[:-1][program.free] = np.arange(int(program.free.sum()))
-    weight, arm = program.weight, program.arm
-    unit = float(np.exp(np.log(weight[program.free]).mean())) if program.free.any() else 1.0
-    data = np.zeros((len(program.part_a), 2, per))
-    index = np.zeros((len(program.part_a), 2, per), dtype=np.int32)
+    arm = program.arm if program.angular[first:].any() else np.ones(len(program.part_a))
+    count = len(program.part_a) - first
+    data = np.zeros((count, 2, per))
+    index = np.zeros((count, 2, per), dtype=np.int32)
     for side, (part, sign) in enumerate(((program.part_a, -1.0), (program.part_b, 1.0))):
-        rows = np.flatnonzero(column[part] >= 0)
+        rows = first + np.flatnonzero(column[part[first:]] >= 0)
         owner = part[rows]
         lever = program.lever(rows, owner).reshape(-1, 2, 3) @ frame.T
         lever[:, 1] /= program.radius[owner][:, None]
         entries = lever.reshape(-1, 6)[:, program.freedoms]
         # rounding of rotated levers would fill the sparse matrix
         entries[np.abs(entries) * arm[rows, None] < ZERO_ENTRY] = 0.0
-        data[rows, side] = sign * entries * (unit / weight[owner] * arm[rows])[:, None]
-        index[rows, side] = column[owner][:, None] * per + np.arange(per)
+        scale = per_weight[owner] * arm[rows]
+        data[rows - first, side] = sign * entries * scale[:, None]
+        index[rows - first, side] = column[owner][:, None] * per + np.arange(per)
     flat_data, flat_index = data.reshape(-1, 2 * per), index.reshape(-1, 2 * per)
     used = flat_data != 0
     start = np.concatenate([[0], np.cumsum(used.sum(axis=1))]).astype(np.int32)
-    matrix = csc_array(
-        (flat_data[used], flat_index[used], start),
-        shape=(per * int(program.free.sum()), len(data)),
-    )
-    right = _over_weight(program, frame, program.load)
-    return ScaledProblem(program, frame, unit, matrix, right)
+    return flat_data[used], flat_index[used], start
 
 
-def _over_weight(program: Program, frame: Array, wrench: Array) -> Array:
+def _over_weight(program: Program, frame: Array, weight: Array, wrench: Array) -> Array:
     """Minus the wrenches of free parts over weights (torques also over radii), in the frame."""
     turned = wrench[program.free].reshape(-1, 2, 3) @ frame.T
     turned[:, 1] /= program.radius[program.free][:, None]
-    weight = program.weight[program.free][:, None]
-    return -(turned.reshape(-1, 6)[:, program.freedoms] / weight).reshape(-1)
+    free = weight[program.free][:, None]
+    return -(turned.reshape(-1, 6)[:, program.freedoms] / free).reshape(-1)
 
 
 def _force_bounds(problem: ScaledProblem) -> tuple[Array, Array]:

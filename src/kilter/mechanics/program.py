@@ -315,9 +315,11 @@ class Program:
 
         Bonds that slip, and straps that lengthen, take up the most that their limits permit.
         """
-        rows = np.flatnonzero(self.cohesion > 0)
-        slips = np.linalg.norm(self.slips(motion, rows), axis=1)
-        taken = float(self.cohesion[rows] @ slips)
+        taken = 0.0
+        rows = np.flatnonzero(self.shear > 0)
+        if len(rows):
+            slips = np.linalg.norm(self.slips(motion, rows), axis=1)
+            taken = float(self.shear[rows] @ slips)
         if len(self.bounded):
             first, strap = self.bounded_straps
             lengthening = np.bincount(strap, -self.velocities(motion)[self.bounded])

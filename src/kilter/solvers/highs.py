@@ -178,9 +178,10 @@ class KeptProgram:
         Simplex method from the last basis: dual if all columns are boxed, or if only sides change.
     tolerance : float
         Feasibility requested from the solver, absolute in the numbers of the program.
-    goal : {"optimum", "bound", "point"}
+    goal : {"optimum", "bound", "point", "proof"}
         Criterion that ends the attempts: the residual of the solution, its safe bound, or the
-        solver's report, for points that the caller verifies.
+        solver's report, for points that the caller verifies ("proof": or multipliers of an
+        infeasible program that the caller verifies).
 
     Attributes
     ----------
@@ -207,7 +208,7 @@ class KeptProgram:
         *,
         warm: Warm = "primal",
         tolerance: float = FEASIBLE,
-        goal: Literal["optimum", "bound", "point"] = "optimum",
+        goal: Literal["optimum", "bound", "point", "proof"] = "optimum",
     ) -> None:
         self.solves = 0
         self._warm: Warm = warm
@@ -322,7 +323,9 @@ class KeptProgram:
         """True if a solution is good enough (optimal, or near its bound) to end the attempts."""
         if self._goal == "bound":
             return near_its_bound(solution)
-        return solution.optimal if self._goal == "point" else solution.holds
+        if self._goal == "proof" and solution.outcome == "infeasible":
+            return len(solution.multipliers) == len(self.program.row_lower)
+        return solution.optimal if self._goal in ("point", "proof") else solution.holds
 
     def _run_simplex(self, strategy: Warm, steps: int, work: Work | None) -> Solution:
         """Run a simplex method on the kept program, from its current basis."""

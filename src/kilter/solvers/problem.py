@@ -24,6 +24,7 @@ A. Neumaier, O. Shcherbina, Safe bounds in linear and mixed-integer linear progr
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,7 +33,29 @@ from scipy.sparse import csc_array, csr_array, eye_array
 from kilter.arrays import TINY, Array, Index
 from kilter.solvers.solver_tolerances import EPSILON
 
-__all__ = ["ConeProjection", "ConicProgram", "LinearProgram", "quadratic_program"]
+__all__ = ["ConeProjection", "ConicProgram", "LinearProgram", "quadratic_program", "with_columns"]
+
+
+def with_columns(matrix: csc_array, columns: Sequence[Array]) -> csc_array:
+    """A sparse matrix with further columns on its right, which store their nonzero entries.
+
+    Examples
+    --------
+    >>> with_columns(csc_array(np.eye(2)), [np.array([0.0, 3.0])]).toarray()
+    array([[1., 0., 0.],
+           [0., 1., 3.]])
+    """
+    used = [np.flatnonzero(column) for column in columns]
+    data = [column[rows] for column, rows in zip(columns, used, strict=True)]
+    counts = np.cumsum([len(rows) for rows in used])
+    return csc_array(
+        (
+            np.concatenate([matrix.data, *data]),
+            np.concatenate([matrix.indices, *used]),
+            np.concatenate([matrix.indptr, matrix.indptr[-1] + counts]),
+        ),
+        shape=(matrix.shape[0], matrix.shape[1] + len(columns)),
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

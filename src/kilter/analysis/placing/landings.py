@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
 import shapely
 
 from kilter.analysis.placing.polygon_sets import NOTHING, both, union, without
@@ -16,6 +17,13 @@ from kilter.analysis.placing.upright_prisms import PlacedPrism, Top, swept
 from kilter.arrays import Array
 
 __all__ = ["Landing", "Landings"]
+
+
+BORDER = 1e-9
+"""Distance from the border of a rectangle of places within which areas of contact may vanish [sizes
+of the part]: rounding of the border."""
+EDGE = 1e-6
+"""Perimeter above which an area of contact of almost no width counts [sizes of the part]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,13 +92,20 @@ class Landings:
     ) -> dict[int, shapely.Geometry]:
         """Area of contact on each top in a rectangle of places.
 
-        The area that all places have, or that some place has (`any_place`).
+        The area that all places have, or that some place has (`any_place`). If the part begins to
+        touch a top at the border of the rectangle, all places inside have an edge of the top in
+        common, as an area of almost no width.
         """
         under = swept(self.part.footprint, low, high, union=any_place)
+        size = float(np.ptp(self.part.footprint, axis=0).max())
         areas = {}
         for top in tops:
             area = both(top.polygon, under)
-            if area.area > NOTHING * top.polygon.area:
+            if not any_place and area.area <= NOTHING * top.polygon.area and not under.is_empty:
+                area = both(top.polygon, under.buffer(BORDER * size, join_style="mitre"))
+                if area.length > EDGE * size:
+                    areas[top.part] = area
+            elif area.area > NOTHING * top.polygon.area:
                 areas[top.part] = area
         return areas
 

@@ -168,15 +168,12 @@ class PlaceMap:
         return inner.with_outside_of(self._searched(self.bound.program, none, one, 1.0))
 
     def _searched(
-        self,
-        program: Program,
-        wrenches: Array,
-        half: Array,
-        accuracy: float,
-        bound: Program | None = None,
+        self, program: Program, wrenches: Array, half: Array, accuracy: float
     ) -> CarriedPlaces:
         """Carried shifts of a load in a rectangle around 0."""
-        found = ShiftedLoad(program, wrenches, -half, half, bound).places(accuracy)
+        return self._counted(ShiftedLoad(program, wrenches, -half, half).places(accuracy))
+
+    def _counted(self, found: CarriedPlaces) -> CarriedPlaces:
         self.programs += found.programs
         return found
 
@@ -227,7 +224,7 @@ class PlaceMap:
             return stands, out, True
         outside = inside
         if not exact:
-            outside = self._outside(possible, landing.height, low, high, accuracy)
+            outside = self._outside(possible, landing.height, low, high, accuracy, inside)
         self._keep(inside.with_outside_of(outside), low, high)
         return stands, union([out, without(cell, outside.outer)]), same
 
@@ -299,10 +296,16 @@ class PlaceMap:
             return CarriedPlaces(shapely.Polygon(), shapely.box(*low, *high))
         program, wrenches = self.loads.on_areas(areas, height, middle)
         bound = None if possible is None else self.loads.on_areas(possible, height, middle)[0]
-        found = self._searched(program, wrenches, half, accuracy, bound)
-        if possible is None:
-            found = found.without_motions()
-        return found.shifted(middle)
+        load = ShiftedLoad(
+            program,
+            wrenches,
+            -half,
+            half,
+            bound,
+            known=self.loads.alone,
+            proofs="forces" if possible is None else "both",
+        )
+        return self._counted(load.places(accuracy)).shifted(middle)
 
     def _outside(
         self,
@@ -311,11 +314,18 @@ class PlaceMap:
         low: Array,
         high: Array,
         accuracy: float,
+        inside: CarriedPlaces,
     ) -> CarriedPlaces:
-        """Places of a rectangle that no motion excludes, with all possible areas of contact."""
+        """Places of a rectangle that no motion excludes, with all possible areas of contact.
+
+        The places `inside` are carried on smaller areas, and so on these.
+        """
         middle, half = (low + high) / 2, (high - low) / 2
         program, wrenches = self.bound.on_areas(possible, height, middle)
-        return self._searched(program, wrenches, half, accuracy).shifted(middle)
+        known = self.bound.alone
+        load = ShiftedLoad(program, wrenches, -half, half, known=known, proofs="motions")
+        carried = inside.shifted(-middle).points
+        return self._counted(load.places(accuracy, carried)).shifted(middle)
 
 
 SHRUNK = 0.7

@@ -7,7 +7,8 @@ its areas of contact.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 import shapely
@@ -15,6 +16,7 @@ import shapely
 from kilter.analysis.placing.upright_prisms import PlacedPrism, Top
 from kilter.arrays import Array
 from kilter.contact.left_out import PossibleContacts
+from kilter.mechanics.forms import ScaledProblem, scaled_problem
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT, ForceRows, pushing_rows
@@ -25,11 +27,11 @@ NEW = "new part"
 """Name of the part that is put down."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(eq=False)
 class PlacedLoads:
     """Programs of an assembly with a further part.
 
-    Attributes
+    Parameters
     ----------
     program : Program
         The assembly without the part.
@@ -41,6 +43,7 @@ class PlacedLoads:
     program: Program
     part: PlacedPrism
     friction: float
+    _on_parts: dict[tuple[int, ...], Program] = field(default_factory=dict)
 
     def on_top(self, top: Top, place: Array) -> tuple[Program, Array]:
         """The program with the weight on a top at a place, and its change per shift, (2, N, 6)."""
@@ -59,19 +62,32 @@ class PlacedLoads:
 
         Also the change of the load per shift of the part, (2, N + 1, 6).
         """
+        corners = [shapely.get_coordinates(area)[:-1] for area in areas.values()]
+        under = tuple(
+            support for support, ring in zip(areas, corners, strict=True) for _ in range(len(ring))
+        )
+        if under not in self._on_parts:
+            self._on_parts[under] = self._with_part(under)
+        level = np.concatenate(corners)
+        point = np.column_stack([level, np.full(len(level), height)])
+        return self._on_parts[under].with_rows(
+            point=np.vstack([self.program.point, point]),
+            center=np.vstack([self.program.center, [*place, height + self.part.below]]),
+        ), self._part_torques
+
+    @cached_property
+    def alone(self) -> ScaledProblem:
+        """Equilibrium with the part and without contacts below it: the first columns of all."""
+        return scaled_problem(self._with_part(()))
+
+    def _with_part(self, under: tuple[int, ...]) -> Program:
+        """The program with the part and a contact row for each entry; places are not set."""
         program, part = self.program, self.part
-        index = len(program.names)
-        points, under = [], []
-        for support, area in areas.items():
-            corners = shapely.get_coordinates(area)[:-1]
-            points.append(np.column_stack([corners, np.full(len(corners), height)]))
-            under += [support] * len(corners)
-        point = np.concatenate(points)
-        count = len(point)
+        count = len(under)
         pushes = PossibleContacts(
             np.array(under, dtype=np.int64),
-            np.full(count, index),
-            point,
+            np.full(count, len(program.names)),
+            np.zeros((count, 3)),
             np.tile([0.0, 0.0, 1.0], (count, 1)),
             np.zeros(count, dtype=bool),
             np.zeros(count),
@@ -82,7 +98,7 @@ class PlacedLoads:
         parts = {
             "names": (*program.names, NEW),
             "free": np.append(program.free, True),
-            "center": np.vstack([program.center, [*place, height + part.below]]),
+            "center": np.vstack([program.center, np.zeros(3)]),
             "mass": np.append(program.mass, part.mass),
             "inertia": np.concatenate([program.inertia, part.inertia[None]]),
             "radius": np.append(program.radius, part.radius),
@@ -91,7 +107,12 @@ class PlacedLoads:
             "tolerance": np.append(program.tolerance, TOLERANCE),
         }
         joined = ForceRows.join([program.force_rows, rows])
-        return program.with_rows(**parts).with_force_rows(joined), self._torques(index, index + 1)
+        return program.with_rows(**parts).with_force_rows(joined)
+
+    @cached_property
+    def _part_torques(self) -> Array:
+        count = len(self.program.names)
+        return self._torques(count, count + 1)
 
     def _torques(self, part: int, count: int) -> Array:
         """Change of the wrench on a part per shift of the weight along x and y, (2, count, 6)."""

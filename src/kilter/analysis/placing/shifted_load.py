@@ -10,8 +10,10 @@ motion that proves a line beyond which the load is not carried.
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 import shapely
@@ -20,12 +22,13 @@ from scipy.sparse import csc_array, hstack, vstack
 from kilter.analysis.placing.excluded_side import excluded_side, remaining
 from kilter.analysis.placing.polygon_sets import moved
 from kilter.arrays import Array
-from kilter.mechanics.certificate import ForceProof, check_forces
+from kilter.mechanics.certificate import ForceProof
 from kilter.mechanics.coulomb_cones import ConeProblem, cone_problem
 from kilter.mechanics.forms import ScaledProblem, scaled_problem
+from kilter.mechanics.load_checks import check_load_forces
 from kilter.mechanics.program import Program
 from kilter.solvers.highs import KeptProgram
-from kilter.solvers.problem import ConicProgram, LinearProgram
+from kilter.solvers.problem import ConicProgram, LinearProgram, with_columns
 
 __all__ = ["CarriedPlaces", "ShiftedLoad"]
 
@@ -77,6 +80,24 @@ class CarriedPlaces:
         return replace(self, motions=())
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class CarriedPoint:
+    """A shift of the load that a solver reports as carried, before the check of its forces.
+
+    Attributes
+    ----------
+    shift : ndarray, shape (2,)
+    forces : ndarray, shape (K,)
+        Along the rows [N].
+    friction : ndarray, shape (K, 3), or None
+        Across the rows [N].
+    """
+
+    shift: Array
+    forces: Array
+    friction: Array | None
+
+
 @dataclass(eq=False)
 class ShiftedLoad:
     """A load on an assembly that is shifted within a rectangle.
@@ -91,6 +112,10 @@ class ShiftedLoad:
         The rectangle of shifts [length unit].
     bound : Program, optional
         A program with more rows whose motions count; by default `program`.
+    known : ScaledProblem, optional
+        Scaled equilibrium of the same parts, whose rows are the first rows of `program`.
+    proofs : {"both", "forces", "motions"}
+        Only forces: the outer polygon is not proved; only motions: the inner polygon is not.
     """
 
     program: Program
@@ -98,8 +123,12 @@ class ShiftedLoad:
     low: Array
     high: Array
     bound: Program | None = None
+    known: ScaledProblem | None = None
+    proofs: Literal["both", "forces", "motions"] = "both"
 
-    def places(self, accuracy: float) -> CarriedPlaces:
+    def places(
+        self, accuracy: float, carried: Sequence[tuple[Array, ForceProof]] = ()
+    ) -> CarriedPlaces:
         """The carried shifts, as a polygon inside and a polygon outside.
 
         Parameters
@@ -107,16 +136,23 @@ class ShiftedLoad:
         accuracy : float
             The search ends if each edge of the inner polygon is this near to the outer polygon
             [length unit].
+        carried : sequence of (ndarray, ForceProof), optional
+            Shifts that are carried, from a search with fewer rows; for a search of motions.
         """
         whole = shapely.box(*self.low, *self.high)
         outer, programs = whole, 0
-        points: list[tuple[Array, ForceProof]] = []
+        points = [CarriedPoint(shift, proof.forces, None) for shift, proof in carried]
         motions: list[Array] = []
 
-        def farthest(direction: Array) -> tuple[Array, ForceProof] | None:
+        def farthest(direction: Array) -> CarriedPoint | None:
             nonlocal outer, programs
-            found, motion = self._farthest(direction)
+            found, multipliers = self._farthest(direction)
             programs += 1
+            if self.proofs == "forces":
+                if found is not None:
+                    outer = remaining(outer, _beyond(found.shift, direction), whole)
+                return found
+            motion = self._motion(multipliers, infeasible=found is None)
             side = None if motion is None else self._excluded(motion)
             if motion is not None and side is not None:
                 cut = remaining(outer, side, whole)
@@ -127,12 +163,15 @@ class ShiftedLoad:
                     outer = cut
             return found
 
-        for direction in FIRST:
-            found = farthest(np.array(direction))
+        span = float((self.high - self.low).max())
+        for direction in map(np.array, FIRST):
+            corner = np.where(direction > 0, self.high, self.low)
+            if any(np.abs(point.shift - corner).max() <= SAME * span for point in points):
+                continue  # nothing lies beyond it
+            found = farthest(direction)
             if found is None:
                 return CarriedPlaces(shapely.Polygon(), outer, programs, (), tuple(motions))
             points.append(found)
-        span = float((self.high - self.low).max())
         settled: set[tuple[float, ...]] = set()
         while programs < MOST_PROGRAMS:
             edge = _next_edge(_hull(points), outer, settled, max(accuracy, SAME * span), span)
@@ -141,21 +180,29 @@ class ShiftedLoad:
             start, end, outward = edge
             settled.add(_key(start, end, span))
             found = farthest(outward)
-            if found is not None and (found[0] - start) @ outward > SAME * span:
+            if found is not None and (found.shift - start) @ outward > SAME * span:
                 points.append(found)
-        hull = _hull(points)
-        corners = {tuple(corner) for corner in shapely.get_coordinates(hull).tolist()}
-        kept = tuple(point for point in points if tuple(point[0].tolist()) in corners)
-        return CarriedPlaces(hull, outer, programs, kept, tuple(motions))
+        proved = () if self.proofs == "motions" else self._proved(points)
+        return CarriedPlaces(_hull_of(proved), outer, programs, proved, tuple(motions))
 
-    def at(self, shift: Array) -> Program:
-        """The program with the load at a shift."""
-        more = shift[0] * self.wrenches[0] + shift[1] * self.wrenches[1]
-        return self.program.with_rows(applied=self.program.applied + more)
+    def _proved(self, points: list[CarriedPoint]) -> tuple[tuple[Array, ForceProof], ...]:
+        """The corners of the hull of points, with their forces as proofs; others are left out."""
+        corners = {tuple(corner) for corner in shapely.get_coordinates(_hull(points)).tolist()}
+        kept = [point for point in points if tuple(point.shift.tolist()) in corners]
+        shifts = np.array([point.shift for point in kept])
+        rough = any(point.friction is not None for point in kept)
+        proofs = check_load_forces(
+            self.program,
+            np.tensordot(shifts, self.wrenches, axes=1),
+            np.array([point.forces for point in kept]),
+            np.array([point.friction for point in kept]) if rough else None,
+        )
+        pairs = zip(kept, proofs, strict=True)
+        return tuple((point.shift, proof) for point, proof in pairs if proof.holds)
 
     @cached_property
     def _problem(self) -> ScaledProblem:
-        return scaled_problem(self.program)
+        return scaled_problem(self.program, self.known)
 
     @cached_property
     def _cones(self) -> ConeProblem:
@@ -165,14 +212,14 @@ class ShiftedLoad:
     def _kept(self) -> KeptProgram:
         """The linear program for forces f and shift d, without friction. x = (f, d)."""
         problem = self._problem
-        along = [-problem.scaled_load(wrench)[:, None] for wrench in self.wrenches]
-        matrix = hstack([problem.matrix, *map(csc_array, along)], format="csc")
+        along = [-problem.scaled_load(wrench) for wrench in self.wrenches]
+        matrix = with_columns(problem.matrix, along)
         count = problem.matrix.shape[1]
         lower = np.append(np.where(self.program.two_sided, -np.inf, 0.0), self.low)
         upper = np.append(np.full(count, np.inf), self.high)
         right = problem.right
         program = LinearProgram(np.zeros(count + 2), matrix, right, right, lower, upper)
-        return KeptProgram(program, goal="point")
+        return KeptProgram(program, goal="proof")
 
     @cached_property
     def _conic(self) -> ConicProgram:
@@ -190,10 +237,10 @@ class ShiftedLoad:
         cost = np.zeros(total + 2)
         return ConicProgram(quadratic, cost, matrix, bound, balance.shape[0], positive + 4, sizes)
 
-    def _farthest(self, direction: Array) -> tuple[tuple[Array, ForceProof] | None, Array | None]:
-        """The farthest carried shift along a direction with its forces, and a motion.
+    def _farthest(self, direction: Array) -> tuple[CarriedPoint | None, Array]:
+        """The farthest carried shift along a direction, and the multipliers of the balance.
 
-        None without a proof by forces; the motion is None without multipliers.
+        None if no shift is carried.
         """
         if self.program.mu.any():
             from kilter.solvers.clarabel import solve_conic
@@ -201,27 +248,23 @@ class ShiftedLoad:
             cost = self._conic.cost.copy()
             cost[-2:] = -direction
             answer = solve_conic(replace(self._conic, cost=cost))
-            problem = self._cones.problem
-            columns, sign = answer.multipliers[: len(problem.right)], 1.0
-            optimal = answer.found
-            forces, friction = self._cones.decoded(answer.x[:-2]) if optimal else (None, None)
+            columns = answer.multipliers[: len(self._cones.problem.right)]
+            forces, friction = self._cones.decoded(answer.x[:-2]) if answer.found else (None, None)
         else:
-            problem = self._problem
-            count = problem.matrix.shape[1]
+            count = self._problem.matrix.shape[1]
             self._kept.change_cost([count, count + 1], -direction)
             answer = self._kept.solve()
-            columns, sign = answer.multipliers, -1.0
-            optimal = answer.optimal
-            forces, friction = (problem.forces(answer.x[:-2]) if optimal else None), None
-        motion = self._motion(problem, sign * columns, infeasible=not optimal)
+            columns = -answer.multipliers
+            forces = self._problem.forces(answer.x[:-2]) if answer.optimal else None
+            friction = None
         if forces is None:
-            return None, motion
+            return None, columns
         shift = np.clip(answer.x[-2:], self.low, self.high)
-        proof = check_forces(self.at(shift), forces, friction)
-        return ((shift, proof), motion) if proof.holds else (None, None)
+        return CarriedPoint(shift, forces, friction), columns
 
-    def _motion(self, problem: ScaledProblem, columns: Array, *, infeasible: bool) -> Array | None:
+    def _motion(self, columns: Array, *, infeasible: bool) -> Array | None:
         """The motion of multipliers; the sign of those of an infeasible program is tested."""
+        problem = self._cones.problem if self.program.mu.any() else self._problem
         if len(columns) != len(problem.right) or not np.isfinite(columns).all():
             return None
         motion = problem.motion(problem.over_weight(columns))
@@ -235,9 +278,22 @@ class ShiftedLoad:
         return excluded_side(bound, self.wrenches, self.low, self.high, motion)
 
 
-def _hull(points: list[tuple[Array, ForceProof]]) -> shapely.Geometry:
+def _beyond(shift: Array, direction: Array) -> tuple[Array, float]:
+    """The half plane beyond the farthest carried shift along a direction."""
+    normal = direction / np.linalg.norm(direction)
+    return normal, float(normal @ shift)
+
+
+def _hull(points: list[CarriedPoint]) -> shapely.Geometry:
     """The convex hull of carried places."""
-    return shapely.convex_hull(shapely.multipoints(np.array([place for place, _ in points])))
+    return shapely.convex_hull(shapely.multipoints(np.array([point.shift for point in points])))
+
+
+def _hull_of(proved: Sequence[tuple[Array, ForceProof]]) -> shapely.Geometry:
+    """The convex hull of proved places."""
+    if not proved:
+        return shapely.Polygon()
+    return shapely.convex_hull(shapely.multipoints(np.array([place for place, _ in proved])))
 
 
 def _next_edge(
