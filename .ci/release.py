@@ -18,7 +18,7 @@ PATTERNS = {
     "src/kilter/__init__.py": r'(?m)^__version__ = "(.+)"$',
     "CITATION.cff": r"(?m)^version: (.+)$",
     "conda/recipe.yaml": r"(?m)^  version: (.+)$",
-    "docs/index.md": r"kilter \(version (.+?)\)",
+    "docs/index.md": r"(?m)^  version = \{(.+?)\},$",
 }
 UNRELEASED = re.compile(r"(?m)^## \[Unreleased\].*$")
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import html
 import os
+from pathlib import Path
 from typing import Any
 
 PAGE = "gallery.md"
@@ -21,6 +22,8 @@ LIVE = (
 )
 """Scenes with a live page; the first is that of the home page: its ball has a region with an inside
 and an outside."""
+CLAMP = Path(__file__).resolve().parents[1] / "examples/clamp.step"
+"""STEP file of the first commands, which readers of the site download."""
 EFFORT = 1
 """Effort of each verdict with friction."""
 WORDS = {
@@ -74,6 +77,7 @@ def on_files(files: Any, *, config: Any) -> Any:
 
     for name in LIVE:
         files.append(File.generated(config, f"live/{name}.html", content=live(name)))
+    files.append(File.generated(config, CLAMP.name, content=CLAMP.read_bytes()))
 
     page = files.get_file_from_path(PAGE)
     links = [f"- [{SCENES[name].title}](live/{name}.html)\n" for name in LIVE]

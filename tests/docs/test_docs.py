@@ -86,6 +86,21 @@ def test_shell_of_a_page_runs_and_says_what_is_shown(
                 assert main(shlex.split(line)[1:]) in (0, 1, 3, 4), capsys.readouterr().err
 
 
+def test_the_first_verdict_on_a_step_file_is_that_of_the_page(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("OCP", reason="pip install 'kilter[step]'")
+    shutil.copy(ROOT / "examples/clamp.step", tmp_path)
+    monkeypatch.chdir(tmp_path)
+    shown = blocks(ROOT / "docs/cad.md", "console")
+    assert len(shown) == 2
+    for block in shown:
+        first, *lines = block.rstrip().splitlines()
+        main(shlex.split(first)[2:])
+        out, error = capsys.readouterr()
+        assert (out or error).splitlines()[: len(lines)] == lines, first
+
+
 SERVES = {"view", "mcp"}
 """Commands that do not end by themselves; `tests/show` and `tests/agents` run them."""
 

@@ -43,6 +43,9 @@ def test_the_site_is_built_strictly_and_works_offline(tmp_path: Path) -> None:
     for page in live:
         assert f"live/{page.name}" in (site / "gallery.html").read_text(encoding="utf-8")
         assert "<canvas" in page.read_text(encoding="utf-8")
+    for page in ("index.html", "cad.html"):
+        assert '<a href="clamp.step" download' in (site / page).read_text(encoding="utf-8")
+    assert (site / "clamp.step").read_bytes() == (ROOT / "examples/clamp.step").read_bytes()
     shown = (site / "gallery.html").read_text(encoding="utf-8")
     assert "gallery/paper-figure-1.png" in shown
     assert (site / "gallery" / "paper-figure-1.png").stat().st_size > 10_000
