@@ -234,10 +234,13 @@ def find_remedies(
     if decision.verdict not in ("unstable", "undecided"):
         return ()
     decisions = 1 if _closing_gap(contacts) is None else PLAY_DECISIONS
+    changes = list(_changes(assembly, contacts, decision))
+    # joints together with friction are tried last, after each of them alone
+    decisions += any(change.suggested and change.friction is not None for change in changes)
     units = decisions * _decision_units(decision) + _detection_units(assembly)
     tries = _Tries(decision, require, work, work.beside(max(units, LEAST_WORK)))
     detected: dict[_Detection, ContactSet] = {}
-    for change in _changes(assembly, contacts, decision):
+    for change in changes:
         if len(tries.hopeful) == MOST:
             break
         if tries.needs_less_than(change):
