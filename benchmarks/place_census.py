@@ -1,32 +1,45 @@
-"""Census of `kilter.place`: polygons on random stacks of boxes, checked by `kilter.check`.
+"""Census of `kilter.place`: polygons on random stacks of boxes, checked by `kilter.check_many`.
 
     python benchmarks/place_census.py [STACKS] [FIRST SEED] [--prisms] [--mu MU] [--falling]
+                                      [--places P]
 
 Each stack has 3 to 15 boxes (with --prisms: convex prisms). Each is put down at a random place at
 which the stack stood (with --falling: the last part at a place at which the stack falls); half of
 the heights are equal, so that parts rest on several others. For a further part, the map of places
-is computed. `kilter.check` of the whole assembly decides places at random inside the polygons that
-stand and those that fall, and places just inside of their edges. Prints contradictions, the share
-of open places, and CPU seconds per map.
+is computed. `kilter.check_many` (level equilibrium), which has the verdicts of `check`, decides
+the whole assembly at P places at random that stand by the map and P that fall, and just inside and
+just outside of the middle of each edge of these polygons. A place outside of an edge counts if it
+lies in a polygon again, beyond the open strip or beyond an exact edge. Prints contradictions, the
+share of open places, and CPU seconds per map, after each 10 stacks.
 """
 
 from __future__ import annotations
 
 import argparse
+import itertools
 import statistics
 import sys
 import time
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import shapely
 
-from kilter import Assembly, Box, Part, Pose, Prism
-from kilter.analysis.placing.place import box_to_place, place
+from kilter import Assembly, Box, Part, Pose, Prism, check_many
+from kilter.analysis.placing.place import Places, box_to_place, place
+from kilter.analysis.placing.place_map import LevelMap
+from kilter.analysis.placing.upright_prisms import find_tops
 from kilter.errors import InputError
 
-POINTS = 20
 EDGE = 1e-4
+"""Distance of the places beside an edge from it."""
+FLUSH = 2 * EDGE
+"""Distance from the side of a neighbour below which places are left out: of flush places the map
+states nothing, and check leaves open whether parts that are this near are joined."""
 BASE = 6.0
+HOLDS = ("stable", "settles", "potentially-stable", "balanced")
 
 
 def main() -> int:
@@ -37,8 +50,9 @@ def main() -> int:
     parser.add_argument("--prisms", action="store_true")
     parser.add_argument("--mu", type=float, default=0.0)
     parser.add_argument("--falling", action="store_true")
+    parser.add_argument("--places", type=int, default=100)
     given = parser.parse_args()
-    wrong = tested = 0
+    counts: Counter[str] = Counter()
     seconds, shares, programs = [], [], []
     for seed in range(given.first, given.first + given.stacks):
         rng = np.random.default_rng(seed)
@@ -50,28 +64,42 @@ def main() -> int:
         places = place(stack, part)
         seconds.append(time.process_time() - began)
         programs.append(places.programs)
-        mapped = sum(level.stands.area + level.falls.area for level in places.levels)
-        left = sum(level.open.area for level in places.levels)
-        shares.append(left / BASE**2)
-        for level in places.levels:
-            for name, region in (("stands", level.stands), ("falls", level.falls)):
-                for point in chosen(rng, region):
-                    answer = decided(stack, part, point)
-                    if answer is None:
-                        continue
-                    tested += 1
-                    holds = answer in ("stable", "settles", "potentially-stable", "balanced")
-                    if holds != (name == "stands") and answer != "undecided":
-                        wrong += 1
-                        print(
-                            f"seed {seed}: {name} at {point}, but check says {answer}", flush=True
-                        )
-        assert mapped > 0
-    print(f"{given.stacks} maps, {tested} places, {wrong} contradictions")
-    shown = (("open [% of the base]", [100 * share for share in shares]), ("programs", programs))
-    for name, values in (*shown, ("CPU s per map", seconds)):
-        print(f"{name}: median {statistics.median(values):.3g}, worst {max(values):.3g}")
-    return 1 if wrong else 0
+        shares.append(100 * sum(level.open.area for level in places.levels) / BASE**2)
+        assert sum(level.stands.area + level.falls.area for level in places.levels) > 0
+        counts += compared(rng, places, given.places, seed)
+        if len(seconds) % 10 == 0 or len(seconds) == given.stacks:
+            print(f"{len(seconds)} maps: {dict(counts)}")
+            shown = (("open [% of the base]", shares), ("programs", programs),
+                     ("CPU s per map", seconds))  # fmt: skip
+            for name, values in shown:
+                print(f"  {name}: median {statistics.median(values):.3g}, worst {max(values):.3g}",
+                      flush=True)  # fmt: skip
+    return 1 if counts["contradictions"] else 0
+
+
+def compared(rng: np.random.Generator, places: Places, number: int, seed: int) -> Counter[str]:
+    """Compare places of a map with check; print and count contradictions."""
+    counts: Counter[str] = Counter()
+    chosen = [
+        (level, kind, point, stands)
+        for level in places.levels
+        for kind, point, stands in chosen_places(rng, level, number / len(places.levels))
+        if not is_flush(places, level, point)
+    ]
+    if not chosen:
+        return counts
+    answers = check_many(
+        [placed(places, level, point) for level, _, point, _ in chosen], require="equilibrium"
+    )
+    for (_, kind, point, stands), verdict in zip(chosen, answers.verdict, strict=True):
+        counts[kind] += 1
+        if verdict in ("undecided", "error"):
+            counts[str(verdict)] += 1
+        elif (verdict in HOLDS) != stands:
+            counts["contradictions"] += 1
+            said = "stands" if stands else "falls"
+            print(f"seed {seed}: {said} at {point} ({kind}), check: {verdict}", flush=True)
+    return counts
 
 
 def random_part(rng: np.random.Generator, prism: bool, name: str) -> Part:
@@ -115,40 +143,53 @@ def with_next(rng: np.random.Generator, stack: Assembly, prisms: bool, verdict: 
     return stack
 
 
-def chosen(rng: np.random.Generator, region: shapely.Geometry) -> list[np.ndarray]:
-    """Places inside a region at random, and near its edges on the inner side."""
-    found = []
-    for piece in shapely.get_parts(region):
-        if not piece.area > 1e-6:
-            continue
-        low, high = np.array(piece.bounds[:2]), np.array(piece.bounds[2:])
-        for point in rng.uniform(low, high, (POINTS, 2)):
-            if piece.contains(shapely.Point(point)):
-                found.append(point)
-        inner = piece.buffer(-EDGE)
-        rings = shapely.get_coordinates(inner)
-        if len(rings):
-            found += list(rings[rng.integers(0, len(rings), min(4, len(rings)))])
-    return found
+def chosen_places(
+    rng: np.random.Generator, level: LevelMap, number: float
+) -> Iterator[tuple[str, np.ndarray, bool]]:
+    """Kind of a place, place, and whether it stands by the map: at random, and beside edges."""
+    regions = ((level.stands, True), (level.falls, False))
+    for region, stands in regions:
+        pieces = [piece for piece in shapely.get_parts(region) if piece.area > 1e-6]
+        total = sum(piece.area for piece in pieces)
+        for piece in pieces:
+            low, high = np.array(piece.bounds[:2]), np.array(piece.bounds[2:])
+            tried = np.ceil(number * piece.area / total * (high - low).prod() / piece.area)
+            for point in rng.uniform(low, high, (int(tried), 2)):
+                if piece.contains(shapely.Point(point)):
+                    yield ("inside" if stands else "outside"), point, stands
+            for ring in (piece.exterior, *piece.interiors):
+                corners = shapely.get_coordinates(ring)
+                for start, end in itertools.pairwise(corners):
+                    along = end - start
+                    if np.linalg.norm(along) < 10 * EDGE:
+                        continue
+                    across = EDGE * np.array([-along[1], along[0]]) / np.linalg.norm(along)
+                    for beside in ((start + end) / 2 + across, (start + end) / 2 - across):
+                        for other, answer in regions:
+                            if other.contains(shapely.Point(beside)):
+                                inner = other is region
+                                yield f"{'inside' if inner else 'beyond'} an edge", beside, answer
 
 
-def decided(stack: Assembly, part: Part, point: np.ndarray) -> str | None:
-    """The verdict of check at a place; None if the part touches a neighbour there."""
-    try:
-        answer = place(stack, part, at=point, require="equilibrium")
-    except InputError:
-        return None
-    assert answer.at is not None
-    whole = answer.at.verdict
-    names = whole.assembly.names
-    contacts = whole.contacts
-    k = whole.assembly.index_of(names[-1])
-    side = [
-        abs(contacts.patch_normal[p, 2]) < 0.5
-        for p in range(len(contacts))
-        if k in contacts.patch_parts[p]
-    ]
-    return None if any(side) else str(whole.verdict)
+def is_flush(places: Places, level: LevelMap, point: np.ndarray) -> bool:
+    """Whether the part touches the side of a neighbour at a place."""
+    assert places.prism is not None
+    under = shapely.polygons(places.prism.footprint + point)
+    return any(
+        top.high > level.height + FLUSH
+        and top.low < level.height + places.prism.height - FLUSH
+        and top.polygon.distance(under) < FLUSH
+        for top in find_tops(places.assembly)
+    )
+
+
+def placed(places: Places, level: LevelMap, point: np.ndarray) -> Assembly:
+    """The assembly with the part at a place."""
+    assert places.prism is not None
+    center = Assembly([places.part]).geometry.center[0]
+    shift = np.append(point, level.height + places.prism.below) - center
+    pose = Pose(np.asarray(places.part.pose.position) + shift, places.part.pose.rotation)
+    return places.assembly.with_parts([replace(places.part, pose=pose)])
 
 
 if __name__ == "__main__":
