@@ -48,7 +48,7 @@ Given = tuple["Assembly", "ContactSet | None"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Report:
-    """One offline HTML page about an assembly or a plan.
+    """One offline HTML page about an assembly, a plan or a map of places.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class Report:
 
 
 def report(
-    assembly: AssemblyOrPath | Order,
+    assembly: AssemblyOrPath | Order | Places,
     out: str | Path | None = None,
     *,
     friction: float | None = None,
@@ -84,11 +84,13 @@ def report(
     """Build an offline page: the assembly in 3D, its motion and forces, the gravity ball.
 
     The page of a plan shows its steps as a film and as a strip of pictures, with the held parts.
+    The page of a map of places shows the assembly and the map; the part follows the pointer.
 
     Parameters
     ----------
-    assembly : Assembly, path, or Order
-        An `Order` of `kilter.plan` is shown unchanged; nothing is computed again.
+    assembly : Assembly, path, Order, or Places
+        An `Order` of `kilter.plan` is shown unchanged; nothing is computed again. The page of
+        `Places` of `kilter.place` is that of their assembly, with the map as a layer.
     out : path, optional
         File of the page, ending in .html.
     friction, down, ground, floor : optional
@@ -119,9 +121,13 @@ def report(
     subject = _changed(
         assembly, "report", contacts, friction=friction, down=down, ground=ground, floor=floor
     )
+    places = _map_of(subject)
+    if places is not None and places.question is not None:
+        subject, contacts = places.assembly, places.question.contacts
     page = _plan_page(subject, title, command, progress) or _page(
         subject,
         contacts,
+        places=places,
         title=title,
         tolerance=tolerance,
         effort=effort,
@@ -153,6 +159,26 @@ def _changed(subject: Any, verb: str, contacts: ContactSet | None, **changes: An
     return subject
 
 
+def _map_of(subject: Any) -> Places | None:
+    """The map of places that a page shows; None if `subject` is no answer about places.
+
+    Raises
+    ------
+    InputError
+        If the answer is about a given place.
+    """
+    from kilter.analysis.placing.place import Places
+
+    if not isinstance(subject, Places):
+        return None
+    if subject.prism is None or subject.question is None:
+        raise InputError(
+            "the answer about a given place has no map to show",
+            hint="show kilter.place(assembly, part) without a place",
+        )
+    return subject
+
+
 def _plan_page(subject: Any, title: str, command: str, progress: Tell | None) -> Report | None:
     """Build the page of a plan; None if `subject` is not a plan."""
     from kilter.analysis.planning.order.order import Order
@@ -172,6 +198,7 @@ def _page(
     assembly: Any,
     contacts: ContactSet | None,
     *,
+    places: Places | None = None,
     title: str,
     tolerance: Tolerance | None,
     effort: float,
@@ -205,7 +232,7 @@ def _page(
     if progress is not None:
         progress("page")
     name = title or title_of(assembly.source or "an assembly")
-    html = render(answers, name, command=command)
+    html = render(answers, name, command=command, places=places)
     return Report(html, str(answers.given.check["verdict"]))
 
 

@@ -267,3 +267,23 @@ def test_a_mixed_file_keeps_its_own_warning_about_density() -> None:
     light = Part("light", Box([1, 1, 1]), Pose([0, 0, 0.5]))
     assembly = Assembly([base, light, Part("heavy", Box([1, 1, 1]), [0, 0, 1.5], mass=3.0)])
     assert density_warned(place(assembly, box_to_place(SMALL, 1.0), at=[0, 0]))
+
+
+def test_a_page_shows_the_map_and_the_part(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, page = tmp_path / "tower.kilter.json", tmp_path / "map.html"
+    kilter.dump(scene("tower"), file)
+    asked = ["place", str(file), "--box", "0.5x0.5x0.5", "--mass", "1", "-o", str(page)]
+    assert main(asked) == 0
+    assert "page         written to" in capsys.readouterr().out
+    html = page.read_text(encoding="utf-8")
+    data = json.loads(html.split('type="application/json">')[1].split("</script>")[0])
+    places = place(scene("tower"), box_to_place([0.5, 0.5, 0.5], 1.0))
+    assert data["places"]["levels"] == places.to_dict()["levels"]
+    assert data["places"]["part"]["footprint"] == places.prism.footprint.tolist()
+    assert html.index('id="places"') < html.index('id="ball"')
+    assert main([*asked, "--at", "0", "0"]) == 2
+    assert "a page shows a map: no --at" in capsys.readouterr().err
+    with pytest.raises(InputError, match="no map to show"):
+        kilter.report(place(scene("tower"), box_to_place(SMALL, 1.0), at=[0, 0]))

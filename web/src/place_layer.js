@@ -61,6 +61,7 @@ export class PlaceLayer {
   clear() {
     this.areas.children.forEach(({ geometry }) => geometry.dispose());
     this.areas.clear();
+    this.data = null;
     this.part.visible = false;
     this.group.visible = false;
   }

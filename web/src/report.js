@@ -13,6 +13,7 @@ import { bondUse, forceArrows, motionArrows, thrustRods } from "./overlay.js";
 import { reachOf } from "./pose.js";
 import { clearAmount } from "./sweep.js";
 import { angleBetween, unit } from "./vector.js";
+import { Places } from "./workbench/places.js";
 import { basis, gapWords, degrees, direction, force, marginWords, movingWords, number, plainly, pullWords } from "./words.js";
 
 const SIGNS = {
@@ -58,6 +59,7 @@ export class Report extends Look {
     this.controls();
     this.turn(this.down);
     this.begin();
+    if (page.places) new Places({ report: this }).tell({ data: page.places, place: page.places.part });
     if (this.stage) {
       this.stage.begun = () => this.reveal();
       if (this.stage.size) this.reveal();
@@ -135,6 +137,7 @@ export class Report extends Look {
     this.ball.set(u, follow);
     if (this.stage) {
       this.stage.turnTo(u, exactly);
+      this.stage.places.group.visible = Boolean(this.stage.places.data) && angleBetween(u, this.page.given.down) < 1e-9;
       this.stage.parts.moving.fill(0);
       for (const k of this.movers()) this.stage.parts.moving[k] = 1;
       this.seeThrough();

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -123,9 +124,12 @@ def place(
     prove that everything stands and the places that motions exclude. With --at the answer has the
     verdict there, the parts that would move, and the heaviest mass that is carried.
 
+    With -o FILE.html a page with the map is written, on which the part follows the pointer.
+
     Exit code: 0 there is a place, or the part stands at the given place at the level of --require;
     3 it stands there at a lower level; 1 there is no place, or it falls there; 4 undecided.
     """
+    from kilter import publish
     from kilter.analysis.placing.place import place as find
 
     turns = turn or [0.0]
@@ -134,12 +138,13 @@ def place(
     if part is not None and turn:
         raise InputError("--part and --turn are given", hint="turn the part in its file")
     if figure is not None:
-        from kilter import publish
-
         publish.require_figure(figure, None)
         asked.apart(figure)
         if at is not None:
             raise InputError("--figure and --at are given", hint="a map has a figure: no --at")
+    page = asked.output is not None and asked.output.suffix.lower() in publish.PAGES
+    if page and at is not None:
+        raise InputError("--at and -o FILE.html are given", hint="a page shows a map: no --at")
     masses = None if mass is None else _masses(mass)
     within = 0.0 if centre_within is None else _share(centre_within)
     with Progress(asked.quiet) as progress:
@@ -171,9 +176,18 @@ def place(
     typed = [word for name, value in given if value is not None for word in (name, str(value))]
     if len(turns) == 1 and turns[0]:
         typed += ["--turn", f"{turns[0]:g}"]
-    asked.tell(
-        data, typed=typed, after=after + (f"\nfigure       written to {figure}" if figure else "")
-    )
+    after += f"\nfigure       written to {figure}" if figure else ""
+    if page:
+        assert asked.output is not None
+        publish.report(
+            best,
+            asked.output,
+            title=publish.title_of(asked.file),
+            command=asked.command("place", *typed, "-o", str(asked.output)),
+        )
+        after += f"\npage         written to {asked.output}"
+        asked = replace(asked, output=None)
+    asked.tell(data, typed=typed, after=after)
     if best.stands:
         return HOLDS
     if best.undecided:

@@ -14,6 +14,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING
 
 from kilter.show.packing import as_json, readable
+from kilter.show.place_layer import build_place_layer, place_card
 from kilter.show.plan_scene import build_plan_scene
 from kilter.show.plan_sections import plan_sections
 from kilter.show.scene import build_scene
@@ -22,6 +23,7 @@ from kilter.tell.palette import as_css
 
 if TYPE_CHECKING:
     from kilter.analysis.everything import Everything
+    from kilter.analysis.placing.place import Places
     from kilter.analysis.planning.order.explained import Explained
     from kilter.analysis.planning.order.order import Order
 
@@ -37,7 +39,9 @@ PACKAGES = ("kilter", "numpy", "scipy", "highspy", "clarabel")
 """Packages whose versions the page states."""
 
 
-def render(answers: Everything, title: str, *, command: str = "") -> str:
+def render(
+    answers: Everything, title: str, *, command: str = "", places: Places | None = None
+) -> str:
     """Build the HTML page of an assembly and its answers.
 
     Parameters
@@ -47,10 +51,17 @@ def render(answers: Everything, title: str, *, command: str = "") -> str:
         Title of the page; usually the name of the file.
     command : str
         Command that reproduces the page.
+    places : Places, optional
+        A map of the next part on this assembly, which the page shows as a layer.
     """
-    data = as_json({"title": readable(title), **build_scene(answers)})
+    scene = {"title": readable(title), **build_scene(answers)}
+    first = ""
+    if places is not None:
+        scene["places"] = build_place_layer(places)
+        first = place_card(places)
     body = sections(answers, command=command, versions=_versions())
-    return fill_template(title, body, data, margins=change_card(answers) + margin_card(answers))
+    cards = change_card(answers) + margin_card(answers)
+    return fill_template(title, body, as_json(scene), first=first, margins=cards)
 
 
 def render_plan(order: Order, explained: Explained, title: str, *, command: str = "") -> str:
@@ -77,6 +88,7 @@ def fill_template(
     data: str,
     *,
     live: bool = False,
+    first: str = "",
     margins: str = "",
     pieces: dict[str, str] | None = None,
 ) -> str:
@@ -88,8 +100,8 @@ def fill_template(
         Title as text, sections as HTML, data as JSON.
     live : bool
         Whether the page talks to its server.
-    margins : str
-        HTML of the cards below the picture.
+    first, margins : str
+        HTML of the card above the others, and of the last cards.
     pieces : dict, optional
         Slots of the template and the names of their asset files, separated by spaces; by default
         `REPORT`.
@@ -117,6 +129,7 @@ def fill_template(
         "program": "".join(f"<script>{script}</script>\n" for script in scripts),
     }
     values["body"] += body
+    values["panels"] = first + values["panels"]
     # one pass, so that a slot name inside a filled-in value is not replaced
     return re.sub(r"\{\{(\w+)\}\}", lambda match: values[match[1]], _asset("page.html"))
 

@@ -19,6 +19,7 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact.fits.suggestions import suggest_joints
 from kilter.errors import InputError
+from kilter.show.place_layer import placed_part
 from kilter.show.scene import build_orientation, build_things
 from kilter.show.sections import answer_html
 from kilter.tell.facts import facts
@@ -259,17 +260,7 @@ def tab_data(
         "sentence": data.get("sentence", ""),
         "command": command(name, keys, saved, words),
         "orientation": orientation,
-        "place": _placed_part(answer) if isinstance(answer, Places) else None,
-    }
-
-
-def _placed_part(answer: Places) -> dict[str, Any] | None:
-    """The part of a map of places for the picture: corners of its underside, and its heights."""
-    prism = answer.prism
-    if prism is None:
-        return None
-    return {
-        "footprint": prism.footprint.tolist(),
-        "below": prism.below,
-        "above": prism.above,
+        "place": placed_part(answer.prism)
+        if isinstance(answer, Places) and answer.prism is not None
+        else None,
     }
