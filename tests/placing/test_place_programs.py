@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from planks import bridge
+from planks import bridge, overhang
 from scipy.optimize import nnls
 
 from kilter import Assembly, Box, Part, Pose
@@ -86,3 +86,19 @@ def test_a_first_touch_of_a_support_is_decided_exactly() -> None:
     beside = shapely.box(0.2, -1, 0.3, 1)
     assert shapely.difference(beside, level.falls).area < 1e-9
     assert answer.programs < 100
+
+
+def test_a_pair_that_decides_is_the_reason_of_open_places() -> None:
+    """A held part just above the far end of a plank may hold it down, or not touch it."""
+    plank = overhang(1, 2, 0.3)
+    part = box_to_place([1e-3, 1e-3, 0.1], 2.5)
+    for gap, warned in ((1e-4, True), (0.05, False)):
+        clamp = Part("clamp", Box([0.2, 1, 1]), Pose([-0.7, 0, 0.6 + gap]), grounded=True)
+        answer = place(plank.with_parts([clamp]), part)
+        text = " ".join(answer.warnings)
+        assert ("'plank' and 'clamp' touch" in text) == warned
+        [level] = [level for level in answer.levels if abs(level.height - 0.1) < 1e-9]
+        # without the clamp the limit is 0.16, and the end of the plank is at 0.3
+        assert level.stands.bounds[2] <= 0.16 + 1e-9
+        open_area = shapely.intersection(level.open, shapely.box(0.17, -0.4, 0.29, 0.4)).area
+        assert (open_area > 0.09) == warned

@@ -23,12 +23,13 @@ from kilter.analysis.placing.case_maps import (
     map_cases,
     map_domain,
 )
+from kilter.analysis.placing.map_warnings import map_warnings
 from kilter.analysis.placing.place_at import AtPlace, decide_at
 from kilter.analysis.placing.place_map import LevelMap
 from kilter.analysis.placing.place_proofs import MapQuestion, at_proof, map_proof
 from kilter.analysis.placing.polygon_sets import NOTHING, rings_of
 from kilter.analysis.placing.uncertain_part import mass_limits, part_cases
-from kilter.analysis.placing.upright_prisms import PlacedPrism, Top, find_tops, placed_prism
+from kilter.analysis.placing.upright_prisms import PlacedPrism, find_tops, placed_prism
 from kilter.assembly import Assembly, Part
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance, detect
@@ -340,7 +341,10 @@ def place(
         levels = combined_levels(maps)
         programs = sum(case.programs for case in maps)
         best = _best(levels, prism)
-        remarks = [*_form_warnings(assembly, tops), *contacts.remarks()]
+        remarks = [
+            *map_warnings(assembly, tops, contacts, levels, width),
+            *contacts.remarks(),
+        ]
     return Places(
         assembly,
         part,
@@ -364,16 +368,6 @@ def _free_name(name: str, assembly: Assembly) -> str:
     while f"{name} {number_}" in assembly.index:
         number_ += 1
     return f"{name} {number_}"
-
-
-def _form_warnings(assembly: Assembly, tops: Sequence[Top]) -> list[str]:
-    """A warning about parts that are no upright prisms, around which nothing is mapped."""
-    other = [assembly.names[top.part] for top in tops if not top.upright]
-    if not other:
-        return []
-    named = ", ".join(repr(name) for name in other[:3])
-    more = f" and {len(other) - 3} others" if len(other) > 3 else ""
-    return [f"the map leaves places on {named}{more} open: only tops of upright prisms are mapped"]
 
 
 def _best(

@@ -47,6 +47,10 @@ COARSE = 0.05
 follow."""
 
 
+GRID = 1e-12
+"""Width of the grid on which cells are joined [largest coordinate]: slivers of rounding vanish."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Finding:
     """Forces and motions that decide places on a single top or in a rectangle of places.
@@ -133,8 +137,10 @@ class PlaceMap:
             inside, outside = self._on_several(landing, piece)
             stands += inside
             falls += outside
-        inner, out = union(stands), union(falls)
-        left = without(landing.here, union([inner, out]))
+        grid = GRID * float(np.abs(landing.here.bounds).max())
+        inner = union(stands, grid)
+        out = without(union(falls, grid), inner, grid)
+        left = without(landing.here, union([inner, out], grid), grid)
         return LevelMap(landing.height, inner, out, left, tuple(self._findings))
 
     # a single top ------------------------------------------------------------------------

@@ -1,0 +1,60 @@
+"""Warnings of a map of places: reasons why places stay open."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from kilter.analysis.placing.place_map import LevelMap
+from kilter.analysis.placing.polygon_sets import polygons_of
+from kilter.analysis.placing.upright_prisms import Top
+from kilter.assembly import Assembly
+from kilter.contact import ContactSet
+
+__all__ = ["map_warnings"]
+
+
+def map_warnings(
+    assembly: Assembly,
+    tops: Sequence[Top],
+    contacts: ContactSet,
+    levels: Sequence[LevelMap],
+    strip: float,
+) -> list[str]:
+    """Warnings about parts that are no upright prisms, and about pairs that leave places open.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    tops : sequence of Top
+    contacts : ContactSet
+    levels : sequence of LevelMap
+    strip : float
+        Width above which an open area is no strip between places [length unit].
+    """
+    warnings = []
+    other = [assembly.names[top.part] for top in tops if not top.upright]
+    if other:
+        warnings.append(
+            f"the map leaves places on {_listed([repr(name) for name in other], 3)} open: only "
+            "tops of upright prisms are mapped"
+        )
+    wide = any(
+        not piece.buffer(-strip).is_empty for level in levels for piece in polygons_of(level.open)
+    )
+    if wide and contacts.open_pairs:
+        pairs = [
+            " and ".join(repr(assembly.names[k]) for k in pair.parts)
+            for pair in contacts.open_pairs
+        ]
+        warnings.append(
+            f"the map leaves places open, because the geometry does not decide whether "
+            f"{_listed(pairs, 1)} touch"
+        )
+    return warnings
+
+
+def _listed(names: Sequence[str], most: int) -> str:
+    """The first names, and the number of the others."""
+    more = len(names) - most
+    rest = f" and {more} other{'s' if more > 1 else ''}" if more > 0 else ""
+    return ", ".join(names[:most]) + rest
