@@ -136,15 +136,7 @@ class Surfaces:
             Surface of each point.
         points : ndarray, shape (n, 3)
         """
-        height, rho, _ = self.polar(rows, points)
-        kind, alpha = self.kind[rows], self.half_angle[rows]
-        off = rho - self.radius[rows]
-        off = np.where(kind == CONE, rho * np.cos(alpha) - height * np.sin(alpha), off)
-        around = np.hypot(rho - self.radius[rows], height) - self.tube[rows]
-        off = np.where(kind == TORUS, around, off)
-        off = np.where(self.hollow[rows], -off, off)
-        result: Array = np.where(kind == FREE, np.inf, off)
-        return result
+        return self._distance_at(rows, self.polar(rows, points))
 
     def outward(self, rows: Index, points: Array) -> Array:
         """Unit normals of surfaces at points, out of the material, shape (n, 3).
@@ -155,7 +147,28 @@ class Surfaces:
             Surface of each point.
         points : ndarray, shape (n, 3)
         """
-        height, rho, away = self.polar(rows, points)
+        return self._outward_at(rows, self.polar(rows, points))
+
+    def distance_and_outward(self, rows: Index, points: Array) -> tuple[Array, Array]:
+        """Signed distances as `distance`, and unit normals as `outward`, in less time."""
+        polar = self.polar(rows, points)
+        return self._distance_at(rows, polar), self._outward_at(rows, polar)
+
+    def _distance_at(self, rows: Index, polar: tuple[Array, Array, Array]) -> Array:
+        """Signed distances of points, given by their polar coordinates."""
+        height, rho, _ = polar
+        kind, alpha = self.kind[rows], self.half_angle[rows]
+        off = rho - self.radius[rows]
+        off = np.where(kind == CONE, rho * np.cos(alpha) - height * np.sin(alpha), off)
+        around = np.hypot(rho - self.radius[rows], height) - self.tube[rows]
+        off = np.where(kind == TORUS, around, off)
+        off = np.where(self.hollow[rows], -off, off)
+        result: Array = np.where(kind == FREE, np.inf, off)
+        return result
+
+    def _outward_at(self, rows: Index, polar: tuple[Array, Array, Array]) -> Array:
+        """Unit normals at points, given by their polar coordinates."""
+        height, rho, away = polar
         kind, alpha, axis = self.kind[rows], self.half_angle[rows], self.axis[rows]
         cone = np.cos(alpha)[:, None] * away - np.sin(alpha)[:, None] * axis
         normal = np.where((kind == CONE)[:, None], cone, away)

@@ -13,6 +13,7 @@ from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.broad import Boxes, make_boxes, pairs_apart, part_pairs
 from kilter.contact.fits.part_solids import PartSolids
+from kilter.contact.fits.same_body import same_bodies
 from kilter.contact.gaps import GapLimits, Tolerance, gap_limits, reach_of
 from kilter.contact.planar.facets import Facets, find_facets
 from kilter.contact.unknown import unknown_pairs
@@ -42,6 +43,8 @@ class ContactSearch:
         True for parts that are triangle meshes.
     solids : PartSolids
         Solids of the parts, which are created on first use.
+    same_bodies : ndarray of int, shape (k, 2)
+        Parts a < b that are the same body twice, and no pairs of the search.
     smooth_faces : dict
         Smooth faces of parts (`kilter.contact.smooth`), which are found on first use.
     part_curves : dict
@@ -57,13 +60,32 @@ class ContactSearch:
     unknown: Index
     meshes: Mask
     solids: PartSolids
+    same_bodies: Index
     smooth_faces: dict[int, list[Any]] = field(default_factory=dict)
     part_curves: dict[int, Any] = field(default_factory=dict)
 
     def of_rows(self, begin: int, end: int) -> ContactSearch:
-        """The same search for only the pairs ``begin`` to ``end``."""
-        rows = slice(begin, end)
-        return replace(self, pairs=self.pairs[rows], limits=self.limits.take(rows))
+        """The same search for only the pairs ``begin`` to ``end``.
+
+        The first pairs include those that are the same body twice.
+        """
+        rows, twice = slice(begin, end), self.same_bodies[: None if begin == 0 else 0]
+        return replace(
+            self, pairs=self.pairs[rows], limits=self.limits.take(rows), same_bodies=twice
+        )
+
+    def without_same_bodies(self) -> ContactSearch:
+        """The same search without the pairs that are the same body twice."""
+        same = same_bodies(self.geometry, self.boxes, self.pairs, self.limits)
+        if not same.any():
+            return self
+        rows = np.flatnonzero(~same)
+        return replace(
+            self,
+            pairs=self.pairs[rows],
+            limits=self.limits.take(rows),
+            same_bodies=self.pairs[same],
+        )
 
     def face(self, row: int) -> Array:
         """Triangles of the curved surface with index `row`, shape (m, 3, 3)."""
@@ -112,6 +134,7 @@ def begin_search(
         unknown,
         meshes,
         PartSolids(geometry),
+        np.empty((0, 2), dtype=np.int64),
     )
 
 

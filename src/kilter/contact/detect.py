@@ -99,7 +99,7 @@ def contacts(
     tolerance.require_sound()
     report_stage = progress or (lambda stage: None)
     with stop_after(time_limit):
-        search = begin_search(assembly, tolerance, report_stage)
+        search = begin_search(assembly, tolerance, report_stage).without_same_bodies()
         report_stage(f"contacts of near pairs: {len(search.pairs)}")
         if time_limit is None:
             findings = examine(assembly, search, tolerance)
@@ -158,7 +158,7 @@ def contacts_side_by_side(apart: SideBySide, tolerance: Tolerance) -> ContactSet
     def silent(stage: str) -> None:
         return None
 
-    search = begin_search(apart.whole, tolerance, silent, start=apart.start)
+    search = begin_search(apart.whole, tolerance, silent, start=apart.start).without_same_bodies()
     findings = examine(apart.whole, search, tolerance)
     return _contact_set(apart.whole, search, findings, tolerance)
 

@@ -79,7 +79,7 @@ class KeptContacts:
             for part in assembly.parts
         ]
         searched = replace(assembly, parts=free)
-        search = begin_search(searched, tolerance, tell)
+        search = begin_search(searched, tolerance, tell).without_same_bodies()
         tell(f"contacts of near pairs: {len(search.pairs)}")
         return cls(searched, tolerance, examine(searched, search, tolerance))
 
@@ -132,7 +132,7 @@ class KeptContacts:
         """
         held = assembly.geometry.grounded
         search = self.findings.search
-        pairs = np.concatenate([search.pairs, search.unknown])
+        pairs = np.concatenate([search.pairs, search.unknown, search.same_bodies])
         both = pairs[(new_part[pairs] >= 0).all(axis=1)]
         fixed = both[held[new_part[both]].all(axis=1)]
         index = self.assembly.index
@@ -160,4 +160,5 @@ def _reduced(
         pairs=kept.new_part[search.pairs[rows]],
         limits=search.limits.take(rows),
         unknown=unknown,
+        same_bodies=kept.pairs_of_parts(search.same_bodies),
     )

@@ -41,7 +41,7 @@ from kilter.contact.curved.on_planes import Planes, on_planes
 from kilter.contact.curved.rim_points import rims_on_planes, tips_on_faces
 from kilter.contact.curved.shells import gaps_between, touching_shells
 from kilter.contact.curved.tangency import find_candidates
-from kilter.shape.covering import covered
+from kilter.shape.covering import FaceCover, covered
 from kilter.work import stop_if_late
 
 __all__ = ["find_curved"]
@@ -369,16 +369,17 @@ def _circle_contact(
     out, up = (float(x) for x in candidate.normal[0, :2])
     rim = int(candidate.rim[0])
     u, v = across(axis)
+    covers = [(FaceCover.of(triangles), sagitta) for triangles, sagitta in faces]
 
     def inside(angle: Array) -> Mask:
         away = np.cos(angle)[:, None] * u + np.sin(angle)[:, None] * v
         points, normals = center + radius * away, out * away + up * axis
         is_covered = np.ones(len(angle), dtype=bool)
-        for number, (triangles, sagitta) in enumerate(faces, start=1):
+        for number, (cover, sagitta) in enumerate(covers, start=1):
             depth = 1e300 if not np.isfinite(sagitta) else sagitta + reach
             # the normals of a rim leave its face, which lies straight away from the axis
             lines = away if number == rim else normals
-            is_covered &= covered(triangles, points, lines, depth, grow)
+            is_covered &= cover.covers(points, lines, depth, grow)
         return is_covered
 
     arcs = arcs_of(inside)

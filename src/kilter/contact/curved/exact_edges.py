@@ -74,8 +74,8 @@ def face_distance(
     normal = facets.normal[facet].copy()
     distance = np.einsum("ij,ij->i", points - facets.origin[facet], normal)
     k = np.flatnonzero(surface >= 0)
-    distance[k] = s.distance(surface[k], points[k])
-    normal[k] = s.outward(surface[k], points[k])
+    if len(k):
+        distance[k], normal[k] = s.distance_and_outward(surface[k], points[k])
     return distance, normal
 
 

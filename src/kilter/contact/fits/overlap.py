@@ -16,14 +16,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csc_array
 
-from kilter.arrays import TINY, Array, Mask, nearest
+from kilter.arrays import TINY, Array, Mask
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.contact_set import INTERFERE, SAME_BODY, Overlap
-from kilter.contact.contact_tolerances import COPY_PLACE, SAME_PLACE
+from kilter.contact.contact_tolerances import COPY_PLACE
 from kilter.contact.face_patches import FacePatches, in_patch
 from kilter.contact.fits.coaxial import coaxial_fits
 from kilter.contact.fits.part_solids import PartSolids
+from kilter.contact.fits.same_body import coincide, deep_boxes
 from kilter.contact.fits.shared_body import SharedBody, depth_of, shared_body
 from kilter.contact.fits.winding_depth import depth_by_winding
 from kilter.contact.gaps import Tolerance
@@ -63,13 +64,11 @@ def find_overlaps(
     both_convex = facets.convex_part[a] & facets.convex_part[b]
     # triangulations of touching curved faces penetrate each other by their sagittas
     tolerance = search.limits.gap + geometry.slack[a] + geometry.slack[b]
-    grow = tolerance[:, None]
-    # boxes that overlap by less than the tolerance along any axis cannot overlap deeper
-    deep = (boxes.part_high[a] - boxes.part_low[b] > grow).all(axis=1)
-    deep &= (boxes.part_high[b] - boxes.part_low[a] > grow).all(axis=1)
+    deep = deep_boxes(geometry, boxes, search.pairs, search.limits)
     # convex parts with a patch lie on either side of its plane
     rows = np.flatnonzero(deep & ~(both_convex & face_patches.has_patch))
     overlaps = list({overlap.parts: overlap for overlap in face_patches.curved.overlaps}.values())
+    overlaps += [_same_body(geometry, (i, j)) for i, j in search.same_bodies.tolist()]
     recorded = {overlap.parts for overlap in overlaps}
     if not overlaps and not len(rows):
         return ()
@@ -132,7 +131,8 @@ def _with_volume(overlap_search: _OverlapSearch, overlap: Overlap, tolerance: To
     The share is None if the smaller part is thinner than the gap tolerance.
     """
     volume, geometry, both = overlap.volume, overlap_search.geometry, list(overlap.parts)
-    if volume is None or (geometry.slack[both] > 0).any():
+    exact = overlap.why == SAME_BODY or not (geometry.slack[both] > 0).any()
+    if volume is None or not exact:
         body = shared_body(overlap_search.solids, *overlap.parts)
         volume = _exact_volume(geometry, overlap.parts, body) if body is not None else volume
     smaller = int(both[int(np.argmin(geometry.volume[both]))])
@@ -170,7 +170,7 @@ def _general_overlap(
     Points on curved faces that touch over an area are ignored: only triangulations overlap there.
     """
     geometry, (a, b) = overlap_search.geometry, parts
-    if _coincide(geometry, a, b):
+    if coincide(geometry, a, b):
         return _same_body(geometry, parts)
 
     def on_patch(points: Array) -> Mask:
@@ -195,17 +195,6 @@ def _corners(geometry: Geometry, part: int) -> Array:
     return geometry.vertices[geometry.vertex_start[part] : geometry.vertex_start[part + 1]]
 
 
-def _coincide(geometry: Geometry, a: int, b: int) -> bool:
-    """Whether two parts have the same corners in the same places."""
-    corners_a, corners_b = _corners(geometry, a), _corners(geometry, b)
-    if corners_a.shape != corners_b.shape:
-        return False
-    close = SAME_PLACE * geometry.size[a] + geometry.accuracy[a] + geometry.accuracy[b]
-    if np.abs(corners_a.mean(axis=0) - corners_b.mean(axis=0)).max() > close:
-        return False
-    return bool(nearest(corners_a, corners_b)[0].max() <= close)
-
-
 def _facet_planes(geometry: Geometry, facets: Facets, part: int) -> tuple[Array, Array]:
     """Outward unit normals of a part's facets, and a point on each facet."""
     span = slice(facets.start[part], facets.start[part + 1])
@@ -217,7 +206,7 @@ def _convex_overlap(
 ) -> Overlap | None:
     """Overlap of two convex parts; None if they are apart or only touch."""
     geometry, (a, b) = overlap_search.geometry, parts
-    if _coincide(geometry, a, b):
+    if coincide(geometry, a, b):
         return _same_body(geometry, parts)
     middle = geometry.center[a]
     # separation by the planes of the facets, relative to the centre of a to keep digits
