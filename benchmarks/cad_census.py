@@ -2,6 +2,7 @@
 
     python benchmarks/cad_census.py             300 assemblies
     python benchmarks/cad_census.py 50 1000     50 assemblies, from seed 1000 on
+    python benchmarks/cad_census.py 20 1030     the last 20 of these, after an interruption
     python benchmarks/cad_census.py --seed 7    one assembly, with the sentences of its answers
 
 `cad_assemblies` draws each assembly and knows its outcome. The census runs `kilter check FILE
@@ -14,8 +15,10 @@
     useful       the first answer is right, or it proposes a command that decides
     open         neither right nor wrong
 
-The command prints the counts by kind of module, the CPU time beside reading, and the seeds that are
-wrong or open. The exit code is 1 if an answer is wrong or a command ends by a fault.
+The command prints a line for each seed as soon as its answers are known. At the end, and also if it
+is interrupted, it prints the counts by kind of module, the CPU time beside reading, and the seeds
+that are wrong or open. The exit code is 1 if an answer is wrong or a command ends by a fault, and
+130 after an interruption.
 """
 
 from __future__ import annotations
@@ -25,6 +28,7 @@ import collections
 import contextlib
 import io
 import json
+import signal
 import sys
 import tempfile
 import time
@@ -95,6 +99,8 @@ def _ask(words: list[str]) -> tuple[dict[str, Any] | None, str]:
     out, err = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         code = run_kilter(["check", *words, "--json", "--quiet"])
+    if code == 130:
+        raise KeyboardInterrupt
     if code in (2, 70) or not out.getvalue().strip():
         return None, err.getvalue().strip() or f"exit code {code}"
     return json.loads(out.getvalue()), ""
@@ -122,6 +128,14 @@ def examine(seed: int, folder: Path) -> Case:
         words = [*words, *proposed]
     case.seconds = time.process_time() - started - read * len(case.commands)
     return case
+
+
+def _line(seed: int, case: Case) -> str:
+    """The judgement about a seed, its CPU time, its verdicts, and its kinds of module."""
+    first = "useful" if case.is_useful() else "not useful"
+    verdicts = " > ".join(answer["verdict"] for answer in case.answers)
+    kinds = ", ".join(sorted(set(case.drawn.kinds)))
+    return f"{seed} {case.judgement():5} {first} {case.seconds:6.2f} s  {verdicts}  ({kinds})"
 
 
 def _report(cases: dict[int, Case]) -> None:
@@ -153,16 +167,26 @@ def main() -> int:
     options = parser.parse_args()
     seeds = range(options.first, options.first + options.count)
     seeds = seeds if options.seed is None else range(options.seed, options.seed + 1)
-    cases = {}
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # the end of a time slot interrupts
+    cases: dict[int, Case] = {}
+    interrupted = False
     with tempfile.TemporaryDirectory() as folder:
-        for seed in seeds:
-            cases[seed] = examine(seed, Path(folder))
+        try:
+            for seed in seeds:
+                cases[seed] = examine(seed, Path(folder))
+                print(_line(seed, cases[seed]), flush=True)
+        except KeyboardInterrupt:
+            interrupted = True
     if options.seed is not None:
         case = cases[options.seed]
         print(f"falls: {sorted(case.drawn.falls)}, joined: {case.drawn.joined}")
         for words, answer in zip(case.commands, case.answers, strict=False):
             print(" ".join(words[1:]), "->", answer["sentence"], answer["remedies"])
-    _report(cases)
+    if cases:
+        _report(cases)
+    if interrupted:
+        print(f"interrupted at seed {seed}: {len(cases)} of {len(seeds)} seeds are judged")
+        return 130
     judged = [case.judgement() for case in cases.values()]
     return 1 if "wrong" in judged or "fault" in judged else 0
 
