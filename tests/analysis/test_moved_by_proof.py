@@ -36,6 +36,20 @@ def test_the_parts_of_the_proof_are_listed_first() -> None:
     assert max(text.index(f"\n  {name}") for name in proved) < text.index("\n  sunk")
 
 
+def test_the_sentence_states_that_no_open_pair_could_stop_it() -> None:
+    assembly = two_groups()
+    verdict = kilter.check(assembly)
+    (pair,) = verdict.to_dict()["open_pairs"]
+    assert "can hold it, whatever the open pairs do. Here is how" in verdict.sentence
+    joined = kilter.check(assembly.with_joints([kilter.Joint(tuple(pair["parts"]))]))
+    alone = kilter.check(assembly.without(["sunk"]))
+    for other in (joined, alone):
+        assert other.verdict == "unstable"
+        assert "open pairs" not in other.sentence
+    undecided = kilter.check(assembly.without(["upper", "lower"]))
+    assert undecided.verdict == "undecided"
+
+
 def test_a_group_that_touches_no_other_part_is_named() -> None:
     verdict = kilter.check(two_groups())
     assert "touch no other part: the group ('upper', 'lower')" in verdict.warnings

@@ -271,6 +271,7 @@ def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> s
             coarse=coarse,
             counted=counted,
             bonded=bonded,
+            has_open_pairs=bool(still_open(contacts.open_pairs, assembly)),
         )
     settling = friction.settling
     return verdict_sentence(
@@ -283,6 +284,7 @@ def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> s
         coarse=coarse,
         counted=counted,
         bonded=bonded,
+        has_open_pairs=bool(still_open(contacts.open_pairs, assembly)),
     )
 
 

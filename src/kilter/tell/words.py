@@ -77,7 +77,7 @@ SENTENCES = {
         "Whether it settles was not determined."
     ),
     ("unstable", None): (
-        "Unstable{beyond}: {smooth}no contact forces can hold it; here is how it starts to move."
+        "Unstable{beyond}: {smooth}no contact forces can hold it{here} is how it starts to move."
     ),
 }
 """Sentences by verdict and, if the verdict rests on friction, by guarantee or by reason."""
@@ -141,6 +141,7 @@ def verdict_sentence(
     coarse: bool = False,
     counted: str = "",
     bonded: bool = False,
+    has_open_pairs: bool = False,
 ) -> str:
     """Return the sentence of a verdict other than undecided.
 
@@ -167,9 +168,14 @@ def verdict_sentence(
         Widest gap, with its unit, that counts as closed only by a widened tolerance.
     bonded : bool
         Whether the assembly has bonds.
+    has_open_pairs : bool
+        Whether the assembly has open pairs. An unstable verdict is proved for all their contacts.
 
     Examples
     --------
+    >>> verdict_sentence("unstable", has_open_pairs=True)
+    'Unstable: no contact forces can hold it, whatever the open pairs do. Here is how it starts \
+to move.'
     >>> verdict_sentence("stable")
     'Stable: it cannot start to move, even without friction.'
     >>> verdict_sentence("stable", counted="1 mm")
@@ -189,6 +195,7 @@ def verdict_sentence(
         smooth="without friction " if frictionless else "",
         assumed=f" ({assumed})" if assumed else "",
         beyond=" beyond the accuracy of its coordinates" if coarse else "",
+        here=", whatever the open pairs do. Here" if has_open_pairs else "; here",
         passed=passed,
         tried=tried,
         of=of,
