@@ -74,7 +74,11 @@ def check_files(wheel: Path, source: Path) -> None:
     hidden = [name for name in inside if name.startswith(".") and name != ".gitignore"]
     require(not hidden, f"hidden files in the source distribution: {hidden}")
     print(f"{wheel.name}: {wheel.stat().st_size / 1e6:.2f} MB, {len(names)} files")
-    print(f"{source.name}: {source.stat().st_size / 1e6:.2f} MB, {len(inside)} files")
+    largest = max(members, key=lambda one: one.size)
+    print(
+        f"{source.name}: {source.stat().st_size / 1e6:.2f} MB, {len(inside)} files, the largest "
+        f"{largest.name.partition('/')[2]} with {largest.size / 1e6:.2f} MB"
+    )
 
 
 def check_version(wheel: Path) -> str:

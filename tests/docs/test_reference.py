@@ -14,6 +14,7 @@ import pytest
 import kilter
 
 PAGES = sorted((Path(__file__).resolve().parents[2] / "docs" / "reference").glob("*.md"))
+SCHEMAS = Path(kilter.__file__).parent / "files/schemas"
 NAMED = sorted(
     {
         name
@@ -41,6 +42,24 @@ def unexplained(value: Any) -> list[str]:
         if own and not name.startswith("_") and not inspect.getdoc(said):
             missing.append(name)
     return missing
+
+
+def test_the_python_page_lists_every_verb_and_every_answer() -> None:
+    page = (PAGES[0].parents[1] / "python.md").read_text(encoding="utf-8")
+    [verbs] = re.findall(
+        r"^((?:`\w+`(?:, | and ))+`\w+`) accept an assembly or a path", page, flags=re.M
+    )
+    accepting = {
+        name
+        for name in kilter.__all__
+        if inspect.isfunction(verb := getattr(kilter, name))
+        and "AssemblyOrPath" in str(next(iter(inspect.signature(verb).parameters.values()), ""))
+    }
+    assert set(re.findall(r"`(\w+)`", verbs)) == accepting - {"check_many"}  # the next sentence
+    [answers] = re.findall(r"^The names are (.*?`batch`)\.", page, flags=re.M)
+    schemas = {path.name.partition(".")[0] for path in SCHEMAS.glob("*.schema.json")}
+    others = {"assembly", "choices", "incomplete"}  # named in the sentences after them
+    assert set(re.findall(r"`([\w-]+)`", answers)) == schemas - others
 
 
 @pytest.mark.quick(22)
