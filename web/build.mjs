@@ -2,8 +2,13 @@
 import { build } from "esbuild";
 import { readFile } from "node:fs/promises";
 
-const three = await readFile(new URL("node_modules/three/LICENSE", import.meta.url), "utf8");
-const notice = three.replace("\u00a9", "(c)").replaceAll("\r", "").replaceAll("*/", "").trim();
+/** The licence of a package, as text of a comment. */
+async function licence(name) {
+  const text = await readFile(new URL(`node_modules/${name}/LICENSE`, import.meta.url), "utf8");
+  return text.replace("\u00a9", "(c)").replaceAll("\r", "").replaceAll("*/", "").trim();
+}
+const notices = [];
+for (const name of ["three", "fflate"]) notices.push(`It holds parts of ${name}:\n${await licence(name)}`);
 const target = new URL("../src/kilter/show/assets/page.js", import.meta.url).pathname;
 
 await build({
@@ -16,7 +21,7 @@ await build({
   target: "es2022",
   charset: "ascii",
   legalComments: "none",
-  banner: { js: `"use strict";\n/* The page of kilter. It holds parts of three.js:\n${notice} */` },
+  banner: { js: `"use strict";\n/* The page of kilter. ${notices.join("\n")} */` },
 });
 
 const text = await readFile(process.argv[2] || target, "utf8");

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +11,7 @@ import pytest
 import kilter
 from kilter.analysis import everything as limits
 from kilter.analysis.everything import everything
+from kilter.show.packing import unpack
 from kilter.show.page import render
 from kilter.show.scene import build_scene
 
@@ -33,8 +33,7 @@ def test_the_page_says_and_shows_which_brick_to_add(tmp_path: Path) -> None:
     assert scene["change"]["part"] is None
     # the brick is at its place in the changed model
     added = best.assembly.parts[best.assembly.index_of(best.name)]
-    shape = base64.b64decode(scene["change"]["shape"]["positions"]["data"])
-    positions = np.frombuffer(shape, dtype=np.float32).reshape(-1, 3)
+    positions = unpack(scene["change"]["shape"]["positions"]).reshape(-1, 3)
     low = positions.min(axis=0) + scene["change"]["at"] + scene["center"]
     corner = np.array(added.pose.position) - np.array(added.shape.size) / 2
     assert np.allclose(low, corner, atol=1e-3)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 from typing import Any
 
 import numpy as np
@@ -12,12 +11,12 @@ from kilter import Assembly, Box, Cylinder, Part, Pose, Sphere
 from kilter.analysis.everything import everything
 from kilter.arrays import Array
 from kilter.scenes import scene
+from kilter.show.packing import unpack
 from kilter.show.scene import build_scene
 
 
 def array(packed: dict[str, str]) -> Array:
-    kind = {"f4": "<f4", "f8": "<f8"}[packed["type"]]
-    return np.frombuffer(base64.b64decode(packed["data"]), dtype=kind).astype(float)
+    return unpack(packed).astype(float)
 
 
 def fall_of(assembly: Assembly) -> dict[str, Any] | None:

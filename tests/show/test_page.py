@@ -17,6 +17,7 @@ from kilter import Assembly, Box, Part, Pose
 from kilter.analysis.everything import everything
 from kilter.scenes import SCENES, scene
 from kilter.scenes.walls import wall_of
+from kilter.show.packing import unpack
 from kilter.show.page import render
 from kilter.show.workbench_page import workbench_page
 from kilter.tell.numbers import force
@@ -43,11 +44,6 @@ def data_of(page: str) -> dict:
     found = re.search(r'<script id="data" type="application/json">(.*?)</script>', page, re.S)
     assert found is not None
     return json.loads(found[1])
-
-
-def unpacked(packed: dict) -> np.ndarray:
-    kinds = {"f4": "<f4", "f8": "<f8", "u1": "|u1", "u2": "<u2", "u4": "<u4"}
-    return np.frombuffer(base64.b64decode(packed["data"]), dtype=kinds[packed["type"]])
 
 
 class Tags(HTMLParser):
@@ -173,14 +169,14 @@ def test_what_is_drawn_is_what_was_answered(name: str) -> None:
     verdict = kilter.check(assembly, contacts=answers.contacts, effort=0)
     assert data["given"]["verdict"] == verdict.verdict
     assert data["given"]["sentence"] == verdict.sentence
-    assert unpacked(data["given"]["moves"]).astype(bool).tolist() == verdict.motion.moves.tolist()
+    assert unpack(data["given"]["moves"]).astype(bool).tolist() == verdict.motion.moves.tolist()
     center = np.array(data["center"])
-    middle = unpacked(data["parts"]["center"]).reshape(-1, 3) + center
+    middle = unpack(data["parts"]["center"]).reshape(-1, 3) + center
     assert np.allclose(middle, assembly.geometry.center, atol=1e-5 * data["radius"])
-    points = unpacked(data["patches"]["points"]).reshape(-1, 3) + center
+    points = unpack(data["patches"]["points"]).reshape(-1, 3) + center
     assert np.allclose(points, answers.contacts.points, atol=1e-5 * data["radius"])
     if data["given"]["motion"] is not None:
-        motion = unpacked(data["given"]["motion"]).reshape(-1, 6)
+        motion = unpack(data["given"]["motion"]).reshape(-1, 6)
         expected = verdict.motion.acceleration.copy()
         expected[:, :3] /= kilter.units.metres_per_unit(assembly.units)
         assert np.allclose(motion, expected, rtol=1e-5, atol=1e-7 * np.abs(expected).max())
@@ -193,9 +189,9 @@ def test_forces_of_the_rays_balance_every_part(name: str) -> None:
     data = data_of(render(everything(assembly), name))
     rays, center = data["rays"], np.array(data["center"])
     count = len(rays["downs"])
-    forces = unpacked(rays["forces"]).reshape(count, -1, 3).astype(float)
-    points = unpacked(rays["points"]).reshape(-1, 3) + center
-    parts = unpacked(rays["parts"]).reshape(-1, 2)
+    forces = unpack(rays["forces"]).reshape(count, -1, 3).astype(float)
+    points = unpack(rays["points"]).reshape(-1, 3) + center
+    parts = unpack(rays["parts"]).reshape(-1, 2)
     geometry = assembly.geometry
     size = np.linalg.norm(assembly.gravity)
     for k, down in enumerate(rays["downs"]):
@@ -217,8 +213,8 @@ def test_the_map_of_the_page_gives_z_of_the_program() -> None:
 
     assembly = scene("paper-figure-8")
     data = data_of(render(everything(assembly), "f8"))
-    vertices = unpacked(data["map"]["vertices"]).reshape(-1, 3)
-    motions = unpacked(data["map"]["motions"]).reshape(len(vertices), -1, 6)
+    vertices = unpack(data["map"]["vertices"]).reshape(-1, 3)
+    motions = unpack(data["map"]["motions"]).reshape(len(vertices), -1, 6)
     contacts = detect.contacts(assembly)
     rng = np.random.default_rng(3)
     for down in rng.normal(size=(30, 3)):

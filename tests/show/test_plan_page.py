@@ -7,13 +7,14 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from test_page import HOSTILE, Tags, data_of, unpacked
+from test_page import HOSTILE, Tags, data_of
 
 import kilter
 from kilter import Assembly, Box, Part, Pose
 from kilter.analysis.planning.order.explained import explain
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
+from kilter.show.packing import unpack
 from kilter.show.page import render_plan
 from kilter.show.plan_scene import pulled_apart
 from kilter.show.precedence import graph_svg
@@ -41,8 +42,8 @@ def test_the_data_are_those_of_the_plan(built: tuple[kilter.Order, str]) -> None
         assert [names[k] for k in drawn["held"]] == step["held"]
         assert drawn["path"] == step["path"]
         assert [names[hand["part"]] for hand in drawn["hands"]] == list(one.held)
-        points = unpacked(drawn["support"]["points"]).reshape(-1, 3)
-        forces = unpacked(drawn["support"]["forces"]).reshape(-1, 3)
+        points = unpack(drawn["support"]["points"]).reshape(-1, 3)
+        forces = unpack(drawn["support"]["forces"]).reshape(-1, 3)
         assert points.shape == forces.shape
         assert len(points) > 0 or not one.state.free.any()
     assert told["sentence"] in data["plan"]["sentence"]
@@ -96,7 +97,7 @@ def test_an_impossibility_shows_how_each_part_falls() -> None:
     assert (data["verdict"], data["steps"]) == ("impossible", [])
     names = [order.states.assembly.names[one["part"]] for one in data["falls"]]
     assert names == order.to_dict()["impossible"]["parts"]
-    assert all(unpacked(one["motion"]).any() for one in data["falls"])
+    assert all(unpack(one["motion"]).any() for one in data["falls"])
 
 
 @pytest.mark.slow

@@ -1,5 +1,6 @@
-// The data of the page: JSON with arrays in base64.
+// The data of the page: JSON with arrays in base64, the long ones compressed.
 
+import { unzlibSync } from "fflate";
 import { tailsOf } from "./tails.js";
 
 const TYPES = {
@@ -11,10 +12,12 @@ const TYPES = {
 };
 
 /** A packed array as a typed array. */
-export function unpack({ type, data }) {
-  const text = atob(data);
-  const bytes = new Uint8Array(text.length);
+export function unpack({ type, data, zlib }) {
+  const text = atob(zlib ?? data);
+  let bytes = new Uint8Array(text.length);
   for (let k = 0; k < text.length; k += 1) bytes[k] = text.charCodeAt(k);
+  // slice: the buffer of the result may be longer than its bytes
+  if (zlib) bytes = unzlibSync(bytes).slice();
   return new TYPES[type](bytes.buffer);
 }
 
@@ -22,7 +25,7 @@ export function unpack({ type, data }) {
 export function unpacked(value) {
   if (Array.isArray(value)) return value.map(unpacked);
   if (value === null || typeof value !== "object") return value;
-  if (typeof value.data === "string" && value.type in TYPES) return unpack(value);
+  if (typeof (value.zlib ?? value.data) === "string" && value.type in TYPES) return unpack(value);
   return Object.fromEntries(Object.entries(value).map(([k, v]) => [k, unpacked(v)]));
 }
 

@@ -165,6 +165,9 @@ test("the farthest vertex gives z and the moving parts", () => {
 
 test("arrays are unpacked at any depth", () => {
   assert.deepEqual(unpack({ type: "u2", data: "AQACAA==" }), new Uint16Array([1, 2]));
+  // zlib.compress(bytes([1, 0, 2, 0]) * 300, 9) in Python
+  const twice = unpack({ type: "u2", zlib: "eNpjZGBiYBzFo3gUj+IhgAFE4AOF" });
+  assert.deepEqual(twice, Uint16Array.from({ length: 600 }, (_, k) => 1 + (k % 2)));
   const found = unpacked({ a: [{ type: "f4", data: "AACAPw==" }], type: "x", data: "y" });
   assert.deepEqual(found, { a: [new Float32Array([1])], type: "x", data: "y" });
 });

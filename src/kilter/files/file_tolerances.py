@@ -16,6 +16,7 @@ __all__ = [
     "CUT_AREA",
     "DEFLECTION",
     "DOUBLED",
+    "FLAT_POLYGON",
     "HOLLOW",
     "INTEGRAL",
     "LEEWAY",
@@ -26,7 +27,9 @@ __all__ = [
     "RIGID",
     "SAME_ANGLE",
     "SAME_FACE",
+    "SAME_UNIT",
     "SEWN",
+    "STRAIGHT_AXES",
     "TURN",
     "VOLUME",
 ]
@@ -41,6 +44,14 @@ PARALLEL = 1e-9
 """Largest angle between two joint axes of a body that count as the same axis [rad]."""
 SAME_DIRECTION = 1e-9
 """Largest distance of the unit vectors of `gravity` and against `up` in saved choices [-]."""
+STRAIGHT_AXES = 1e-9
+"""Largest cosine between axes of a placement that count as orthogonal, and largest relative
+difference of their lengths that count as equal [-]. A smaller value replaces exact shapes by
+meshes."""
+FLAT_POLYGON = 1e-6
+"""Largest distance of the corners of a flat polygon from its plane [largest coordinate]."""
+SAME_UNIT = 1e-6
+"""Largest relative difference of a stated length unit from a unit of kilter [-]."""
 SAME_FACE = 1e-7
 """Largest difference of the numbers of two surfaces that count as the same [sizes of the solid].
 A larger value merges more neighbouring faces."""

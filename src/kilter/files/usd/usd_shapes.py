@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from kilter.arrays import Array, Index, cross
 from kilter.errors import InputError
+from kilter.files.file_tolerances import FLAT_POLYGON, STRAIGHT_AXES
 from kilter.files.one_body import one_body
 from kilter.files.placed import transform_mesh
 from kilter.rigid import Pose, matrix_to_quaternion
@@ -24,9 +25,6 @@ Single = NDArray[np.float32]
 
 __all__ = ["rigid_part", "shape_of_prim"]
 
-STRAIGHT = 1e-9
-"""Largest cosine between axes that count as orthogonal, and relative difference of equal lengths;
-smaller values only replace exact shapes by meshes [-]."""
 CONE_SIDES = 64
 """Number of sides of the pyramid that represents a cone."""
 AXES = {"X": np.array([[0.0, 0, 1], [0, 1, 0], [-1, 0, 0]]),
@@ -48,7 +46,7 @@ def rigid_part(matrix: Array) -> Pose:
         raise InputError("its transform is singular", hint="give it a scale other than 0")
     lengths = np.linalg.norm(linear, axis=0)
     axes = linear / lengths
-    if np.abs(axes.T @ axes - np.eye(3)).max() > STRAIGHT:
+    if np.abs(axes.T @ axes - np.eye(3)).max() > STRAIGHT_AXES:
         u, _, v = np.linalg.svd(linear)
         axes = u @ v
     if np.linalg.det(axes) < 0:
@@ -83,7 +81,7 @@ def shape_of_prim(prim: Any, matrix: Array, name: str, notes: list[str]) -> tupl
     frame = np.eye(4)
     frame[:3, :3], frame[:3, 3] = pose.matrix * lengths, pose.position
     straight = np.abs(np.abs(frame[:3, :3]) - np.abs(matrix[:3, :3])).max()
-    exact = straight <= STRAIGHT * lengths.max()
+    exact = straight <= STRAIGHT_AXES * lengths.max()
     if kind == "Cube":
         size = float(UsdGeom.Cube(prim).GetSizeAttr().Get())
         if exact:
@@ -91,7 +89,7 @@ def shape_of_prim(prim: Any, matrix: Array, name: str, notes: list[str]) -> tupl
         return _meshed(Box([size] * 3), np.eye(3), matrix)
     if kind == "Sphere":
         radius = float(UsdGeom.Sphere(prim).GetRadiusAttr().Get())
-        if exact and np.ptp(lengths) <= STRAIGHT * lengths.max():
+        if exact and np.ptp(lengths) <= STRAIGHT_AXES * lengths.max():
             return Sphere(radius * float(lengths[0])), pose
         return _meshed(Sphere(radius), np.eye(3), matrix)
     if kind not in ("Cylinder", "Capsule", "Cone"):
@@ -103,7 +101,7 @@ def shape_of_prim(prim: Any, matrix: Array, name: str, notes: list[str]) -> tupl
     radius, height = float(entry.GetRadiusAttr().Get()), float(entry.GetHeightAttr().Get())
     turn = AXES[str(entry.GetAxisAttr().Get())]
     along = np.abs(turn.T) @ lengths
-    if kind == "Cylinder" and exact and abs(along[0] - along[1]) <= STRAIGHT * along.max():
+    if kind == "Cylinder" and exact and abs(along[0] - along[1]) <= STRAIGHT_AXES * along.max():
         upright = Pose(pose.position, matrix_to_quaternion(pose.matrix @ turn))
         return Cylinder(radius * float(along[0]), height * float(along[2])), upright
     if kind == "Cylinder":
@@ -181,8 +179,4 @@ def _is_bent(corners: Array) -> bool:
     if size == 0.0:
         return False
     away = np.abs(around @ (normal / size)).max()
-    return bool(away > FLAT * np.abs(corners).max())
-
-
-FLAT = 1e-6
-"""Largest distance of the corners of a flat polygon from its plane [largest coordinate]."""
+    return bool(away > FLAT_POLYGON * np.abs(corners).max())

@@ -14,6 +14,7 @@ import numpy as np
 
 from kilter.arrays import Array
 from kilter.errors import InputError, some
+from kilter.files.file_tolerances import SAME_UNIT
 from kilter.files.start_folder import is_restricted, require_below
 from kilter.units import METRES
 
@@ -21,8 +22,6 @@ __all__ = ["USD", "UsdScene", "open_stage"]
 
 USD = (".usda", ".usdc", ".usd", ".usdz")
 """Endings of USD files."""
-SAME_UNIT = 1e-6
-"""Relative difference of metersPerUnit from the length of a unit of kilter [-]."""
 EARTH = 9.81
 """Magnitude of gravity if the stage states none [m/s^2]."""
 
