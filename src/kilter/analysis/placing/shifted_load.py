@@ -13,7 +13,7 @@ import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import shapely
@@ -27,8 +27,10 @@ from kilter.mechanics.coulomb_cones import ConeProblem, cone_problem
 from kilter.mechanics.forms import ScaledProblem, scaled_problem
 from kilter.mechanics.load_checks import check_load_forces
 from kilter.mechanics.program import Program
-from kilter.solvers.highs import KeptProgram
 from kilter.solvers.problem import ConicProgram, LinearProgram, with_columns
+
+if TYPE_CHECKING:
+    from kilter.solvers.highs import KeptProgram
 
 __all__ = ["CarriedPlaces", "ShiftedLoad"]
 
@@ -211,6 +213,9 @@ class ShiftedLoad:
     @cached_property
     def _kept(self) -> KeptProgram:
         """The linear program for forces f and shift d, without friction. x = (f, d)."""
+        # late: the verification of a map uses this module without a solver
+        from kilter.solvers.highs import KeptProgram
+
         problem = self._problem
         along = [-problem.scaled_load(wrench) for wrench in self.wrenches]
         matrix = with_columns(problem.matrix, along)

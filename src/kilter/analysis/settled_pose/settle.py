@@ -24,7 +24,6 @@ from kilter.analysis.settled_pose.rest_proof import ClosedContacts, closed_conta
 from kilter.analysis.settled_pose.rest_search import RestState, SearchResult, search_rest
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies, rigid_bodies
 from kilter.analysis.settled_pose.settle_tolerances import REACH
-from kilter.analysis.settled_pose.vertical_drop import drop_hanging
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
@@ -287,6 +286,8 @@ def settle(
         used = most or 0.0
     else:
         if drop:
+            from kilter.analysis.settled_pose.vertical_drop import drop_hanging
+
             tell("drop")
             bodies, dropped = drop_hanging(bodies)
         found, used = _search(bodies, contacts, most, dropped, tell)
