@@ -394,7 +394,9 @@ def test_a_wall_of_any_size(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("typed", "offered"), [("kilter contac", "contacts"), ("kilter ma", "margin")])
+@pytest.mark.parametrize(
+    ("typed", "offered"), [("kilter contac", "contacts"), ("kilter ma", "margin")]
+)
 def test_a_shell_completes_commands(typed: str, offered: str) -> None:
     words = {"_KILTER_COMPLETE": "complete_bash", "COMP_WORDS": typed, "COMP_CWORD": "1"}
     done = subprocess.run(

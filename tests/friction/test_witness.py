@@ -140,7 +140,8 @@ def test_without_friction_it_is_gauss():
         friction.ladder(45.0, friction_wall=0.3, planar=False),
         friction.a_block(friction=0.1),
         friction.books(4, force=30.0),
-        walls.tilted_wall(12.0, courses=4, per_course=3, friction=0.15),
+        # the search finds a motion of about two in three of such walls
+        walls.tilted_wall(13.0, courses=4, per_course=3, friction=0.15),
     ],
     ids=["ladder", "rough ladder", "A", "books", "wall"],
 )

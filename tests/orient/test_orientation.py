@@ -7,13 +7,14 @@ import json
 
 import numpy as np
 import pytest
+from free_form import free_form_on_a_floor
 from hypothesis import given
 from hypothesis import strategies as st
 from transformations import as_single
 from transformations import scaled as resized
 from turning import ALL, UNSTABLE, angle_from_down, slot_and_float
 
-from kilter import Assembly, InputError, Load, Part, Pose, Prism, Sphere, check
+from kilter import InputError, Load, check
 from kilter.analysis.turning.orientation import orient
 from kilter.rigid import quaternion_to_matrix
 from kilter.scenes import paper, scene, stacks, wedges
@@ -118,9 +119,8 @@ def test_a_part_that_touches_nothing_is_named():
 
 @pytest.mark.slow
 def test_what_is_not_modelled_and_could_hold_it_leaves_it_undecided():
-    """A ball on a ridge: their contact is not modelled."""
-    ridge = Part("ridge", Prism([[0, 0], [-1, -1], [1, -1]], 2), grounded=True)
-    answer = orient(Assembly([ridge, Part("ball", Sphere(0.5), Pose([0, 0, 0.5]))]))
+    """A free form on a floor: the contact is not modelled."""
+    answer = orient(free_form_on_a_floor())
     assert answer.verdict == "undecided"
     assert answer.sentence.startswith("Undecided: ")
     assert answer.nearest is not None

@@ -284,7 +284,8 @@ def test_parts_that_may_not_be_held() -> None:
 
 @pytest.mark.slow
 def test_out_of_effort_says_what_can_come_last() -> None:
-    order = kilter.plan(arch(20, ratio=0.2, friction=0.6), effort=0.02)
+    # less effort ends before the search with held parts, and more finds an order
+    order = kilter.plan(arch(20, ratio=0.2, friction=0.6), effort=0.07)
     assert order.verdict == "none-found"
     assert not order.exhausted
     assert order.best

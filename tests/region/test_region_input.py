@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from free_form import free_form_on_a_floor
 
 import kilter
 from kilter.analysis.regions.friction_cone import friction_cone
@@ -15,7 +16,7 @@ from kilter.mechanics.program import build_program
 from kilter.rigid import Pose
 from kilter.scenes import rails, rounds, stacks
 from kilter.scenes.pieces import block
-from kilter.shape.primitives import Box, Prism, Sphere
+from kilter.shape.primitives import Box
 
 
 def test_no_free_part() -> None:
@@ -80,9 +81,8 @@ def test_what_is_left_out_is_said() -> None:
     assert not any("left out" in text for text in counted.warnings)
     piled = kilter.region(rounds.three_cylinders())
     assert not any("open pairs" in text for text in piled.warnings)
-    ridge = Part("ridge", Prism([[0, 0], [-1, -1], [1, -1]], 2), grounded=True)
-    on_a_ridge = kilter.region(Assembly([ridge, Part("ball", Sphere(0.5), Pose([0, 0, 0.5]))]))
-    assert any("the forces of open pairs" in text for text in on_a_ridge.warnings)
+    open_pair = kilter.region(free_form_on_a_floor())
+    assert any("the forces of open pairs" in text for text in open_pair.warnings)
 
 
 @pytest.mark.slow

@@ -1,0 +1,30 @@
+"""A solid whose faces have no contact formula: its contacts are open pairs."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from kilter.assembly import Assembly, Part
+from kilter.rigid import Pose
+from kilter.shape.primitives import Box, Sphere, surface
+from kilter.shape.solid import Solid
+
+RADIUS = 0.5
+SAGITTA = 1e-2
+
+
+def free_form_ball() -> Solid:
+    """A ball of radius `RADIUS` whose face is given only as a free form."""
+    vertices, triangles = surface(Sphere(RADIUS))
+    volume = 4 / 3 * math.pi * RADIUS**3
+    second_moment = volume * RADIUS**2 / 5 * np.eye(3)
+    kind = np.full(len(triangles), -1)
+    return Solid(vertices, triangles, (), kind, volume, np.zeros(3), second_moment, sagitta=SAGITTA)
+
+
+def free_form_on_a_floor() -> Assembly:
+    """Such a ball on a held plate: the pair is open."""
+    floor = Part("floor", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
+    return Assembly([floor, Part("ball", free_form_ball(), Pose([0, 0, RADIUS]))])
