@@ -62,6 +62,8 @@ class RuleCounts:
     undecided, rechecked, disagreements : int
         Places that check leaves undecided (not counted above), places of the separate program, and
         its answers that differ.
+    gaps : list of float
+        Gaps of the pairs of boxes whose contact decides the undecided places [m].
     """
 
     stands: int = 0
@@ -71,6 +73,7 @@ class RuleCounts:
     undecided: int = 0
     rechecked: int = 0
     disagreements: int = 0
+    gaps: list[float] = field(default_factory=list)
 
     def add(self, accepted: dict[str, bool], stands: bool) -> None:
         """Count a place."""
@@ -95,7 +98,7 @@ def main() -> int:
     given = parser.parse_args()
     counts = counted(range(given.first, given.first + given.stacks))
     print(table(counts))
-    print(f"\n{counts.undecided} places undecided; {counts.rechecked} places rechecked by scipy, "
+    print(f"\n{undecided_words(counts)}; {counts.rechecked} places rechecked by scipy, "
           f"{counts.disagreements} disagreements")  # fmt: skip
     if given.figure:
         given.figure.write_text(figure(counts), encoding="utf-8")
@@ -117,6 +120,9 @@ def counted(seeds: Iterable[int]) -> RuleCounts:
             verdict = kilter.check(grown.assembly(), require="equilibrium")
             if verdict.verdict == "undecided" or grown.stands is None:
                 counts.undecided += 1
+                counts.gaps += [
+                    pair["gap"] for pair in verdict.to_dict()["open_pairs"] if pair["decides"]
+                ]
                 continue
             stands = verdict.level is not None
             counts.add(answers(grown.boxes, polygons) | {"kilter": grown.stands}, stands)
@@ -124,6 +130,18 @@ def counted(seeds: Iterable[int]) -> RuleCounts:
                 counts.rechecked += 1
                 counts.disagreements += balanced(grown.boxes, grown.masses) != stands
     return counts
+
+
+def undecided_words(counts: RuleCounts) -> str:
+    """The number of undecided places, and the reason."""
+    words = f"{counts.undecided} places undecided"
+    if not counts.gaps:
+        return words
+    least, most = 1e3 * min(counts.gaps), 1e3 * max(counts.gaps)
+    return (
+        f"{words} (the pile holds only if boxes touch that stand side by side, {least:.2f} to "
+        f"{most:.2f} mm apart)"
+    )
 
 
 # stacks ---------------------------------------------------------------------------------------

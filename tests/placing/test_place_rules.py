@@ -83,3 +83,10 @@ def test_the_table_and_picture_of_the_page_are_those_of_the_command(benchmark: M
     assert counts.stands + counts.falls <= 60 * benchmark.PLACES
     assert benchmark.table(counts) in PAGE.read_text(encoding="utf-8")
     assert benchmark.figure(counts) == PICTURE.read_text(encoding="utf-8")
+
+
+def test_undecided_places_have_a_reason(benchmark: ModuleType) -> None:
+    counts = benchmark.RuleCounts(undecided=2, gaps=[1.3e-4, 4e-4])
+    assert benchmark.undecided_words(counts).startswith("2 places undecided (the pile holds only")
+    assert "0.13 to 0.40 mm apart" in benchmark.undecided_words(counts)
+    assert benchmark.undecided_words(benchmark.RuleCounts()) == "0 places undecided"
