@@ -44,7 +44,7 @@ from kilter.threads import on_one_thread
 from kilter.validate import number
 from kilter.work import EFFORT, Work, facts_of, units_of
 
-__all__ = ["check", "check_equilibrium"]
+__all__ = ["check", "check_equilibrium", "check_level"]
 
 CUT = "stopped at the time limit: the answer is what was proved until then"
 """Warning in an answer that the time limit cut short."""
@@ -198,6 +198,62 @@ def check_equilibrium(assembly: Assembly, contacts: ContactSet) -> Verdict:
         return _worst_end(assembly, [check_equilibrium(end, contacts.of(end)) for end in ends])
     decision = decide(assembly, contacts, require="equilibrium", second_order=False, question=False)
     return replace(_verdict(decision, assembly, contacts, "equilibrium"), brief=True)
+
+
+@on_one_thread
+def check_level(
+    assembly: Assembly,
+    contacts: ContactSet,
+    *,
+    require: str = REQUIRE,
+    effort: float = EFFORT,
+    progress: Callable[[str], None] | None = None,
+) -> Verdict:
+    """Decide whether a level is reached: the answer of `check`, without what cannot change this.
+
+    The deciding open pairs of an undecided assembly are left out. At "settles" most of the proof
+    that no motion exists is left out if every try came to rest, so that a stable assembly may have
+    the level "settles" instead of "proved". Lower levels are those of `check`.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        At least one part is held.
+    contacts : ContactSet
+        The contacts of this assembly.
+    require, effort, progress : optional
+        As in `check`.
+
+    Raises
+    ------
+    InputError
+        If no part is held, or an argument is invalid.
+
+    Examples
+    --------
+    >>> from kilter.contact import contacts
+    >>> from kilter.scenes import scene
+    >>> tower = scene("tower")
+    >>> check_level(tower, contacts(tower)).verdict
+    'stable'
+    """
+    require = require_level(require, strict=True)
+    assembly.require_grounded()
+    require_apart(assembly, contacts)
+    ends = with_named_ends(assembly)
+    if len(ends) > 1:
+        again = partial(check_level, require=require, effort=effort, progress=progress)
+        return _worst_end(assembly, [again(end, contacts.of(end)) for end in ends])
+    decision = decide(
+        assembly,
+        contacts,
+        require=require,
+        work=_work(effort, None, progress),
+        question=False,
+        level_only=require == "settles",
+    )
+    verdict = _verdict(decision, assembly, contacts, require)
+    return replace(verdict, effort=effort, decision=decision)
 
 
 def _worst_end(assembly: Assembly, verdicts: list[Verdict]) -> Verdict:

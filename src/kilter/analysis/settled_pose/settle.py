@@ -12,13 +12,12 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kilter.analysis.check import check
+from kilter.analysis.check import check, check_level
 from kilter.analysis.settled_pose.near_points import find_near_points
 from kilter.analysis.settled_pose.rest_proof import ClosedContacts, closed_contacts, closed_gap
 from kilter.analysis.settled_pose.rest_search import RestState, SearchResult, search_rest
@@ -276,8 +275,7 @@ def settle(
     kept = assembly.matching(keep)
     if contacts is None:
         contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
-    decide = partial(check, effort=effort)
-    before = decide(assembly, contacts=contacts, require=ROUGHLY, progress=progress)
+    before = check_level(assembly, contacts, require=ROUGHLY, effort=effort, progress=progress)
     bodies = rigid_bodies(assembly, kept)
     dropped = 0.0
     refusal = _refusal(assembly)
@@ -297,13 +295,17 @@ def settle(
         tell("verification")
         assert found.points is not None
         closed = closed_contacts(settled, found.points, progress=progress)
-        closed_verdict = decide(closed.assembly, contacts=closed.contacts, require=require)
+        closed_verdict = check_level(
+            closed.assembly, closed.contacts, require=require, effort=effort, progress=progress
+        )
         why = _unproved(closed, closed_verdict)
         if why:
             found = replace(found, state="not-found", why=why)
         else:
             asked = ROUGHLY if holds(closed_verdict.level, require) else require
-            after = decide(settled, tolerance=tolerance, require=asked, progress=progress)
+            after = check(
+                settled, tolerance=tolerance, require=asked, effort=effort, progress=progress
+            )
     return Settled(
         assembly,
         settled,
