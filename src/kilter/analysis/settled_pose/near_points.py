@@ -19,6 +19,7 @@ import numpy as np
 
 from kilter.analysis.settled_pose.separating_planes import separating_points
 from kilter.analysis.settled_pose.settle_tolerances import (
+    BESIDE,
     COINCIDES,
     CROSSING,
     FACING,
@@ -26,12 +27,13 @@ from kilter.analysis.settled_pose.settle_tolerances import (
     LEVEL,
     THINNEST,
 )
-from kilter.arrays import TINY, Array, Index, Mask, Rows, columns, unit_rows
+from kilter.arrays import TINY, Array, Index, Mask, Rows, across, columns, distinct_rows, unit_rows
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.broad import facet_pairs
 from kilter.contact.contact_search import ContactSearch, begin_search
 from kilter.contact.contact_tolerances import CLUSTER, SAME_PLACE
+from kilter.contact.fits.winding_depth import inside_part
 from kilter.contact.friction_coefficients import friction_coefficients
 from kilter.contact.gaps import Tolerance
 from kilter.contact.pair_findings import RoundAndSharp, find_round_and_sharp
@@ -41,6 +43,11 @@ from kilter.contact.planar.polygons import convex_hull, padded
 from kilter.contact.triangle_distance import surface_distance
 
 __all__ = ["NearPoints", "find_near_points", "surface_gaps"]
+
+BETWEEN = np.array([-0.4, -0.2, 0.0, 0.2, 0.4])
+"""Places along the normal of a penetrating point that are examined, over its penetration [-]."""
+OBLIQUE = 0.6
+"""Slope of the directions beside a point to its tangents [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -295,11 +302,39 @@ def _general_points(search: ContactSearch, reach: float) -> list[NearPoints]:
     geometry = search.geometry
     curved = found.faces.curved.patches
     surface = np.repeat(found.faces.curved.surface, np.diff(curved.start), axis=0)
-    blocks = [flat, _patch_points(curved, _curved_gaps(geometry, curved, surface))]
+    round_points = _patch_points(curved, _curved_gaps(geometry, curved, surface))
+    blocks = [flat, round_points.take(_share_material(geometry, round_points))]
     for patches in (found.faces.smooth.patches, found.near.patches):
         points = _patch_points(patches, _sharp_gaps(geometry, patches))
-        blocks.append(points.take(_truly_inside(geometry, points)))
+        points = points.take(_truly_inside(geometry, points))
+        blocks.append(points.take(_share_material(geometry, points)))
     return blocks
+
+
+def _share_material(geometry: Geometry, points: NearPoints) -> Mask:
+    """Mask of points that do not penetrate, or that have material of both parts beside them.
+
+    Faces of hollow parts may pass each other without sharing material: a shell inside the bore of
+    another shell, or a half shell beside the missing half of another. Places beside the normal of a
+    point are examined, since the point itself may lie in the rims of both faces. Triangulations of
+    touching faces penetrate each other by their sagittas, so smaller penetrations are not examined.
+    """
+    sound = np.ones(len(points), dtype=bool)
+    slack = geometry.slack[points.part_a] + geometry.slack[points.part_b]
+    parts = np.column_stack([points.part_a, points.part_b])
+    rows = np.flatnonzero(-points.gap > 2 * slack + SAME_PLACE * geometry.size.min())
+    for a, b in distinct_rows(parts[rows])[0].tolist():
+        k = rows[(parts[rows] == (a, b)).all(axis=1)]
+        u, v = across(points.normal[k])
+        u, v = u + OBLIQUE * v, v - OBLIQUE * u  # rims often run along a tangent
+        sides = BESIDE * np.stack([u, -u, v, -v], axis=1)
+        along = BETWEEN[:, None] * points.normal[k][:, None]
+        offset = points.gap[k, None, None, None] * (sides[:, :, None] + along[:, None])
+        places = points.point[k, None, None] + offset
+        flat = places.reshape(-1, 3)
+        both = inside_part(geometry, a, flat) & inside_part(geometry, b, flat)
+        sound[k] = both.reshape(len(k), -1).any(axis=1)
+    return sound
 
 
 def _truly_inside(geometry: Geometry, points: NearPoints) -> Mask:

@@ -24,11 +24,13 @@ import numpy as np
 
 from kilter.analysis.settled_pose.near_points import NearPoints, find_near_points
 from kilter.analysis.settled_pose.rest_programs import RestPrograms
+from kilter.analysis.settled_pose.rest_proof import closed_gap
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies
 from kilter.analysis.settled_pose.settle_tolerances import (
     BALANCED,
     LEAST_REACH,
     SEARCH_CLOSED,
+    SEARCH_SHARE,
 )
 from kilter.arrays import Array
 from kilter.tell.numbers import number
@@ -95,12 +97,17 @@ class SearchResult:
 
 @dataclass(slots=True)
 class _Progress:
-    """Numbers that pass from round to round."""
+    """Numbers that pass from round to round; gaps are over the median size of the parts.
+
+    `widest` has the parts of the widest gap of a carrying point, or of the deepest overlap.
+    """
 
     stuck: int = 0
     grows: int = 0
     wide: float = np.inf
     fine_reach: float = np.inf
+    closed: float = SEARCH_CLOSED
+    widest: tuple[int, int] = (0, 0)
     tell: Callable[[str], None] = field(default=lambda stage: None)
 
 
@@ -120,7 +127,8 @@ def search_rest(
         Called with a description of each round.
     """
     length, weight = _units(bodies)
-    state = _Progress(fine_reach=reach, tell=progress)
+    closed_at = max(SEARCH_CLOSED, SEARCH_SHARE * closed_gap(bodies.drawn) / length)
+    state = _Progress(fine_reach=reach, closed=closed_at, tell=progress)
     for rounds in range(ROUNDS + 1):
         stop_if_late()
         assembly = bodies.assembly()
@@ -132,7 +140,7 @@ def search_rest(
         programs = RestPrograms.of(bodies, points, length, weight)
         outcome = _round(bodies, programs, points, state, rounds, reach)
         if isinstance(outcome, SearchResult):
-            closed = every.bears & (np.abs(every.gap) <= SEARCH_CLOSED * length)
+            closed = every.bears & (np.abs(every.gap) <= closed_at * length)
             return replace(outcome, points=every.take(closed))
         bodies = bodies.moved(outcome)
         distance = np.linalg.norm(bodies.movements()[:, :3], axis=1)
@@ -141,9 +149,15 @@ def search_rest(
             far = f"{number(float(distance.max()), 3)} {bodies.drawn.units}"
             why = f"{name!r} would have to move {far} or more, which is out of reach"
             return SearchResult("not-found", bodies, rounds, (name,), why=why)
-    return SearchResult(
-        "not-found", bodies, ROUNDS, why=f"the gaps did not close in {ROUNDS} rounds"
-    )
+    return _not_closed(bodies, state, length)
+
+
+def _not_closed(bodies: RigidBodies, state: _Progress, length: float) -> SearchResult:
+    """The result after the last round: it names the pair with the widest gap."""
+    both = tuple(bodies.drawn.names[k] for k in state.widest)
+    wide = f"{number(state.wide * length, 3)} {bodies.drawn.units}"
+    why = f"{both[0]!r} and {both[1]!r} do not close: {wide} are left after {ROUNDS} rounds"
+    return SearchResult("not-found", bodies, ROUNDS, both, why=why)
 
 
 def _units(bodies: RigidBodies) -> tuple[float, float]:
@@ -174,19 +188,19 @@ def _round(
     gap = programs.gap
     deep = float(max(-gap.min(), 0.0))
     off = float(np.abs(programs.drift).max(initial=0.0))
-    if max(deep, off) <= SEARCH_CLOSED:
-        closed = programs.bears & (np.abs(gap) <= SEARCH_CLOSED)
+    if max(deep, off) <= state.closed:
+        closed = programs.bears & (np.abs(gap) <= state.closed)
         _, imbalance = programs.carry(np.zeros(len(gap)), closed)
         if np.abs(imbalance).max(initial=0.0) <= BALANCED:
             return SearchResult("at-rest", bodies, rounds)
     opened = gap
-    if max(deep, off) > SEARCH_CLOSED:
+    if max(deep, off) > state.closed:
         apart = programs.push_apart()
         if apart is None:
             depth, forces = programs.least_overlap()
-            if depth > SEARCH_CLOSED:
+            if depth > state.closed:
                 return _does_not_fit(bodies, programs, points, depth, forces, rounds)
-            programs = replace(programs, gap=gap + 2 * depth + SEARCH_CLOSED / 2)
+            programs = replace(programs, gap=gap + 2 * depth + state.closed / 2)
             apart = programs.push_apart()
         if apart is not None:
             opened = gap + programs.rates @ apart
@@ -196,18 +210,24 @@ def _round(
     short = float(np.abs(imbalance).max(initial=0.0))
     least = max(CARRIES / HARDER**state.stuck, CARRIES_LEAST)
     before = state.wide
-    state.wide = max(float(np.abs(gap[forces > least]).max(initial=0.0)), deep, off)
+    carrying = np.where(forces > least, np.abs(gap), np.maximum(-gap, 0.0))
+    state.wide = max(float(carrying.max(initial=0.0)), off)
+    worst = int(carrying.argmax())
+    state.widest = (int(points.part_a[worst]), int(points.part_b[worst]))
     state.tell(f"round {rounds + 1}: widest gap {number(state.wide * programs.length)}")
-    state.stuck += state.wide > before / 2 or state.wide <= SEARCH_CLOSED
+    state.stuck += state.wide > before / 2 or state.wide <= state.closed
     state.grows = state.grows + 1 if state.wide > before else 0
     if state.stuck > 1 and short > BALANCED:
         return _falls(bodies, imbalance, rounds, "within reach")
     if state.grows >= GROWS:
-        _, imbalance = programs.carry(np.zeros(len(gap)), programs.bears & (gap <= SEARCH_CLOSED))
+        _, imbalance = programs.carry(np.zeros(len(gap)), programs.bears & (gap <= state.closed))
         if np.abs(imbalance).max(initial=0.0) > BALANCED:
             return _falls(bodies, imbalance, rounds, "that the search could close")
-    scale = max(state.wide, SEARCH_CLOSED)
+    scale = max(state.wide, state.closed)
     motion = _closing_step(programs, forces, scale, least, state.stuck)
+    if motion is None:  # the overlaps open by too little for the solver: admit the accepted depth
+        programs = replace(programs, gap=programs.gap + state.closed)
+        motion = _closing_step(programs, forces, scale, least, state.stuck)
     if motion is None:
         return SearchResult("not-found", bodies, rounds, why="a step of the search has no solution")
     steps = programs.steps(motion * scale, bodies)

@@ -47,6 +47,11 @@ MARGIN = 3.0
 """Default reach, in multiples of the widest gap or overlap that was found."""
 WIDER = 10.0
 """Factor of the default reach in a second attempt, if more pairs of parts come within it."""
+WIDEST = 0.1
+"""Largest reach of a second attempt, over the median size of the parts [-]: within a larger reach
+nearly all faces of the parts are candidates."""
+FITS = "the normals of their free-form faces are fits, and change from round to round"
+"""Cause of gaps that do not close between curved faces without a formula."""
 ROUGHLY = "equilibrium"
 """Level asked of the drawn pose, and of all detected contacts if the closed points alone reach the
 required level: the search for higher levels takes longer than the search for the pose."""
@@ -289,6 +294,8 @@ def settle(
             tell("drop")
             bodies, dropped = drop_hanging(bodies)
         found, used = _search(bodies, contacts, most, dropped, tell)
+        if _between_fits(found, contacts):
+            found = replace(found, why=f"{found.why}; {FITS}")
     settled = found.bodies.assembly()
     closed = closed_verdict = after = None
     if found.state == "at-rest":
@@ -344,21 +351,34 @@ def _search(
         return search_rest(bodies, reach=most, most=limit, progress=tell), most
     reach = _default_reach(bodies.drawn, contacts, dropped)
     found = search_rest(bodies, reach=reach, most=None, progress=tell)
-    if found.state in ("at-rest", "does-not-fit") or not _more_pairs(bodies, reach, found.parts):
+    wide = min(WIDER * reach, WIDEST * _median_size(bodies.drawn))
+    nothing_near = found.state == "not-found" and found.rounds == 0 and found.points is None
+    if wide <= reach or not (found.state == "falls" or nothing_near):
+        return found, reach
+    if not _more_pairs(bodies, (reach, wide), found.parts):
         return found, reach
     tell("wider reach")
-    wider = search_rest(bodies, reach=WIDER * reach, most=None, progress=tell)
-    return (wider, WIDER * reach) if wider.state == "at-rest" else (found, reach)
+    wider = search_rest(bodies, reach=wide, most=None, progress=tell)
+    return (wider, wide) if wider.state == "at-rest" else (found, reach)
 
 
-def _more_pairs(bodies: RigidBodies, reach: float, parts: tuple[str, ...]) -> bool:
-    """Whether more pairs with one of `parts` come within the wider reach of a second attempt.
+def _between_fits(found: SearchResult, contacts: ContactSet) -> bool:
+    """Whether a failed search names a pair of parts that touch at faces with fitted normals."""
+    index = found.bodies.drawn.index
+    parts = {index[name] for name in found.parts}
+    return found.state == "not-found" and any(
+        pair.kind == "free-form" and set(pair.parts) == parts for pair in contacts.open_pairs
+    )
+
+
+def _more_pairs(bodies: RigidBodies, reaches: tuple[float, float], parts: tuple[str, ...]) -> bool:
+    """Whether more pairs with one of `parts` come within the second, wider reach.
 
     Without `parts`, every pair counts.
     """
     assembly = bodies.assembly()
     pairs = []
-    for distance in (reach, WIDER * reach):
+    for distance in reaches:
         points = find_near_points(assembly, distance, distance)
         bearing = points.take(points.bears)
         pairs.append(set(zip(bearing.part_a.tolist(), bearing.part_b.tolist(), strict=True)))
@@ -368,13 +388,18 @@ def _more_pairs(bodies: RigidBodies, reach: float, parts: tuple[str, ...]) -> bo
 
 def _default_reach(assembly: Assembly, contacts: ContactSet, dropped: float) -> float:
     """Reach from the widest gap and the deepest overlap of the drawn pose [length unit]."""
-    geometry = assembly.geometry
-    size = float(np.median(geometry.size[~geometry.grounded]))
+    size = _median_size(assembly)
     gaps = [overlap.depth for overlap in contacts.overlaps]
     gaps += [abs(pair.gap) for pair in contacts.rejected if abs(pair.gap) < size]
     if not dropped:
         gaps += [neighbour.gap for neighbour in contacts.neighbours]
     return MARGIN * max([REACH / MARGIN * size, *gaps])
+
+
+def _median_size(assembly: Assembly) -> float:
+    """Median size of the parts that are not held [length unit]."""
+    geometry = assembly.geometry
+    return float(np.median(geometry.size[~geometry.grounded]))
 
 
 def _refusal(assembly: Assembly) -> str:

@@ -8,7 +8,10 @@ A point that the search regards as closed must also count as closed in the indep
 from __future__ import annotations
 
 SEARCH_CLOSED = 1e-9
-"""Gap that the search regards as closed, over the median size of the parts [-]."""
+"""Gap that the search regards as closed, over the median size of the parts [-]; data whose
+coordinates or faces are less exact have a larger gap."""
+SEARCH_SHARE = 0.1
+"""The same, over the gap that the verification regards as closed [-]: SEARCH_CLOSED over CLOSED."""
 CLOSED = 1e-8
 """Gap that the verification regards as closed, and deepest accepted overlap, over the median size
 of the parts [-]; a larger value accepts poses whose contacts are less closed."""
@@ -29,6 +32,8 @@ SLENDER = 1e-3
 """Least cross product of two edges, over the product of the sizes, that has a direction [-]."""
 INSIDE = 0.3
 """Least depth of a feature inside the other part, over its penetration along the normal [-]."""
+BESIDE = 0.1
+"""Distance from a point at which the material beside it is examined, over its penetration [-]."""
 THINNEST = 1e-4
 """Least width of an overlap of faces that carries force, over the size of the smaller part [-]. The
 detection of contacts does not count thinner strips as areas."""

@@ -17,7 +17,7 @@ from kilter.arrays import Array, Mask, cross, distinct_rows
 from kilter.assembly.geometry import Geometry
 from kilter.contact.triangle_distance import surface_distance
 
-__all__ = ["depth_by_winding"]
+__all__ = ["depth_by_winding", "inside_part"]
 
 
 PROBES = 300
@@ -53,13 +53,15 @@ def _depth_inside(
     probes = _some_without(distinct_rows(probes)[0], without)
     if not len(probes):
         return 0.0
-    inside = np.concatenate(
-        [
-            _winding_number(batch, triangles) > 0.5
-            for batch in np.array_split(probes, 1 + len(probes) * len(triangles) // BATCH)
-        ]
-    )
+    inside = inside_part(geometry, b, probes)
     return float(surface_distance(probes[inside], triangles).max(initial=0.0))
+
+
+def inside_part(geometry: Geometry, part: int, points: Array) -> Mask:
+    """Mask of points inside the surface of a part, shape (n,)."""
+    triangles = geometry.corners_of(part)
+    batches = np.array_split(points, 1 + len(points) * len(triangles) // BATCH)
+    return np.concatenate([_winding_number(batch, triangles) > 0.5 for batch in batches])
 
 
 def _some_without(probes: Array, without: Callable[[Array], Mask]) -> Array:
