@@ -35,7 +35,7 @@ import kilter
 from kilter.analysis.margins.load_limit import Limit
 from kilter.analysis.transport.carried_set import CarriedSet
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
-from kilter.analysis.transport.transport import first_motions
+from kilter.analysis.transport.transport_answer import first_motions
 from kilter.contact import contacts
 from kilter.mechanics.program import build_program
 

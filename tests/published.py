@@ -27,7 +27,7 @@ WRITERS = {
     "region": "kilter.analysis.regions.region.Region",
     "scene": "kilter.analysis.scene_states.scene_report.SceneReport",
     "settle": "kilter.analysis.settled_pose.settle.Settled",
-    "transport": "kilter.analysis.transport.transport.Transport",
+    "transport": "kilter.analysis.transport.transport_answer.Transport",
     "verify": "kilter.analysis.verification.Verification",
 }
 """Class of each answer, whose method `to_dict` writes the data."""

@@ -54,8 +54,8 @@ if TYPE_CHECKING:
     from kilter.analysis.settled_pose.settle import settle as settle
     from kilter.analysis.transport.carrier import CarrierMotion as CarrierMotion
     from kilter.analysis.transport.carrier_path import CarrierPath as CarrierPath
-    from kilter.analysis.transport.transport import Transport as Transport
     from kilter.analysis.transport.transport import transport as transport
+    from kilter.analysis.transport.transport_answer import Transport as Transport
     from kilter.analysis.turning.orientation import Orientation as Orientation
     from kilter.analysis.turning.orientation import orient as orient
     from kilter.analysis.verdict.part_answer import PartAnswer as PartAnswer
@@ -190,7 +190,7 @@ _HOMES = {
     "Shown": "kilter.notebook",
     "State": "kilter.analysis.planning.states.state",
     "States": "kilter.analysis.planning.states.states",
-    "Transport": "kilter.analysis.transport.transport",
+    "Transport": "kilter.analysis.transport.transport_answer",
     "Step": "kilter.analysis.planning.order.plan_step",
     "Verdict": "kilter.analysis.verdict.verdict",
     "VerdictWord": "kilter.tell.levels",

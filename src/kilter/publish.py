@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region
     from kilter.analysis.settled_pose.settle import Settled
-    from kilter.analysis.transport.transport import Transport
+    from kilter.analysis.transport.transport_answer import Transport
     from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly import Assembly
     from kilter.assembly.verb_keywords import AssemblyOrPath
@@ -149,7 +149,7 @@ def _changed(subject: Any, verb: str, contacts: ContactSet | None, **changes: An
     from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region
     from kilter.analysis.settled_pose.settle import Settled
-    from kilter.analysis.transport.transport import Transport
+    from kilter.analysis.transport.transport_answer import Transport
     from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly.verb_keywords import asked_assembly, require_unchanged
 
@@ -270,7 +270,7 @@ def animate(subject: Order | Region | Verdict | Transport, out: str | Path | Non
     b'glTF'
     """
     from kilter.analysis.planning.order.order import Order
-    from kilter.analysis.transport.transport import Transport
+    from kilter.analysis.transport.transport_answer import Transport
     from kilter.analysis.verdict.verdict import Verdict
 
     if out is not None:
@@ -401,7 +401,7 @@ def draw(
     from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region
     from kilter.analysis.settled_pose.settle import Settled
-    from kilter.analysis.transport.transport import Transport
+    from kilter.analysis.transport.transport_answer import Transport
     from kilter.show.canvas import encode_figure
     from kilter.show.figures import draw_assembly
     from kilter.show.movement_figure import draw_movement
@@ -495,7 +495,7 @@ def answer_to_draw(
     from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region, region
     from kilter.analysis.settled_pose.settle import Settled
-    from kilter.analysis.transport.transport import Transport
+    from kilter.analysis.transport.transport_answer import Transport
     from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly.assembly import require_assembly
 

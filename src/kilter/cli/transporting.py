@@ -19,7 +19,7 @@ from kilter.tell.levels import REQUIRE
 if TYPE_CHECKING:
     from kilter.analysis.transport.carrier import CarrierMotion
     from kilter.analysis.transport.carrier_path import CarrierPath
-    from kilter.analysis.transport.transport import Transport
+    from kilter.analysis.transport.transport_answer import Transport
     from kilter.assembly import Assembly
 
 __all__ = ["transport"]
