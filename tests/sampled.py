@@ -28,8 +28,8 @@ SLOW_EXAMPLES = frozenset(
         "kilter.friction.exclusion.prove_no_motion",
         "kilter.health.doctor",
         "kilter.notebook.cell",
-        "kilter.publish.animate",
-        "kilter.publish.report",
+        "kilter.publish.films.animate",
+        "kilter.publish.offline_page.report",
     }
 )
 """Functions whose docstring examples take over half a second: these examples are slow tests."""

@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 
 import kilter
-from kilter import publish
 from kilter.cli import main
 from kilter.errors import InputError
 from kilter.files.fingerprint import fingerprint
+from kilter.publish import offline_page
 from kilter.scenes import scene
 from kilter.scenes.stacks import tower as tower_of
 from kilter.scenes.walls import wall_of
@@ -51,9 +51,9 @@ def test_more_parts_than_a_browser_can_show_are_refused_before_anything_is_asked
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     tower = scene("tower")
-    monkeypatch.setattr(publish, "MOST", len(tower))
+    monkeypatch.setattr(offline_page, "MOST", len(tower))
     assert kilter.report(tower).verdict == "stable"
-    monkeypatch.setattr(publish, "MOST", len(tower) - 1)
+    monkeypatch.setattr(offline_page, "MOST", len(tower) - 1)
     with pytest.raises(InputError, match=r"a page of 6 parts .* up to 5; .* assembly\.without"):
         kilter.report(tower)
     assert main(["report", "tower.kilter.json", "-o", "out.html"]) == 2

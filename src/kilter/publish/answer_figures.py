@@ -1,0 +1,215 @@
+"""`kilter.draw`: an answer as a figure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from kilter.errors import InputError
+from kilter.publish.output_files import require_figure
+from kilter.publish.subjects import changed_subject, path_of, require_steps
+from kilter.work import EFFORT
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike
+
+    from kilter.analysis.placing.place import Places
+    from kilter.analysis.planning.order.order import Order
+    from kilter.analysis.regions.region import Region
+    from kilter.analysis.settled_pose.settle import Settled
+    from kilter.analysis.transport.transport_answer import Transport
+    from kilter.analysis.verdict.verdict import Verdict
+    from kilter.assembly.verb_keywords import AssemblyOrPath
+    from kilter.contact import ContactSet, Tolerance
+
+__all__ = ["answer_to_draw", "draw"]
+
+DRAWING = 1.0
+"""Time of a time limit that is kept for drawing the figure, at most half of it [s]."""
+Tell = Callable[[str], None]
+
+
+def draw(
+    subject: AssemblyOrPath | Verdict | Region | Order | Settled | Transport | Places,
+    out: str | Path | None = None,
+    *,
+    friction: float | None = None,
+    down: ArrayLike | None = None,
+    ground: str | Iterable[str] = (),
+    floor: bool | float | None = None,
+    what: Literal["assembly", "region"] = "assembly",
+    view: tuple[float, float] | None = None,
+    names: bool | None = None,
+    contacts: ContactSet | bool | None = None,
+    tolerance: Tolerance | None = None,
+    effort: float = EFFORT,
+    time_limit: float | None = None,
+    progress: Tell | None = None,
+) -> Figure:
+    """Draw the parts with their motion or forces, or the stable region on the sphere.
+
+    The figure of a plan is a sheet with a picture per step.
+
+    Parameters
+    ----------
+    subject : Assembly, path, Verdict, Region, Order, Settled, Transport or Places
+        An answer is drawn unchanged. For an assembly, the answer is computed.
+    out : path, optional
+        File of the figure, ending in .svg, .png or .pdf.
+    friction, down, ground, floor : optional
+        Changes of the assembly before the question, as in `kilter.check`.
+    what : {"assembly", "region"}
+        Figure of an assembly: its verdict or its stable region.
+    view : (float, float), optional
+        Azimuth (to the right of -y) and elevation of the eye [deg], with gravity down.
+    names : bool, optional
+        Write the names of the parts; by default only for few parts.
+    contacts : ContactSet or bool, optional
+        Contacts of this assembly; by default they are detected from its geometry. True or False
+        decides whether contact patches are drawn; by default only few patches are drawn.
+    tolerance, effort, time_limit, progress : optional
+        As in `kilter.check`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    InputError
+        If matplotlib is not installed, the assembly is not valid, or the ending of the file is
+        unknown.
+
+    Examples
+    --------
+    >>> from kilter.scenes import scene
+    >>> draw(scene("tower"), what="region").get_size_inches().tolist()
+    [7.0, 4.3]
+    """
+    from kilter.analysis.placing.place import Places
+    from kilter.analysis.planning.order.order import Order
+    from kilter.analysis.regions.region import Region
+    from kilter.analysis.settled_pose.settle import Settled
+    from kilter.analysis.transport.transport_answer import Transport
+    from kilter.show.canvas import encode_figure
+    from kilter.show.figures import draw_assembly
+    from kilter.show.movement_figure import draw_movement
+    from kilter.show.plan_figure import draw_plan
+    from kilter.show.sphere import draw_region
+
+    require_figure(out, view)
+    shown = contacts if isinstance(contacts, bool) else None
+    known = None if isinstance(contacts, bool) else contacts
+    subject = changed_subject(
+        subject, "draw", known, friction=friction, down=down, ground=ground, floor=floor
+    )
+    answer = answer_to_draw(
+        subject,
+        what,
+        contacts=known,
+        tolerance=tolerance,
+        effort=effort,
+        time_limit=time_limit,
+        progress=progress,
+    )
+    if isinstance(answer, Region):
+        figure = draw_region(answer)
+    elif isinstance(answer, Settled):
+        figure = draw_movement(
+            answer.drawn, answer.movement, answer.to_dict()["sentence"], view=view
+        )
+    elif isinstance(answer, Transport):
+        figure = _draw_transport(answer)
+    elif isinstance(answer, Places):
+        figure = _draw_places(answer)
+    elif isinstance(answer, Order):
+        require_steps(answer)
+        figure = draw_plan(answer.states.assembly, answer.to_dict(), view=view)
+    else:
+        path = path_of(answer)
+        fall = None if path is None else path.motions[path.half_way]
+        figure = draw_assembly(answer, view=view, names=names, contacts=shown, fall=fall)
+    if out is not None:
+        from kilter.files import write_bytes
+
+        write_bytes(Path(out), encode_figure(figure, Path(out).suffix))
+    return figure
+
+
+def _draw_transport(answer: Transport) -> Figure:
+    """Draw the speed factor of a path, or the polar figure; an error if the answer has neither."""
+    from kilter.show.path_profile import draw_path_profile
+    from kilter.show.polar import draw_polar
+
+    if answer.path is not None:
+        if answer.path.limit is None:
+            raise InputError(
+                "the path is carried at every speed, so there is nothing to draw",
+                hint="draw a path that limits the speed",
+            )
+        return draw_path_profile(answer.to_dict())
+    if answer.polar is None:
+        raise InputError(
+            "this answer about transport has no horizontal accelerations to draw",
+            hint="draw kilter.transport(assembly) of an assembly in space that holds at rest",
+        )
+    return draw_polar(answer.to_dict())
+
+
+def _draw_places(answer: Places) -> Figure:
+    """Draw the map of places; an error if the answer is about a given place."""
+    from kilter.show.place_figure import draw_places
+
+    if answer.prism is None or answer.at is not None:
+        raise InputError(
+            "the answer about a given place has no map to draw",
+            hint="draw kilter.place(assembly, part) without a place",
+        )
+    return draw_places(answer.to_dict(), answer.assembly, answer.prism.footprint.tolist())
+
+
+def answer_to_draw(
+    subject: Any,
+    what: str,
+    *,
+    contacts: ContactSet | None = None,
+    tolerance: Tolerance | None = None,
+    effort: float = EFFORT,
+    time_limit: float | None = None,
+    progress: Tell | None = None,
+) -> Any:
+    """The answer that `draw` shows: the subject itself, or the verdict or region of an assembly."""
+    from kilter.analysis.check import check
+    from kilter.analysis.placing.place import Places
+    from kilter.analysis.planning.order.order import Order
+    from kilter.analysis.regions.region import Region, region
+    from kilter.analysis.settled_pose.settle import Settled
+    from kilter.analysis.transport.transport_answer import Transport
+    from kilter.analysis.verdict.verdict import Verdict
+    from kilter.assembly.assembly import require_assembly
+
+    if isinstance(subject, Verdict | Region | Order | Settled | Transport | Places):
+        return subject
+    require_assembly(subject, "draw")
+    if time_limit is not None:
+        time_limit = max(time_limit - DRAWING, time_limit / 2)
+    if what == "region":
+        return region(
+            subject,
+            contacts=contacts,
+            tolerance=tolerance,
+            time_limit=time_limit,
+            progress=progress,
+        )
+    if what != "assembly":
+        raise InputError(f"there is no figure {what!r}", hint="give 'assembly' or 'region'")
+    return check(
+        subject,
+        contacts=contacts,
+        tolerance=tolerance,
+        effort=effort,
+        time_limit=time_limit,
+        progress=progress,
+    )
