@@ -318,6 +318,13 @@ def test_an_undecided_check_offers_the_pose_at_rest(
     assert capsys.readouterr().out.startswith("Settled by 0.0005 m: Stable")
 
 
+@pytest.mark.parametrize(("depth", "offered"), [(0.019, True), (0.021, False)])
+def test_the_pose_at_rest_is_offered_for_shallow_overlaps(depth: float, offered: bool) -> None:
+    drawn = Assembly([TABLE, box("box", [1, 1, 1], [0, 0, 0.5 - depth])])
+    options = [remedy.option for remedy in kilter.check(drawn).remedies]
+    assert ("--settle" in options) == offered
+
+
 def test_a_decided_check_offers_no_movement() -> None:
     drawn = Assembly([TABLE, box("box", [1, 1, 1], [0, 0, 0.5])])
     assert not kilter.check(drawn).remedies

@@ -1,6 +1,7 @@
 """The remedy `--settle`: the verdict on the pose at rest, where overlaps or near misses decide.
 
-It is tried for small assemblies only, since a search costs several conic programs.
+It is tried for small assemblies with shallow overlaps only, since a search costs several conic
+programs, and a deep overlap is meant or a mistake of another kind.
 """
 
 from __future__ import annotations
@@ -14,6 +15,9 @@ __all__ = ["settle_remedy"]
 
 MOST_PARTS, MOST_POINTS = 40, 400
 """Largest numbers of parts and contact points for which the pose at rest is searched for."""
+DEEPEST = 0.02
+"""Largest depth of an open overlap for which it is searched for [sizes of the smaller part]. Near
+deep overlaps many features are close to each other, and the search takes long."""
 CLOSABLE = ("overlap", "near")
 """Kinds of open pairs that a movement of parts can decide."""
 
@@ -25,6 +29,12 @@ def settle_remedy(verdict: Verdict) -> Remedy | None:
     small = len(assembly) <= MOST_PARTS and len(contacts.points) <= MOST_POINTS
     if verdict.verdict != "undecided" or not kinds & set(CLOSABLE) or not small:
         return None
+    left_open = {frozenset(pair.parts) for pair in contacts.open_pairs}
+    size = assembly.geometry.size
+    for overlap in contacts.overlaps:
+        if frozenset(overlap.parts) in left_open:
+            if overlap.depth > DEEPEST * size[list(overlap.parts)].min():
+                return None
     try:
         answer = settle(assembly, contacts=contacts, require="equilibrium", effort=0.0)
     except KilterError:
