@@ -318,9 +318,12 @@ def test_an_undecided_check_offers_the_pose_at_rest(
     assert capsys.readouterr().out.startswith("Settled by 0.0005 m: Stable")
 
 
-@pytest.mark.parametrize(("depth", "offered"), [(0.019, True), (0.021, False)])
+@pytest.mark.parametrize(("depth", "offered"), [(0.99, True), (1.01, False)])
 def test_the_pose_at_rest_is_offered_for_shallow_overlaps(depth: float, offered: bool) -> None:
-    drawn = Assembly([TABLE, box("box", [1, 1, 1], [0, 0, 0.5 - depth])])
+    from kilter.analysis.settled_pose.settle_remedy import DEEPEST
+
+    size = float(Assembly([box("box", [1, 1, 1], [0, 0, 0])]).geometry.size[0])
+    drawn = Assembly([TABLE, box("box", [1, 1, 1], [0, 0, 0.5 - depth * DEEPEST * size])])
     options = [remedy.option for remedy in kilter.check(drawn).remedies]
     assert ("--settle" in options) == offered
 

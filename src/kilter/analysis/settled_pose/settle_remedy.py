@@ -31,10 +31,13 @@ def settle_remedy(verdict: Verdict) -> Remedy | None:
         return None
     left_open = {frozenset(pair.parts) for pair in contacts.open_pairs}
     size = assembly.geometry.size
-    for overlap in contacts.overlaps:
-        if frozenset(overlap.parts) in left_open:
-            if overlap.depth > DEEPEST * size[list(overlap.parts)].min():
-                return None
+    deep = (
+        overlap.depth > DEEPEST * size[list(overlap.parts)].min()
+        for overlap in contacts.overlaps
+        if frozenset(overlap.parts) in left_open
+    )
+    if any(deep):
+        return None
     try:
         answer = settle(assembly, contacts=contacts, require="equilibrium", effort=0.0)
     except KilterError:
