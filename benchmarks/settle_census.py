@@ -1,15 +1,17 @@
 """Census of `kilter settle`: assemblies at rest, disturbed at random in all six freedoms.
 
-    python benchmarks/settle_census.py 20 --only walls,arches
+    python benchmarks/settle_census.py 75 --only walls,arches
 
 Each assembly is at rest as made. Every free part is then moved by up to a size between 1e-5 and
-1e-2 of its own size, in all six freedoms, and `kilter.settle` looks for a pose at rest. A row
+1e-2 of its own size, in all six freedoms, and `kilter.settle` looks for a pose at rest. The kinds
+take turns in chunks of seeds; after each chunk a table of all cases until then is printed. A row
 counts
 
     rest      poses at rest, of all assemblies
     false     poses reported at rest whose proof `kilter.verify` or a second program rejects
-    level     poses whose level is lower than that of the undisturbed assembly
+    lower     poses below the level "settles", or without equilibrium, unlike the undisturbed one
     moved     median and largest ratio of the largest movement to the largest shift applied
+    CPU       median and longest time of `kilter.settle` [s]
 
 and every failure is listed with its cause. The second program recomputes gaps and forces of convex
 parts from their corners (`tests/settled_pose/independent_rest.py`).
@@ -21,7 +23,8 @@ import argparse
 import itertools
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -46,12 +49,13 @@ TABLE = Part("table", Box([8, 8, 1]), [0, 0, -0.5], grounded=True)
 
 def walls(rng: np.random.Generator) -> Assembly:
     """Brick walls of random width and height."""
-    return wall(int(rng.integers(2, 5)), int(rng.integers(2, 5))).with_friction(0.6)
+    made = wall(int(rng.integers(2, 5)), int(rng.integers(2, 5))).with_friction(0.6)
+    return replace(made, planar=False)
 
 
 def arches(rng: np.random.Generator) -> Assembly:
     """Semicircular arches."""
-    return arch(int(rng.integers(5, 14))).with_friction(0.6)
+    return replace(arch(int(rng.integers(5, 14))).with_friction(0.6), planar=False)
 
 
 def stacks(rng: np.random.Generator) -> Assembly:
@@ -163,58 +167,107 @@ def rejected(answer: kilter.Settled, flat: bool) -> str:
     return f"second program: imbalance {short:.1e}" if short > 1e-4 else ""
 
 
-def row_of(
-    kind: str,
-    make: Callable[[np.random.Generator], Assembly],
-    count: int,
-    flat: bool,
-    seconds: float,
-) -> Iterator[str]:
-    """Lines about the assemblies of a kind: failures, then the row."""
-    rest = false = lower = 0
-    ratios: list[float] = []
-    started = time.process_time()
-    for seed in range(count):
-        rng = np.random.default_rng([seed, len(kind)])
-        try:
-            made = make(rng)
-            level = kilter.check(made).level
-            drawn, most = disturbed(made, rng)
-            with stop_after(seconds):
-                answer = kilter.settle(drawn)
-        except kilter.KilterError as error:
-            yield f"  {kind} {seed}: {error}"
-            continue
-        if answer.state != "at-rest":
-            yield f"  {kind} {seed}: {answer.to_dict()['sentence']}"
-            continue
-        rest += 1
-        ratios.append(float(answer.distance.max()) / most)
-        why = rejected(answer, flat)
-        false += bool(why)
-        if why:
-            yield f"  {kind} {seed}: {why}"
-        if level_rank(answer.level) < level_rank(level):
-            lower += 1
-            yield f"  {kind} {seed}: level {answer.level}, undisturbed {level}"
-    seconds = (time.process_time() - started) / count
-    middle = f"{np.median(ratios):.2f}, {max(ratios):.2f}" if ratios else "-"
-    yield f"{kind:10} {rest:4} of {count:4}  {false:5} {lower:5}  {middle:12} {seconds:6.2f} s"
+@dataclass(slots=True)
+class Row:
+    """Counts of the cases of a kind until now."""
+
+    cases: int = 0
+    rest: int = 0
+    false: int = 0
+    lower: int = 0
+    ratios: list[float] = field(default_factory=list)
+    seconds: list[float] = field(default_factory=list)
+
+    def add(self, other: Row) -> None:
+        """Include the cases of another row."""
+        self.cases += other.cases
+        self.rest += other.rest
+        self.false += other.false
+        self.lower += other.lower
+        self.ratios += other.ratios
+        self.seconds += other.seconds
+
+    def __str__(self) -> str:
+        share = 100 * self.rest / max(self.cases, 1)
+        moved, took = (
+            f"{np.median(each):.2f}, {max(each):.2f}" if each else "-"
+            for each in (self.ratios, self.seconds)
+        )
+        return (
+            f"{self.rest:4} of {self.cases:4} {share:6.1f} %  {self.false:5} {self.lower:5}  "
+            f"{moved:12} {took:12}"
+        )
+
+
+def examine(
+    kind: str, make: Callable[[np.random.Generator], Assembly], seed: int, flat: bool,
+    limit: float, row: Row,
+) -> str:  # fmt: skip
+    """Settle a disturbed assembly and count it; the cause of a failure, else an empty string."""
+    rng = np.random.default_rng([seed, len(kind)])
+    row.cases += 1
+    try:
+        made = make(rng)
+        level = kilter.check(made).level
+        drawn, most = disturbed(made, rng)
+        started = time.process_time()
+        with stop_after(limit):
+            answer = kilter.settle(drawn)
+    except kilter.KilterError as error:
+        return str(error)
+    row.seconds.append(time.process_time() - started)
+    if answer.state != "at-rest":
+        return str(answer.to_dict()["sentence"])
+    row.rest += 1
+    row.ratios.append(float(answer.distance.max()) / most)
+    why = rejected(answer, flat)
+    row.false += bool(why)
+    if level_rank(answer.level) < min(level_rank(level), level_rank("settles")):
+        row.lower += 1
+        alone = None if answer.closed_verdict is None else answer.closed_verdict.level
+        after = None if answer.after is None else answer.after.level
+        points = 0 if answer.closed is None else len(answer.closed.contacts.points)
+        why += (
+            f" level {answer.level} (closed points {alone}, all contacts {after}), undisturbed "
+            f"{level}: {points} closed points, {len(kilter.check(made).contacts.points)} as made"
+        )
+    return why.strip()
+
+
+def table(rows: dict[str, Row]) -> str:
+    """Table of all kinds, with the sums of the flat kinds and of the others."""
+    lines = [
+        f"{'kind':10} {'rest':22}  {'false':>5} {'lower':>5}  {'moved':12} {'CPU [s]':12}",
+        *(f"{kind:10} {row}" for kind, row in rows.items()),
+    ]
+    for name, kinds in (("flat", FLAT), ("others", OTHER)):
+        total = Row()
+        for kind in kinds:
+            total.add(rows.get(kind, Row()))
+        lines.append(f"{name:10} {total}")
+    return "\n".join(lines)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("count", type=int, nargs="?", default=20, help="assemblies of each kind")
-    parser.add_argument("--seconds", type=float, default=20.0, help="time limit of a search [s]")
+    parser.add_argument("--seconds", type=float, default=60.0, help="time limit of a search [s]")
+    parser.add_argument("--chunk", type=int, default=5, help="seeds of each kind between tables")
     parser.add_argument("--only", default="", help="kinds, with commas")
     options = parser.parse_args()
-    print(f"{'kind':10} {'rest':12}  {'false':>5} {'lower':>5}  {'moved':12} {'CPU':>6}")
-    for kinds, flat in ((FLAT, True), (OTHER, False)):
-        for kind, make in kinds.items():
-            if options.only and kind not in options.only.split(","):
-                continue
-            for line in row_of(kind, make, options.count, flat, options.seconds):
-                print(line, flush=True)
+    chosen = {
+        kind: make
+        for kind, make in (FLAT | OTHER).items()
+        if not options.only or kind in options.only.split(",")
+    }
+    rows = {kind: Row() for kind in chosen}
+    for begin in range(0, options.count, options.chunk):
+        for kind, make in chosen.items():
+            for seed in range(begin, min(begin + options.chunk, options.count)):
+                why = examine(kind, make, seed, kind in FLAT, options.seconds, rows[kind])
+                if why:
+                    print(f"  {kind} {seed}: {why}", flush=True)
+        print(table(rows), flush=True)
 
 
 if __name__ == "__main__":
