@@ -9,7 +9,7 @@ counts
 
     rest      poses at rest, of all assemblies
     false     poses reported at rest whose proof `kilter.verify` or a second program rejects
-    lower     poses below the level "settles", or without equilibrium, unlike the undisturbed one
+    lower     poses below the level of --require that the undisturbed assembly reaches
     moved     median and largest ratio of the largest movement to the largest shift applied
     CPU       median and longest time of `kilter.settle` [s]
 
@@ -201,18 +201,18 @@ class Row:
 
 def examine(
     kind: str, make: Callable[[np.random.Generator], Assembly], seed: int, flat: bool,
-    limit: float, row: Row,
+    limit: float, require: str, row: Row,
 ) -> str:  # fmt: skip
     """Settle a disturbed assembly and count it; the cause of a failure, else an empty string."""
     rng = np.random.default_rng([seed, len(kind)])
     row.cases += 1
     try:
         made = make(rng)
-        level = kilter.check(made).level
+        level = kilter.check(made, require=require).level
         drawn, most = disturbed(made, rng)
         started = time.process_time()
         with stop_after(limit):
-            answer = kilter.settle(drawn)
+            answer = kilter.settle(drawn, require=require)
     except kilter.KilterError as error:
         return str(error)
     row.seconds.append(time.process_time() - started)
@@ -222,14 +222,15 @@ def examine(
     row.ratios.append(float(answer.distance.max()) / most)
     why = rejected(answer, flat)
     row.false += bool(why)
-    if level_rank(answer.level) < min(level_rank(level), level_rank("settles")):
+    if level_rank(answer.level) < min(level_rank(level), level_rank(require)):
         row.lower += 1
         alone = None if answer.closed_verdict is None else answer.closed_verdict.level
         after = None if answer.after is None else answer.after.level
+        as_made = len(kilter.contacts(made).points)
         points = 0 if answer.closed is None else len(answer.closed.contacts.points)
         why += (
             f" level {answer.level} (closed points {alone}, all contacts {after}), undisturbed "
-            f"{level}: {points} closed points, {len(kilter.check(made).contacts.points)} as made"
+            f"{level}: {points} closed points, {as_made} as made"
         )
     return why.strip()
 
@@ -252,6 +253,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("count", type=int, nargs="?", default=20, help="assemblies of each kind")
     parser.add_argument("--seconds", type=float, default=60.0, help="time limit of a search [s]")
+    parser.add_argument("--require", default="settles", help="level to reach")
     parser.add_argument("--chunk", type=int, default=5, help="seeds of each kind between tables")
     parser.add_argument("--only", default="", help="kinds, with commas")
     options = parser.parse_args()
@@ -264,7 +266,9 @@ def main() -> None:
     for begin in range(0, options.count, options.chunk):
         for kind, make in chosen.items():
             for seed in range(begin, min(begin + options.chunk, options.count)):
-                why = examine(kind, make, seed, kind in FLAT, options.seconds, rows[kind])
+                why = examine(
+                    kind, make, seed, kind in FLAT, options.seconds, options.require, rows[kind]
+                )
                 if why:
                     print(f"  {kind} {seed}: {why}", flush=True)
         print(table(rows), flush=True)

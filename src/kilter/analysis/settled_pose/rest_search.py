@@ -99,7 +99,8 @@ class SearchResult:
 class _Progress:
     """Numbers that pass from round to round; gaps are over the median size of the parts.
 
-    `widest` has the parts of the widest gap of a carrying point, or of the deepest overlap.
+    `closed` is the gap that counts as closed; it grows to `accepted` if overlaps by the rounding of
+    the data cannot be opened. `widest` has the parts of the widest gap of a carrying point, or of the deepest overlap.
     """
 
     stuck: int = 0
@@ -107,6 +108,7 @@ class _Progress:
     wide: float = np.inf
     fine_reach: float = np.inf
     closed: float = SEARCH_CLOSED
+    accepted: float = SEARCH_CLOSED
     widest: tuple[int, int] = (0, 0)
     tell: Callable[[str], None] = field(default=lambda stage: None)
 
@@ -128,7 +130,7 @@ def search_rest(
     """
     length, weight = _units(bodies)
     closed_at = max(SEARCH_CLOSED, SEARCH_SHARE * closed_gap(bodies.drawn) / length)
-    state = _Progress(fine_reach=reach, closed=closed_at, tell=progress)
+    state = _Progress(fine_reach=reach, accepted=closed_at, tell=progress)
     for rounds in range(ROUNDS + 1):
         stop_if_late()
         assembly = bodies.assembly()
@@ -140,7 +142,7 @@ def search_rest(
         programs = RestPrograms.of(bodies, points, length, weight)
         outcome = _round(bodies, programs, points, state, rounds, reach)
         if isinstance(outcome, SearchResult):
-            closed = every.bears & (np.abs(every.gap) <= closed_at * length)
+            closed = every.bears & (np.abs(every.gap) <= state.closed * length)
             return replace(outcome, points=every.take(closed))
         bodies = bodies.moved(outcome)
         distance = np.linalg.norm(bodies.movements()[:, :3], axis=1)
@@ -198,8 +200,10 @@ def _round(
         apart = programs.push_apart()
         if apart is None:
             depth, forces = programs.least_overlap()
-            if depth > state.closed:
+            if depth > state.accepted:
                 return _does_not_fit(bodies, programs, points, depth, forces, rounds)
+            if depth > state.closed:
+                state.closed = state.accepted
             programs = replace(programs, gap=gap + 2 * depth + state.closed / 2)
             apart = programs.push_apart()
         if apart is not None:
