@@ -10,6 +10,7 @@ import pytest
 import kilter
 from kilter import Assembly, Box, Part
 from kilter.cli import main
+from kilter.tell.next_step import next_step
 
 
 def over_edge(overhang: float) -> Assembly:
@@ -48,3 +49,26 @@ def test_each_state_has_its_words_and_its_exit_code(
     assert words in capsys.readouterr().out.splitlines()[0]
     assert main(["settle", file, "--quiet", "--json"]) == code
     assert json.loads(capsys.readouterr().out)["state"] == state
+
+
+@pytest.mark.parametrize(
+    ("options", "first"),
+    [
+        (["--gap 0.002", "--settle"], "--settle"),
+        (["--loose", "--settle"], "--settle"),
+        (["--fasten a b", "--settle"], "--fasten"),
+        (["--gap 0.002"], "--gap"),
+    ],
+)
+def test_moving_parts_is_a_smaller_assumption_than_a_wider_gap(
+    options: list[str], first: str
+) -> None:
+    """The pose at rest is examined at the level of equilibrium, the other options completely."""
+    found = [
+        {"option": option, "level": "settles", "leads_to": "settles"}
+        if option != "--settle"
+        else {"option": option, "level": "equilibrium", "leads_to": "potentially-stable"}
+        for option in options
+    ]
+    answer = {"certificate": [], "verdict": "undecided", "bonds": [], "remedies": found}
+    assert next_step(answer, "wall").words[1] == first

@@ -64,6 +64,8 @@ MEANT = {
     "--friction": "its contacts have this friction",
 }
 """Statement about an assembly that each option of a remedy makes."""
+WIDENING = {"--gap", "--loose"}
+"""Options that count faces as touching although they do not."""
 ALONE = NextStep(
     ("check",),
     "decides whether the assembly stands without the part: if it falls, no place is left",
@@ -156,6 +158,9 @@ def _after_check(answer: Answer, bricks: bool) -> NextStep:
     tried = answer.get("remedies", ())
     holding = [remedy for remedy in tried if remedy["level"] is not None]
     holding.sort(key=lambda remedy: remedy["leads_to"] not in ("stable", "settles"))
+    if holding and WIDENING & set(shlex.split(holding[0]["option"])):
+        # to move parts until they touch assumes less than to count what does not touch as touching
+        holding.sort(key=lambda remedy: remedy["option"] != "--settle")
     further = [remedy for remedy in tried if remedy["leads_to"] == "undecided"]
     falling = [remedy for remedy in tried if remedy["leads_to"] == "unstable"]
     best = next(iter([*holding, *further, *falling]), None)

@@ -100,7 +100,8 @@ class _Progress:
     """Numbers that pass from round to round; gaps are over the median size of the parts.
 
     `closed` is the gap that counts as closed; it grows to `accepted` if overlaps by the rounding of
-    the data cannot be opened. `widest` has the parts of the widest gap of a carrying point, or of the deepest overlap.
+    the data cannot be opened. `widest` has the parts of the widest gap of a carrying point, or of
+    the deepest overlap.
     """
 
     stuck: int = 0
