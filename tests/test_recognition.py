@@ -8,6 +8,7 @@ from collections import Counter
 import numpy as np
 import pytest
 import trimesh
+from scipy.spatial import ConvexHull
 
 from kilter.shape import first_fits
 from kilter.shape.primitives import Box, Cylinder, Sphere, surface
@@ -302,3 +303,44 @@ def test_planes_can_be_left_out() -> None:
     assert [s.kind for s in surfaces] == ["cylinder"]
     assert len(sagitta) == 1
     assert which.tolist() == np.where(recognise(vertices, triangles)[1] == 0, 0, -1).tolist()
+
+
+def fan(rays: int, jitter: float) -> tuple[np.ndarray, np.ndarray]:
+    """A part of a cone about z as triangles at its apex, closed below; corners off by `jitter`."""
+    rng = np.random.default_rng(4)
+    angle = np.radians(20.0) * np.arange(rays)
+    length = rng.uniform(1.0, 2.0, rays)  # corners of a cone lie anywhere on its rays
+    rim = np.column_stack([length * np.cos(angle), length * np.sin(angle), -0.4 * length])
+    rim += jitter * rng.normal(size=rim.shape)
+    low = rim.mean(axis=0) - np.array([0.0, 0.0, 3.0])
+    vertices = np.concatenate([[[0.0, 0.0, 0.0]], rim, [low]])
+    apex, bottom = 0, rays + 1
+    side = [[apex, k, k + 1] for k in range(1, rays)]
+    below = [[bottom, k + 1, k] for k in range(1, rays)]
+    ends = [[apex, bottom, 1], [apex, rays, bottom]]
+    return vertices, np.array([*side, *below, *ends])
+
+
+@pytest.mark.parametrize(("jitter", "round_faces"), [(0.0, 1), (1e-3, 0)])
+def test_seven_corners_of_a_cone_are_evidence(jitter: float, round_faces: int) -> None:
+    surfaces, _, _ = recognise(*fan(6, jitter))
+    assert sum(surface.kind == "cone" for surface in surfaces) == round_faces
+
+
+def test_a_cone_through_six_corners_is_no_evidence() -> None:
+    """Facets of a random convex polyhedron: a cone passes through any six of its corners."""
+    corners = np.array(
+        [
+            [0.5757, 0.8901, 0.6854], [-0.0513, 0.9681, 0.0], [0.8498, 0.0353, 0.0425],
+            [-0.0791, -0.6296, 1.8563], [0.4214, -0.6503, 0.0], [-0.8163, 1.7095, 0.3761],
+            [0.0894, 1.573, 0.4561], [0.3909, 1.5006, 0.9303], [-0.9436, -0.8668, 0.0],
+            [1.0273, -1.6531, 0.6294], [-0.6133, -0.4095, 1.0712],
+        ]
+    )  # fmt: skip
+    hull = ConvexHull(corners)
+    triangles = hull.simplices.copy()
+    p, q, r = (corners[triangles[:, k]] for k in range(3))
+    inward = np.einsum("ij,ij->i", np.cross(q - p, r - p), hull.equations[:, :3]) < 0
+    triangles[inward] = triangles[inward][:, [0, 2, 1]]
+    surfaces, _, _ = recognise(corners, triangles)
+    assert {surface.kind for surface in surfaces} == {"plane"}

@@ -10,7 +10,8 @@ a rule must decide. A region counts as round only if
 - neighbouring facets meet at no more than 30.5 degrees: a prism with 12 equal sides or more is
   round, with 11 or fewer (hexagonal and octagonal bars, chamfered boxes) flat;
 - it has at least 5 facets of different directions, so that a chamfer of 1 to 4 facets is flat;
-- its corners lie on the surface within the accuracy of the coordinates;
+- its corners lie on the surface within the accuracy of the coordinates, and are more than the
+  parameters of the surface: a cone passes through any six points;
 - no facet is more than twice as wide as most facets: the flat of a shaft is flat;
 - it turns by at least 15 degrees, or has sharp edges all around: a short piece of another curve
   is close to an arc of a circle;

@@ -58,6 +58,9 @@ __all__ = [
 
 FEWEST_FACETS = 5
 """Least number of facets of a round region."""
+PARAMETERS = {"sphere": 4, "cylinder": 5, "cone": 6, "torus": 7}
+"""Number of parameters of a surface: through so many corners passes a surface of this kind, so that
+only further corners are evidence."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -323,6 +326,8 @@ def is_round(mesh: FacetMesh, facets: Index, surface: Surface, *, whole: bool) -
     points = mesh.points(facets)
     tolerance = tolerance_of(mesh, points)
     if len(facets) < FEWEST_FACETS or float(np.abs(height(surface, points)).max()) > tolerance:
+        return False
+    if len(points) <= PARAMETERS[surface.kind]:
         return False
     agree = agreement(mesh, facets, surface)
     if float(np.abs(agree).min()) < np.cos(FACET_NORMAL) or np.ptp(np.sign(agree)) > 0:
