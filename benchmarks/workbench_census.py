@@ -154,9 +154,11 @@ def random_request(page: Page, drawn: Assembly, rng: random.Random) -> dict[str,
     kinds = ["hold"] * 4 + ["friction"] * 3 + ["leave_out"] * 2 + walking
     kinds += ["floor", "fasten", "fasten_suggested", "fasten_overlaps", "pair", "material", "mass"]
     kinds += ["pair_friction", "joint", "load", "load_off", "scale_loads", "gravity", "density"]
-    kinds += ["bond", "tolerance", "loose", "settle", "settle", "poses"]
+    kinds += ["bond", "tolerance", "loose", "settle", "poses", "poses"]
     kind = rng.choice(kinds)
     count = len(session["changes"])
+    if count and session["changes"][-1]["label"].startswith("place ") and rng.random() < 0.7:
+        return {"do": "settle"}
     values: dict[str, dict[str, Any]] = {
         "hold": {"parts": few, "on": rng.random() < 0.7},
         "leave_out": {"parts": few[:1], "on": rng.random() < 0.5},

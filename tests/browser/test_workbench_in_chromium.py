@@ -109,6 +109,22 @@ def test_as1_from_the_drop_to_a_saved_stable_state(
     assert page.text("verdict") == "Stable"
 
 
+def test_a_motion_that_only_the_complete_answer_finds_is_visible_at_first(
+    user: Callable, folder: Path
+) -> None:
+    if not AS1.is_file():
+        pytest.skip("real data is not here: ../shared/data beside the checkout")
+    pytest.importorskip("OCP", reason="pip install 'kilter[step]'")
+    page = user(None)
+    shutil.copy(AS1, folder / "file.stp")
+    choices = {"kilter": 1, "file": "file.stp", "held": ["plate"], "friction": 0.3}
+    (folder / "file.kilter.json").write_text(json.dumps(choices))
+    page.act({"do": "open", "file": "file.kilter.json"})
+    assert page.text("verdict") == "Potentially stable"
+    # the nuts below the plate move; they are seen through the other parts
+    assert float(page.page.input_value("#see-through")) > 0
+
+
 def test_a_chosen_folder_of_meshes_is_sent_and_opened(user: Callable, tmp_path: Path) -> None:
     page = user(None)
     (tmp_path / "parts").mkdir()
@@ -232,6 +248,9 @@ def test_the_box_to_place_follows_the_pointer_and_shows_whether_it_stands(user: 
 
 def test_the_friction_slider_changes_the_verdict_of_the_arch_at_its_limit(user: Callable) -> None:
     page = user("arch")
+    # the slider begins at the friction of the file
+    assert page.page.input_value("#friction") == "0.7"
+    assert page.page.get_attribute("#friction-number", "placeholder") == "0.7"
     page.page.focus("#friction")
     for mu, held in ((0.7, True), (0.36, True), (0.35, False), (0.3, False)):
         page.after(lambda mu=mu: page.slide("friction", mu))  # type: ignore[misc]
@@ -245,6 +264,7 @@ def test_the_friction_slider_changes_the_verdict_of_the_arch_at_its_limit(user: 
         assert (page.text("verdict") != "Unstable") == held
     page.click("#friction-file")
     assert "friction" not in page.choices()
+    assert page.page.input_value("#friction") == "0.7"
 
 
 def test_each_action_on_parts_is_done_and_repeated_by_the_command(

@@ -16,6 +16,7 @@ from kilter.tell.words import VERDICTS
 
 __all__ = [
     "OpenOption",
+    "lie_words",
     "open_facts",
     "open_options",
     "pair_words",
@@ -50,10 +51,10 @@ def pair_words(pair: Pair, units: str) -> str:
     "'a' and 'b' (0.25 mm apart)"
     """
     a, b = pair["parts"]
-    return f"{a!r} and {b!r} ({_state(pair, units)})"
+    return f"{a!r} and {b!r} ({lie_words(pair, units)})"
 
 
-def _state(pair: Pair, units: str) -> str:
+def lie_words(pair: Pair, units: str) -> str:
     """Return how the two parts of an open (undecided) pair lie: near, overlapping and so on."""
     kind, gap, depth = pair["kind"], pair["gap"], pair["depth"]
     if kind == "overlap":

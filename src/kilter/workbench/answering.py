@@ -24,7 +24,7 @@ from kilter.show.scene import build_orientation, build_things
 from kilter.show.sections import answer_html
 from kilter.tell.facts import facts
 from kilter.tell.levels import REQUIRE
-from kilter.tell.open_words import pair_words
+from kilter.tell.open_words import lie_words
 from kilter.workbench.command_line import command
 from kilter.workbench.live_assembly import Prepared
 from kilter.workbench.opened_parts import OpenedParts
@@ -55,6 +55,7 @@ def scene_data(prepared: Prepared, bodies: OpenedParts) -> dict[str, Any]:
     things["parts"]["held_by"] = [_held_by(assembly, k, bodies) for k in range(len(assembly.parts))]
     things["parts"]["density"] = [_density(assembly, k) for k in range(len(assembly.parts))]
     things["parts"]["full_names"] = list(assembly.names)
+    things["friction"] = assembly.friction
     things["left_out"] = list(prepared.left_out)
     things["down"] = assembly.down.tolist()
     nothing = ("given", "recommended", "region", "rays", "map", "change")
@@ -111,7 +112,7 @@ def answer_data(verdict: Verdict, phase: str, center: Array) -> dict[str, Any]:
         {
             "parts": pair["parts"],
             "kind": pair["kind"],
-            "words": pair_words(pair, units),
+            "words": lie_words(pair, units),
             "decides": bool(pair.get("decides")),
         }
         for pair in data["open_pairs"][:LISTED]

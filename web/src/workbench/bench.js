@@ -162,7 +162,7 @@ export class Workbench {
     } else this.report.replace(page);
     this.other = false;
     this.parts.tellLeftOut(page.left_out ?? []);
-    this.forces.lists(this.session.choices);
+    this.forces.tell(this.session);
     this.parts.tell();
     this.stale();
     // the selected parts were left out: the keyboard goes on in the tree
@@ -186,7 +186,8 @@ export class Workbench {
     const given = unpacked(message.given);
     if (given.moves.length !== this.report.page.parts.names.length) return; // of another scene
     const first = !this.shown;
-    this.shown = true;
+    // often only the complete answer finds a motion
+    this.shown = message.phase === "complete" || given.moves.some(Boolean);
     this.answer = message;
     const banner = id("banner");
     banner.scrollTop = 0;

@@ -57,12 +57,14 @@ export class Forces {
   }
 
   tell({ choices }) {
+    const { bench } = this;
     const { friction, floor, up } = choices;
     const given = friction !== undefined;
     if (!this.sending && document.activeElement !== id("friction-number")) {
-      id("friction").value = String(friction ?? 0);
+      const own = bench.report?.page.friction; // of the file, as long as no choice replaces it
+      id("friction").value = String(friction ?? own ?? 0);
       id("friction-number").value = given ? String(friction) : "";
-      id("friction-number").placeholder = "file";
+      id("friction-number").placeholder = own === undefined ? "file" : String(own);
     }
     id("friction-file").hidden = !given;
     id("floor").checked = Boolean(floor);
