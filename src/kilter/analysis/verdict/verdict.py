@@ -256,7 +256,7 @@ class Verdict(InCells, Answer):
             return self.judgement.forces
         return self.judgement.motion if self.verdict == "unstable" else None
 
-    @property
+    @cached_property
     def modelled(self) -> Program:
         """The program of the certain contacts, without rows for contacts that are only possible."""
         if not self.program.kind.size or not (self.program.kind == POSSIBLE).any():

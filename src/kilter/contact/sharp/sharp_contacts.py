@@ -379,10 +379,14 @@ def _explained_meetings(near: _SharpSearch, met: Meetings) -> Mask:
     """Mask of meeting points that already lie on a contact patch of their pair."""
     geometry = near.geometry
     is_explained = np.zeros(len(met), dtype=bool)
-    for pair in np.unique(met.pair).tolist():
-        of_pair = np.flatnonzero(met.pair == pair)
+    if not len(met):
+        return is_explained
+    middle = met.middle
+    order = np.argsort(met.pair, kind="stable")
+    names, first = np.unique(met.pair[order], return_index=True)
+    for pair, of_pair in zip(names.tolist(), np.split(order, first[1:]), strict=True):
         slack = float(near.gap[pair] + 2 * geometry.slack[near.pairs[pair]].max())
-        is_explained[of_pair] = explained(near.face_patches, pair, met.middle[of_pair], slack)
+        is_explained[of_pair] = explained(near.face_patches, pair, middle[of_pair], slack)
     return is_explained
 
 
