@@ -29,6 +29,9 @@ __all__ = ["coincident", "coincident_remarks", "parts_to_leave_out", "require_ap
 MANY = 3
 """Number of such pairs from which the parts of a folder seem to have separate frames."""
 
+SHARE_DIGITS = 6
+"""Digits to which shares are compared: the volume of an intersection has a rounding error."""
+
 
 def coincident(contacts: ContactSet) -> list[Overlap]:
     """Overlaps of open pairs that fill over half of the smaller part, the largest share first."""
@@ -38,7 +41,14 @@ def coincident(contacts: ContactSet) -> list[Overlap]:
         for overlap in contacts.overlaps
         if (overlap.share or 0.0) > COINCIDENT and frozenset(overlap.parts) in left_open
     ]
-    return sorted(coinciding, key=lambda overlap: -(overlap.share or 0.0))
+    parts = contacts.assembly.parts
+
+    def rank(overlap: Overlap) -> tuple[float, bool, bool]:
+        """The largest share first; of equal shares the table, then the same body twice."""
+        share = round(min(overlap.share or 0.0, 1.0), SHARE_DIGITS)
+        return -share, not any(parts[k].table for k in overlap.parts), overlap.why != SAME_BODY
+
+    return sorted(coinciding, key=rank)
 
 
 def require_apart(assembly: Assembly, contacts: ContactSet) -> None:
