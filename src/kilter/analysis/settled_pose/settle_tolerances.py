@@ -1,6 +1,6 @@
 """Tolerances of the search for a pose at rest, and the order between them.
 
-    SEARCH_CLOSED < CLOSED < LEAST_REACH < REACH
+    SEARCH_CLOSED < COINCIDES < CLOSED < LEAST_REACH < REACH
 
 A point that the search regards as closed must also count as closed in the independent verification.
 """
@@ -25,8 +25,9 @@ FACING = 0.06
 wedges, and couples faces that lie aside."""
 BALANCED = 1e-7
 """Force or torque on a part, over the mean weight, that counts as zero [-]."""
-COINCIDES = 1e-7
-"""A corner of an overlap within this fraction of the size of a part is a corner of that part [-].
+COINCIDES = 3e-9
+"""A corner of an overlap within this fraction of the size of a part is a corner of that part [-]. It
+is below `CLOSED`: a corner farther beside the other face would not count as a closed point.
 """
 SLENDER = 1e-3
 """Least cross product of two edges, over the product of the sizes, that has a direction [-]."""
