@@ -26,8 +26,8 @@ wedges, and couples faces that lie aside."""
 BALANCED = 1e-7
 """Force or torque on a part, over the mean weight, that counts as zero [-]."""
 COINCIDES = 3e-9
-"""A corner of an overlap within this fraction of the size of a part is a corner of that part [-]. It
-is below `CLOSED`: a corner farther beside the other face would not count as a closed point.
+"""A corner of an overlap within this fraction of the size of a part is a corner of that part [-].
+It is below `CLOSED`: a corner farther beside the other face would not count as a closed point.
 """
 SLENDER = 1e-3
 """Least cross product of two edges, over the product of the sizes, that has a direction [-]."""
