@@ -49,6 +49,9 @@ needs friction could not be tried: its decision takes two programs, an unstable 
 PLAY_DECISIONS = 4
 """Work of all tries together, in verdicts such as the present one, if a gap tolerance may close the
 play of a part: it is tried after the likely joints, and with them."""
+LEAST_PLAY_WORK = 1_000_000.0
+"""The same as `LEAST_WORK` in this case: closed plays add contacts, so that each decision with them
+costs several times the verdict. It pays for both tries of a file of 10,000 vertices."""
 DECISION, ROW = 10_000.0, 40.0
 """Units of a decision by equilibrium forces beside the solvers: in all, and per contact row."""
 DETECTION, VERTEX = 10_000.0, 50.0
@@ -233,12 +236,13 @@ def find_remedies(
     """
     if decision.verdict not in ("unstable", "undecided"):
         return ()
-    decisions = 1 if _closing_gap(contacts) is None else PLAY_DECISIONS
+    has_play = _closing_gap(contacts) is not None
+    decisions, least = (PLAY_DECISIONS, LEAST_PLAY_WORK) if has_play else (1, LEAST_WORK)
     changes = list(_changes(assembly, contacts, decision))
     # joints together with friction are tried last, after each of them alone
     decisions += any(change.suggested and change.friction is not None for change in changes)
     units = decisions * _decision_units(decision) + _detection_units(assembly)
-    tries = _Tries(decision, require, work, work.beside(max(units, LEAST_WORK)))
+    tries = _Tries(decision, require, work, work.beside(max(units, least)))
     detected: dict[_Detection, ContactSet] = {}
     for change in changes:
         if len(tries.hopeful) == MOST:
