@@ -13,7 +13,7 @@ the paper over the sets of a facet of the diamond |g|_1 = 1.
 
 References
 ----------
-Mattikalli, Baraff, Khosla and Repetto (1993), Figures 5, 6 and 7, equations (9) to (11).
+Mattikalli, Khosla, Repetto and Baraff (1993), Figures 5, 6 and 7, equations (9) to (11).
 """
 
 from __future__ import annotations

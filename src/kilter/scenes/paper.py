@@ -12,7 +12,7 @@ to block B on the wall. Their forces balance only if gravity is along
 
 References
 ----------
-Mattikalli, Baraff, Khosla and Repetto (1993), Stability of Assemblies, Figures 1-12.
+Mattikalli, Khosla, Repetto and Baraff (1993), Stability of Assemblies, Figures 1-12.
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ held, m lies on n under gravity along -z, the contact is horizontal, and m is ab
 
 References
 ----------
-Mattikalli, Baraff, Khosla and Repetto (1993), Stability of Assemblies, Figures 2 and 3.
+Mattikalli, Khosla, Repetto and Baraff (1993), Stability of Assemblies, Figures 2 and 3.
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ from above, so if t < 0 that motion proves that no direction of the facet is sta
 
 References
 ----------
-Mattikalli, Baraff, Khosla and Repetto (1993), footnote 1: "a transformation of our maximin
+Mattikalli, Khosla, Repetto and Baraff (1993), footnote 1: "a transformation of our maximin
 formulation that admits a simpler numerical solution method".
 """
 

@@ -13,7 +13,7 @@ might bring, else it is undecided.
 
 References
 ----------
-Mattikalli, Baraff, Khosla and Repetto (1993), sections 2.3 and 3.
+Mattikalli, Khosla, Repetto and Baraff (1993), sections 2.3 and 3.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ nearest to 0.
 
 References
 ----------
-Mattikalli, Baraff, Khosla and Repetto (1993), Figure 5, equations (9), (10), (13).
+Mattikalli, Khosla, Repetto and Baraff (1993), Figure 5, equations (9), (10), (13).
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ bounds z from above, so t bounds z on the whole facet, however roughly "optimal 
 
 References
 ----------
-Mattikalli, Baraff, Khosla and Repetto (1993), sections 2.3, 3 and 3.1, equations (10), (11).
+Mattikalli, Khosla, Repetto and Baraff (1993), sections 2.3, 3 and 3.1, equations (10), (11).
 """
 
 from __future__ import annotations

@@ -27,7 +27,8 @@ class State:
     present, free : ndarray of bool, shape (N,)
         Masks of the present parts, and of the present parts that are neither held nor grounded.
     stable : bool or None
-        Whether contact forces can hold the state; None if undecided.
+        Whether contact forces can hold the state (level equilibrium); None if undecided.
+        `kilter.check` requires the level settles by default: `States.level` gives the level.
     programs : StatePrograms
         Programs of the assembly, from which `program` is taken.
     outer : bool
