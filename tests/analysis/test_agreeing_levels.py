@@ -128,7 +128,10 @@ def test_a_limit_beyond_which_an_open_pair_decides_has_the_verdict_of_check_outs
     angle = margin.tilt.angle + 1e-4
     down = np.cos(angle) * pinned.down + np.sin(angle) * margin.tilt.toward
     assert margin.outside == "undecided" == kilter.check(pinned.with_down(down)).verdict
-    assert "direction of gravity at which open pairs decide" in text_of(margin.to_dict())
+    answer = margin.to_dict()
+    assert "direction of gravity at which open pairs decide" in text_of(answer)
+    answer["open_pairs"] = []  # numerical errors may leave a direction undecided, too
+    assert "direction of gravity that is not decided" in text_of(answer)
 
 
 def listed_words(capsys: pytest.CaptureFixture[str]) -> dict[str, str]:

@@ -119,7 +119,8 @@ def _tilt(answer: Answer) -> str:
         return f"at least {angle(tilt)}, toward gravity along {down}; the limit is not proved"
     fails = "that fails"
     if answer["tilt_outside"] == "undecided":
-        fails = "at which open pairs decide"
+        open_pairs = bool(answer["open_pairs"])
+        fails = "at which open pairs decide" if open_pairs else "that is not decided"
     words = f"{angle(tilt)} to the nearest direction of gravity {fails}"
     if tilt - lower > 1e-6 * max(tilt, 1e-12):
         words += f" (at least {number(lower)} deg)"
