@@ -91,10 +91,10 @@ if TYPE_CHECKING:
     from kilter.health import Health as Health
     from kilter.health import doctor as doctor
     from kilter.notebook import Shown as Shown
-    from kilter.publish import Report as Report
-    from kilter.publish import animate as animate
-    from kilter.publish import draw as draw
-    from kilter.publish import report as report
+    from kilter.publish.answer_figures import draw as draw
+    from kilter.publish.films import animate as animate
+    from kilter.publish.offline_page import Report as Report
+    from kilter.publish.offline_page import report as report
     from kilter.rigid import Pose as Pose
     from kilter.scenes import example as example
     from kilter.scenes.registry import Example as Example
@@ -115,7 +115,7 @@ _HOMES = {
     "check_plan": "kilter.analysis.placing.check_plan",
     "contacts": "kilter.contact.detect",
     "doctor": "kilter.health",
-    "draw": "kilter.publish",
+    "draw": "kilter.publish.answer_figures",
     "dump": "kilter.files.writing",
     "example": "kilter.scenes",
     "hold": "kilter.analysis.planning.hold.hold",
@@ -126,7 +126,7 @@ _HOMES = {
     "place": "kilter.analysis.placing.place",
     "plan": "kilter.analysis.planning.order.plan",
     "region": "kilter.analysis.regions.region",
-    "report": "kilter.publish",
+    "report": "kilter.publish.offline_page",
     "save": "kilter.contact.fits.choices_saving",
     "scene": "kilter.analysis.scene_states.object_states",
     "settle": "kilter.analysis.settled_pose.settle",
@@ -134,7 +134,7 @@ _HOMES = {
     "verify": "kilter.analysis.verification",
     "view": "kilter.workbench.view",
     # further functions
-    "animate": "kilter.publish",
+    "animate": "kilter.publish.films",
     "box_to_place": "kilter.analysis.placing.place",
     "check_many": "kilter.analysis.many.check_many",
     "common_region": "kilter.analysis.regions.region",
@@ -183,7 +183,7 @@ _HOMES = {
     "PlanRules": "kilter.analysis.planning.order.plan_rules",
     "Orientation": "kilter.analysis.turning.orientation",
     "Region": "kilter.analysis.regions.region",
-    "Report": "kilter.publish",
+    "Report": "kilter.publish.offline_page",
     "SceneObject": "kilter.analysis.scene_states.scene_report",
     "SceneReport": "kilter.analysis.scene_states.scene_report",
     "Settled": "kilter.analysis.settled_pose.settle",

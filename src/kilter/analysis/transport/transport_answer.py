@@ -292,6 +292,7 @@ class Transport(AnswerInWords):
 
         Examples
         --------
+        >>> from kilter import transport
         >>> from kilter.scenes import stacks
         >>> answer = transport(stacks.block_on_slope(0.0, friction=0.4))
         >>> rows, bounds = answer.rows()
