@@ -24,6 +24,9 @@ ENDED = ("killed", "lost")
 """Kinds of the message that the process itself has ended."""
 GRACE = 3.0
 """Time that an interrupted job has to stop; then the process is ended [s]."""
+AGAIN = 0.3
+"""Time after which a job that still runs is interrupted again [s]: the worker ignores a signal that
+comes before it begins the job, or while it sends a message."""
 MODULE = "kilter.workbench.worker"
 
 Hear = Callable[[int, str, Any], None]
@@ -68,10 +71,16 @@ class WorkerProcess:
         if not self.running or self._process is None or self._timer is not None:
             return
         if os.name == "posix":
-            self._process.send_signal(signal.SIGINT)
             self._timer = self._loop.call_later(GRACE, self._give_up)
+            self._signal(self.running)
         else:
             self._give_up()
+
+    def _signal(self, number: int) -> None:
+        """Interrupt a job now, and again as long as it runs."""
+        if self._timer is not None and self.running == number and self._process is not None:
+            self._process.send_signal(signal.SIGINT)
+            self._loop.call_later(AGAIN, self._signal, number)
 
     def end(self) -> None:
         """End the process, whatever it does."""
