@@ -78,7 +78,9 @@ class WorkerProcess:
 
     def _signal(self, number: int) -> None:
         """Interrupt a job now, and again as long as it runs."""
-        if self._timer is not None and self.running == number and self._process is not None:
+        if self._timer is None or self.running != number or self._process is None:
+            return
+        if os.name == "posix":
             self._process.send_signal(signal.SIGINT)
             self._loop.call_later(AGAIN, self._signal, number)
 
