@@ -25,6 +25,6 @@ def free_form_ball() -> Solid:
 
 
 def free_form_on_a_floor() -> Assembly:
-    """Such a ball on a held plate: the pair is open."""
+    """A free-form ball on a held plate; their contact is an open pair."""
     floor = Part("floor", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
     return Assembly([floor, Part("ball", free_form_ball(), Pose([0, 0, RADIUS]))])

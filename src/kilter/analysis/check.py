@@ -310,6 +310,7 @@ def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> s
     bonded = bool(assembly.bonds)
     gap = contacts.counted_gap
     counted = "" if gap is None else f"{text_of(gap, 3)} {assembly.units}"
+    has_open_pairs = bool(still_open(contacts.open_pairs, assembly))
     second = decision.second_order
     if second is not None and second.state == "balanced":
         rolling = second.rolling.state if second.rolling is not None else None
@@ -327,7 +328,7 @@ def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> s
             coarse=coarse,
             counted=counted,
             bonded=bonded,
-            has_open_pairs=bool(still_open(contacts.open_pairs, assembly)),
+            has_open_pairs=has_open_pairs,
         )
     settling = friction.settling
     return verdict_sentence(
@@ -340,7 +341,7 @@ def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> s
         coarse=coarse,
         counted=counted,
         bonded=bonded,
-        has_open_pairs=bool(still_open(contacts.open_pairs, assembly)),
+        has_open_pairs=has_open_pairs,
     )
 
 

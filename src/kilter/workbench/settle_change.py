@@ -25,6 +25,8 @@ __all__ = ["settle_offer", "settling_action"]
 
 PLACED = ("point", "axis", "points", "normal")
 """Keys of loads, joints and bonds that move with a part."""
+ENTRIES = ("loads", "joints", "bonds")
+"""Keys of choices whose entries may have points."""
 
 
 def settle_offer(verdict: Verdict) -> dict[str, str] | None:
@@ -103,10 +105,6 @@ def settling_action(
         "sha256": keys.get("sha256"),
         "units": keys.get("units"),
     }
-
-
-ENTRIES = ("loads", "joints", "bonds")
-"""Keys of choices whose entries may have points."""
 
 
 def _replaced(

@@ -70,17 +70,15 @@ class WorkerProcess:
         """Ask the running job to stop; after `GRACE` the process is ended."""
         if not self.running or self._process is None or self._timer is not None:
             return
-        if os.name == "posix":
-            self._timer = self._loop.call_later(GRACE, self._give_up)
-            self._signal(self.running)
-        else:
-            self._give_up()
+        grace = GRACE if os.name == "posix" else 0.0  # elsewhere no signal can be sent
+        self._timer = self._loop.call_later(grace, self._give_up)
+        self._signal(self.running)
 
     def _signal(self, number: int) -> None:
         """Interrupt a job now, and again as long as it runs."""
-        if self._timer is None or self.running != number or self._process is None:
+        if os.name != "posix" or self._process is None:
             return
-        if os.name == "posix":
+        if self._timer is not None and self.running == number:
             self._process.send_signal(signal.SIGINT)
             self._loop.call_later(AGAIN, self._signal, number)
 

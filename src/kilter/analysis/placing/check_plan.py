@@ -51,6 +51,8 @@ WALL = "wall"
 """Beginning of the names of assumed walls."""
 THICK = 0.1
 """Thickness of the base and of assumed walls [widths of the pile]."""
+OVER = 1e-7
+"""A load beyond a limit by less than this fraction of the limit is within it [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -298,10 +300,6 @@ def _overload(boxes: Sequence[PackedBox], loads: dict[str, float | None]) -> Ove
         if load is not None and box.max_load is not None and load > box.max_load * (1 + OVER):
             return {"item": box.name, "after": len(boxes), "load": load, "max_load": box.max_load}
     return None
-
-
-OVER = 1e-7
-"""A load beyond a limit by less than this fraction of the limit is within it [-]."""
 
 
 def _require_no_box_inside(plan: PackingPlan) -> None:

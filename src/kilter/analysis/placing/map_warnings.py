@@ -9,6 +9,7 @@ from kilter.analysis.placing.polygon_sets import polygons_of
 from kilter.analysis.placing.upright_prisms import Top
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
+from kilter.errors import some, some_names
 
 __all__ = ["map_warnings"]
 
@@ -35,8 +36,8 @@ def map_warnings(
     other = [assembly.names[top.part] for top in tops if not top.upright]
     if other:
         warnings.append(
-            f"the map leaves places on {_listed([repr(name) for name in other], 3)} open: only "
-            "tops of upright prisms are mapped"
+            f"the map leaves places on {some_names(other, 3)} open: only tops of upright prisms "
+            "are mapped"
         )
     wide = any(
         not piece.buffer(-strip).is_empty for level in levels for piece in polygons_of(level.open)
@@ -48,13 +49,6 @@ def map_warnings(
         ]
         warnings.append(
             f"the map leaves places open, because the geometry does not decide whether "
-            f"{_listed(pairs, 1)} touch"
+            f"{some(pairs, 1)} touch"
         )
     return warnings
-
-
-def _listed(names: Sequence[str], most: int) -> str:
-    """The first names, and the number of the others."""
-    more = len(names) - most
-    rest = f" and {more} other{'s' if more > 1 else ''}" if more > 0 else ""
-    return ", ".join(names[:most]) + rest
