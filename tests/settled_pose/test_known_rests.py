@@ -328,6 +328,18 @@ def test_the_pose_at_rest_is_offered_for_shallow_overlaps(depth: float, offered:
     assert ("--settle" in options) == offered
 
 
+def test_the_figure_of_many_moved_parts_shows_those_that_move_most() -> None:
+    """Sixty-one boxes hang by different gaps: all move, and sixty have an outline."""
+    pytest.importorskip("matplotlib")
+    from kilter.show.overlay import GHOSTS
+
+    boxes = [box(f"b{k}", [1, 1, 1], [2 * k, 0, 0.5 + 1e-5 * (k + 1)]) for k in range(GHOSTS + 1)]
+    floor = box("floor", [4 * GHOSTS + 8, 4, 1], [2 * GHOSTS, 0, -0.5], grounded=True)
+    figure = kilter.draw(kilter.settle(Assembly([floor, *boxes])))
+    legends = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    assert any(f"of the {GHOSTS} parts that move most" in text for text in legends)
+
+
 def test_a_decided_check_offers_no_movement() -> None:
     drawn = Assembly([TABLE, box("box", [1, 1, 1], [0, 0, 0.5])])
     assert not kilter.check(drawn).remedies

@@ -10,13 +10,13 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.show.canvas import legend, title
 from kilter.show.figures import NAMED, draw_picture
-from kilter.show.overlay import draw_displaced, draw_gravity, draw_names
+from kilter.show.overlay import GHOSTS, draw_displaced, draw_gravity, draw_names
 from kilter.tell.numbers import number
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["draw_movement", "magnification"]
+__all__ = ["draw_movement", "largest_movements", "magnification"]
 
 SHARE = 0.12
 """Length of the farthest movement in the figure, over the size of the picture [-]."""
@@ -42,6 +42,21 @@ def magnification(movement: Array, size: float) -> float:
     return float(steps[-1] * power)
 
 
+def largest_movements(movement: Array, count: int) -> Array:
+    """Movements of the parts that shift most, shape (N, 6); 0 for the other parts.
+
+    Examples
+    --------
+    >>> largest_movements(np.diag([1.0, 3.0, 2.0, 0.0, 0.0, 0.0]), 2)[:, :3].max(axis=1)
+    array([0., 3., 2., 0., 0., 0.])
+    """
+    shift = np.linalg.norm(movement[:, :3], axis=1)
+    kept = np.zeros_like(movement)
+    most = np.argsort(-shift, kind="stable")[:count]
+    kept[most] = movement[most]
+    return kept
+
+
 def draw_movement(
     assembly: Assembly,
     movement: Array,
@@ -50,6 +65,8 @@ def draw_movement(
     view: tuple[float, float] | None = None,
 ) -> Figure:
     """Draw an assembly with dashed outlines of its parts after magnified movements.
+
+    Of many moved parts, those that shift most have an outline.
 
     Parameters
     ----------
@@ -71,7 +88,10 @@ def draw_movement(
     if movement.any():
         factor = magnification(movement, size)
         words = "at rest" if factor == 1.0 else f"at rest, movements x {number(factor)}"
-        entries += draw_displaced(axes, assembly, camera, factor * movement, words)
+        drawn = largest_movements(movement, GHOSTS)
+        if np.count_nonzero(movement.any(axis=1)) > GHOSTS:
+            words += f", of the {GHOSTS} parts that move most"
+        entries += draw_displaced(axes, assembly, camera, factor * drawn, words)
     if len(assembly.parts) <= NAMED:
         draw_names(axes, assembly, faces)
     draw_gravity(axes, camera)

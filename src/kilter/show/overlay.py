@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from kilter.assembly import Assembly
 
 __all__ = [
+    "GHOSTS",
     "draw_fall",
     "draw_forces",
     "draw_gravity",

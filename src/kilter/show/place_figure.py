@@ -142,4 +142,8 @@ def _write_height(axes: Any, level: Mapping[str, Any]) -> None:
         return
     inside = shapely.maximum_inscribed_circle(max(pieces, key=lambda piece: piece.area))
     x, y = shapely.get_coordinates(inside)[0]
-    axes.text(x, y, f"z {number(level['height'])}", fontsize=7, color=INK, ha="center", va="center")
+    # beside the middle, where the cross of the best place may be
+    axes.annotate(
+        f"z {number(level['height'])}", (x, y), (0, 7), textcoords="offset points",
+        fontsize=7, color=INK, ha="center", va="bottom",
+    )  # fmt: skip
