@@ -44,8 +44,8 @@ def build(kind: str, bricks: int) -> Any:
 
     if kind == "stable":
         return walls.wall_of(bricks)
-    courses = max(2, round(float(np.sqrt(bricks))))
-    per_course = max(2, round(bricks / courses))
+    courses = max(4, round(float(np.sqrt(bricks))))
+    per_course = max(4, round(bricks / courses))
     if kind == "unstable":
         return walls.short_base(courses, per_course, held=0.45 * per_course)
     return walls.hanging_brick(courses, per_course)

@@ -99,6 +99,12 @@ class TestWalls:
         rest = hung.without(names)
         assert stable(rest)
 
+    @pytest.mark.parametrize(("courses", "per_course"), [(3, 4), (4, 3)])
+    def test_wall_without_room_for_a_lintel_is_refused(self, courses, per_course):
+        walls.hanging_brick(4, 4)
+        with pytest.raises(InputError, match="no room for a lintel"):
+            walls.hanging_brick(courses, per_course)
+
     @pytest.mark.slow
     def test_head_joints_may_be_open(self):
         closed, opened = walls.wall(3, 3), walls.wall(3, 3, gap=0.005)

@@ -249,7 +249,17 @@ def hanging_brick(courses: int = 6, per_course: int = 6, **options: Any) -> Asse
     """A running-bond wall with a lintel, and an unsupported brick under the lintel.
 
     The brick touches only the lintel, from below. It falls at 1 g, and the rest stays.
+
+    Raises
+    ------
+    InputError
+        If the wall is too small for the opening and the lintel.
     """
+    if courses < 4 or per_course < 4:
+        raise InputError(
+            f"a wall of {courses} courses of {per_course} bricks has no room for a lintel",
+            hint="give at least 4 courses of 4 bricks",
+        )
     middle = per_course // 2
     rows = _with_opening(bond(courses, per_course), (middle - 1, middle + 2, 1, 3))
     rows[3] = _with_brick(rows[3], middle - 1.5, middle + 2.5)
