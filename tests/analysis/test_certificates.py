@@ -13,9 +13,17 @@ from transformations import tilted
 
 from kilter.analysis.decision.judge import judge
 from kilter.assembly import Assembly
-from kilter.mechanics.certificate import check_forces, check_motion, part_sizes, violations
+from kilter.assembly.straps import Strap
+from kilter.mechanics.certificate import (
+    check_forces,
+    check_motion,
+    needed_power,
+    needed_powers,
+    part_sizes,
+    violations,
+)
 from kilter.mechanics.forms import least_imbalance, load_factor, scaled_problem
-from kilter.mechanics.mechanics_tolerances import NO_EXCUSE, RULED_OUT, TOLERANCE
+from kilter.mechanics.mechanics_tolerances import NO_EXCUSE, RULED_OUT, STILL, TOLERANCE
 from kilter.scenes import friction, packings, paper, scene, stacks, walls
 from kilter.scenes.pieces import block, floor
 from kilter.solvers.highs import solve_linear
@@ -447,3 +455,68 @@ def test_what_a_row_is_violated_by_is_a_length_or_none():
     lifted = np.where(built.free[:, None], [0.0, 0, 1, 0, 0, 0], 0.0)
     open_ = violations(built, lifted)[~built.two_sided]
     assert (open_ == 0.0).all()
+
+
+def two_blocks():
+    """Two blocks side by side on a table; the second is small and heavy."""
+    first = block("first", [0, 0, 0], [1, 1, 1], mass=2.0)
+    second = block("second", [2, 0, 0], [2.2, 0.1, 0.1], mass=30.0)
+    return program_of(Assembly([floor([-3, -3], [5, 5]), first, second]))
+
+
+@pytest.mark.parametrize(("share", "counts"), [(0.5, False), (2.0, True)])
+def test_a_part_that_turns_by_less_than_a_millionth_does_not_move(share, counts):
+    """The weight of the second block counts in the ratio if radius x angle reaches the limit."""
+    built = two_blocks()
+    first, second = (built.names.index(name) for name in ("first", "second"))
+    motion = np.zeros((len(built.names), 6))
+    motion[first, 0] = 1.0
+    motion[second, 4] = share * STILL / built.radius[second]
+    motion[first, 2] = -1e-3  # it violates its contacts: the ratio depends on the weight
+    proof = check_motion(built, motion)
+    weight = built.weight[first] + (built.weight[second] if counts else 0.0)
+    assert proof.ratio == pytest.approx(proof.power / (proof.violation * weight), rel=1e-12)
+    assert needed_power(built, proof) == pytest.approx(RULED_OUT * proof.violation * weight)
+
+
+def test_the_needed_power_of_several_loads_is_that_of_each_load():
+    """The greater of the tolerance and of the violation, in weights of the moving parts."""
+    built = two_blocks()
+    free = np.flatnonzero(built.free)
+    weights = np.random.default_rng(6).uniform(1.0, 9.0, (3, len(built.names)))
+    for sunk in (0.0, 1e-3):
+        motion = np.zeros((len(built.names), 6))
+        motion[free, 0], motion[free, 2] = 1.0, -sunk
+        proof = check_motion(built, motion)
+        assert (proof.violation > 0) == (sunk > 0)
+        found = needed_powers(built, proof, weights)
+        least = max(TOLERANCE, RULED_OUT * proof.violation)
+        assert found == pytest.approx(least * weights[:, free].sum(axis=1), rel=1e-12)
+        own = needed_power(built, proof)
+        assert own == pytest.approx(float(needed_powers(built, proof, built.weight[None])[0]))
+        assert proof.holds == (proof.power > own)
+
+
+def test_sizes_of_several_motions_are_those_of_each_motion():
+    built = two_blocks()
+    six = np.random.default_rng(7).normal(size=(4, len(built.names), 6))
+    for per_radius in (False, True):
+        each = [part_sizes(built, one, per_radius=per_radius) for one in six]
+        assert np.array_equal(part_sizes(built, six, per_radius=per_radius), each)
+
+
+def test_a_strap_of_limited_pull_may_lengthen():
+    """A box of 2 kg hangs on a strap: its fall is a proof if the strap carries less than that."""
+    deck = block("deck", [-9, -9, -9], [9, 9, -8], grounded=True)
+    box = block("box", [-0.5, -0.5, 0], [0.5, 0.5, 1], mass=2.0)
+    path = [("ground", [0, 0, 5]), ("box", [0, 0, 1])]
+    for capacity, falls in ((10.0, True), (30.0, False)):
+        strap = Strap(path, capacity=capacity)
+        built = program_of(Assembly([deck, box], straps=[strap]))
+        assert len(built.bounded) == 1
+        fall = np.where(built.free[:, None], [0.0, 0, -1, 0, 0, 0], 0.0)
+        proof = check_motion(built, fall)
+        assert violations(built, fall).tolist() == [0.0]
+        assert proof.violation == 0.0
+        assert proof.power == pytest.approx(built.weight[built.free].sum() - capacity)
+        assert proof.holds == falls
