@@ -16,7 +16,8 @@ from kilter import Assembly, Feature, GivenContact, Part, Pose, Sphere
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
 from kilter.second_order.answer.second_order_answer import SecondOrder
-from kilter.second_order.parts.clusters import clusters, joined_state
+from kilter.mechanics.clusters import clusters
+from kilter.second_order.parts.cluster_states import joined_state
 from kilter.shape.primitives import Box
 
 KNOWN = ["02", "03", "07", "25", "26", "34", "35", "37", "38"]

@@ -9,7 +9,7 @@ from random_rounds import beside, random_round
 from round_energy import RADII, compared, decided, survived
 
 import kilter
-from kilter.second_order.parts.clusters import joined_state
+from kilter.second_order.parts.cluster_states import joined_state
 
 
 @pytest.mark.slow

@@ -29,6 +29,9 @@ With friction the order is:
    Inner pyramids give forces, outer pyramids give a motion. They are solved by simplex, which
    is exact even if the set of equilibria has an empty interior.
 
+Large programs are divided into groups of clusters (`kilter.mechanics.clusters`), which are judged
+one after the other.
+
 If the shear of a bond or the pull of a strap is limited by a force, planar or not, the order is:
 the least share of the strength of bonds and straps that suffices, then 3 and 4.
 """
@@ -45,6 +48,7 @@ from kilter.analysis.decision.cohesion import find_cohesion
 from kilter.analysis.decision.strength import find_strength
 from kilter.arrays import Array
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
+from kilter.mechanics.clusters import Cluster, cluster_groups
 from kilter.mechanics.coulomb_cones import (
     ConeProblem,
     angles_across,
@@ -160,12 +164,15 @@ def judge(program: Program, *, work: Work | None = None, solver: Solver | None =
     >>> judge(build_program(assembly, contacts(assembly))).stable
     True
     """
-    best_forces: ForceProof | None = None
-    best_motion: MotionProof | None = None
-    tried: list[str] = []
     if not program.free.any():
         return Judgement(True, check_forces(program, np.zeros(len(program.part_a))), None, ())
     work = Work() if work is None else work.beside()
+    groups = cluster_groups(program)
+    if len(groups) > 1:
+        return _judge_groups(program, groups, work, solver)
+    best_forces: ForceProof | None = None
+    best_motion: MotionProof | None = None
+    tried: list[str] = []
     for word, forces, friction, motion in _candidates(program, work, solver):
         tried.append(word)
         if forces is not None:
@@ -184,6 +191,43 @@ def judge(program: Program, *, work: Work | None = None, solver: Solver | None =
         if work.late:
             break
     return Judgement(None, best_forces, best_motion, tuple(tried))
+
+
+def _judge_groups(
+    program: Program, groups: list[Cluster], work: Work, solver: Solver | None
+) -> Judgement:
+    """Judge a program group by group of its clusters; the proof is one of the whole program.
+
+    The search ends at the first group that moves. A group without a proof leaves the answer open,
+    unless another group moves.
+    """
+    forces, friction = np.zeros(len(program.part_a)), np.zeros((len(program.part_a), 3))
+    motion: MotionProof | None = None
+    solvers: tuple[str, ...] = ()
+    stable: bool | None = True
+    for group in groups:
+        judged = judge(group.program, work=work, solver=solver)
+        solvers = max(solvers, judged.solvers, key=len)
+        if judged.forces is not None:
+            forces[group.rows] = judged.forces.forces
+            friction[group.rows] = judged.forces.friction
+        if judged.motion is not None:
+            moved = check_motion(program, judged.motion.motion)
+            if motion is None or _is_better(moved, motion):
+                motion = moved
+        if judged.stable is False:
+            stable = False
+            break
+        if judged.stable is None:
+            stable = None
+        if work.late:
+            stable = None
+            break
+    word = f"{len(groups)} groups of clusters, the longest search:"
+    proof = check_forces(program, forces, friction)
+    if stable and not proof.holds or stable is False and not (motion and motion.holds):
+        stable = None
+    return Judgement(stable, proof, motion, (word, *solvers))
 
 
 def _is_better(first: MotionProof, other: MotionProof) -> bool:

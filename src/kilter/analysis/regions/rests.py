@@ -26,7 +26,7 @@ from kilter.contact import ContactSet
 from kilter.mechanics.rows import CONTACT
 
 if TYPE_CHECKING:
-    from kilter.second_order.parts.clusters import State
+    from kilter.second_order.parts.cluster_states import State
     from kilter.tell.answer_data.directions_data import RestData
 
 __all__ = ["MOST_RESTS", "PlaceOfRest", "find_rests"]

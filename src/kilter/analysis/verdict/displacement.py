@@ -17,6 +17,7 @@ from scipy.sparse import csc_array, eye_array, vstack
 
 from kilter.analysis.analysis_tolerances import LEAST_IS_OPTIMAL, NO_DESCENT
 from kilter.arrays import TINY, Array
+from kilter.mechanics.clusters import cluster_groups
 from kilter.mechanics.forms import displacement
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import LinearProgram, quadratic_program
@@ -57,11 +58,24 @@ def find_displacement(program: Program) -> Displacement:
     >>> [round(float(x), 3) + 0.0 for x in found.displacement[1:, [0, 2]].ravel()]
     [0.0, -1.0, 0.577, 0.0]
     """
+    large = int(program.free.sum()) > LIMIT
+    z, shift = 0.0, np.zeros((len(program.names), 6))
+    if program.free.any():
+        for cluster in cluster_groups(program):
+            found = _of_group(cluster.program, z_only=large)
+            if found.z is None:
+                return found
+            z += found.z
+            if found.displacement is not None:
+                shift += found.displacement
+    return Displacement(z, None if large else shift)
+
+
+def _of_group(program: Program, *, z_only: bool) -> Displacement:
+    """Solve the displacement program of a group of clusters."""
     from kilter.solvers.highs import find_optimum
 
     count = int(program.free.sum())
-    if not count:
-        return Displacement(0.0, np.zeros((len(program.names), 6)))
     lp = displacement(program)
     size = max(float(np.abs(lp.cost).max(initial=0.0)), TINY)
     scaled = dataclasses.replace(lp, cost=lp.cost / size)
@@ -69,7 +83,7 @@ def find_displacement(program: Program) -> Displacement:
     if not answer.optimal:
         return Displacement(None, None)
     z = min(float(lp.cost @ answer.x), 0.0)
-    if count > LIMIT:
+    if z_only:
         return Displacement(z, None)
     return Displacement(z, program.full(_shortest(lp, answer.x, z)))
 

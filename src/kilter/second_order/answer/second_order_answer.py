@@ -18,7 +18,7 @@ import numpy as np
 
 from kilter.arrays import Array, Index
 from kilter.mechanics.program import Program
-from kilter.second_order.parts.clusters import State
+from kilter.second_order.parts.cluster_states import State
 
 if TYPE_CHECKING:
     from kilter.second_order.gaps.stationary import Stationary

@@ -29,7 +29,8 @@ from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.stationary import stationary
 from kilter.second_order.motions.rolling import find_rolling, worst_rolling
 from kilter.second_order.motions.sharp_points import sharp_points, with_sharp
-from kilter.second_order.parts.clusters import Cluster, clusters, joined_state
+from kilter.mechanics.clusters import Cluster, clusters
+from kilter.second_order.parts.cluster_states import joined_state
 from kilter.second_order.parts.rigid_groups import RigidGroups
 from kilter.second_order.proofs.cluster_facts import ClusterFacts
 from kilter.second_order.proofs.held import Held, judge_held

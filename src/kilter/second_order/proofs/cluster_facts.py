@@ -21,7 +21,7 @@ from kilter.second_order.gaps.recognised import bounded, formed_for_all
 from kilter.second_order.gaps.stationary import Stationary, problem_of
 from kilter.second_order.gaps.touched_surfaces import Touched, planes_of, touched_surfaces
 from kilter.second_order.motions.free_motions import FreeMotions, find_free_motions
-from kilter.second_order.parts.clusters import Cluster
+from kilter.mechanics.clusters import Cluster
 
 __all__ = ["ClusterFacts", "Judged"]
 
