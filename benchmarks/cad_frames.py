@@ -1,6 +1,7 @@
 """Time of each stage of the first answer about arrays of bolted frames, written as STEP files.
 
     python benchmarks/cad_frames.py                 100, 300 and 1,000 solids
+    python benchmarks/cad_frames.py --linked        all frames are connected by rails
     python benchmarks/cad_frames.py 1000 --profile  the functions that take most of the time
 
 A frame has two columns with head plates, a beam on them, a deck on the beam, and four bolts, each
@@ -8,9 +9,9 @@ with two washers and a nut: 22 solids. Bolts have clearance in their holes, and 
 without a thread. The frames are instances of one product in nested products; they are turned about
 the vertical axis by random angles, some by quarter turns. All of them stand on one base plate.
 
-Each row is a separate process. The columns are CPU seconds: `reading` by OCCT, in its own process;
-`contacts`; `check`, with its contacts; `answer`, the complete command with all that it tries, without
-the reading. `growth` is the exponent of the answer's time between a row and the row above.
+Each row is a separate process. The columns are CPU seconds: `reading` by OCCT; `contacts`; `check`,
+with its contacts; `answer`, the complete command with all that it tries, without the reading.
+`growth` is the exponent of the answer's time between a row and the row above.
 """
 
 from __future__ import annotations
@@ -41,11 +42,13 @@ IN_ROW = 8
 """Largest number of frames in a row."""
 PITCH = 260.0
 """Distance of the middles of neighbouring frames [mm]."""
+DECK = 5.0
+"""Thickness of a deck [mm]."""
 COLUMNS = ("reading", "contacts", "check", "answer")
 
 
-def frame_tree(rng: np.random.Generator) -> list[tuple[str, Any, Any]]:
-    """The product tree of a frame with random sizes; its foot is at height 0 [mm]."""
+def frame_tree(rng: np.random.Generator) -> tuple[list[tuple[str, Any, Any]], float]:
+    """The product tree of a frame with random sizes, and its height; its foot is at 0 [mm]."""
     from cad_solids import box, cut, fuse, hexagon, placed, ring, rod, shift
 
     radius = float(rng.uniform(2.5, 4.0))
@@ -59,7 +62,7 @@ def frame_tree(rng: np.random.Generator) -> list[tuple[str, Any, Any]]:
     column = box((-12, -12, 0), (12, 12, tall))
     plate = cut(box((-20, -34, 0), (20, 34, thick)), *own)
     beam = cut(box((-half - 20, -34, 0), (half + 20, 34, deep)), *holes)
-    deck = box((-half + 30, -30, 0), (half - 30, 30, 5))
+    deck = box((-half + 30, -30, 0), (half - 30, 30, DECK))
     head, washer_height = 1.6 * radius, 1.5
     length = thick + deep + 2 * washer_height + head + 3.0
     bolt = fuse(hexagon(3.4 * radius, 0, head), rod(radius, -length, 0))
@@ -74,21 +77,25 @@ def frame_tree(rng: np.random.Generator) -> list[tuple[str, Any, Any]]:
     ]
     post = [("column", column, None), ("plate", plate, shift((0, 0, tall)))]
     top = tall + thick + deep
-    return [
+    tree = [
         *(("post", post, shift((x, 0, 0))) for x in (-half, half)),
         ("beam", beam, shift((0, 0, tall + thick))),
         ("deck", placed(deck, None), shift((0, 0, top))),
         *(("joint", joint, shift((x, y, top))) for x in (-half, half) for y in (-out, out)),
     ]
+    return tree, top + DECK
 
 
-def draw_frames(solids: int, seed: int) -> list[tuple[str, Any, Any]]:
-    """The product tree of a base with about a number of solids in frames [mm]."""
+def draw_frames(solids: int, seed: int, *, linked: bool) -> list[tuple[str, Any, Any]]:
+    """The product tree of a base with about a number of solids in frames [mm].
+
+    `linked`: whether the frames are upright and carry rails, so that all parts are connected.
+    """
     from cad_solids import box, shift
     from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Trsf
 
     rng = np.random.default_rng(seed)
-    frame = frame_tree(rng)
+    frame, top = frame_tree(rng)
     count = max(1, round((solids - 1) / IN_FRAME))
     rows: list[tuple[str, Any, Any]] = []
     for first in range(0, count, IN_ROW):
@@ -96,19 +103,28 @@ def draw_frames(solids: int, seed: int) -> list[tuple[str, Any, Any]]:
         for k in range(min(IN_ROW, count - first)):
             turn = gp_Trsf()
             angle = rng.integers(4) * np.pi / 2 if rng.random() < 0.5 else rng.uniform(0, 2 * np.pi)
+            angle = 0.0 if linked else angle
             turn.SetRotation(gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1)), float(angle))
             row.append(("frame", frame, shift((PITCH * k, 0, 0)).Multiplied(turn)))
+        if linked:
+            length = PITCH * (len(row) - 1) + 40
+            row.append(("rail", box((-20, -15, 0), (length - 20, 15, 12)), shift((0, 0, top))))
         rows.append(("row", row, shift((0, PITCH * len(rows), 0))))
+    if linked and len(rows) > 1:
+        girder = box((-15, -15, 0), (15, PITCH * (len(rows) - 1) + 15, 12))
+        rows.append(("girder", girder, shift((0, 0, top + 12))))
+        rows.append(("girder", girder, shift((40, 0, top + 12))))
     low = -PITCH / 2
-    base = box((low, low, -10), (PITCH * IN_ROW + low, PITCH * len(rows) + low, 0))
+    deep = PITCH * math.ceil(count / IN_ROW)
+    base = box((low, low, -10), (PITCH * IN_ROW + low, deep + low, 0))
     return [("array", [("base", base, None), *rows], None)]
 
 
-def write_frames(solids: int, seed: int, path: Path) -> Path:
+def write_frames(solids: int, seed: int, path: Path, *, linked: bool = False) -> Path:
     """Write an array of about a number of solids as a STEP file."""
     from step_maker import write_step
 
-    return write_step(path, draw_frames(solids, seed))
+    return write_step(path, draw_frames(solids, seed, linked=linked))
 
 
 # times ------------------------------------------------------------------------------------
@@ -171,6 +187,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("solids", type=int, nargs="*", default=[100, 300, 1000])
     parser.add_argument("--seed", type=int, default=0, help="seed of the sizes and the angles")
+    parser.add_argument("--linked", action="store_true", help="connect all frames by rails")
     parser.add_argument("--profile", action="store_true", help="print the slowest functions")
     parser.add_argument("--file", help=argparse.SUPPRESS)
     options = parser.parse_args()
@@ -181,7 +198,8 @@ def main() -> None:
     last: tuple[int, float] | None = None
     with tempfile.TemporaryDirectory() as folder:
         for solids in options.solids:
-            file = write_frames(solids, options.seed, Path(folder) / f"{solids}.step")
+            path = Path(folder) / f"{solids}.step"
+            file = write_frames(solids, options.seed, path, linked=options.linked)
             words = [sys.executable, __file__, "--file", str(file)]
             words += ["--profile"] if options.profile else []
             done = subprocess.run(words, capture_output=True, text=True, check=False)

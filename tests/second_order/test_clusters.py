@@ -13,10 +13,10 @@ from test_second_order_file import changed, numbers
 
 import kilter
 from kilter import Assembly, Feature, GivenContact, Part, Pose, Sphere
+from kilter.mechanics.clusters import clusters
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
 from kilter.second_order.answer.second_order_answer import SecondOrder
-from kilter.mechanics.clusters import clusters
 from kilter.second_order.parts.cluster_states import joined_state
 from kilter.shape.primitives import Box
 

@@ -1,7 +1,8 @@
 """Clusters of an assembly: sets of free parts that touch each other.
 
 Parts of different clusters do not touch, so clusters move independently of each other: forces
-balance the assembly iff they balance each cluster, and a motion of a cluster is one of the assembly.
+balance the assembly iff they balance each cluster, and a motion of a cluster is a motion of the
+assembly.
 """
 
 from __future__ import annotations

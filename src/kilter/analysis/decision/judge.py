@@ -225,7 +225,7 @@ def _judge_groups(
             break
     word = f"{len(groups)} groups of clusters, the longest search:"
     proof = check_forces(program, forces, friction)
-    if stable and not proof.holds or stable is False and not (motion and motion.holds):
+    if (stable and not proof.holds) or (stable is False and not (motion and motion.holds)):
         stable = None
     return Judgement(stable, proof, motion, (word, *solvers))
 

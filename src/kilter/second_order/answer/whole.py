@@ -17,6 +17,7 @@ import numpy as np
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
+from kilter.mechanics.clusters import Cluster, clusters
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 from kilter.second_order.answer.second_order_answer import (
@@ -29,7 +30,6 @@ from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.stationary import stationary
 from kilter.second_order.motions.rolling import find_rolling, worst_rolling
 from kilter.second_order.motions.sharp_points import sharp_points, with_sharp
-from kilter.mechanics.clusters import Cluster, clusters
 from kilter.second_order.parts.cluster_states import joined_state
 from kilter.second_order.parts.rigid_groups import RigidGroups
 from kilter.second_order.proofs.cluster_facts import ClusterFacts

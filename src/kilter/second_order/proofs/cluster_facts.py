@@ -14,6 +14,7 @@ import numpy as np
 from kilter.arrays import Index, Mask
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
+from kilter.mechanics.clusters import Cluster
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 from kilter.second_order.gaps.features import Features
@@ -21,7 +22,6 @@ from kilter.second_order.gaps.recognised import bounded, formed_for_all
 from kilter.second_order.gaps.stationary import Stationary, problem_of
 from kilter.second_order.gaps.touched_surfaces import Touched, planes_of, touched_surfaces
 from kilter.second_order.motions.free_motions import FreeMotions, find_free_motions
-from kilter.mechanics.clusters import Cluster
 
 __all__ = ["ClusterFacts", "Judged"]
 

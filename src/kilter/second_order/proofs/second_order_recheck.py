@@ -13,6 +13,7 @@ import numpy as np
 from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
+from kilter.mechanics.clusters import Cluster, clusters
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof_form import (
     COUNT,
@@ -32,7 +33,6 @@ from kilter.second_order.motions.free_motions import FreeMotions
 from kilter.second_order.motions.free_span import moving_free, scaled_columns
 from kilter.second_order.motions.rolling import find_rolling, worst_rolling
 from kilter.second_order.motions.sharp_points import sharp_points, with_sharp
-from kilter.mechanics.clusters import Cluster, clusters
 from kilter.second_order.parts.cluster_states import joined_state
 from kilter.second_order.parts.rigid_groups import RigidGroups
 from kilter.second_order.proofs.cluster_facts import ClusterFacts
