@@ -18,6 +18,7 @@ from OCP.STEPCAFControl import STEPCAFControl_Writer
 from OCP.STEPControl import STEPControl_StepModelType
 from OCP.TCollection import TCollection_ExtendedString, TCollection_HAsciiString
 from OCP.TDataStd import TDataStd_Name
+from OCP.TDF import TDF_Label
 from OCP.TDocStd import TDocStd_Document
 from OCP.TopLoc import TopLoc_Location
 from OCP.XCAFDoc import XCAFDoc_ColorType, XCAFDoc_DocumentTool
@@ -67,16 +68,21 @@ def write_step(
     *,
     colors: Mapping[str, tuple[float, float, float]] | None = None,
     densities: Mapping[str, float] | None = None,
+    layers: Mapping[str, str] | None = None,
+    hidden_layers: Sequence[str] = (),
+    hidden: Sequence[str] = (),
 ) -> Path:
     """Write a STEP file; equal shape objects are shared products. `apart`: prefix of part files.
 
-    `colors` (linear red, green and blue) and `densities` (g/cm^3) are those of named products.
+    `colors` (linear red, green and blue) and `densities` (g/cm^3) are those of named products,
+    as are `layers` and `hidden`.
     """
     document = TDocStd_Document(TCollection_ExtendedString("MDTV-XCAF"))
     XCAFDoc_DocumentTool.SetLengthUnit_s(document, metres_per_unit(units))
     tool = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
     color_tool = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
     material_tool = XCAFDoc_DocumentTool.MaterialTool_s(document.Main())
+    layer_tool = XCAFDoc_DocumentTool.LayerTool_s(document.Main())
     known: dict[int, Any] = {}
 
     def label(node: Node) -> Any:
@@ -94,6 +100,10 @@ def write_step(
         if name in (colors or {}):
             color = Quantity_Color(*colors[name], Quantity_TypeOfColor.Quantity_TOC_RGB)
             color_tool.SetColor(made, color, XCAFDoc_ColorType.XCAFDoc_ColorSurf)
+        if name in hidden:
+            color_tool.SetVisibility(made, False)
+        if layers is not None and name in layers:
+            layer_tool.SetLayer(made, TCollection_ExtendedString(layers[name], True), False)
         if name in (densities or {}):
             words = (f"material of {name}", "", "density measure", "POSITIVE_RATIO_MEASURE")
             title, about, measure, kind = (TCollection_HAsciiString(word) for word in words)
@@ -107,10 +117,15 @@ def write_step(
         for root in roots:
             label(root)
         tool.UpdateAssemblies()
+        for layer in hidden_layers:
+            found = TDF_Label()
+            assert layer_tool.FindLayer(TCollection_ExtendedString(layer, True), found)
+            layer_tool.SetVisibility(found, False)
         writer = STEPCAFControl_Writer()
         writer.SetNameMode(True)
         writer.SetColorMode(True)
         writer.SetMaterialMode(True)
+        writer.SetLayerMode(True)
         kind = STEPControl_StepModelType.STEPControl_AsIs
         done = writer.Transfer(document, kind, apart) if apart else writer.Transfer(document, kind)
         assert done

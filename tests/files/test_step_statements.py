@@ -18,7 +18,7 @@ from kilter.errors import InputError
 from kilter.files.formats import assembly_of
 from kilter.files.kilter_json import from_dict, to_dict
 from kilter.files.step_bodies import step_bodies
-from kilter.files.step_densities import stated_densities
+from kilter.files.step_statements import text_statements
 from kilter.show.colours import assembly_colours
 
 GRAM = "( MASS_UNIT() NAMED_UNIT(*) SI_UNIT($,.GRAM.) )"
@@ -73,7 +73,8 @@ def step_text(mass, length, value, *, owner=PROPERTY, measure=MEASURE, powers=("
 def densities_of(tmp_path: Path, text: str) -> list[float]:
     path = tmp_path / "part.step"
     path.write_text(text)
-    return list(stated_densities(path).values())
+    stated = text_statements(path).values()
+    return [one.density for one in stated if one.density is not None]
 
 
 @pytest.mark.parametrize(
@@ -141,3 +142,113 @@ def test_parts_are_drawn_in_the_colours_that_they_state():
     assert len(set(map(tuple, assembly_colours(grey, [0, 0]).tolist()))) == 2
     with pytest.raises(InputError, match=r"colour is 'red'; give .#rrggbb"):
         Part("a", Box([1, 1, 1]), color="red")
+
+
+# materials, layers, hidden solids -----------------------------------------------------------------
+
+NAMED = """
+#10=PROPERTY_DEFINITION('material property','material name',#1);
+#11=PROPERTY_DEFINITION_REPRESENTATION(#10,#12);
+#12=REPRESENTATION('material name',(#13),#73);
+#13=DESCRIPTIVE_REPRESENTATION_ITEM('{name}','of a table');
+"""
+MADE_FROM = """
+#10=MAKE_FROM_USAGE_OPTION('material','make from','',#1,#11,1,'',#14);
+#11=PRODUCT_DEFINITION('part definition','',#12,#71);
+#12=PRODUCT_DEFINITION_FORMATION('','',#13);
+#13=PRODUCT('AMS 5662','Inconel 718','',(#70));
+"""
+OTHER = """
+#10=PROPERTY_DEFINITION('surface finish','',#1);
+#11=PROPERTY_DEFINITION_REPRESENTATION(#10,#12);
+#12=REPRESENTATION('finish',(#13),#73);
+#13=DESCRIPTIVE_REPRESENTATION_ITEM('polished','');
+#14=REPRESENTATION('material name',(),#73);
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        (NAMED.format(name="Steel"), "Steel"),
+        (NAMED.format(name=r"Stahl \X2\00E40020FFFD\X0\ S\S\d"), "Stahl \u00e4 \ufffd S\u00e4"),
+        (NAMED.format(name=r"10'' \X\B0 a\\b"), "10' \u00b0 a\\b"),
+        (NAMED.format(name=""), "of a table"),
+        ("#10=MATERIAL_DESIGNATION('EN AW-6060',(#2));", "EN AW-6060"),
+        (MADE_FROM, "AMS 5662 Inconel 718"),
+        (OTHER, None),
+    ],
+)
+def test_the_name_of_a_material_is_read_in_each_form(
+    text: str, name: str | None, tmp_path: Path
+) -> None:
+    path = tmp_path / "part.step"
+    path.write_text(SHAPES + text)
+    assert [one.material for one in text_statements(path).values()] == [name] * (name is not None)
+
+
+LAYER = "#30=PRESENTATION_LAYER_ASSIGNMENT('walls','visible',({item}));"
+
+
+@pytest.mark.parametrize(
+    ("text", "layer", "hidden"),
+    [
+        (LAYER.format(item="#7"), "walls", False),
+        (LAYER.format(item="#6"), "walls", False),
+        (LAYER.format(item="#31") + "#31=STYLED_ITEM('',(#74),#7);", "walls", False),
+        (LAYER.format(item="#7") + "#32=INVISIBILITY((#30));", "walls", True),
+        ("#31=STYLED_ITEM('',(#74),#7);#32=INVISIBILITY((#31));", None, True),
+        (LAYER.format(item="#74") + "#32=INVISIBILITY((#30));", None, False),
+    ],
+)
+def test_layers_and_hidden_solids(
+    text: str, layer: str | None, hidden: bool, tmp_path: Path
+) -> None:
+    path = tmp_path / "part.step"
+    path.write_text(SHAPES + text)
+    stated = [(one.layer, one.hidden) for one in text_statements(path).values()]
+    assert stated == ([(layer, hidden)] if layer or hidden else [])
+
+
+def test_material_layer_and_visibility_of_a_file_of_occt(tmp_path: Path) -> None:
+    nodes = [
+        (name, BRepPrimAPI_MakeBox(1.0 + k, 2.0, 3.0).Solid(), None)
+        for k, name in enumerate("abcd")
+    ]
+    path = write_step(
+        tmp_path / "file.step",
+        [("all", nodes, None)],
+        densities={"a": 7.85},
+        layers={"a": "W\u00e4nde", "b": "off", "c": "on"},
+        hidden_layers=["off"],
+        hidden=["d"],
+    )
+    assembly = kilter.load(path)
+    assert [part.material for part in assembly.parts] == ["material of a", None, None, None]
+    assert [part.layer for part in assembly.parts] == ["W\u00e4nde", "off", "on", None]
+    hidden = [note for note in assembly.notes if note.startswith("hidden in the file")]
+    assert len(hidden) == 1
+    assert "'b', 'd'" in hidden[0]
+    assert "--without" in hidden[0]
+    again = from_dict(to_dict(assembly))
+    assert [part.material for part in again.parts] == [part.material for part in assembly.parts]
+    assert [part.layer for part in again.parts] == [part.layer for part in assembly.parts]
+    answer = kilter.check(kilter.load(path, ground="a")).to_dict()
+    assert [part["material"] for part in answer["parts"]] == ["material of a", None, None, None]
+
+
+def test_the_message_on_a_missing_density_names_the_material() -> None:
+    free = [
+        Part("light", Box([1, 1, 1]), [0, 0, 2], material="oak"),
+        Part("heavy", Box([1, 1, 1]), [0, 0, 1], density=7850.0, material="steel"),
+    ]
+    table = Part("table", Box([3, 3, 1]), grounded=True, material="stone")
+    warning = next(w for w in kilter.Assembly([table, *free]).geometry.warnings if "assumed" in w)
+    assert "'light' (material 'oak')" in warning
+    assert "steel" not in warning
+
+
+@pytest.mark.parametrize("label", ["", 3])
+def test_a_label_that_is_no_name_is_refused(label: object) -> None:
+    with pytest.raises(InputError, match=r"part 'p': layer is .*; give a name"):
+        Part("p", Box([1, 1, 1]), layer=label)  # type: ignore[arg-type]

@@ -16,6 +16,7 @@ export function factsOf(page, found, k) {
   const rows = [
     ["mass", `${number(parts.mass[k], 6)} kg`],
     ["volume", `${number(parts.volume[k], 6)} ${units}³`],
+    ...labelsOf(parts, k),
     ["centre", `${direction(at)} ${units}`],
     ["touches", names.join(", ") || "nothing"],
     ["state", parts.grounded[k] ? "held" : state],
@@ -28,6 +29,11 @@ export function factsOf(page, found, k) {
   }
   if (found.forces) rows.push(["contact forces", `${force(pressed(found.forces, k))} in total`]);
   return rows;
+}
+
+/** Material and layer of part k, as the file states them. */
+export function labelsOf(parts, k) {
+  return ["material", "layer"].filter((key) => parts[key]?.[k]).map((key) => [key, parts[key][k]]);
 }
 
 /** Indices of the parts that share a contact patch with part k. */

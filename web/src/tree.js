@@ -1,5 +1,6 @@
 // The tree of parts with search: a click selects, the word at the right hides and shows.
 
+import { labelsOf } from "./card.js";
 import { id, on } from "./dom.js";
 import { matcher, nest, rowsOf } from "./grove.js";
 import { number } from "./words.js";
@@ -85,7 +86,8 @@ export class Tree {
     put("span", "caret", group ? (this.open.has(node.path) ? "▾" : "▸") : "").setAttribute("aria-hidden", "true");
     const { mass, grounded, tails } = this.page.parts;
     const label = node.label.includes("/") && !group ? tails[node.part] : node.label;
-    put("bdi", "label", label).title = node.path;
+    const labels = group ? [] : labelsOf(this.page.parts, node.part).map(([key, text]) => `${key} ${text}`);
+    put("bdi", "label", label).title = [node.path, ...labels].join("\n");
     const held = node.parts.filter((part) => grounded[part]).length;
     const marks = held ? (group && held < node.parts.length ? `${held} held` : "held") : "";
     put("span", "soft", marks);

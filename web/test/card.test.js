@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import test from "node:test";
-import { factsOf, pressed, touching } from "../src/card.js";
+import { factsOf, labelsOf, pressed, touching } from "../src/card.js";
 import { force, plainly } from "../src/words.js";
 
 const page = {
@@ -45,4 +45,11 @@ test("a force has a suitable SI prefix", () => {
   // the same table tests `kilter.tell.force`, so that page and command print the same
   const table = JSON.parse(readFileSync(new URL("../../tests/show/forces.json", import.meta.url)));
   for (const [newtons, words] of table) assert.equal(force(newtons), words);
+});
+
+test("material and layer are listed only if the file states them", () => {
+  assert.deepEqual(labelsOf({}, 0), []);
+  const parts = { material: ["steel", null], layer: ["walls", "roof"] };
+  assert.deepEqual(labelsOf(parts, 0), [["material", "steel"], ["layer", "walls"]]);
+  assert.deepEqual(labelsOf(parts, 1), [["layer", "roof"]]);
 });

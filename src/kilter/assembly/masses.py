@@ -106,12 +106,15 @@ def part_masses(
 def density_warnings(parts: Sequence[Part]) -> list[str]:
     """The warning about the default density beside given masses; empty if it is not needed."""
     free = [part for part in parts if not part.grounded]
-    assumed = [part.name for part in free if part.given_mass is None and part.density is None]
+    without = [part for part in free if part.given_mass is None and part.density is None]
+    assumed = [part.name for part in without]
     if len(assumed) in (0, len(free)):
         return []
+    materials = [part.material for part in without if part.material]
+    named = f" (material {some_names(list(dict.fromkeys(materials)))})" if materials else ""
     return [
-        f"density {DEFAULT_DENSITY:g} kg/m^3 assumed for {some_names(assumed)}, although other "
-        "parts have a given mass or density: the verdict may depend on the ratios"
+        f"density {DEFAULT_DENSITY:g} kg/m^3 assumed for {some_names(assumed)}{named}, although "
+        "other parts have a given mass or density: the verdict may depend on the ratios"
     ]
 
 

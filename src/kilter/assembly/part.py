@@ -54,6 +54,9 @@ class Part(Value):
         Toy brick, drawn with studs and in its colour; the shape must be a box.
     color : str, optional
         Colour in drawings, as "#rrggbb" in lower case.
+    material, layer : str, optional
+        Names of the material and of the layer, as a CAD file states them; words for people, from
+        which nothing is computed.
     given_mass : float, optional
         The same as `mass`, for `dataclasses.replace`.
     units : {"m", "cm", "mm", "in"}
@@ -99,6 +102,8 @@ class Part(Value):
     table: bool = False
     brick: Brick | None = None
     color: str | None = None
+    material: str | None = None
+    layer: str | None = None
     units: str = field(default="m", compare=False)
     geometry: str = field(default="", compare=False)
 
@@ -116,6 +121,8 @@ class Part(Value):
         brick: Brick | None = None,
         *,
         color: str | None = None,
+        material: str | None = None,
+        layer: str | None = None,
         given_mass: float | None = None,
         units: str = "m",
         geometry: str = "",
@@ -131,6 +138,8 @@ class Part(Value):
             "table": table,
             "brick": brick,
             "color": color,
+            "material": material,
+            "layer": layer,
             "units": units,
             "geometry": geometry,
         }
@@ -155,6 +164,10 @@ class Part(Value):
             raise InputError("the shape of the brick is not a box", hint="give a box, or no brick")
         if self.color is not None and not re.fullmatch("#[0-9a-f]{6}", str(self.color)):
             raise InputError(f"the colour is {self.color!r}", hint='give "#rrggbb", or no colour')
+        for key in ("material", "layer"):
+            label = getattr(self, key)
+            if label is not None and not (isinstance(label, str) and label):
+                raise InputError(f"{key} is {label!r:.40}", hint="give a name, or None")
         object.__setattr__(self, "pose", Pose.of(self.pose))
         object.__setattr__(self, "grounded", _flag(self.grounded, "grounded"))
         object.__setattr__(self, "table", _flag(self.table, "table"))

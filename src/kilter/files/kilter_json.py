@@ -162,6 +162,8 @@ def _part(entry: PartEntry, named: NamedFiles, tally: Tally) -> Part:
             center_of_mass=entry.center_of_mass,
             brick=None if entry.brick is None else _brick(entry.brick),
             color=entry.color,
+            material=entry.material,
+            layer=entry.layer,
         )
     except InputError as error:
         raise error.located(part=entry.name) from None
@@ -382,6 +384,8 @@ def _part_dict(part: Part) -> dict[str, Any]:
             center_of_mass=part.center_of_mass,
             brick=None if part.brick is None else _brick_dict(part.brick),
             color=part.color,
+            material=part.material,
+            layer=part.layer,
         ),
     }
 

@@ -192,6 +192,10 @@ class PartEntry(Entry):
     color: str | None = Field(
         None, pattern="^#[0-9a-f]{6}$", description='colour in drawings, as "#rrggbb"'
     )
+    material: str | None = Field(
+        None, min_length=1, description="name of the material; nothing is computed from it"
+    )
+    layer: str | None = Field(None, min_length=1, description="name of the layer in CAD")
 
 
 class FrictionPairEntry(Entry):

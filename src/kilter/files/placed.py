@@ -40,6 +40,8 @@ class FileBodies:
         Density that the file states for each body [kg/m^3]; empty if it states none.
     colors : tuple of str or None
         Colour of each body ("#rrggbb"); empty if the file states none.
+    materials, layers : tuple of str or None
+        Names of the material and of the layer of each body; empty if the file states none.
     """
 
     names: tuple[str | None, ...]
@@ -51,6 +53,8 @@ class FileBodies:
     left_out: tuple[str, ...] = ()
     densities: tuple[float | None, ...] = ()
     colors: tuple[str | None, ...] = ()
+    materials: tuple[str | None, ...] = ()
+    layers: tuple[str | None, ...] = ()
 
     def make_read_only(self) -> FileBodies:
         """Make all arrays of the bodies read-only."""
@@ -68,10 +72,12 @@ class FileBodies:
 
     @property
     def stated(self) -> list[dict[str, Any]]:
-        """Density and colour of each body, as keyword arguments of `Part`."""
+        """Density, colour, material and layer of each body, as keyword arguments of `Part`."""
         none = (None,) * len(self.shapes)
-        rows = zip(self.densities or none, self.colors or none, strict=True)
-        return [{"density": density, "color": color} for density, color in rows]
+        columns = (self.densities, self.colors, self.materials, self.layers)
+        keys = ("density", "color", "material", "layer")
+        rows = zip(*(column or none for column in columns), strict=True)
+        return [dict(zip(keys, row, strict=True)) for row in rows]
 
     def in_units(self, units: str) -> list[tuple[Mesh | Solid, Pose]]:
         """Shapes and poses converted to the length unit `units`."""

@@ -80,8 +80,8 @@ def with_bodies(assembly: Assembly, entries: Entries) -> Assembly:
     poses, materials = entries.get("poses", {}), entries.get("materials", [])
     if not poses and not materials:
         return assembly
-    density = {
-        name: material["density"]
+    chosen = {
+        name: (material["density"], material.get("name"))
         for material in materials
         for name in assembly.matching([material["parts"]])
     }
@@ -93,8 +93,9 @@ def with_bodies(assembly: Assembly, entries: Entries) -> Assembly:
             pose = poses[part.name]
             place, turn = pose.get("position", [0, 0, 0]), pose.get("rotation", [1, 0, 0, 0])
             changes["pose"] = Pose(place, turn)
-        if part.name in density:
-            changes |= {"density": density[part.name], "mass": None}
+        if part.name in chosen:
+            density, name = chosen[part.name]
+            changes |= {"density": density, "mass": None, "material": name or part.material}
         return dataclasses.replace(part, **changes) if changes else part
 
     return dataclasses.replace(assembly, parts=[changed(part) for part in assembly.parts])

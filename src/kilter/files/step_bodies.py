@@ -77,6 +77,11 @@ def bodies_of(
     solids = {row.key: dataclasses.replace(solid, uncertainty=accuracy) for row, solid in bodies}
     notes = [f"ignored, not solids: {some(passed, 8)}"] if passed else []
     notes += [f"left out, without volume: {some_names(empty, 8)}"] if empty else []
+    hidden = [row.name for row, _ in bodies if row.stated.hidden]
+    if hidden:
+        notes.append(
+            f"hidden in the file: {some_names(hidden, 8)}; leave out hidden variants with --without"
+        )
     notes += _notes([row for row, _ in bodies], read)
     return FileBodies(
         names=tuple(row.name for row, _ in bodies),
@@ -84,6 +89,8 @@ def bodies_of(
         poses=tuple(row.pose for row, _ in bodies),
         densities=tuple(row.stated.density for row, _ in bodies),
         colors=tuple(row.stated.color for row, _ in bodies),
+        materials=tuple(row.stated.material for row, _ in bodies),
+        layers=tuple(row.stated.layer for row, _ in bodies),
         units=document.units,
         notes=tuple(notes),
         left_out=tuple(row.name for row in document.solids if _matches(row.name, without)),

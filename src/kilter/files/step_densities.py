@@ -1,12 +1,13 @@
 """Read the densities that a STEP file states for its solids.
 
-Two ways are in use (AP203 edition 2, AP214, AP242; CAx-IF, *Recommended Practices for Material
+Three ways are in use (AP203 edition 2, AP214, AP242; CAx-IF, *Recommended Practices for Material
 Identification and Density*):
 
     product definition <- PROPERTY_DEFINITION <- PROPERTY_DEFINITION_REPRESENTATION
     product definition <- MATERIAL_DESIGNATION <- MATERIAL_DESIGNATION_CHARACTERIZATION
+    product definition <- MAKE_FROM_USAGE_OPTION -> product definition of a raw material, as above
 
-Both lead to a representation with a measure and its unit. Names of properties differ between
+All lead to a representation with a measure and its unit. Names of properties differ between
 programs, so a measure counts as a density if its unit is a mass per volume. The text of the file is
 searched: OCCT 7 and 8 convert only some units of densities.
 """
@@ -15,18 +16,13 @@ from __future__ import annotations
 
 import math
 import re
-from collections import defaultdict
 from collections.abc import Iterator
-from pathlib import Path
 from typing import NamedTuple
 
-from kilter.files.raw import read_bytes
+from kilter.files.step_entities import StepEntities
 
 __all__ = ["stated_densities"]
 
-_ENTITY = re.compile(r"#(\d+)\s*=\s*((?:'[^']*'|[^;'])*);")
-_NAME = re.compile(r"'[^']*'")
-_REFERENCE = re.compile(r"#(\d+)")
 _MEASURE = re.compile(r"MEASURE\s*\(\s*([-+.\dE]+)\s*\)\s*,\s*#(\d+)")
 _EXPONENT = re.compile(r"#(\d+)\s*,\s*([-+.\dE]+)\s*\)")
 _SI_UNIT = re.compile(r"SI_UNIT\s*\(\s*(?:\$|\.(\w+)\.)\s*,\s*\.(METRE|GRAM)\.")
@@ -56,75 +52,53 @@ class _Unit(NamedTuple):
     length: float
 
 
-def stated_densities(path: Path) -> dict[int, float]:
-    """Densities that a STEP file states [kg/m^3], by the position of each solid in the file.
+def stated_densities(entities: StepEntities) -> dict[str, float]:
+    """Densities that a STEP file states [kg/m^3], by the number of each solid.
 
-    The first entity of the file has the position 1, as in the model of OCCT. Stated values that
-    are not positive, or without a unit of mass per volume, are left out.
+    Stated values that are not positive, or without a unit of mass per volume, are left out.
     """
-    data = read_bytes(path)
-    if b"MASS_UNIT" not in data:
-        return {}
-    return _Entities(data.decode("latin-1")).densities()
+    return _Densities(entities).densities()
 
 
-class _Entities:
-    """The entities of a STEP file as text, by number.
+class _Densities:
+    """Search for densities in the entities of a STEP file."""
 
-    Attributes
-    ----------
-    text : dict of str to str
-        Definition of each entity, without its quoted names.
-    of_type : dict of str to list of str
-        Numbers of the entities of each type; a complex entity counts as its first type.
-    """
+    def __init__(self, entities: StepEntities) -> None:
+        self.entities = entities
 
-    def __init__(self, text: str) -> None:
-        self.text = {number: _NAME.sub("''", body) for number, body in _ENTITY.findall(text)}
-        self.of_type: dict[str, list[str]] = defaultdict(list)
-        for number, body in self.text.items():
-            self.of_type[body.lstrip("( \r\n").partition("(")[0].strip()].append(number)
-
-    def references(self, number: str) -> list[str]:
-        """Numbers of the entities that an entity refers to."""
-        return _REFERENCE.findall(self.text.get(number, ""))
-
-    def densities(self) -> dict[int, float]:
-        """Density of each solid, by its position in the file [kg/m^3]."""
+    def densities(self) -> dict[str, float]:
+        """Density of each solid, by its number [kg/m^3]."""
         of_product = dict(self._of_products())
-        position = {number: k for k, number in enumerate(self.text, start=1)}
+        for product, material in self.entities.raw_materials():
+            if material in of_product:
+                of_product.setdefault(product, of_product[material])
         return {
-            position[solid]: of_product[product]
-            for product, solid in self._solids()
+            solid: of_product[product]
+            for product, solid in self.entities.solids()
             if product in of_product
         }
 
     def _of_products(self) -> Iterator[tuple[str, float]]:
         """Yield product definitions and their densities."""
-        for number in self.of_type["PROPERTY_DEFINITION_REPRESENTATION"]:
-            yield from self._stated(number, self.references(number)[:1])
-        for number in self.of_type["MATERIAL_DESIGNATION_CHARACTERIZATION"]:
-            designation, *properties = self.references(number)
+        for number in self.entities.of_type["PROPERTY_DEFINITION_REPRESENTATION"]:
+            yield from self._stated(number, self.entities.references(number)[:1])
+        for number in self.entities.of_type["MATERIAL_DESIGNATION_CHARACTERIZATION"]:
+            designation, *properties = self.entities.references(number)
             for material in properties[:1]:
                 yield from self._stated(material, [designation])
 
     def _stated(self, representation: str, owners: list[str]) -> Iterator[tuple[str, float]]:
         """Yield the products of the owners with the density that a representation states."""
-        for used in self.references(representation):
-            for item in self.references(used):
+        for used in self.entities.references(representation):
+            for item in self.entities.references(used):
                 value = self._density(item)
                 if value is not None:
-                    targets = [to for owner in owners for to in self.references(owner)]
-                    yield from ((self._product(target), value) for target in targets)
-
-    def _product(self, number: str) -> str:
-        """The product definition of a shape of a product; any other entity itself."""
-        is_shape = self.text.get(number, "").lstrip().startswith("PRODUCT_DEFINITION_SHAPE")
-        return next(iter(self.references(number)), number) if is_shape else number
+                    targets = [to for owner in owners for to in self.entities.references(owner)]
+                    yield from ((self.entities.product(target), value) for target in targets)
 
     def _density(self, item: str) -> float | None:
         """Value of a measure in kg/m^3; None if it is not a density."""
-        measure = _MEASURE.search(self.text.get(item, ""))
+        measure = _MEASURE.search(self.entities.text.get(item, ""))
         unit = None if measure is None else self._unit(measure[2])
         if measure is None or unit is None or (unit.mass, unit.length) != _DENSITY:
             return None
@@ -133,14 +107,14 @@ class _Entities:
 
     def _unit(self, number: str, level: int = 0) -> _Unit | None:
         """The unit of an entity number; None if it cannot be read."""
-        text = self.text.get(number, "")
+        text = self.entities.text.get(number, "")
         if level > _LEVELS:
             return None
         if "DERIVED_UNIT" in text:
             return self._derived_unit(number, level)
         if "CONVERSION_BASED_UNIT" in text:
-            for reference in self.references(number):
-                measure = _MEASURE.search(self.text.get(reference, ""))
+            for reference in self.entities.references(number):
+                measure = _MEASURE.search(self.entities.text.get(reference, ""))
                 base = None if measure is None else self._unit(measure[2], level + 1)
                 if measure is not None and base is not None:
                     return base._replace(size=base.size * _number(measure[1]))
@@ -154,8 +128,8 @@ class _Entities:
     def _derived_unit(self, number: str, level: int) -> _Unit | None:
         """The product of the elements of a derived unit; None if one cannot be read."""
         elements = []
-        for element in self.references(number):
-            power = _EXPONENT.search(self.text.get(element, ""))
+        for element in self.entities.references(number):
+            power = _EXPONENT.search(self.entities.text.get(element, ""))
             unit = None if power is None else self._unit(power[1], level + 1)
             if power is None or unit is None:
                 return None
@@ -166,20 +140,6 @@ class _Entities:
             mass, length = _DENSITY
             elements = [(unit, mass if unit.mass else length) for unit, _ in elements]
         return _Unit(math.prod(unit.size**exponent for unit, exponent in elements), mass, length)
-
-    def _solids(self) -> Iterator[tuple[str, str]]:
-        """Yield product definitions and the numbers of their solids."""
-        related: dict[str, set[str]] = defaultdict(set)
-        for number in self.of_type["SHAPE_REPRESENTATION_RELATIONSHIP"]:
-            first, second = (*self.references(number), "", "")[:2]
-            related[first].add(second)
-            related[second].add(first)
-        for number in self.of_type["SHAPE_DEFINITION_REPRESENTATION"]:
-            shape, representation = (*self.references(number), "", "")[:2]
-            for used in (representation, *related[representation]):
-                for item in self.references(used):
-                    if "BREP" in self.text.get(item, ""):
-                        yield self._product(shape), item
 
 
 def _number(word: str) -> float:

@@ -18,8 +18,7 @@ from kilter.errors import InputError
 from kilter.files.file_tolerances import RIGID
 from kilter.files.naming import distinct, tails
 from kilter.files.occt import asciis, inside, labels, quiet, shape_map
-from kilter.files.step_densities import stated_densities
-from kilter.files.step_statements import UNSTATED, Stated, StepStatements
+from kilter.files.step_statements import UNSTATED, Stated, StepStatements, text_statements
 from kilter.rigid import Pose
 from kilter.units import METRES
 
@@ -63,7 +62,7 @@ class Occurrence:
     skin : bool
         Whether the file has a shell instead of a solid; it counts only if it closes.
     stated : Stated
-        Density and colour that the file states.
+        Statements of the file about the solid.
     """
 
     name: str
@@ -130,7 +129,7 @@ def read_document(path: Path) -> StepDocument:
         document = _transfer(reader, units)
         files = [path, *(path.parent / name for name in _external(reader))]
         session = reader.ChangeReader().WS()
-        stated = StepStatements(document, session, stated_densities(path))
+        stated = StepStatements(document, session, text_statements(path))
         solids, passed = _solids(document, session.TransferReader(), path.stem, stated)
     return StepDocument(tuple(solids), units, tuple(passed), tuple(files))
 

@@ -1,58 +1,106 @@
-"""Density and colour of each solid of a STEP document, as the file states them.
+"""Density, material, colour and layer of each solid of a STEP document, as the file states them.
 
 The colour of a solid is that of the solid, else of its product, else of most of its faces.
 """
 
 from __future__ import annotations
 
+import re
 from collections import Counter
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from kilter.files.occt import inside
+from kilter.files.raw import read_bytes
+from kilter.files.step_densities import stated_densities
+from kilter.files.step_entities import StepEntities
+from kilter.files.step_labels import hidden_solids, stated_layers, stated_materials
 
-__all__ = ["UNSTATED", "Stated", "StepStatements"]
+__all__ = ["UNSTATED", "Stated", "StepStatements", "text_statements"]
+
+_SAID = re.compile(
+    rb"MASS_UNIT|MATERIAL_DESIGNATION|MAKE_FROM_USAGE_OPTION|PRESENTATION_LAYER_ASSIGNMENT"
+    rb"|[^A-Z_]INVISIBILITY|(?i:'material)"
+)
+"""Words without which the text of a file states nothing about its solids."""
 
 
 class Stated(NamedTuple):
-    """Density [kg/m^3] and colour ("#rrggbb") of a solid; None if the file states none."""
+    """Statements of a file about a solid; None if the file states none.
+
+    Attributes
+    ----------
+    density : float or None
+        [kg/m^3]
+    color : str or None
+        "#rrggbb".
+    material, layer : str or None
+        Name of the material, and of the layer.
+    hidden : bool
+        Whether the file hides the solid.
+    """
 
     density: float | None = None
     color: str | None = None
+    material: str | None = None
+    layer: str | None = None
+    hidden: bool = False
 
 
 UNSTATED = Stated()
 
 
+def text_statements(path: Path) -> dict[int, Stated]:
+    """Statements in the text of a STEP file, by the position of each solid among its entities.
+
+    The first entity has the position 1, as in the model of OCCT. Colours are left to OCCT.
+    """
+    data = read_bytes(path)
+    if not _SAID.search(data):
+        return {}
+    entities = StepEntities(data)
+    densities, materials = stated_densities(entities), stated_materials(entities)
+    layers, hidden = stated_layers(entities), hidden_solids(entities)
+    position = entities.positions()
+    return {
+        position[solid]: Stated(
+            density=densities.get(solid),
+            material=materials.get(solid),
+            layer=layers.get(solid),
+            hidden=solid in hidden,
+        )
+        for solid in {*densities, *materials, *layers, *hidden}
+    }
+
+
 class StepStatements:
-    """Access to the densities and colours of a STEP document after its transfer to OCCT.
+    """Access to the statements of a STEP document after its transfer to OCCT.
 
     Parameters
     ----------
     document : TDocStd_Document
     session : XSControl_WorkSession
-    densities : dict of int to float
-        Densities by the position of each solid among the entities of the file [kg/m^3].
+    in_text : dict of int to Stated
+        Statements in the text (`text_statements`).
     """
 
-    def __init__(self, document: Any, session: Any, densities: dict[int, float]) -> None:
+    def __init__(self, document: Any, session: Any, in_text: dict[int, Stated]) -> None:
         from OCP.XCAFDoc import XCAFDoc_DocumentTool
 
         self._colors = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
         self._transfer = session.TransferReader()
         # the bindings give an entity of OCCT one Python object as long as it is kept
-        entities = self._transfer.Model()
-        self._densities = [(entities.Value(k), value) for k, value in densities.items()]
+        model = self._transfer.Model()
+        self._entities = [model.Value(k) for k in in_text]
+        self._in_text = dict(zip(map(id, self._entities), in_text.values(), strict=True))
 
     def about(self, solid: Any, product: Any) -> Stated:
-        """Density and colour of a solid (TopoDS_Solid) of a product (TDF_Label)."""
-        return Stated(self._density(solid), self._color(solid, product))
-
-    def _density(self, solid: Any) -> float | None:
-        """Density of a solid [kg/m^3]; None if the file states none."""
-        if not self._densities:
-            return None
-        entity = self._transfer.EntityFromShapeResult(solid, -1)
-        return next((value for known, value in self._densities if known is entity), None)
+        """Statements about a solid (TopoDS_Solid) of a product (TDF_Label)."""
+        stated = UNSTATED
+        if self._in_text:
+            entity = self._transfer.EntityFromShapeResult(solid, -1)
+            stated = self._in_text.get(id(entity), UNSTATED)
+        return stated._replace(color=self._color(solid, product))
 
     def _color(self, solid: Any, product: Any) -> str | None:
         """Colour of a solid, of its product, or of most of its faces; None without a colour."""

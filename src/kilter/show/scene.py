@@ -138,7 +138,7 @@ def _change(answers: Everything, center: Array) -> dict[str, Any] | None:
 
 
 def _parts(assembly: Assembly, center: Array) -> dict[str, Any]:
-    """JSON data of the parts: names, shapes, poses, masses [kg], volumes, colours."""
+    """JSON data of the parts: names, shapes, poses, masses [kg], volumes, colours, labels."""
     geometry, places = assembly.geometry, place_shapes(assembly)
     return {
         "names": [readable(name) for name in assembly.names],
@@ -151,7 +151,17 @@ def _parts(assembly: Assembly, center: Array) -> dict[str, Any]:
         "volume": pack(geometry.volume, "f8"),
         "grounded": pack(geometry.grounded, "u1"),
         "colour": pack(assembly_colours(assembly, places.shape), "u1"),
+        **_labels(assembly),
     }
+
+
+def _labels(assembly: Assembly) -> dict[str, list[str | None]]:
+    """Materials and layers of the parts, each only if the file states some."""
+    columns = {
+        "material": [part.material for part in assembly.parts],
+        "layer": [part.layer for part in assembly.parts],
+    }
+    return {key: labels for key, labels in columns.items() if any(labels)}
 
 
 def _patches(contacts: ContactSet, center: Array) -> dict[str, Any]:

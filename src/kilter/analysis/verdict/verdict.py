@@ -550,6 +550,8 @@ class Verdict(InCells, Answer):
             "name": part.name,
             "grounded": part.grounded,
             "mass": float(self.program.mass[k]),
+            "material": part.material,
+            "layer": part.layer,
             "displacement": None if shift is None else (shift[k] + 0.0).tolist(),
             "acceleration": (motion.acceleration[k] + 0.0).tolist() if motion.known else None,
             "relative": (motion.relative[k] + 0.0).tolist() if motion.known else None,

@@ -87,6 +87,8 @@ class PartData(TypedDict):
     name: str
     grounded: bool
     mass: Annotated[float, Field(description="[kg]")]
+    material: Annotated[str | None, Field(description="name of the material in the file")]
+    layer: Annotated[str | None, Field(description="name of the layer in the file")]
     displacement: Annotated[Twist | None, Field(description="[length unit, rad]")]
     acceleration: Annotated[Twist | None, Field(description="[m/s^2, rad/s^2]")]
     relative: Annotated[
