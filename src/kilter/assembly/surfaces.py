@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross, ratio, read_only, unit_rows
+from kilter.arrays import Array, Index, Mask, cross, lengths, ratio, read_only, unit_rows
 from kilter.assembly.assembly_tolerances import COPLANAR, SAME_SURFACE, SMOOTH
 from kilter.shape.closed import shared_edges
 from kilter.shape.primitives import CYLINDER_SIDES, Cylinder, Mesh, Shape, Sphere
@@ -122,7 +122,7 @@ class Surfaces:
         axis = np.where((self.kind[rows] == SPHERE)[:, None], 0.0, self.axis[rows])
         height = np.einsum("ij,ij->i", apart, axis)
         away = apart - height[:, None] * axis
-        distance = np.linalg.norm(away, axis=1)
+        distance = lengths(away)
         return height, distance, ratio(away, distance[:, None])
 
     def distance(self, rows: Index, points: Array) -> Array:
@@ -157,11 +157,13 @@ class Surfaces:
     def _distance_at(self, rows: Index, polar: tuple[Array, Array, Array]) -> Array:
         """Signed distances of points, given by their polar coordinates."""
         height, rho, _ = polar
-        kind, alpha = self.kind[rows], self.half_angle[rows]
+        kind = self.kind[rows]
         off = rho - self.radius[rows]
-        off = np.where(kind == CONE, rho * np.cos(alpha) - height * np.sin(alpha), off)
-        around = np.hypot(rho - self.radius[rows], height) - self.tube[rows]
-        off = np.where(kind == TORUS, around, off)
+        k = np.flatnonzero(kind == CONE)
+        alpha = self.half_angle[rows[k]]
+        off[k] = rho[k] * np.cos(alpha) - height[k] * np.sin(alpha)
+        k = np.flatnonzero(kind == TORUS)
+        off[k] = np.hypot(off[k], height[k]) - self.tube[rows[k]]
         off = np.where(self.hollow[rows], -off, off)
         result: Array = np.where(kind == FREE, np.inf, off)
         return result
@@ -169,11 +171,13 @@ class Surfaces:
     def _outward_at(self, rows: Index, polar: tuple[Array, Array, Array]) -> Array:
         """Unit normals at points, given by their polar coordinates."""
         height, rho, away = polar
-        kind, alpha, axis = self.kind[rows], self.half_angle[rows], self.axis[rows]
-        cone = np.cos(alpha)[:, None] * away - np.sin(alpha)[:, None] * axis
-        normal = np.where((kind == CONE)[:, None], cone, away)
-        ring = (rho - self.radius[rows])[:, None] * away + height[:, None] * axis
-        normal = np.where((kind == TORUS)[:, None], unit_rows(ring), normal)
+        kind, normal = self.kind[rows], away.copy()
+        k = np.flatnonzero(kind == CONE)
+        alpha = self.half_angle[rows[k]][:, None]
+        normal[k] = np.cos(alpha) * away[k] - np.sin(alpha) * self.axis[rows[k]]
+        k = np.flatnonzero(kind == TORUS)
+        out = (rho[k] - self.radius[rows[k]])[:, None]
+        normal[k] = unit_rows(out * away[k] + height[k][:, None] * self.axis[rows[k]])
         result: Array = np.where(self.hollow[rows][:, None], -normal, normal)
         return result
 

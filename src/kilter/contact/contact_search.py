@@ -16,10 +16,11 @@ from kilter.contact.fits.part_solids import PartSolids
 from kilter.contact.fits.same_body import same_bodies
 from kilter.contact.gaps import GapLimits, Tolerance, gap_limits, reach_of
 from kilter.contact.planar.facets import Facets, find_facets
+from kilter.contact.recent_searches import RecentSearches, recent_searches
 from kilter.contact.unknown import unknown_pairs
 from kilter.shape.primitives import Mesh
 
-__all__ = ["ContactSearch", "begin_search"]
+__all__ = ["ContactSearch", "begin_search", "given_pairs"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -116,15 +117,19 @@ def begin_search(
     of different assemblies form no pair.
     """
     geometry = assembly.geometry
+    recent = recent_searches(geometry) if start is None else RecentSearches()
+    last: ContactSearch | None = recent.search
     progress("facets")
-    facets = find_facets(geometry)
+    facets = find_facets(geometry) if last is None else last.facets
     progress("near pairs")
-    boxes = make_boxes(geometry, facets, start)
+    boxes = make_boxes(geometry, facets, start) if last is None else last.boxes
     near = _pairs_to_detect(assembly, boxes, tolerance, start)
     pairs, unknown = unknown_pairs(geometry, near, reach_of(geometry, tolerance))
     limits = gap_limits(geometry, facets, pairs, tolerance)
+    if last is not None:
+        return replace(last, pairs=pairs, limits=limits, angle=tolerance.angle, unknown=unknown)
     meshes = np.array([isinstance(part.shape, Mesh) for part in assembly.parts])
-    return ContactSearch(
+    search = ContactSearch(
         geometry,
         facets,
         boxes,
@@ -136,6 +141,8 @@ def begin_search(
         PartSolids(geometry),
         np.empty((0, 2), dtype=np.int64),
     )
+    recent.search = search
+    return search
 
 
 def _pairs_to_detect(
@@ -149,10 +156,16 @@ def _pairs_to_detect(
     if start is not None:
         return pairs_apart(boxes, geometry.grounded, reach, start)
     pairs = part_pairs(boxes, geometry.grounded, reach)
-    given = {
-        frozenset(assembly.index_of(n) for n in contact.parts) for contact in assembly.contacts
-    }
+    given = given_pairs(assembly)
     if given:
         keep = [frozenset(pair) not in given for pair in pairs.tolist()]
         pairs = pairs[np.array(keep, dtype=bool)]
     return pairs
+
+
+def given_pairs(assembly: Assembly) -> frozenset[frozenset[int]]:
+    """Pairs of parts whose contacts the file lists."""
+    return frozenset(
+        frozenset(assembly.index_of(name) for name in contact.parts)
+        for contact in assembly.contacts
+    )

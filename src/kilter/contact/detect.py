@@ -12,7 +12,7 @@ from kilter.arrays import starts
 from kilter.assembly import Assembly, Bond, GivenContact
 from kilter.assembly.side_by_side import SideBySide
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
-from kilter.contact.contact_search import ContactSearch, begin_search
+from kilter.contact.contact_search import ContactSearch, begin_search, given_pairs
 from kilter.contact.contact_set import ContactSet, PossibleContacts
 from kilter.contact.contact_tolerances import FIT_PLAY, THREAD
 from kilter.contact.curved.rims import rim_contacts
@@ -24,6 +24,7 @@ from kilter.contact.open_pairs import find_open_pairs, open_forces
 from kilter.contact.pair_findings import PairFindings, examine, examine_in_time
 from kilter.contact.patches import Patches
 from kilter.contact.planar.flat_contacts import GAP_EDGES
+from kilter.contact.recent_searches import recent_searches
 from kilter.errors import InputError
 from kilter.work import facts_of, stop_after, take_at_least
 
@@ -99,19 +100,37 @@ def contacts(
     tolerance.require_sound()
     report_stage = progress or (lambda stage: None)
     with stop_after(time_limit):
-        search = begin_search(assembly, tolerance, report_stage).without_same_bodies()
-        report_stage(f"contacts of near pairs: {len(search.pairs)}")
-        if time_limit is None:
-            findings = examine(assembly, search, tolerance)
-        else:
-            with take_at_least(LEAST_TIME):
-                findings = examine_in_time(assembly, search, tolerance)
+        search, findings = _search(assembly, tolerance, report_stage, time_limit)
         contact_set = _contact_set(assembly, search, findings, tolerance)
         report_fact = facts_of(progress)
         if report_fact is not None:
             report_fact("contacts", touching_words(contact_set))
         report_stage("nearest parts")
         return _with_neighbours(contact_set)
+
+
+def _search(
+    assembly: Assembly,
+    tolerance: Tolerance,
+    report_stage: Callable[[str], None],
+    time_limit: float | None,
+) -> tuple[ContactSearch, PairFindings]:
+    """The search of an assembly and its findings, which may be those of an equal recent search."""
+    recent = recent_searches(assembly.geometry)
+    conditions = tolerance, assembly.detect, given_pairs(assembly)
+    known: tuple[ContactSearch, PairFindings] | None = recent.findings.get(conditions)
+    if known is not None:
+        return known
+    search = begin_search(assembly, tolerance, report_stage).without_same_bodies()
+    report_stage(f"contacts of near pairs: {len(search.pairs)}")
+    if time_limit is None:
+        findings = examine(assembly, search, tolerance)
+    else:
+        with take_at_least(LEAST_TIME):
+            findings = examine_in_time(assembly, search, tolerance)
+    if len(findings.search.pairs) == len(search.pairs):
+        recent.keep(conditions, (search, findings))
+    return search, findings
 
 
 def contacts_of_findings(

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross, nearest, ratio, unit_rows
+from kilter.arrays import Array, Index, Mask, cross, lengths, nearest, ratio, squares, unit_rows
 from kilter.contact.contact_tolerances import DISTANCE_ROUNDING, FREE_PARALLEL
 from kilter.contact.sharp.edges import segment_distance
 
@@ -80,9 +80,7 @@ class TriangleTrees:
     @cached_property
     def _classes(self) -> list[_SizeClass]:
         """The triangles by size; no triangle of a class is much larger than another."""
-        radius = np.linalg.norm(self.triangles - self._middle[:, None], axis=2).max(
-            axis=1, initial=0.0
-        )
+        radius = lengths(self.triangles - self._middle[:, None]).max(axis=1, initial=0.0)
         return [
             _SizeClass(self.triangles[rows], self._middle[rows], float(radius[rows].max()))
             for rows in _size_classes(radius)
@@ -153,7 +151,7 @@ class _SizeClass:
         """
         middle, radius = self.middle, self.radius
         low, high = middle.min(axis=0), middle.max(axis=0)
-        from_box = np.linalg.norm(points - np.clip(points, low, high), axis=1)
+        from_box = lengths(points - np.clip(points, low, high))
         rest = np.flatnonzero(from_box <= (least + radius) * (1 + DISTANCE_ROUNDING))
         begin, count = 0, min(FIRST_MIDDLES, len(middle))
         while len(rest) and begin < len(middle):
@@ -168,7 +166,7 @@ class _SizeClass:
                 k, column = np.nonzero(distance <= within[:, None])
                 near = points[batch[k]]
                 foot = _nearest_point(near, self.triangles[row[k, column]])
-                np.minimum.at(least, batch[k], np.linalg.norm(near - foot, axis=1))
+                np.minimum.at(least, batch[k], lengths(near - foot))
                 still.append(
                     batch[distance[:, -1] <= (least[batch] + radius) * (1 + DISTANCE_ROUNDING)]
                 )
@@ -181,7 +179,7 @@ def at_most(points: Array, triangles: Array) -> Array:
     count = min(NEAR, len(triangles))
     near = nearest(triangles.mean(axis=1), points, count)[1].reshape(-1)
     repeated = np.repeat(points, count, axis=0)
-    off = np.linalg.norm(repeated - _nearest_point(repeated, triangles[near]), axis=1)
+    off = lengths(repeated - _nearest_point(repeated, triangles[near]))
     bound: Array = off.reshape(-1, count).min(axis=1)
     return bound
 
@@ -196,9 +194,9 @@ def _nearest_point(points: Array, triangles: Array) -> Array:
     nearest = np.where(inside, np.abs(height), np.inf)
     for k in range(3):
         start, along = triangles[:, k], triangles[:, (k + 1) % 3] - triangles[:, k]
-        t = ratio(np.einsum("ij,ij->i", points - start, along), (along**2).sum(axis=1))
+        t = ratio(np.einsum("ij,ij->i", points - start, along), squares(along))
         on_side = start + np.clip(t, 0, 1)[:, None] * along
-        off = np.linalg.norm(points - on_side, axis=1)
+        off = lengths(points - on_side)
         closer = off < nearest
         foot = np.where(closer[:, None], on_side, foot)
         nearest = np.where(closer, off, nearest)
@@ -260,7 +258,7 @@ def _corner_distances(first: Array, second: Array) -> list[tuple[Array, Array]]:
     candidates = []
     for k in range(3):
         foot = _nearest_point(first[:, k], second)
-        candidates.append((np.linalg.norm(first[:, k] - foot, axis=1), (first[:, k] + foot) / 2))
+        candidates.append((lengths(first[:, k] - foot), (first[:, k] + foot) / 2))
     return candidates
 
 
@@ -285,8 +283,8 @@ def _piercing_distance(first: Array, second: Array) -> tuple[Array, Array]:
 def _side_distance(p: Array, q: Array, r: Array, s: Array) -> tuple[Array, Array]:
     """Distance and midpoint of the segments p q and r s; infinity if they are parallel."""
     d, e = q - p, s - r
-    size = np.linalg.norm(d, axis=1) * np.linalg.norm(e, axis=1)
-    skew = np.flatnonzero(np.linalg.norm(cross(d, e), axis=1) > FREE_PARALLEL * size)
+    size = lengths(d) * lengths(e)
+    skew = np.flatnonzero(lengths(cross(d, e)) > FREE_PARALLEL * size)
     off, point = np.full(len(p), np.inf), p.copy()
     off[skew], on_first, on_second = segment_distance(p[skew], q[skew], r[skew], s[skew])
     point[skew] = (on_first + on_second) / 2

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross, unit_rows
+from kilter.arrays import Array, Index, Mask, cross, lengths, ratio, unit_rows
 from kilter.shape.shape_tolerances import GRAZING
 
 __all__ = ["FaceCover", "covered"]
@@ -34,6 +34,8 @@ class FaceCover:
         Unit directions in each triangle's plane, across each of its sides and into the triangle.
     low, high : ndarray, shape (m, 3)
         Lower and upper corners of the boxes of the triangles [length unit].
+    pointed : ndarray, shape (m,)
+        Distance by which the tips of a triangle move outwards per distance of its sides [-].
     """
 
     corners: Array
@@ -41,15 +43,22 @@ class FaceCover:
     inward: Array
     low: Array
     high: Array
+    pointed: Array
 
     @classmethod
     def of(cls, triangles: Array) -> FaceCover:
         """Prepare triangles, given by their corners, shape (m, 3, 3)."""
         p, q, r = corners = triangles.transpose(1, 0, 2)
-        upright = unit_rows(cross(q - p, r - p))
-        inward = np.stack([unit_rows(cross(upright, side)) for side in (q - p, r - q, p - r)])
+        sides = q - p, r - q, p - r
+        double = cross(q - p, r - p)
+        upright = unit_rows(double)
+        inward = np.stack([unit_rows(cross(upright, side)) for side in sides])
         low, high = np.minimum(np.minimum(p, q), r), np.maximum(np.maximum(p, q), r)
-        return cls(corners, upright, inward, low, high)
+        # sides that move outwards by s scale a triangle about its incentre by 1 + s / inradius
+        size = [lengths(side) for side in sides]
+        longest, around = np.maximum.reduce(size), sum(size)
+        pointed = ratio(longest * around, lengths(double))
+        return cls(corners, upright, inward, low, high, pointed)
 
     def covers(self, points: Array, normals: Array, reach: float, grow: float) -> Mask:
         """Mask of points that lie on the face, shape (n,); the parameters are as in `covered`."""
@@ -57,26 +66,47 @@ class FaceCover:
         if not len(self.upright) or not len(points):
             return inside
         near = self._boxes_near(points, reach + grow)
-        corners, upright, inward = self.corners[:, near], self.upright[near], self.inward[:, near]
-        step = max(1, BATCH // max(len(upright), 1))
+        step = max(1, BATCH // max(len(near), 1))
         for begin in range(0, len(points), step):
-            rows = slice(begin, begin + step)
-            x, n = points[rows, None], normals[rows, None]
-            along = np.einsum("ntk,tk->nt", n, upright)
-            flat = np.abs(along) < GRAZING
-            t = np.einsum("ntk,tk->nt", corners[0] - x, upright) / np.where(flat, 1.0, along)
-            foot = x + t[..., None] * n
-            hit = ~flat & (np.abs(t) <= reach + grow)
-            for start, side in zip(corners, inward, strict=True):
-                hit &= np.einsum("ntk,tk->nt", foot - start, side) >= -grow
-            inside[rows] = hit.any(axis=1)
+            point, number = self._near_pairs(points[begin : begin + step], near, reach, grow)
+            point += begin
+            hit = self._hits(near[number], points[point], normals[point], reach, grow)
+            inside[point[hit]] = True
         return inside
+
+    def _hits(self, row: Index, x: Array, n: Array, reach: float, grow: float) -> Mask:
+        """Mask of pairs of triangle `row` and line x + t n that meet, shape (k,)."""
+        upright = self.upright[row]
+        along = np.einsum("ij,ij->i", n, upright)
+        flat = np.abs(along) < GRAZING
+        rise = np.einsum("ij,ij->i", self.corners[0, row] - x, upright)
+        t = rise / np.where(flat, 1.0, along)
+        foot = x + t[:, None] * n
+        hit: Mask = ~flat & (np.abs(t) <= reach + grow)
+        for start, side in zip(self.corners, self.inward, strict=True):
+            hit &= np.einsum("ij,ij->i", foot - start[row], side[row]) >= -grow
+        return hit
 
     def _boxes_near(self, points: Array, margin: float) -> Index:
         """Triangles whose box comes within `margin` of the box of all points."""
         low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
-        meets = (self.low <= high).all(axis=1) & (self.high >= low).all(axis=1)
+        meets = np.ones(len(self.low), dtype=bool)
+        for axis in range(3):
+            meets &= (self.low[:, axis] <= high[axis]) & (self.high[:, axis] >= low[axis])
         return np.flatnonzero(meets)
+
+    def _near_pairs(
+        self, points: Array, near: Index, reach: float, grow: float
+    ) -> tuple[Index, Index]:
+        """Pairs of a point and a triangle of `near` that its line may meet, as indices."""
+        margin = reach + grow + grow * self.pointed[near]
+        meets = np.ones((len(points), len(near)), dtype=bool)
+        for axis in range(3):
+            x = points[:, axis, None]
+            meets &= self.low[near, axis] - margin <= x
+            meets &= self.high[near, axis] + margin >= x
+        point, number = np.nonzero(meets)
+        return point, number
 
 
 def covered(triangles: Array, points: Array, normals: Array, reach: float, grow: float) -> Mask:

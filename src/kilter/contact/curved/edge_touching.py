@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, starts, unit_rows
+from kilter.arrays import Array, Index, Mask, ragged, starts, unit_rows
 from kilter.assembly.surfaces import CONE
 from kilter.contact.contact_search import ContactSearch
 from kilter.contact.contact_tolerances import CONE_ANGLE, LOOSE_GAP, MEAN_NORMAL
@@ -182,16 +182,19 @@ def corner_rays(curves: EdgeCurves, vertex: Index) -> tuple[Index, Array, Array,
 
     The last array is a mask of vertices with an edge whose curve is unknown.
     """
-    rays = curves.edges.rays(curves.geometry, vertex)
+    distinct, place = np.unique(vertex, return_inverse=True)
+    rays = curves.edges.rays(curves.geometry, distinct)
     exact = curves.exact(rays.edge)
-    unknown = np.bincount(rays.owner[~exact], minlength=len(vertex)) > 0
+    unknown = np.bincount(rays.owner[~exact], minlength=len(distinct)) > 0
     owner, edge = rays.owner[exact], rays.edge[exact]
     sharp = curves.sharp(edge)
     owner, edge = owner[sharp], edge[sharp]
-    at_start = curves.edges.ends_of[edge, 0] == vertex[owner]
+    at_start = curves.edges.ends_of[edge, 0] == distinct[owner]
     x = curves.points(edge, np.where(at_start, 0.0, 1.0))
     away = np.where(at_start[:, None], x.along, -x.along)
-    return owner, away, x.left + x.right, unknown
+    # the rays of a vertex serve each of its repeats
+    number, row = ragged(np.searchsorted(owner, np.arange(len(distinct) + 1)), place)
+    return number, away[row], (x.left + x.right)[row], unknown[place]
 
 
 def is_corner(owner: Index, away: Array, count: int) -> Mask:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.arrays import TINY, Array, Index, Mask, cross, unit_rows
+from kilter.arrays import TINY, Array, Index, Mask, cross, lengths, unit_rows
 from kilter.contact.broad import joins
 from kilter.contact.contact_search import ContactSearch
 from kilter.contact.contact_tolerances import CURVE_END, EDGE_NEARLY_PARALLEL, EDGE_PARALLEL
@@ -56,7 +56,7 @@ def edges_on_edges(
     t, u, crossing = _nearest_shares(curves, e, f)
     x, y = curves.points(e, t), curves.points(f, u)
     apart = y.at - x.at
-    distance = np.linalg.norm(apart, axis=1)
+    distance = lengths(apart)
     inside = (np.minimum(t, u) >= -CURVE_END) & (np.maximum(t, u) <= 1 + CURVE_END)
     k = np.flatnonzero(inside & crossing & (distance <= reach[pair]))
     normal = unit_rows(cross(x.along[k], y.along[k]))
@@ -99,25 +99,34 @@ def _nearest_shares(curves: EdgeCurves, e: Index, f: Index) -> tuple[Array, Arra
     t = np.einsum("ij,ij->i", first - p, chord_e) / np.einsum("ij,ij->i", chord_e, chord_e)
     u = np.einsum("ij,ij->i", second - r, chord_f) / np.einsum("ij,ij->i", chord_f, chord_f)
     crossing = np.ones(len(e), dtype=bool)
+    rounding_e, rounding_f = curves.share_rounding(e), curves.share_rounding(f)
+    moving = np.arange(len(e))
     for _ in range(CROSSING_STEPS):
-        x, y = curves.points(e, t), curves.points(f, u)
+        x, y = curves.points(e[moving], t[moving]), curves.points(f[moving], u[moving])
         apart = y.at - x.at
         c = np.einsum("ij,ij->i", x.along, y.along)
         square = 1 - c**2
-        crossing = square > EDGE_NEARLY_PARALLEL**2
+        crossing[moving] = square > EDGE_NEARLY_PARALLEL**2
         a, b = (np.einsum("ij,ij->i", apart, z.along) for z in (x, y))
-        safe = np.where(crossing, square, np.inf)
-        speed_e = np.einsum("ij,ij->i", x.along, chord_e)
-        speed_f = np.einsum("ij,ij->i", y.along, chord_f)
-        t = np.clip(t + (a - c * b) / safe / np.maximum(speed_e, TINY), -0.5, 1.5)
-        u = np.clip(u + (c * a - b) / safe / np.maximum(speed_f, TINY), -0.5, 1.5)
+        safe = np.where(crossing[moving], square, np.inf)
+        speed_e = np.einsum("ij,ij->i", x.along, chord_e[moving])
+        speed_f = np.einsum("ij,ij->i", y.along, chord_f[moving])
+        last_t, last_u = t[moving], u[moving]
+        t[moving] = last_t + (a - c * b) / safe / np.maximum(speed_e, TINY)
+        u[moving] = last_u + (c * a - b) / safe / np.maximum(speed_f, TINY)
+        t[moving], u[moving] = np.clip(t[moving], -0.5, 1.5), np.clip(u[moving], -0.5, 1.5)
+        moved = np.abs(t[moving] - last_t) > rounding_e[moving]
+        moved |= np.abs(u[moving] - last_u) > rounding_f[moving]
+        moving = moving[moved]
+        if not len(moving):
+            break
     return t, u, crossing
 
 
 def _at_corner(curves: EdgeCurves, edge: Index, point: Array, limit: float) -> bool:
     """Whether a point of an edge lies within `limit` of a corner at its end."""
     ends = curves.edges.ends_of[edge[0]]
-    near = np.linalg.norm(curves.geometry.vertices[ends] - point, axis=1) <= limit
+    near = lengths(curves.geometry.vertices[ends] - point) <= limit
     ends = ends[near]
     if not len(ends):
         return False
@@ -177,7 +186,7 @@ def _add_degenerate(state: EdgeSearch, pair: int, point: Array, gap: float) -> N
 def _distance_from_curve(curves: EdgeCurves, edge: Index, point: Array) -> Array:
     """Distance of points from the curves of edges, up to their ends [length unit], shape (n,)."""
     nearest = curves.points(edge, curves.nearest_share(edge, point)).at
-    distance: Array = np.linalg.norm(point - nearest, axis=1)
+    distance: Array = lengths(point - nearest)
     return distance
 
 
@@ -236,7 +245,7 @@ def near_edge_pairs(
 
 def _crossing_chords(first: Array, second: Array) -> Index:
     """Rows of vectors that are not parallel."""
-    sine = np.linalg.norm(cross(unit_rows(first), unit_rows(second)), axis=1)
+    sine = lengths(cross(unit_rows(first), unit_rows(second)))
     return np.flatnonzero(sine > EDGE_PARALLEL)
 
 
@@ -254,7 +263,7 @@ def _chord_distance(curves: EdgeCurves, e: Index, f: Index) -> tuple[Array, Arra
         square = np.maximum(np.einsum("ij,ij->i", along, along), TINY)
         t = np.clip(np.einsum("ij,ij->i", point - start, along) / square, 0, 1)
         foot = start + t[:, None] * along
-        apart = np.linalg.norm(point - foot, axis=1)
+        apart = lengths(point - foot)
         nearer = apart < distance
         distance = np.where(nearer, apart, distance)
         middle = np.where(nearer[:, None], (point + foot) / 2, middle)

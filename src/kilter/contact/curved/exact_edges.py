@@ -12,7 +12,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import TINY, Array, Index, Mask, Rows, angle_between, columns, cross, unit_rows
+from kilter.arrays import (
+    TINY,
+    Array,
+    Index,
+    Mask,
+    Rows,
+    angle_between,
+    columns,
+    cross,
+    largest_entries,
+    lengths,
+    ratio,
+    unit_rows,
+)
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import FREE
 from kilter.contact.contact_search import ContactSearch
@@ -101,40 +114,52 @@ class EdgeCurves:
 
     def sharp(self, edge: Index) -> Mask:
         """Mask of exact edges whose faces meet at an angle, shape (n,)."""
-        left, right = (self.facets.surface[facet] for facet in self.edges.facet[edge].T)
-        middle = self.points(edge, np.full(len(edge), 0.5))
+        distinct, place = np.unique(edge, return_inverse=True)
+        left, right = (self.facets.surface[facet] for facet in self.edges.facet[distinct].T)
+        middle = self.points(distinct, np.full(len(distinct), 0.5))
         bend = angle_between(middle.left, middle.right)
-        result: Mask = ~((left == right) & (left >= 0)) & (bend > SMOOTH_ANGLE)
-        return result
+        is_sharp: Mask = ~((left == right) & (left >= 0)) & (bend > SMOOTH_ANGLE)
+        return is_sharp[place]
 
     def points(self, edge: Index, share: Array) -> CurvePoints:
         """Points of exact edges at the given fractions of their chords, shape (n,)."""
         p, q = self.edges.ends(self.geometry, edge)
         at = p + share[:, None] * (q - p)
-        size = np.linalg.norm(q - p, axis=1) + np.abs(p).max(axis=1, initial=0.0)
-        sides = self.edges.facet[edge].T
-        surfaces = [self.facets.surface[facet] for facet in sides]
+        rounding = CURVE_ROUNDING * self._coordinates(p, q)
+        moving = np.arange(len(edge))
         for _ in range(NEWTON_STEPS):
-            (d, m), (e, n) = (
-                face_distance(self.geometry, self.facets, surface, facet, at)
-                for surface, facet in zip(surfaces, sides, strict=True)
-            )
-            c = np.einsum("ij,ij->i", m, n)
-            across = cross(m, n)
-            square = np.maximum(np.einsum("ij,ij->i", across, across), TINY)
-            step = ((d - c * e) / square)[:, None] * m + ((e - c * d) / square)[:, None] * n
-            # tangent faces have no common direction of steps: the chord is kept
-            step = np.where((square > SMOOTH_ANGLE**2 / 4)[:, None], step, 0.0)
-            at = at - step
-            if (np.abs(step).max(axis=1, initial=0.0) <= CURVE_ROUNDING * size).all():
+            step = self._step(edge[moving], at[moving])
+            at[moving] -= step
+            moving = moving[largest_entries(step) > rounding[moving]]
+            if not len(moving):
                 break
-        left, right = (
-            face_distance(self.geometry, self.facets, surface, facet, at)[1]
-            for surface, facet in zip(surfaces, sides, strict=True)
-        )
+        (_, left), (_, right) = self._sides(edge, at)
         along = unit_rows(cross(left, right))
         forward = np.einsum("ij,ij->i", along, q - p) < 0
         return CurvePoints(at, np.where(forward[:, None], -along, along), left, right)
+
+    def _step(self, edge: Index, at: Array) -> Array:
+        """Newton steps of least length from points to the curves of edges, shape (n, 3)."""
+        (d, m), (e, n) = self._sides(edge, at)
+        c = np.einsum("ij,ij->i", m, n)
+        across = cross(m, n)
+        square = np.maximum(np.einsum("ij,ij->i", across, across), TINY)
+        step: Array = ((d - c * e) / square)[:, None] * m + ((e - c * d) / square)[:, None] * n
+        # tangent faces have no common direction of steps: the chord is kept
+        step[square <= SMOOTH_ANGLE**2 / 4] = 0.0
+        return step
+
+    def _sides(self, edge: Index, at: Array) -> list[tuple[Array, Array]]:
+        """Signed distances of points from both faces of edges, and the normals of these faces."""
+        return [
+            face_distance(self.geometry, self.facets, self.facets.surface[facet], facet, at)
+            for facet in self.edges.facet[edge].T
+        ]
+
+    @staticmethod
+    def _coordinates(p: Array, q: Array) -> Array:
+        """Size of the coordinates of edges from p to q, which are rounded, shape (n,)."""
+        return lengths(q - p) + largest_entries(p)
 
     def nearest_share(self, edge: Index, point: Array) -> Array:
         """Position of the point of each curve that is nearest to a point, in [0, 1], shape (n,).
@@ -142,17 +167,26 @@ class EdgeCurves:
         The position is the fraction of the chord.
         """
         p, q = self.edges.ends(self.geometry, edge)
-        square = np.maximum(np.einsum("ij,ij->i", q - p, q - p), TINY)
-        t = np.clip(np.einsum("ij,ij->i", point - p, q - p) / square, 0, 1)
+        chord = q - p
+        square = np.maximum(np.einsum("ij,ij->i", chord, chord), TINY)
+        t: Array = np.clip(np.einsum("ij,ij->i", point - p, chord) / square, 0, 1)
+        rounding = self.share_rounding(edge)
+        moving = np.arange(len(edge))
         for _ in range(NEAREST_STEPS):
-            x = self.points(edge, t)
-            along = np.einsum("ij,ij->i", point - x.at, x.along)
-            speed = np.maximum(np.einsum("ij,ij->i", x.along, q - p), TINY)
-            last, t = t, np.clip(t + along / speed, 0, 1)
-            if (np.abs(t - last) <= CURVE_ROUNDING).all():
+            x = self.points(edge[moving], t[moving])
+            along = np.einsum("ij,ij->i", point[moving] - x.at, x.along)
+            speed = np.maximum(np.einsum("ij,ij->i", x.along, chord[moving]), TINY)
+            last = t[moving]
+            t[moving] = np.clip(last + along / speed, 0, 1)
+            moving = moving[np.abs(t[moving] - last) > rounding[moving]]
+            if not len(moving):
                 break
-        share: Array = t
-        return share
+        return t
+
+    def share_rounding(self, edge: Index) -> Array:
+        """Rounding of the fraction of a chord, from that of the coordinates [-], shape (n,)."""
+        p, q = self.edges.ends(self.geometry, edge)
+        return CURVE_ROUNDING * ratio(self._coordinates(p, q), lengths(q - p))
 
     def beside(self, part: int, point: Array, reach: float) -> Index:
         """Edges of a part whose chords come within `reach` of a point, shape (n,)."""
@@ -170,7 +204,7 @@ class EdgeCurves:
         edge = edge[self.exact(edge)]
         edge = edge[self.sharp(edge)]
         at = self.points(edge, self.nearest_share(edge, np.tile(point, (len(edge), 1)))).at
-        result: Array = np.linalg.norm(point - at, axis=1)
+        result: Array = lengths(point - at)
         return result
 
     def extends(
@@ -211,7 +245,7 @@ class EdgeCurves:
         offset = points[row] - x.at
         left, right = cross(x.left, x.along), cross(x.along, x.right)
         into = np.where(is_left[number][:, None], left, right)
-        distance = np.linalg.norm(offset, axis=1)
+        distance = lengths(offset)
         least = np.full(len(points), np.inf)
         np.minimum.at(least, row, distance)
         outside = np.einsum("ij,ij->i", offset, into) < -grow
@@ -235,7 +269,7 @@ class EdgeCurves:
         square = np.maximum(np.einsum("ij,ij->i", q - p, q - p), TINY)
         offset = points[:, None] - p
         t = np.clip(np.einsum("nmi,mi->nm", offset, q - p) / square, 0, 1)
-        distance: Array = np.linalg.norm(offset - t[..., None] * (q - p), axis=2)
+        distance: Array = lengths(offset - t[..., None] * (q - p))
         return distance
 
 

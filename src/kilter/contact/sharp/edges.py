@@ -15,6 +15,7 @@ from kilter.arrays import (
     connected,
     counted,
     cross,
+    lengths,
     ragged,
     unit_rows,
 )
@@ -192,12 +193,12 @@ def _match_open_sides(geometry: Geometry, ends: Index, sides: Index) -> tuple[In
         if len(edges_of_part) > MOST_OPEN_EDGES:
             continue
         start, end = geometry.vertices[ends[edges_of_part]].transpose(1, 0, 2)
-        length = np.linalg.norm(end - start, axis=1)
+        length = lengths(end - start)
         along = unit_rows(end - start)
         for row, edge in enumerate(edges_of_part.tolist()):
             offset = (start[row] + end[row]) / 2 - start
             along_axis = np.einsum("ij,ij->i", offset, along)
-            distance = np.linalg.norm(offset - along_axis[:, None] * along, axis=1)
+            distance = lengths(offset - along_axis[:, None] * along)
             near = (
                 (distance <= VERTEX_ON_EDGE * geometry.size[k])
                 & (along_axis >= 0)
@@ -206,7 +207,7 @@ def _match_open_sides(geometry: Geometry, ends: Index, sides: Index) -> tuple[In
             # the longer edge contains the middle of the shorter: test both ways
             offset = (start + end) / 2 - start[row]
             along_axis = offset @ along[row]
-            distance = np.linalg.norm(offset - np.outer(along_axis, along[row]), axis=1)
+            distance = lengths(offset - np.outer(along_axis, along[row]))
             near |= (
                 (distance <= VERTEX_ON_EDGE * geometry.size[k])
                 & (along_axis >= 0)
@@ -224,7 +225,7 @@ def _bridge_slivers(facets: Facets, ends: Index, sides: Index) -> tuple[Index, I
 
     Edges inside a sliver are dropped; also returns whether there is any sliver.
     """
-    sliver = np.linalg.norm(facets.normal, axis=1) < 0.5
+    sliver = lengths(facets.normal) < 0.5
     at_sliver = sliver[sides] & (sides >= 0)
     if not at_sliver.any():
         return ends, sides, False
@@ -308,4 +309,4 @@ def segment_distance(p1: Array, q1: Array, p2: Array, q2: Array) -> tuple[Array,
     s = np.where(clipped == t, s, np.clip((b * clipped - c) / a, 0, 1))
     t = clipped
     x, y = p1 + s[:, None] * d1, p2 + t[:, None] * d2
-    return np.linalg.norm(x - y, axis=1), x, y
+    return lengths(x - y), x, y
