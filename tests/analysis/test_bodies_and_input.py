@@ -18,6 +18,7 @@ from kilter.scenes import stacks
 from kilter.scenes.pieces import block, cells, floor, prism, turn
 from kilter.scenes.transform import moved
 from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Sphere, surface
+from kilter.tell.numbers import plain
 
 RHO = 1000.0
 
@@ -161,7 +162,10 @@ def test_given_mass_decides_and_the_default_beside_it_brings_a_warning():
         heavy = dataclasses.replace(weight, mass=mass)
         verdict = judged(Assembly([table, plank, heavy]))
         assert verdict.verdict == word
-        assert any("density 1000 kg/m^3 assumed" in text for text in verdict.warnings)
+        assert any(
+            "density 1000 kg/m^3 assumed" in text and "--density" in text
+            for text in verdict.warnings
+        )
 
 
 # wrong input ----------------------------------------------------------------------------
@@ -298,3 +302,15 @@ def test_scaled_and_moved_prism_keeps_its_centre():
     part = prism("p", [[0, 0], [3, 0], [0, 6]], 2.0, grounded=True)
     assembly = moved(scaled(Assembly([part]), 10.0), turn([0, 0, 1], 90), [1, 0, 0])
     assert np.allclose(assembly.geometry.center[0], [1, 10, 20], atol=1e-12)
+
+
+def test_a_name_that_an_answer_shortened_is_accepted_as_typed() -> None:
+    paths = [f"bracket-assembly_{k}/nut-bolt-assembly_{j}/nut" for k in (1, 2) for j in (1, 2)]
+    parts = [Part(path, Box([1, 1, 1]), [2 * k, 0, 0]) for k, path in enumerate(paths)]
+    assembly = Assembly(parts)
+    for path in paths:
+        short = plain(path)
+        assert "..." in short
+        assert assembly.matching(short) == {path}
+    with pytest.raises(InputError, match=r"no part is named 'bracket\.\.\.nut'"):
+        assembly.matching("bracket...nut")  # four parts: it is no shortened name of one part

@@ -413,6 +413,8 @@ class Assembly(ChangedCopies):
     def matching(self, patterns: str | Iterable[str]) -> set[str]:
         """Names of the parts that match any of the patterns (names or wildcards).
 
+        A name that an answer shortened ("bracket...assembly_2/nut") counts if a single part has it.
+
         Raises
         ------
         InputError
@@ -424,6 +426,10 @@ class Assembly(ChangedCopies):
                 chosen.add(pattern)
                 continue
             matches = [name for name in self.names if fnmatch.fnmatchcase(name, pattern)]
+            if not matches and "..." in pattern:
+                head, _, tail = pattern.partition("...")
+                ends = [n for n in self.names if n.startswith(head) and n.endswith(tail)]
+                matches = ends if len(ends) == 1 else []
             if not matches:
                 self.index_of(pattern)
             chosen.update(matches)

@@ -114,7 +114,8 @@ def density_warnings(parts: Sequence[Part]) -> list[str]:
     named = f" (material {some_names(list(dict.fromkeys(materials)))})" if materials else ""
     return [
         f"density {DEFAULT_DENSITY:g} kg/m^3 assumed for {some_names(assumed)}{named}, although "
-        "other parts have a given mass or density: the verdict may depend on the ratios"
+        "other parts have a given mass or density: the verdict may depend on the ratios; "
+        "--density sets it"
     ]
 
 

@@ -120,7 +120,8 @@ def _density(density: Answer) -> str:
         words.append(f"density {' to '.join(ends)} kg/m^3")
     if density["default"] is not None:
         words.append(
-            f"density {number(density['default'])} kg/m^3 for parts without a given density"
+            f"density {number(density['default'])} kg/m^3 for parts without a given density "
+            "(--density sets it)"
         )
     return ", ".join(words) or "masses as given"
 
