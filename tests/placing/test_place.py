@@ -96,19 +96,22 @@ def test_order_decides_on_the_seesaw() -> None:
     assert later.stands
 
 
-@pytest.mark.slow
 def test_a_box_that_bridges_two_planks() -> None:
-    """Bridging: x (3 - 1.1 / (.7 - x)) = .05; on one plank: from 1/3 to .4 + 1/15."""
-    part = box_to_place([0.7, 0.5, 0.2], 3)
-    places = place(bridge(), part, accuracy=0.03)
+    """Bridging: x (3 - 1.1 / (.7 - x)) = .05; on one plank: from 1/3 to .4 + 1/15.
+
+    The contacts move with the box, so few programs decide the map.
+    """
+    places = place(bridge(), box_to_place([0.7, 0.5, 0.2], 3))
     level = places.levels[-1]
     limit = 0.0373107
-    assert level.stands.covers(shapely.Point(limit - 0.031, 0.1))
-    assert level.falls.covers(shapely.Point(limit + 0.031, 0.1))
+    assert level.stands.covers(shapely.Point(limit - places.accuracy, 0.1))
+    assert level.falls.covers(shapely.Point(limit + places.accuracy, 0.1))
+    assert places.programs < 200
     for low, high in ((1 / 3, 0.4 + 1 / 15), (-0.4 - 1 / 15, -1 / 3)):
         strip = shapely.box(low + 1e-9, -0.4, high - 1e-9, 0.4)
         assert shapely.difference(strip, level.stands).area < 1e-9
     assert level.open.area < 0.15
+    part = box_to_place([0.7, 0.5, 0.2], 3)
     for x, verdict in ((limit - 1e-4, True), (limit + 1e-4, False)):
         assert place(bridge(), part, at=[x, 0], require="equilibrium").stands is verdict
 

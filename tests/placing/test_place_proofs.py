@@ -117,9 +117,20 @@ def no_assembly(data: dict[str, Any]) -> None:
     data["proofs"][0]["change"] = {"mu": 0.9}
 
 
+def other_shares(data: dict[str, Any]) -> None:
+    for finding in findings(data):
+        for name in finding.get("shares", {}):
+            finding["shares"][name] += 0.3
+
+
+def without_shares(data: dict[str, Any]) -> None:
+    for finding in findings(data):
+        finding.pop("shares", None)
+
+
 LIES: list[Callable[[dict[str, Any]], None]] = [
     heavier, another_part, taller_footprint, unsure_centre, without_motions, without_places,
-    larger_rectangle, other_force, turned_motions, no_assembly,
+    larger_rectangle, other_force, turned_motions, no_assembly, other_shares, without_shares,
 ]  # fmt: skip
 
 
@@ -159,6 +170,8 @@ def test_a_force_or_motion_that_is_needed_is_not_exchanged(seed: int) -> None:
 
 MALFORMED: list[tuple[str, Any]] = [
     ("mass", 3), ("levels", [{"height": 1}]), ("cases", [[{"height": 0, "findings": [{}]}]]),
+    ("cases", [[{"height": 0, "findings": [{"top": None, "low": [0, 0], "high": [1, 1],
+                                            "places": [], "motions": [], "shares": {"a": "b"}}]}]]),
     ("part", {}), ("part", {"kilter": 1, "parts": []}), ("domain", [0, 1]), ("clear", None),
 ]  # fmt: skip
 

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 import shapely
 
-from kilter.analysis.placing.polygon_sets import NOTHING, both, union, without
+from kilter.analysis.placing.polygon_sets import NOTHING, both, cleaned, union, without
 from kilter.analysis.placing.upright_prisms import PlacedPrism, Top, swept
 from kilter.arrays import Array
 
@@ -72,7 +72,7 @@ class Landings:
             touched = union([self.reach[top.part] for top in tops])
             here = both(without(touched, above), domain)
             above = union([above, touched])
-            here = without(here, self._blocked(height))
+            here = cleaned(without(here, self._blocked(height)))
             if here.area > 0:
                 found.append(Landing(height, tops, here))
         return found[::-1]

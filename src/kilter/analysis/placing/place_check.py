@@ -17,6 +17,8 @@ from shapely import Geometry
 from kilter.analysis.placing.case_maps import bounding_loads, case_prism
 from kilter.analysis.placing.excluded_side import excluded_side, remaining
 from kilter.analysis.placing.landings import Landing, Landings
+from kilter.analysis.placing.moving_contact import places_left
+from kilter.analysis.placing.moving_load import ContactRoom
 from kilter.analysis.placing.place_proofs import part_data
 from kilter.analysis.placing.placed_loads import PlacedLoads
 from kilter.analysis.placing.polygon_sets import (
@@ -43,6 +45,7 @@ from kilter.mechanics.proof_form import (
     every,
     keys,
     list_of,
+    named,
     nullable,
     optional_keys,
 )
@@ -52,12 +55,15 @@ __all__ = ["require_place_form", "wrong_places"]
 PLANE = list_of(NUMBER, 2)
 POLYGONS = list_of(list_of(list_of(PLANE)))
 PLACE = every(keys(at=PLANE, forces=list_of(NUMBER)), optional_keys(friction=list_of(VECTOR)))
-FINDING = keys(
-    top=nullable(WORD),
-    low=PLANE,
-    high=PLANE,
-    places=list_of(PLACE),
-    motions=list_of(list_of(SIX)),
+FINDING = every(
+    keys(
+        top=nullable(WORD),
+        low=PLANE,
+        high=PLANE,
+        places=list_of(PLACE),
+        motions=list_of(list_of(SIX)),
+    ),
+    optional_keys(shares=named(NUMBER)),
 )
 GIVEN = keys(part=keys(), mass=list_of(NUMBER, 2), center_within=NUMBER)
 """Keys of the question at a place."""
@@ -217,8 +223,9 @@ class _LandingCheck:
             low, high = np.array(finding["low"], float), np.array(finding["high"], float)
             if not (high > low).all():
                 continue
-            single = finding["top"] is not None
-            checked = self._single if single else self._several
+            checked = self._moving if "shares" in finding else self._several
+            if finding["top"] is not None:
+                checked = self._single
             inner, out = checked(finding, low, high)
             stands.append(inner)
             falls.append(out)
@@ -281,6 +288,43 @@ class _LandingCheck:
             left = _left(program, wrenches, low, high, finding["motions"])
             out = union([out, without(cell, left)])
         return inner, out
+
+    def _moving(
+        self, finding: Mapping[str, Any], low: Array, high: Array
+    ) -> tuple[Geometry, Geometry]:
+        """Places in a rectangle that forces and motions prove that move with the part."""
+        cell, height, middle = shapely.box(*low, *high), self.landing.height, (low + high) / 2
+        nowhere = shapely.Polygon()
+        if self.loads.friction > 0 or len(self.known) < len(self.landing.tops):
+            return nowhere, nowhere
+        possible = self.landings.areas(self.known, low, high, any_place=True)
+        inner, out = nowhere, without(cell, shapely.convex_hull(union(list(possible.values()))))
+        if not possible:
+            return inner, out
+        names = [self.loads.program.names[k] for k in possible]
+        shares = np.array([finding["shares"].get(name, np.nan) for name in names], float)
+        if finding["places"] and np.isfinite(shares).all():
+            program, wrenches = self.loads.on_areas(possible, height, middle)
+            contact = ContactRoom(self.loads.part, possible, low, high)
+            known = len(self.loads.program.part_a)
+            weight = self.loads.part.mass * program.g
+            carried = []
+            for place in finding["places"]:
+                shift = np.array(place["at"], float) - middle
+                more = shift[0] * wrenches[0] + shift[1] * wrenches[1]
+                forces = np.maximum(np.array(place["forces"], float)[known:], 0.0)
+                if _balances(
+                    program.with_rows(applied=program.applied + more), place
+                ) and contact.holds(shares, weight, shift, forces):
+                    carried.append(place["at"])
+            inner = both(_hull(carried), cell)
+        left = cell
+        tops = [top for top in self.known if top.part in possible]
+        for motion in finding["motions"]:
+            if np.shape(motion) == (len(self.loads.program.names) + 1, 6):
+                given = np.array(motion, float)
+                left = both(left, places_left(self.bound, tops, height, low, high, given))
+        return inner, union([out, without(cell, left)])
 
 
 def _balances(program: Program, place: Mapping[str, Any]) -> bool:

@@ -5,10 +5,13 @@ which it rests decide:
 
     a single top       the forces under the part are equal to its weight at its centre, so it stands
                        exactly where the centre is on the top and a load there is carried
-    several tops       the area of contact moves with the part. In a rectangle of places, the area
-                       that all places have gives places that surely stand; the area that any place
-                       has gives places that surely fall. Around the places that are left, smaller
-                       rectangles are searched: they keep what is proved in the larger rectangle
+    several tops       the area of contact moves with the part. Without friction, the forces of a
+                       rectangle of places move with it (`kilter.analysis.placing.moving_load`), and
+                       each motion leaves polygons (`kilter.analysis.placing.moving_contact`). With
+                       friction, the area that all places of a rectangle have gives places that
+                       surely stand; the area that any place has gives places that surely fall.
+                       Around the places that are left, smaller rectangles are searched: they keep
+                       what is proved in the larger rectangle
 
 Places flush with the side of a neighbour have further contacts, which the map does not contain:
 it states nothing about them beyond the places that stand.
@@ -23,10 +26,14 @@ import numpy as np
 import shapely
 
 from kilter.analysis.placing.landings import Landing, Landings
+from kilter.analysis.placing.moving_load import MovingLoad
 from kilter.analysis.placing.placed_loads import PlacedLoads
 from kilter.analysis.placing.polygon_sets import (
+    GRID,
     NOTHING,
+    across,
     both,
+    cleaned,
     polygons_of,
     union,
     without,
@@ -47,10 +54,6 @@ COARSE = 0.05
 follow."""
 
 
-GRID = 1e-12
-"""Width of the grid on which cells are joined [largest coordinate]: slivers of rounding vanish."""
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Finding:
     """Forces and motions that decide places on a single top or in a rectangle of places.
@@ -63,12 +66,16 @@ class Finding:
         The part whose top carries the part alone; -1 for several.
     carried : CarriedPlaces
         Forces at places that stand, and motions, in the coordinates of the map.
+    shares : dict of int to float, or None
+        Forces and motions move with the part: shares of its weight on each top; empty without
+        forces. None if they do not.
     """
 
     low: Array
     high: Array
     top: int
     carried: CarriedPlaces
+    shares: dict[int, float] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -133,7 +140,9 @@ class PlaceMap:
                 carried = self._on_single(top)
                 stands.append(both(only, carried.inner))
                 falls.append(without(only, carried.outer))
-        for piece in polygons_of(shared):
+        for piece in polygons_of(cleaned(shared)):
+            if piece.area <= NOTHING * landing.here.area:
+                continue
             inside, outside = self._on_several(landing, piece)
             stands += inside
             falls += outside
@@ -191,16 +200,52 @@ class PlaceMap:
         """Places of a polygon that stand, and places that fall, on several tops of one height."""
         stands: list[shapely.Geometry] = []
         falls: list[shapely.Geometry] = []
-        rest = self._cells(landing, piece)
+        moving = self._smooth and all(top.upright for top in landing.tops)
+        decided = self._decided_moving if moving else self._decided
+        rest, again = [piece] if moving else self._cells(landing, piece), JOINED
         while rest and self.programs < MOST_PROGRAMS:
             cell = rest.pop()
             low, high = np.array(cell.bounds[:2]), np.array(cell.bounds[2:])
-            inner, out, settled = self._decided(landing, cell, low, high)
+            inner, out, settled = decided(landing, cell, low, high)
             stands.append(inner)
             falls.append(out)
             if not settled:
                 rest += self._halves(cell, union([inner, out]), low, high)
+            if moving and not rest and again:
+                # strips of neighbouring cells lie side by side: together they may be too wide
+                again -= 1
+                left = polygons_of(without(piece, union([*stands, *falls])))
+                rest = [strip for strip in left if not strip.buffer(-self.strip / 2).is_empty]
         return stands, falls
+
+    @property
+    def _smooth(self) -> bool:
+        """True if no contact has friction."""
+        return self.loads.friction == 0 and not self.bound.program.mu.any()
+
+    def _decided_moving(
+        self, landing: Landing, cell: shapely.Geometry, low: Array, high: Array
+    ) -> tuple[shapely.Geometry, shapely.Geometry, bool]:
+        """As `_decided`, with contacts that move with the part."""
+        possible = self.landings.areas(landing.tops, low, high, any_place=True)
+        # moments of the part alone: its centre lies within the hull of its contact
+        hull = shapely.convex_hull(union(list(possible.values())))
+        out, cell = without(cell, hull), both(cell, hull)
+        if cell.area <= NOTHING * float(np.prod(high - low)):
+            nowhere = shapely.Polygon()
+            self._findings.append(Finding(low, high, -1, CarriedPlaces(nowhere, nowhere), {}))
+            return nowhere, out, True
+        accuracy = max(self.strip / 2, COARSE * float((high - low).max()))
+        question = (landing.tops, possible, landing.height, low, high)
+        load = MovingLoad.of_areas(self.loads, *question)
+        found = self._counted(load.places_of(accuracy, cell))
+        if self.bound is not self.loads:
+            bound = MovingLoad.of_areas(self.bound, *question)
+            found = found.with_outside_of(self._counted(bound.places_of(accuracy, cell)))
+        shares = dict(zip(possible, load.shares.tolist(), strict=False))
+        self._findings.append(Finding(low, high, -1, found, shares))
+        stands = both(cell, found.inner)
+        return stands, union([out, without(without(cell, stands), found.outer)]), False
 
     def _decided(
         self, landing: Landing, cell: shapely.Geometry, low: Array, high: Array
@@ -262,8 +307,8 @@ class PlaceMap:
             if (most - least < (high - low) * SHRUNK).any():  # the rectangle alone is sharper
                 halves.append(piece)
                 continue
-            across = most - least if decided.is_empty else _across(piece)
-            axis = int(across.argmax())
+            extent = most - least if decided.is_empty else across(piece)
+            axis = int(extent.argmax())
             middle = (least[axis] + most[axis]) / 2
             for sign in (0, 1):
                 first, last = least.copy(), most.copy()
@@ -339,24 +384,11 @@ SHRUNK = 0.7
 their own rectangle has more sure and fewer possible areas."""
 
 
-def _across(area: shapely.Geometry) -> Array:
-    """Extent of an area along x and y; of a strip, across it: along it the areas move freely."""
-    around = shapely.get_coordinates(shapely.minimum_rotated_rectangle(area))
-    bounds = np.array(area.bounds)
-    if len(around) < 4:
-        return np.asarray(bounds[2:] - bounds[:2])
-    sides = np.diff(around[:3], axis=0)
-    lengths = np.linalg.norm(sides, axis=1)
-    if lengths.min() > STRIP * lengths.max():
-        return np.asarray(bounds[2:] - bounds[:2])
-    return np.asarray(np.abs(sides[lengths.argmin()]))
-
-
+JOINED = 2
+"""Number of times that open strips of several cells are joined, and searched if too wide."""
 THIN = 0.75
 """Width of a strip that is not searched further [accuracies]. It is below 1, since the strips of
 neighbouring cells may lie side by side."""
-STRIP = 0.5
-"""Ratio of the sides of a rectangle below which it is a strip [-]."""
 
 
 def _equal_areas(first: dict[int, shapely.Geometry], second: dict[int, shapely.Geometry]) -> bool:

@@ -7,6 +7,10 @@ A map has, for each corner of the masses and centres of the part (case) and each
     places       centres with forces that hold everything; the hull of the places stands, since the
                  balance is linear in the place
     motions      each excludes the centres of a half plane
+    shares       on several tops without friction: forces and motions move with the part. Forces
+                 keep to the contact about these shares of its weight
+                 (`kilter.analysis.placing.moving_load`), and motions exclude polygons
+                 (`kilter.analysis.placing.moving_contact`)
 
 Areas of contact, heights and the touched tops follow from the assembly, so the file has none. A
 part on a held top changes nothing in the assembly, so its proof without the part decides.
@@ -143,12 +147,16 @@ def part_data(part: Part, units: str) -> dict[str, Any]:
 
 def _finding_data(finding: Finding, assembly: Assembly) -> dict[str, Any]:
     carried = finding.carried
+    moving = {}
+    if finding.shares is not None:
+        moving["shares"] = {assembly.names[k]: share for k, share in finding.shares.items()}
     return {
         "top": None if finding.top < 0 else assembly.names[finding.top],
         "low": finding.low.tolist(),
         "high": finding.high.tolist(),
         "places": [_place_data(place, proof) for place, proof in carried.points],
         "motions": [_over_largest(motion).tolist() for motion in carried.motions],
+        **moving,
     }
 
 

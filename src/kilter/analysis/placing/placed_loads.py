@@ -73,7 +73,7 @@ class PlacedLoads:
         return self._on_parts[under].with_rows(
             point=np.vstack([self.program.point, point]),
             center=np.vstack([self.program.center, [*place, height + self.part.below]]),
-        ), self._part_torques
+        ), self.torques_of_part
 
     @cached_property
     def alone(self) -> ScaledProblem:
@@ -110,7 +110,8 @@ class PlacedLoads:
         return program.with_rows(**parts).with_force_rows(joined)
 
     @cached_property
-    def _part_torques(self) -> Array:
+    def torques_of_part(self) -> Array:
+        """Change of the load per shift of the part along x and y, (2, N + 1, 6)."""
         count = len(self.program.names)
         return self._torques(count, count + 1)
 

@@ -129,7 +129,10 @@ class ShiftedLoad:
     proofs: Literal["both", "forces", "motions"] = "both"
 
     def places(
-        self, accuracy: float, carried: Sequence[tuple[Array, ForceProof]] = ()
+        self,
+        accuracy: float,
+        carried: Sequence[tuple[Array, ForceProof]] = (),
+        within: shapely.Geometry | None = None,
     ) -> CarriedPlaces:
         """The carried shifts, as a polygon inside and a polygon outside.
 
@@ -140,9 +143,11 @@ class ShiftedLoad:
             [length unit].
         carried : sequence of (ndarray, ForceProof), optional
             Shifts that are carried, from a search with fewer rows; for a search of motions.
+        within : shapely geometry, optional
+            The shifts of interest; by default the rectangle.
         """
         whole = shapely.box(*self.low, *self.high)
-        outer, programs = whole, 0
+        outer, programs = whole if within is None else within, 0
         points = [CarriedPoint(shift, proof.forces, None) for shift, proof in carried]
         motions: list[Array] = []
 
@@ -155,13 +160,11 @@ class ShiftedLoad:
                     outer = remaining(outer, _beyond(found.shift, direction), whole)
                 return found
             motion = self._motion(multipliers, infeasible=found is None)
-            side = None if motion is None else self._excluded(motion)
-            if motion is not None and side is not None:
-                cut = remaining(outer, side, whole)
+            if motion is not None:
+                cut = self._left(outer, motion, whole)
                 # a line or a point remains of carried places: then nothing is excluded
-                if found is None or cut.area > 0:
-                    if cut.area < outer.area:
-                        motions.append(motion)
+                if (found is None or cut.area > 0) and cut.area < outer.area * (1 - SAME):
+                    motions.append(motion)
                     outer = cut
             return found
 
@@ -259,12 +262,13 @@ class ShiftedLoad:
             count = self._problem.matrix.shape[1]
             self._kept.change_cost([count, count + 1], -direction)
             answer = self._kept.solve()
-            columns = -answer.multipliers
-            forces = self._problem.forces(answer.x[:-2]) if answer.optimal else None
+            columns = -answer.multipliers[: len(self._problem.right)]
+            forces = self._problem.forces(answer.x[:count]) if answer.optimal else None
             friction = None
         if forces is None:
             return None, columns
-        shift = np.clip(answer.x[-2:], self.low, self.high)
+        count = len(self.program.part_a) if friction is None else len(answer.x) - 2
+        shift = np.clip(answer.x[count : count + 2], self.low, self.high)
         return CarriedPoint(shift, forces, friction), columns
 
     def _motion(self, columns: Array, *, infeasible: bool) -> Array | None:
@@ -277,10 +281,13 @@ class ShiftedLoad:
             motion = -motion
         return motion
 
-    def _excluded(self, motion: Array) -> tuple[Array, float] | None:
-        """The half plane of shifts that a motion excludes."""
+    def _left(
+        self, outer: shapely.Geometry, motion: Array, whole: shapely.Geometry
+    ) -> shapely.Geometry:
+        """The shifts of an area that a motion does not exclude: it excludes a half plane."""
         bound = self.bound or self.program
-        return excluded_side(bound, self.wrenches, self.low, self.high, motion)
+        side = excluded_side(bound, self.wrenches, self.low, self.high, motion)
+        return outer if side is None else remaining(outer, side, whole)
 
 
 def _beyond(shift: Array, direction: Array) -> tuple[Array, float]:

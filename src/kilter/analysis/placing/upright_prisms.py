@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import shapely
@@ -12,14 +13,14 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 
-__all__ = ["PlacedPrism", "Top", "find_tops", "placed_prism", "shifted", "swept"]
+__all__ = ["PlacedPrism", "Top", "edges_of", "find_tops", "placed_prism", "shifted", "swept"]
 
 UPRIGHT = 1e-6
 """Largest relative difference of volume between an upright prism and a part [-]; a larger value
 accepts parts whose sides lean."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Top:
     """The horizontal top of an upright prism of an assembly.
 
@@ -41,8 +42,13 @@ class Top:
     high: float
     upright: bool
 
+    @cached_property
+    def edges(self) -> tuple[Array, Array]:
+        """Normals and offsets of the edges of the polygon (`edges_of`)."""
+        return edges_of(shapely.get_coordinates(self.polygon)[:-1])
 
-@dataclass(frozen=True, slots=True, eq=False)
+
+@dataclass(frozen=True, eq=False)
 class PlacedPrism:
     """The part that is put down: an upright convex prism.
 
@@ -71,6 +77,16 @@ class PlacedPrism:
     def height(self) -> float:
         """Height of the prism [length unit]."""
         return self.below + self.above
+
+    @cached_property
+    def edges(self) -> tuple[Array, Array]:
+        """Normals and offsets of the edges of the footprint, about the centre (`edges_of`)."""
+        return edges_of(self.footprint)
+
+    @property
+    def size(self) -> float:
+        """Larger extent of the footprint along x or y [length unit]."""
+        return float(np.ptp(self.footprint, axis=0).max())
 
 
 def find_tops(assembly: Assembly) -> list[Top]:
@@ -134,3 +150,23 @@ def swept(footprint: Array, low: Array, high: Array, *, union: bool) -> shapely.
         points = np.concatenate([footprint + corner for corner in corners])
         return shapely.convex_hull(shapely.multipoints(points))
     return shapely.intersection_all([shifted(footprint, corner) for corner in corners])
+
+
+def edges_of(ring: Array) -> tuple[Array, Array]:
+    """Outward unit normals A, shape (n, 2), and offsets b, shape (n,), of a convex polygon.
+
+    Its corners, shape (n, 2), are in either order; the polygon is the set A p <= b.
+
+    Examples
+    --------
+    >>> normals, offsets = edges_of(np.array([[0.0, 0], [2, 0], [2, 1], [0, 1]]))
+    >>> (normals[1] + 0.0).tolist(), float(offsets[1])
+    ([1.0, 0.0], 2.0)
+    """
+    along = np.roll(ring, -1, axis=0) - ring
+    length = np.linalg.norm(along, axis=1)
+    ring, along = ring[length > 0], along[length > 0] / length[length > 0, None]
+    normals = np.column_stack([along[:, 1], -along[:, 0]])
+    offsets = np.einsum("ij,ij->i", normals, ring)
+    inward = float((normals @ ring.mean(axis=0) - offsets).sum()) > 0
+    return (-normals, -offsets) if inward else (normals, offsets)
