@@ -15,13 +15,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-import shapely
 
 from kilter.analysis.check import check
+from kilter.analysis.placing.item_support import fall_reason, item_support
+from kilter.analysis.placing.plan_walls import THICK, given_walls, walls_around
 from kilter.analysis.placing.top_loads import least_top_load
 from kilter.analysis.transport.transport import transport
 from kilter.analysis.verdict.verdict import Verdict
-from kilter.arrays import Array, Index
 from kilter.assembly import Assembly, Part
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.sub_contacts import contacts_among
@@ -47,10 +47,6 @@ __all__ = ["CheckedItem", "CheckedPlan", "check_plan"]
 
 BASE = "base"
 """Name of the held part under the pile."""
-WALL = "wall"
-"""Beginning of the names of assumed walls."""
-THICK = 0.1
-"""Thickness of the base and of assumed walls [widths of the pile]."""
 OVER = 1e-7
 """A load beyond a limit by less than this fraction of the limit is within it [-]."""
 
@@ -247,7 +243,7 @@ def check_plan(
     if held is not None:
         whole = whole.merged(held.with_friction(friction), prefix="")
     if walls is not None:
-        whole = whole.with_parts(_given_walls(plan, walls))
+        whole = whole.with_parts(given_walls(plan, walls))
     tell("contacts")
     contacts = detect.contacts(whole, tolerance=tolerance, progress=progress)
     verdicts: list[Verdict] = []
@@ -259,7 +255,9 @@ def check_plan(
         tell(f"item {k} of {len(plan.boxes)}")
         verdict = check(state, contacts=touching, require=require, effort=effort)
         verdicts.append(verdict)
-        items.append(CheckedItem(box, str(verdict.verdict), verdict.level, _support(box, verdict)))
+        items.append(
+            CheckedItem(box, str(verdict.verdict), verdict.level, item_support(box, verdict))
+        )
         loads = _top_loads(plan.boxes[:k], verdict)
         overload = overload or _overload(plan.boxes[:k], loads)
     items = [replace(item, top_load=loads.get(item.box.name)) for item in items]
@@ -271,7 +269,7 @@ def check_plan(
         whole,
         tuple(items),
         None if first is None else first + 1,
-        "" if first is None else _reason(plan, first, verdicts[first]),
+        "" if first is None else fall_reason(plan, first, verdicts[first]),
         overload,
         None
         if first is None or held is not None or walls is not None
@@ -347,109 +345,6 @@ def _states(
     yield whole, contacts
 
 
-def _support(box: PackedBox, verdict: Verdict) -> tuple[tuple[str, float], ...]:
-    """Parts below an item, and the share of its underside on each."""
-    patches, below = _patches_under(verdict, box.name)
-    area = np.bincount(
-        below, verdict.contacts.patch_area[patches], minlength=len(verdict.assembly.names)
-    )
-    share = area / (box.size[0] * box.size[1])
-    parts = np.unique(below)
-    order = parts[np.argsort(-share[parts], kind="stable")]
-    return tuple((verdict.assembly.names[k], float(share[k])) for k in order.tolist())
-
-
-def _patches_under(verdict: Verdict, name: str) -> tuple[Index, Index]:
-    """Contact patches under a part, and the part below at each; both of shape (n,)."""
-    k, contacts = verdict.assembly.index_of(name), verdict.contacts
-    upward = contacts.patch_normal[:, 2]
-    is_above = (contacts.patch_parts[:, 1] == k) & (upward > FLAT)
-    is_above_reversed = (contacts.patch_parts[:, 0] == k) & (-upward > FLAT)
-    patches = np.flatnonzero(is_above | is_above_reversed)
-    return patches, contacts.patch_parts[patches, np.where(is_above[patches], 0, 1)]
-
-
-FLAT = 0.999
-"""Least upward component of the normal of a contact under a box [-]."""
-
-
-def _reason(plan: PackingPlan, first: int, verdict: Verdict) -> str:
-    """The reason why the pile falls when an item is put down, as a clause."""
-    box = plan.boxes[first]
-    patches, _ = _patches_under(verdict, box.name)
-    points = verdict.contacts.points[np.isin(verdict.contacts.point_patch, patches), :2]
-    center = np.array(box.corner[:2]) + np.array(box.size[:2]) / 2
-    if not len(points):
-        return f"nothing is under {box.name!r}"
-    area = shapely.convex_hull(shapely.multipoints(points))
-    beside = float(shapely.distance(area, shapely.points(center)))
-    if beside > 0:
-        return (
-            f"the centre of {box.name!r} lies {beside:.3g} {plan.units} beside the area on which "
-            "it rests"
-        )
-    tipped = _moving_below(box, verdict)
-    if tipped:
-        named = " and ".join(repr(name) for name in tipped[:2])
-        return f"{box.name!r} tips {named}, on which it rests"
-    return f"the pile falls under {box.name!r}"
-
-
-def _moving_below(box: PackedBox, verdict: Verdict) -> list[str]:
-    """Parts that lie under an item and move, the fastest first."""
-    low, high = verdict.assembly.geometry.part_boxes
-    k = verdict.assembly.index_of(box.name)
-    overlap = np.minimum(high[:, :2], high[k, :2]) - np.maximum(low[:, :2], low[k, :2])
-    top = box.corner[2] + ABOVE * box.size[2]
-    under = (high[:, 2] <= top) & (overlap > 0).all(axis=1)
-    names = {verdict.assembly.names[j] for j in np.flatnonzero(under).tolist()}
-    return [name for name in verdict.moving if name in names]
-
-
-ABOVE = 1e-3
-"""Height above the underside of a box up to which the top of a box below it lies [heights]."""
-
-
-def _walls(low: Array, high: Array, top: float) -> list[Part]:
-    """Four held walls around the space between two corners, up to a height."""
-    low, high = np.array(low), np.array([high[0], high[1], top])
-    thick = THICK * float((high - low).max())
-    walls = []
-    for axis in (0, 1):
-        for end, side in ((low, -1), (high, 1)):
-            size = high - low + 2 * thick
-            middle = (low + high) / 2
-            size[axis] = thick
-            middle[axis] = end[axis] + side * thick / 2
-            name = f"{WALL} {'xy'[axis]}{'-+'[side > 0]}"
-            walls.append(Part(name, Box(size), Pose(middle), grounded=True, density=1000.0))
-    return walls
-
-
-def _given_walls(plan: PackingPlan, size: Sequence[float]) -> list[Part]:
-    """Held walls of a given inner size; an error if a box lies beyond them."""
-    if not (len(size) == 2 and min(size) > 0):
-        raise InputError(f"walls are {size}", hint="give an inner length and width above 0")
-    slack = BEYOND * max(size)
-    for box in plan.boxes:
-        if any(
-            box.corner[k] < -slack or box.corner[k] + box.size[k] > size[k] + slack for k in (0, 1)
-        ):
-            word = "item" if plan.order else "line"
-            raise InputError(
-                f"{word} {box.line}: {box.name!r:.60} lies beyond the walls, which are "
-                f"{size[0]:g} x {size[1]:g} {plan.units} inside",
-                file=plan.source or None,
-                hint="correct its place, or the size of the walls",
-            )
-    low, high = np.array([0.0, 0.0, plan.low[2]]), np.array([*size, plan.high[2]])
-    return _walls(low, high, float(plan.high[2]))
-
-
-BEYOND = 1e-6
-"""A box may lie beyond a wall by this fraction of the size of the walls [-]."""
-
-
 def _walled(
     pile: Assembly,
     plan: PackingPlan,
@@ -459,7 +354,7 @@ def _walled(
 ) -> WallsData:
     """Whether each item stands if smooth walls stand around the pile, and their inner size."""
     low, high = plan.low, plan.high
-    walls = _walls(low, high, high[2])
+    walls = walls_around(low, high, high[2])
     whole = _with_base(pile, plan, pallet).with_parts(walls)
     contacts = detect.contacts(whole)
     first = None
