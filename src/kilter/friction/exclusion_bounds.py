@@ -19,7 +19,7 @@ from kilter.friction.exclusion_steps import PowerStep, ShrinkStep
 from kilter.friction.force_bound import force_bound
 from kilter.friction.friction_tolerances import COARSEST_NO_POWER, LARGEST_FORCE, NO_POWER
 from kilter.friction.reduced_law import ReducedLaw
-from kilter.friction.relaxation import TANGENTS, Relaxation
+from kilter.friction.relaxation import Relaxation
 from kilter.mechanics.program import Program
 from kilter.mechanics.proof_form import MalformedProof
 from kilter.solvers.problem import LinearProgram
@@ -27,6 +27,7 @@ from kilter.solvers.problem import LinearProgram
 __all__ = [
     "ALL",
     "FORCES",
+    "TOTALS",
     "Quantities",
     "first_bounds",
     "largest_forces",
@@ -44,13 +45,19 @@ FORCES = ("fn", "least")
 """Names of the force bounds among them. In space a group is a single point, so the bound of its N
 equals that of its f_n.
 """
+TOTALS = ("most", "least")
+"""Names of the bounds of the force sums N. In the plane these alone are shrunk: a positive lower
+bound makes a sliding patch dissipate power and one of its ends touch. All bounds together need five
+times as many programs, and do not save as many cases.
+"""
 
 
 def first_bounds(law: ReducedLaw, relaxation: Relaxation, opening: Array | None) -> Enclosure:
     """Bounds of motions and forces before the first step; forces are bounded by `opening`."""
     largest = min(largest_forces(law, opening), LARGEST_FORCE)
     force = np.full(len(law.group), largest)
-    return replace(first_enclosure(law, relaxation.fastest, force, TANGENTS), cuts=True)
+    first = first_enclosure(law, relaxation.fastest, force, relaxation.tangents)
+    return replace(first, cuts=True)
 
 
 def largest_forces(law: ReducedLaw, opening: Array | None) -> float:

@@ -268,13 +268,17 @@ class KeptProgram:
             self._highs.changeCoeff(int(row), int(column), float(value))
         self.program = replace(self.program, matrix=matrix)
 
-    def solve(self, cost: Array | None = None, *, work: Work | None = None) -> Solution:
+    def solve(
+        self, cost: Array | None = None, *, warm: Warm | None = None, work: Work | None = None
+    ) -> Solution:
         """Solve the kept program from its last basis; if that fails, from cold starts.
 
         Parameters
         ----------
         cost : ndarray, shape (n,), optional
             New cost of all columns.
+        warm : {"primal", "dual"}, optional
+            Simplex method from the last basis, if not that of the program.
         work : Work, optional
             Counts the simplex steps, and limits their number and the time.
         """
@@ -285,10 +289,10 @@ class KeptProgram:
         self._set("time_limit", np.inf if limit is None else self._highs.getRunTime() + limit)
         attempts = []
         if self._based:
-            steps = _steps(self.program)
-            if self._warm == "primal":
+            warm, steps = warm or self._warm, _steps(self.program)
+            if warm == "primal":
                 steps = self._steps // 4 + FEW
-            attempts.append(self._run_simplex(self._warm, steps, work))
+            attempts.append(self._run_simplex(warm, steps, work))
         for scaling in SCALINGS:
             if attempts and (self._accepts(attempts[-1]) or (work is not None and work.over)):
                 break
