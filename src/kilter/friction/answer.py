@@ -60,11 +60,14 @@ of it."""
 SEARCHED = 300
 """Number of contact points up to which an assembly that comes to rest in every try is searched for
 other motions at the default effort. A larger number makes large walls slower, and may find more."""
-EXCLUDING, EXCLUDING_IN_PLANE = 2.0, 0.9
-"""Work of the proof that no motion exists, over the work of the motion search, in space and in the
-plane. Of 88 programs of arches and other plane assemblies under changed loads, 75 are proved within
-0.9, and 79 within 2. The proof follows the starts of the search, which find most motions at once,
-and precedes its contact modes, which are slow and needed only without a proof."""
+EXCLUDING = 2.0
+"""Work of the proof that no motion exists, over the work of the motion search. The proof follows
+the starts of the search, which find most motions at once, and precedes its contact modes, which are
+slow and needed only without a proof."""
+EXCLUDING_IN_PLANE, EXCLUDING_FEW, FEW_POINTS = 0.8, 1.2, 60
+"""In the plane, the same for assemblies of many contact points, for others, and the largest number
+of points of the others. Proofs of arches of 20 under changed loads are found within the first or
+are not found with half as much again; those of arches of 9 need up to the second."""
 MODES = 0.6
 """Fraction of the work of the search after which no contact mode is examined: the modes that lead
 to a motion are found in two thirds of that.
@@ -208,7 +211,7 @@ def ask_friction(
         if witness is not None:
             return answer("refuted", witness)
     # beside a level that is reached already, a proof only saves the search of contact modes
-    most = (EXCLUDING_IN_PLANE if program.planar else EXCLUDING) * whole.allowed
+    most = _excluding(program) * whole.allowed
     if enough == "settles" and settles:
         most = min(most, whole.total - before)
     exclusion = _exclude(program, whole.beside(most))
@@ -224,6 +227,13 @@ def _exclude(program: Program, work: Work) -> Exclusion:
     """Try to prove that no motion exists, with a work limit of its own."""
     work.stage("excluding every motion")
     return prove_no_motion(program, work=work)
+
+
+def _excluding(program: Program) -> float:
+    """Work of the proof that no motion exists, over the work of the motion search."""
+    if not program.planar:
+        return EXCLUDING
+    return EXCLUDING_FEW if len(program.mu) <= FEW_POINTS else EXCLUDING_IN_PLANE
 
 
 def _out_of_reach(program: Program, whole: Work) -> bool:

@@ -209,8 +209,8 @@ def _prove(
 def _prove_in_plane(attempt: ProofAttempt, bounds: Enclosure) -> tuple[Kind, CasesLeft]:
     """Prove in the plane: divide into contact modes, contract the bounds, then divide again.
 
-    Only the bounds of force sums are contracted (`TOTALS`). In space only the bounds of forces are contracted: contracting those of motions takes longer
-    than it saves.
+    Only the bounds of force sums are contracted (`TOTALS`), in space only those of forces:
+    contracting those of motions takes longer than it saves.
     """
     work = attempt.work
     modes: Kind = "modes"
