@@ -179,7 +179,7 @@ def test_large_models_by_their_proofs(seed: int) -> None:
         proved(assembly_of_bricks(model, rules=StudRules(pull=pull))) for pull in (0.02, 20.0)
     )
     assert (weak.verdict, strong.verdict) == ("unstable", "stable")
-    assert "least forces of bonds" in strong.judgement.solvers[0]
+    assert any("least forces of bonds" in word for word in strong.judgement.solvers)
     assert any("total imbalance" in word for word in weak.judgement.solvers)
 
 

@@ -108,7 +108,7 @@ def test_check_says_everything_that_its_users_rely_on(capsys: pytest.CaptureFixt
     assert part["motion"] == "drops at 0.75 g"
     assert set(part) == {
         *("name", "grounded", "mass", "displacement", "acceleration", "relative"),
-        *("moves", "moved_by_proof", "motion", "slow_motion"),
+        *("moves", "moved_by_proof", "motion", "slow_motion", "material", "layer"),
     }
 
 
