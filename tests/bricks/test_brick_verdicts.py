@@ -174,7 +174,7 @@ def test_a_hanging_brick_needs_its_weight_over_its_points() -> None:
 @pytest.mark.parametrize("seed", [1, 2])
 def test_large_models_by_their_proofs(seed: int) -> None:
     """A model large enough for the large solver: forces or a motion, on both sides of the limit."""
-    model = random_bricks(300, seed=seed)
+    model = random_bricks(500, seed=seed)
     weak, strong = (
         proved(assembly_of_bricks(model, rules=StudRules(pull=pull))) for pull in (0.02, 20.0)
     )

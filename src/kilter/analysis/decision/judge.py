@@ -205,7 +205,10 @@ def _judge_groups(
     motion: MotionProof | None = None
     solvers: tuple[str, ...] = ()
     stable: bool | None = True
-    for group in groups:
+    for number, group in enumerate(groups):
+        if number and work.late:
+            stable = None
+            break
         judged = judge(group.program, work=work, solver=solver)
         solvers = max(solvers, judged.solvers, key=len)
         if judged.forces is not None:
@@ -220,9 +223,6 @@ def _judge_groups(
             break
         if judged.stable is None:
             stable = None
-        if work.late:
-            stable = None
-            break
     word = f"{len(groups)} groups of clusters, the longest search:"
     proof = check_forces(program, forces, friction)
     if (stable and not proof.holds) or (stable is False and not (motion and motion.holds)):
