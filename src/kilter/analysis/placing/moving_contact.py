@@ -28,6 +28,7 @@ from kilter.analysis.placing.placed_loads import PlacedLoads
 from kilter.analysis.placing.polygon_sets import union
 from kilter.analysis.placing.upright_prisms import Top
 from kilter.arrays import Array
+from kilter.contact.planar.polygons import cut_convex
 from kilter.mechanics.certificate import check_motion, needed_powers
 from kilter.mechanics.load_checks import shifted_weights
 from kilter.mechanics.program import Program
@@ -149,14 +150,7 @@ def _without_positive(ring: Array, rows: Array) -> Array:
     if (values.min(axis=1) > 0).any():
         return np.empty((0, 2))
     for row in rows[values.max(axis=1) > 0]:
-        value = row[0] + ring @ row[1:]
-        points = []
-        for k, j in zip(range(len(ring)), np.roll(np.arange(len(ring)), -1), strict=True):
-            if value[k] <= 0:
-                points.append(ring[k])
-            if (value[k] <= 0) != (value[j] <= 0):
-                points.append(ring[k] + value[k] / (value[k] - value[j]) * (ring[j] - ring[k]))
-        ring = np.array(points).reshape(-1, 2)
+        ring = cut_convex(ring, -(row[0] + ring @ row[1:]))
         if len(ring) < 3:
             break
     return ring

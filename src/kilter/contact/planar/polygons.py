@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 __all__ = [
     "clip_convex",
     "convex_hull",
+    "cut_convex",
     "overlay",
     "padded",
     "polygon_area",
@@ -84,6 +85,36 @@ def clip_convex(
             count = count.copy()
             count[rows] = left
     return points, count
+
+
+def cut_convex(corners: Array, above: Array) -> Array:
+    """The part of a convex polygon in which a linear function is not negative.
+
+    Parameters
+    ----------
+    corners : ndarray, shape (n, d)
+        In order around the polygon. Columns after the first two are values of further linear
+        functions, which are interpolated.
+    above : ndarray, shape (n,)
+        The linear function at the corners.
+
+    Returns
+    -------
+    ndarray, shape (m, d)
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0], [2, 0], [2, 2], [0, 2]])
+    >>> cut_convex(square, square[:, 0] - 1).tolist()
+    [[1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 2.0]]
+    """
+    following = np.roll(above, -1)
+    crosses = (above >= 0) != (following >= 0)
+    share = np.where(crosses, above / np.where(crosses, above - following, 1.0), 0.0)
+    cut = corners + share[:, None] * (np.roll(corners, -1, axis=0) - corners)
+    keep = np.column_stack([above >= 0, crosses]).ravel()
+    result: Array = np.stack([corners, cut], axis=1).reshape(-1, corners.shape[1])[keep]
+    return result
 
 
 def _half_plane(points: Array, count: Index, start: Array, along: Array) -> tuple[Array, Index]:

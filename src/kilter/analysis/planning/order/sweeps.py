@@ -26,6 +26,7 @@ from kilter.analysis.analysis_tolerances import ALONG
 from kilter.analysis.planning.states.part_sets import bits_of, members
 from kilter.arrays import Array, Index, across, cross, unit_rows
 from kilter.contact import ContactSet
+from kilter.contact.planar.polygons import cut_convex
 
 __all__ = ["Sweeps"]
 
@@ -329,22 +330,8 @@ def _fits_a_disk(pieces: Array, radius: float) -> bool:
 
 def _polygon_between(corners: Array, values: Array, low: float, high: float) -> object | None:
     """Piece of a convex polygon on which a linear function is between two bounds; None if empty."""
+    rows = np.column_stack([corners, values])
     for bound, sign in ((low, 1.0), (high, -1.0)):
         if np.isfinite(bound):
-            corners, values = _clip_polygon(corners, values, sign * (values - bound))
-    return shapely.polygons(corners) if len(corners) > 2 else None
-
-
-def _clip_polygon(corners: Array, values: Array, above: Array) -> tuple[Array, Array]:
-    """Clip a convex polygon to `above` >= 0; return the remaining corners and their values."""
-    if not len(corners):
-        return corners, values
-    following = np.roll(above, -1)
-    share = np.where(
-        above != following, above / np.where(above == following, 1, above - following), 0
-    )
-    cut = corners + share[:, None] * (np.roll(corners, -1, axis=0) - corners)
-    cut_value = values + share * (np.roll(values, -1) - values)
-    keep = np.column_stack([above >= 0, (above >= 0) != (following >= 0)]).ravel()
-    points = np.stack([corners, cut], axis=1).reshape(-1, 2)[keep]
-    return points, np.column_stack([values, cut_value]).ravel()[keep]
+            rows = cut_convex(rows, sign * (rows[:, 2] - bound))
+    return shapely.polygons(rows[:, :2]) if len(rows) > 2 else None
