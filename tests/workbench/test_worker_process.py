@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import os
 import signal
 from typing import Any
 
 import pytest
 
-from kilter.workbench import worker_process
+from kilter.workbench import worker, worker_process
 from kilter.workbench.worker_process import WorkerProcess
 
 
@@ -49,3 +50,27 @@ def test_a_job_that_misses_the_signal_is_interrupted_again(monkeypatch: pytest.M
     assert during >= 2
     assert after == later
     assert set(process.signals) == {signal.SIGINT}
+
+
+@pytest.mark.parametrize(("interrupted", "kind"), [(True, "stopped"), (False, "fault")])
+def test_an_error_in_place_of_the_interruption_counts_as_a_stop(
+    interrupted: bool, kind: str
+) -> None:
+    """NumPy replaces an interruption that comes while it compares types by a TypeError."""
+    interruption = worker._Interruption()
+
+    class Jobs:
+        """Jobs that fail after an interruption was lost."""
+
+        def run(self, job: dict[str, Any], report: Any) -> None:
+            """Do a job."""
+            if interrupted:
+                with contextlib.suppress(KeyboardInterrupt):
+                    interruption.hear(signal.SIGINT, None)
+            raise TypeError("types cannot be compared")
+
+    for number in (1, 2):
+        assert worker._run(Jobs(), number, {}, None, interruption)[:2] == (number, kind)
+    interrupted = False  # the interruption of a job does not concern the next job
+    assert worker._run(Jobs(), 3, {}, None, interruption)[1] == "fault"
+    assert not interruption.working

@@ -23,15 +23,19 @@ __all__ = ["serve"]
 
 
 class _Interruption:
-    """Turns SIGINT into KeyboardInterrupt while a job runs; between jobs it is ignored."""
+    """Turns SIGINT into KeyboardInterrupt while a job runs; between jobs it is ignored.
+
+    `heard`: the present job was interrupted.
+    """
 
     def __init__(self) -> None:
-        self.working = False
+        self.working = self.heard = False
 
     def hear(self, number: int, frame: FrameType | None) -> None:
         """Handle SIGINT."""
         if self.working:
             self.working = False  # a second signal must not interrupt the report about the first
+            self.heard = True
             raise KeyboardInterrupt
 
 
@@ -75,22 +79,29 @@ def _run(
         send(outgoing, (number, kind, data))
         interruption.working = working
 
-    interruption.working = True
+    interruption.working, interruption.heard = True, False
     try:
         jobs.run(job, report)
     except KeyboardInterrupt:
         return number, "stopped", None
-    except InputError as error:
-        return number, "error", {"error": _sentence(error), "hint": error.option or error.hint}
-    except KilterError as error:
-        return number, "error", {"error": str(error), "hint": ""}
-    except MemoryError:
-        return number, "error", {"error": "the memory of this machine does not suffice", "hint": ""}
-    except Exception:
-        return number, "fault", traceback.format_exc()
+    except Exception as error:
+        if interruption.heard:  # NumPy may raise an error of its own in place of the interruption
+            return number, "stopped", None
+        return number, *_failure(error)
     finally:
         interruption.working = False
     return number, "done", None
+
+
+def _failure(error: Exception) -> tuple[str, Any]:
+    """Kind and data of the last message about a job that ended by an error."""
+    if isinstance(error, InputError):
+        return "error", {"error": _sentence(error), "hint": error.option or error.hint}
+    if isinstance(error, KilterError):
+        return "error", {"error": str(error), "hint": ""}
+    if isinstance(error, MemoryError):
+        return "error", {"error": "the memory of this machine does not suffice", "hint": ""}
+    return "fault", "".join(traceback.format_exception(error))
 
 
 def _sentence(error: InputError) -> str:
