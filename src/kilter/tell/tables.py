@@ -20,6 +20,7 @@ from kilter.tell.plan_words import step_cells
 from kilter.tell.scene_words import SCENE_HEAD, object_cells, scene_order
 from kilter.tell.settle_words import moved_cells, moved_head
 from kilter.tell.shared_facts import Answer
+from kilter.tell.verify_words import verify_sentence
 from kilter.tell.words import NAMED
 
 __all__ = [
@@ -116,9 +117,7 @@ def sentences(answer: Answer) -> list[str]:
     if kind == "assembly":
         return [f"An assembly of {count(len(answer['parts']), 'part')}."]
     if kind == "verify":
-        if not answer["holds"]:
-            return ["The proof does not hold."]
-        return [f"The proof holds: {answer['verdict']}."]
+        return [verify_sentence(answer)]
     if kind == "improve":
         return [improve_sentence(answer)]
     lines = [str(answer["sentence"])]

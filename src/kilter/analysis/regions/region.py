@@ -257,7 +257,8 @@ class Region(InCells, AnswerInWords):
         for entry in self.proofs(options=options):
             about = {"about": entry.about, "vector": entry.vector.tolist()}
             proofs.append((about | {"change": {"down": entry.data["down"]}}, entry.data))
-        return make_bundle("region", proofs)
+        slack = max(self.cone.blur, *(part.slack for part in self.found))
+        return make_bundle("region", proofs, gap_deg=self.gap_deg + float(np.degrees(slack)))
 
     def to_dict(self) -> RegionData:
         """The region as JSON data, as ``kilter region --json`` prints it.
