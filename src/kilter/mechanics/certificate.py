@@ -25,7 +25,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import TINY, Array, Mask
+from kilter.arrays import TINY, Array
 from kilter.mechanics.program import Program
 from kilter.mechanics.proof_limits import balanced_parts, power_limit, pressing_forces
 

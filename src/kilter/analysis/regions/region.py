@@ -258,7 +258,8 @@ class Region(InCells, AnswerInWords):
             about = {"about": entry.about, "vector": entry.vector.tolist()}
             proofs.append((about | {"change": {"down": entry.data["down"]}}, entry.data))
         slack = max(self.cone.blur, *(part.slack for part in self.found))
-        return make_bundle("region", proofs, gap_deg=self.gap_deg + float(np.degrees(slack)))
+        gap = slack + max(part.gap for part in self.found)
+        return make_bundle("region", proofs, gap_deg=float(np.degrees(gap)))
 
     def to_dict(self) -> RegionData:
         """The region as JSON data, as ``kilter region --json`` prints it.
