@@ -1,7 +1,7 @@
 """Cells of CSV tables that no spreadsheet program runs as a formula.
 
-Spreadsheet programs run a cell that begins with ``=``, ``+``, ``-`` or ``@``, so such a text gets an
-apostrophe in front. Numbers, and lists of numbers, stay as they are.
+Spreadsheet programs run a cell that begins with ``=``, ``+``, ``-`` or ``@``, so such a text gets
+an apostrophe in front. Numbers, and lists of numbers, stay as they are.
 
 References
 ----------

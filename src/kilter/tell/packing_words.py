@@ -25,8 +25,8 @@ def packing_sentence(answer: Answer) -> str:
     if over is not None and (answer["first"] is None or over["after"] <= answer["first"]):
         return (
             f"Item {over['after']}, {_quoted(items[over['after'] - 1]['name'])}, overloads "
-            f"{_quoted(over['item'])}: its top must carry {number(over['load'])} kg, and its limit is "
-            f"{number(over['max_load'])} kg."
+            f"{_quoted(over['item'])}: its top must carry {number(over['load'])} kg, and its limit "
+            f"is {number(over['max_load'])} kg."
         )
     if answer["first"] is not None:
         item = items[answer["first"] - 1]

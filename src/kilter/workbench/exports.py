@@ -81,10 +81,9 @@ def _choices(prepared: Prepared, path: Path, job: Mapping[str, Any], progress: T
 
 def _contacts(prepared: Prepared, path: Path, job: Mapping[str, Any], progress: Tell) -> None:
     head = ["part_a", "part_b", "kind", "area", "gap", "mu", "nx", "ny", "nz"]
-    keys = ("kind", "area", "gap", "mu")
-    rows = [
-        [*patch["parts"], *(patch[key] for key in keys), *patch["normal"]]
-        for patch in prepared.contacts.to_dict()["patches"]
+    rows: list[list[Any]] = [
+        [*p["parts"], p["kind"], p["area"], p["gap"], p["mu"], *p["normal"]]
+        for p in prepared.contacts.to_dict()["patches"]
     ]
     write_text(path, csv_text([head, *rows]))
 

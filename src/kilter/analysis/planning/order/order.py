@@ -305,7 +305,7 @@ class Order(InCells, AnswerInWords):
         quaternion qw, qx, qy, qz), and the path: positions relative to the seat, the last zero.
         """
         head = "step,part,held,grips,releases,x,y,z,touches,level,px,py,pz,qw,qx,qy,qz,path"
-        rows = [head.split(",")]
+        rows: list[list[Any]] = [head.split(",")]
         for k, step in enumerate(self.to_dict()["steps"], 1):
             pose = self.states.assembly[step["parts"][0]].pose
             path = [" ".join(f"{x:.12g}" for x in place) for place in step["path"]]
