@@ -14,6 +14,8 @@ import shlex
 from collections.abc import Iterable, Sequence
 
 __all__ = [
+    "FAULT",
+    "NO_MEMORY",
     "InputError",
     "KilterError",
     "SolverError",
@@ -28,6 +30,9 @@ __all__ = [
 ]
 
 
+FAULT = 70
+"""Exit code of the command after a fault of kilter itself."""
+NO_MEMORY = "not enough memory; leave parts out, or use coarser meshes"
 LONGEST = 80
 """Longest name in a message or in a text [characters]."""
 LONGEST_PATH = 300
