@@ -26,7 +26,7 @@ from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, R
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from kilter.errors import InputError
+from kilter.errors import InputError, short_name
 from kilter.show.workbench_page import workbench_page
 from kilter.workbench.connections import EVERY_ADDRESS, LOOPBACK, PromptProtocol, listen
 from kilter.workbench.job_queue import FAULT
@@ -107,8 +107,7 @@ def build_app(session_of: Callable[[], Session], token: str, hosts: Sequence[str
             try:
                 response: Response = await answer(request)
             except InputError as error:
-                words = {"error": error.what, "hint": error.hint or ""}
-                response = JSONResponse(words, 409)
+                response = JSONResponse(_words(error), 409)
             except Exception as error:
                 response = JSONResponse({"error": _fault_words(error), "hint": ""}, 500)
             response.headers.update(HEADERS)
@@ -201,10 +200,17 @@ async def _reply(session: Session, text: str, send: Callable[[str], None]) -> No
         number = message.get("id")
         reply = {"re": number, "ok": True, **await session.handle(message)}
     except InputError as error:
-        reply = {"re": number, "ok": False, "error": error.what, "hint": error.hint or ""}
+        reply = {"re": number, "ok": False, **_words(error)}
     except Exception as error:
         reply = {"re": number, "ok": False, "error": _fault_words(error), "hint": ""}
     send(to_json(reply))
+
+
+def _words(error: InputError) -> dict[str, str]:
+    """The sentence of an error with the name of its file, and the remedy."""
+    name = short_name(Path(error.file).name) if error.file else None
+    sentence = str(InputError(error.what, file=name, part=error.part))
+    return {"error": sentence, "hint": error.hint or ""}
 
 
 def _fault_words(error: Exception) -> str:
