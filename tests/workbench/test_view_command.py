@@ -130,6 +130,9 @@ def test_a_wrong_file_is_a_sentence_on_the_page(tmp_path: Path) -> None:
         (["-"], "cannot watch"),
         (["x.json", "--port", "70000"], "--port is 70000"),
         (["gone.step"], "no such file"),
+        (["x" * 300 + ".step"], "too long"),
+        (["--folder", "gone"], "no such folder"),
+        (["--host", "0.0.0.0/8"], "is no name of a host"),
         (["gone.step", "--ground", "a"], "no such file"),
     ],
 )
