@@ -130,6 +130,9 @@ def test_a_wrong_file_is_a_sentence_on_the_page(tmp_path: Path) -> None:
         (["-"], "cannot watch"),
         (["x.json", "--port", "70000"], "--port is 70000"),
         (["gone.step"], "no such file"),
+        (["x" * 300 + ".step"], "too long"),
+        (["--folder", "gone"], "no such folder"),
+        (["--host", "0.0.0.0/8"], "is no name of a host"),
         (["gone.step", "--ground", "a"], "no such file"),
     ],
 )
@@ -138,6 +141,18 @@ def test_a_wrong_argument_is_refused(
 ) -> None:
     assert main(["view", *words]) == 2
     assert said in capsys.readouterr().err
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("every", [False, True])
+def test_all_addresses_are_a_warning(tmp_path: Path, every: bool) -> None:
+    words = ["--host", "0.0.0.0"] if every else []
+    with serving(tmp_path, *words) as (process, url):
+        with urllib.request.urlopen(url, timeout=20) as page:
+            assert b"kilter" in page.read()
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=ENDS)
+        assert ("warning: other computers can reach this page" in errors) == every
 
 
 @pytest.mark.slow

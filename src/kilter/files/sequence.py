@@ -18,6 +18,7 @@ from typing import Any
 from kilter.errors import InputError
 from kilter.files.raw import read_bytes
 from kilter.files.strict_json import parse_json
+from kilter.tell.csv_cells import name_of_cell
 
 __all__ = ["read_sequence"]
 
@@ -54,7 +55,7 @@ def _csv_steps(text: str) -> list[list[str]]:
     rows = csv.DictReader(io.StringIO(text))
     if "part" not in (rows.fieldnames or ()):
         raise InputError("the table has no column 'part'", hint="name it in the first line")
-    return [[name.strip() for name in (row["part"] or "").split(";")] for row in rows]
+    return [[name_of_cell(name.strip()) for name in (row["part"] or "").split(";")] for row in rows]
 
 
 def _json_steps(data: Any) -> list[list[str]]:

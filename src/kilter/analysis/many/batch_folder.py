@@ -11,7 +11,6 @@ import contextlib
 import csv
 import hashlib
 import importlib.util
-import io
 import json
 import os
 from collections.abc import Iterator, Sequence
@@ -20,8 +19,9 @@ from pathlib import Path
 from typing import Any
 
 from kilter.analysis.many.batch_rows import COLUMNS, BatchQuestion, BatchRow
-from kilter.errors import InputError
+from kilter.errors import InputError, visible
 from kilter.files.writing import write_bytes, write_text
+from kilter.tell.csv_cells import csv_text, name_of_cell
 
 __all__ = ["BatchFolder", "open_folder"]
 
@@ -106,7 +106,9 @@ def open_folder(
         asked = {
             "kilter_batch": FORMAT,
             "files": len(files),
-            "listed": hashlib.sha256("\n".join(files).encode()).hexdigest(),
+            "listed": hashlib.sha256(
+                "\n".join(files).encode("utf-8", "backslashreplace")
+            ).hexdigest(),
             "question": _as_data(question),
         }
         manifest = path / MANIFEST
@@ -211,15 +213,12 @@ def _flush(folder: Path) -> None:
 
 
 def _csv(rows: Sequence[BatchRow]) -> bytes:
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(COLUMNS), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    return text.getvalue().encode("utf-8", "surrogateescape")
+    text = csv_text([list(COLUMNS), *([row[name] for name in COLUMNS] for row in rows)])
+    return text.encode("utf-8")
 
 
 def _from_csv(path: Path) -> list[BatchRow]:
-    with open(path, encoding="utf-8", errors="surrogateescape", newline="") as stream:
+    with open(path, encoding="utf-8", newline="") as stream:
         return [
             {name: _value(kind, row[name]) for name, kind in COLUMNS.items()}
             for row in csv.DictReader(stream)
@@ -229,6 +228,8 @@ def _from_csv(path: Path) -> list[BatchRow]:
 def _value(kind: type, text: str) -> Any:
     if text == "":
         return None
+    if kind is str:
+        return name_of_cell(text)
     return text == "True" if kind is bool else kind(text)
 
 
@@ -241,6 +242,10 @@ def _parquet(rows: Sequence[BatchRow]) -> bytes:
         int: pyarrow.int64(), str: pyarrow.string(), bool: pyarrow.bool_(), float: pyarrow.float64()
     }  # fmt: skip
     schema = pyarrow.schema([(name, kinds[kind]) for name, kind in COLUMNS.items()])
+    rows = [  # a file name with invalid characters could not be encoded
+        {k: visible(value) if isinstance(value, str) else value for k, value in row.items()}
+        for row in rows
+    ]
     stream = pyarrow.BufferOutputStream()
     pyarrow.parquet.write_table(pyarrow.Table.from_pylist(list(rows), schema=schema), stream)
     data: bytes = stream.getvalue().to_pybytes()
