@@ -141,6 +141,18 @@ def test_a_wrong_argument_is_refused(
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("every", [False, True])
+def test_all_addresses_are_a_warning(tmp_path: Path, every: bool) -> None:
+    words = ["--host", "0.0.0.0"] if every else []
+    with serving(tmp_path, *words) as (process, url):
+        with urllib.request.urlopen(url, timeout=20) as page:
+            assert b"kilter" in page.read()
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=ENDS)
+        assert ("warning: other computers can reach this page" in errors) == every
+
+
+@pytest.mark.slow
 def test_changes_that_cannot_be_kept_are_named_and_answered(tmp_path: Path) -> None:
     from driver import Page
 

@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import errno
 import gc
 import os
 import sys
@@ -16,8 +17,9 @@ from pathlib import Path
 from kilter.cli.exit_codes import FAULT, INTERRUPTED, USAGE, WRITTEN
 from kilter.cli.interruption import end_interrupted, interruptible
 from kilter.cli.known_facts import begin_facts, interruption_words
-from kilter.cli.mistakes import NO_MEMORY, fault_words, usage_words
+from kilter.cli.mistakes import NO_MEMORY, usage_words
 from kilter.cli.streams import is_full, open_closed_streams
+from kilter.errors import InputError, fault_words, visible
 from kilter.threads import make_no_threads
 
 __all__ = ["main"]
@@ -106,7 +108,6 @@ def _run(words: list[str]) -> int:
         with_several_names,
         with_two_names,
     )
-    from kilter.errors import InputError
 
     try:
         given = with_two_names(with_several_names(with_off_names(with_floor_value(words))))
@@ -130,6 +131,9 @@ def _run(words: list[str]) -> int:
         _print_error(NO_MEMORY)
         return USAGE
     except OSError as error:
+        if error.errno == errno.ENAMETOOLONG:
+            _print_error("the name of a file is too long for this system; give a shorter name")
+            return USAGE
         if not is_full(error):
             raise
         _print_error(f"the answer cannot be written: {error.strerror}; write to another place")
@@ -168,7 +172,5 @@ def _result(given: list[str]) -> int | None:
 
 def _print_error(message: str) -> None:
     """Print an error message as a single line on the error stream."""
-    from kilter.errors import visible
-
     with suppress(OSError):  # without an error stream the exit code remains
         print(f"kilter: {visible(message)}", file=sys.stderr, flush=True)

@@ -10,7 +10,6 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from kilter.cli.arguments import ToleranceOptions, reading_of, straps_of
-from kilter.cli.colour import in_colour
 from kilter.cli.exit_codes import VERDICT
 from kilter.cli.known_facts import known_words
 from kilter.cli.output import as_json, emit, keep_apart, tell_warnings, tell_written, write_whole
@@ -296,7 +295,7 @@ class Asked:
             return
         text = text_of(answer, *more, brief=not self.verbose) + after
         text += self._next(answer, typed, bricks)
-        emit(text if self.output else in_colour(text, answer), self.output)
+        emit(text, self.output, answer)
         tell_written(self.output, content, self.quiet)
 
     def _next(self, answer: Mapping[str, Any], typed: Sequence[str], bricks: bool) -> str:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import json
-import re
+import os
 import sys
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from kilter.cli.colour import in_colour
 from kilter.cli.known_facts import begin_facts, remember_fact, remember_step
 from kilter.errors import InputError, visible
 
@@ -28,28 +29,32 @@ EACH = 1.0
 """Time between two updates of the progress line [s]."""
 
 
-CONTROLS = re.compile(
-    r"(?!\x1b\[[\d;]*m)[\x00-\x09\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069]"
-)
-"""Control characters that a name could bring: cursor moves and changes of the text direction.
-
-Escape sequences of colours do not match, since only kilter writes them.
-"""
-
-
 def as_json(data: Any) -> str:
-    """Data as JSON text with exact numbers and escaped control characters."""
+    """Data as JSON text with exact numbers; characters that do not print are escaped."""
     text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    return CONTROLS.sub(lambda match: f"\\u{ord(match[0]):04x}", text)
+    if all(line.isprintable() for line in text.split("\n")):
+        return text
+    return "".join(c if c.isprintable() or c == "\n" else json.dumps(c)[1:-1] for c in text)
 
 
-def emit(text: str, output: Path | None) -> None:
-    """Print a text with escaped control characters, or write it to a file."""
-    text = CONTROLS.sub(lambda match: visible(match[0]), text)
-    if output is None:
-        sys.stdout.write(text if text.endswith("\n") else text + "\n")
-    else:
+def emit(text: str, output: Path | None, answer: Mapping[str, Any] | None = None) -> None:
+    """Print a text, or write it to a file; characters that do not print are escaped.
+
+    Parameters
+    ----------
+    text : str
+    output : Path or None
+        None: standard output.
+    answer : mapping, optional
+        Data of the answer whose colour the first line has on a terminal.
+    """
+    text = visible(text, keep="\n")
+    if output is not None:
         write_whole(output, text)
+        return
+    if answer is not None:
+        text = in_colour(text, answer)
+    sys.stdout.write(text if text.endswith("\n") else text + "\n")
 
 
 def tell_written(output: Path | None, content: str, quiet: bool) -> None:
@@ -66,13 +71,14 @@ def keep_apart(file: str, *outputs: Path | None) -> None:
     InputError
         If an output is the file that is read or an earlier output.
     """
-    seen = [Path(file).resolve()] if file != "-" else []
+    seen = [os.path.realpath(file)] if file != "-" else []
     for output in outputs:
         if output is None:
             continue
-        if output.resolve() in seen:
+        place = os.path.realpath(output)
+        if place in seen:
             raise InputError("would be overwritten", file=str(output), hint="write to another file")
-        seen.append(output.resolve())
+        seen.append(place)
 
 
 def write_whole(path: Path, text: str) -> None:

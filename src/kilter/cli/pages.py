@@ -95,7 +95,17 @@ def view(
             "--host",
             metavar="NAME",
             help="Also answer requests for this host name, for a proxy in front of this machine. "
-            "Repeatable.",
+            "0.0.0.0 listens on all addresses, for a container. Repeatable.",
+            show_default=False,
+        ),
+    ] = None,
+    folder: Annotated[
+        Path | None,
+        Option(
+            "--folder",
+            metavar="DIR",
+            help="Opened folder: FILE and the files that it names must be below. By default the "
+            "folder of FILE.",
             show_default=False,
         ),
     ] = None,
@@ -105,7 +115,8 @@ def view(
     The options are the first choices, which the page changes and saves as X.kilter.json. Without
     FILE the page lists the files of this folder and the examples.
 
-    The page is served to this machine only. Ctrl-C ends it; the changes are kept beside FILE.
+    The page is served to this machine only, except with --host 0.0.0.0. Ctrl-C ends it; the changes
+    are kept beside FILE.
     """
     from kilter.workbench.view import view as open_workbench
 
@@ -119,7 +130,14 @@ def view(
 
     path, keys, down = (None, None, None) if file is None else _first_choices(asked.of_file(file))
     open_workbench(
-        path, port=port, browser=not no_browser, hosts=host or (), keys=keys, down=down, say=say
+        path,
+        port=port,
+        browser=not no_browser,
+        hosts=host or (),
+        folder=folder,
+        keys=keys,
+        down=down,
+        say=say,
     )
     return WRITTEN
 

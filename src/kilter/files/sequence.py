@@ -19,6 +19,7 @@ from kilter.files.raw import read_bytes
 from kilter.files.reader_guard import reader_guard
 from kilter.files.strict_json import parse_json
 from kilter.files.table_rows import decoded_table, table_rows
+from kilter.tell.csv_cells import name_of_cell
 
 __all__ = ["read_sequence"]
 
@@ -53,7 +54,7 @@ def _csv_steps(text: str) -> list[list[str]]:
         raise InputError("the table has no column 'part'", hint="name it in the first line")
     column = header.index("part")
     cells = [row[column] if column < len(row) else "" for _, row in rows]
-    return [[name.strip() for name in cell.split(";")] for cell in cells]
+    return [[name_of_cell(name.strip()) for name in cell.split(";")] for cell in cells]
 
 
 def _json_steps(data: Any) -> list[list[str]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from kilter.errors import some
 from kilter.tell.levels import holds
-from kilter.tell.numbers import count, number, plain
+from kilter.tell.numbers import Name, count, number, plain
 from kilter.tell.shared_facts import Answer, Fact, gravity_phrase
 
 __all__ = ["SCENE_HEAD", "object_cells", "object_words", "scene_facts", "scene_order"]
@@ -127,4 +127,4 @@ def scene_order(objects: list[Answer]) -> list[Answer]:
 
 def object_cells(entry: Answer) -> list[str]:
     """Return the cells of an object: its name and its state in words."""
-    return [str(entry["name"]), str(entry["words"])]
+    return [Name(entry["name"]), str(entry["words"])]

@@ -13,7 +13,7 @@ from kilter.tell.facts import kind_of
 from kilter.tell.hold_words import support_cells
 from kilter.tell.improve_words import HEAD, change_cells, improve_sentence
 from kilter.tell.margin_facts import part_level_words
-from kilter.tell.numbers import count, counts, force, mass, number, percent, plain, vector
+from kilter.tell.numbers import Name, count, counts, force, mass, number, percent, plain, vector
 from kilter.tell.open_words import settling_options
 from kilter.tell.packing_words import PACKING_HEAD, item_cells
 from kilter.tell.plan_words import step_cells
@@ -23,7 +23,6 @@ from kilter.tell.shared_facts import Answer
 from kilter.tell.words import NAMED
 
 __all__ = [
-    "Name",
     "Table",
     "forces_table",
     "load_table",
@@ -58,12 +57,6 @@ HELD = (
 )
 TRIED = "Changes that were tried, the best first:"
 LEFT_OUT = "Without friction and without the contacts that are not modelled:"
-
-
-class Name(str):
-    """A name from a file; the terminal and the pages escape and shorten it for display."""
-
-    __slots__ = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -21,6 +21,7 @@ def view(
     port: int = 0,
     browser: bool = True,
     hosts: Sequence[str] = (),
+    folder: str | Path | None = None,
     keys: dict[str, Any] | None = None,
     down: Sequence[float] | None = None,
     say: Callable[[str], None] | None = None,
@@ -28,7 +29,7 @@ def view(
     """Open the workbench: the page on which an assembly is held, joined, loaded and judged.
 
     The page is served to this machine only. The function returns after an interruption (Ctrl-C).
-    Files of the folder of `source` can be opened from the page.
+    Only files of the opened folder can be opened, and named by these files.
 
     Parameters
     ----------
@@ -40,6 +41,9 @@ def view(
         Open the page in a browser.
     hosts : sequence of str
         Further host names under which a proxy serves the page; pages of these names are trusted.
+        "0.0.0.0" or "::" also listens on all addresses of this machine, for a container.
+    folder : path, optional
+        The opened folder; that of `source` by default.
     keys : dict, optional
         First choices about the file, as JSON data.
     down : sequence of 3 float, optional
@@ -50,16 +54,20 @@ def view(
     Raises
     ------
     InputError
-        If the port is not available, the file does not exist, or a host name is invalid.
+        If the port is not available, the file or the folder does not exist, or a host name is
+        invalid.
     """
     # imported late: the server libraries take longer to import than kilter
     from kilter.workbench.server import Workbench
 
     tell = say or (lambda line: None)
-    with tempfile.TemporaryDirectory(prefix="kilter-") as folder:
-        path = _path_of(source, Path(folder))
+    opened = None if folder is None else Path(folder)
+    if opened is not None and not opened.is_dir():
+        raise InputError("no such folder", file=str(opened), hint="check the path")
+    with tempfile.TemporaryDirectory(prefix="kilter-") as temporary:
+        path = _path_of(source, Path(temporary))
         first = {"keys": keys, "down": down}
-        bench = Workbench(path, first=first, port=port, hosts=hosts, say=tell)
+        bench = Workbench(path, first=first, folder=opened, port=port, hosts=hosts, say=tell)
 
         def ready() -> None:
             tell(bench.url)

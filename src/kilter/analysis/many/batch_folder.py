@@ -11,7 +11,6 @@ import contextlib
 import csv
 import hashlib
 import importlib.util
-import io
 import json
 import os
 from collections.abc import Iterator, Sequence
@@ -20,11 +19,12 @@ from pathlib import Path
 from typing import Any
 
 from kilter.analysis.many.batch_rows import COLUMNS, BatchQuestion, BatchRow
-from kilter.errors import InputError
+from kilter.errors import InputError, visible
 from kilter.files.limits import MOST_TABLE_BYTES
 from kilter.files.raw import read_bytes
 from kilter.files.strict_json import parse_json
 from kilter.files.writing import write_bytes, write_text
+from kilter.tell.csv_cells import csv_text, name_of_cell
 
 __all__ = ["BatchFolder", "open_folder"]
 
@@ -83,7 +83,7 @@ class BatchFolder:
             rows = _from_parquet(path) if self.form == "parquet" else _from_csv(path)
             if [row["index"] for row in rows] == list(self.places(chunk)):
                 return rows
-        except (OSError, ValueError, KeyError):
+        except (OSError, ValueError, KeyError, TypeError, csv.Error):
             pass
         raise InputError("holds other rows", file=str(path), hint="remove it, and run again")
 
@@ -107,7 +107,7 @@ def open_folder(
             file=str(path),
             hint="give another folder",
         ) from None
-    listed = "\n".join(files).encode("utf-8", "surrogateescape")
+    listed = "\n".join(files).encode("utf-8", "backslashreplace")
     asked = {
         "kilter_batch": FORMAT,
         "files": len(files),
@@ -227,15 +227,12 @@ def _flush(folder: Path) -> None:
 
 
 def _csv(rows: Sequence[BatchRow]) -> bytes:
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(COLUMNS), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    return text.getvalue().encode("utf-8", "surrogateescape")
+    text = csv_text([list(COLUMNS), *([row[name] for name in COLUMNS] for row in rows)])
+    return text.encode("utf-8")
 
 
 def _from_csv(path: Path) -> list[BatchRow]:
-    with open(path, encoding="utf-8", errors="surrogateescape", newline="") as stream:
+    with open(path, encoding="utf-8", newline="") as stream:
         return [
             {name: _value(kind, row[name]) for name, kind in COLUMNS.items()}
             for row in csv.DictReader(stream)
@@ -245,6 +242,8 @@ def _from_csv(path: Path) -> list[BatchRow]:
 def _value(kind: type, text: str) -> Any:
     if text == "":
         return None
+    if kind is str:
+        return name_of_cell(text)
     return text == "True" if kind is bool else kind(text)
 
 
@@ -257,12 +256,12 @@ def _parquet(rows: Sequence[BatchRow]) -> bytes:
         int: pyarrow.int64(), str: pyarrow.string(), bool: pyarrow.bool_(), float: pyarrow.float64()
     }  # fmt: skip
     schema = pyarrow.schema([(name, kinds[kind]) for name, kind in COLUMNS.items()])
-    stream = pyarrow.BufferOutputStream()
-    # a file name that is not UTF-8 is written with escapes
-    texts = [
-        row | {"file": row["file"].encode("utf-8", "backslashreplace").decode()} for row in rows
+    rows = [  # a file name with invalid characters could not be encoded
+        {k: visible(value) if isinstance(value, str) else value for k, value in row.items()}
+        for row in rows
     ]
-    pyarrow.parquet.write_table(pyarrow.Table.from_pylist(texts, schema=schema), stream)
+    stream = pyarrow.BufferOutputStream()
+    pyarrow.parquet.write_table(pyarrow.Table.from_pylist(rows, schema=schema), stream)
     data: bytes = stream.getvalue().to_pybytes()
     return data
 
