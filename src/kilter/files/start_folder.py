@@ -15,7 +15,7 @@ from pathlib import Path
 
 from kilter.errors import InputError
 
-__all__ = ["is_restricted", "only_below", "require_below"]
+__all__ = ["is_restricted", "only_below", "require_below", "start_folder"]
 
 _START: ContextVar[str | None] = ContextVar("start folder", default=None)
 
@@ -37,6 +37,11 @@ def only_below(folder: str | Path) -> Iterator[None]:
         yield
     finally:
         _START.reset(token)
+
+
+def start_folder() -> str | None:
+    """The folder to which reading is restricted; None without a restriction."""
+    return _START.get()
 
 
 def is_restricted() -> bool:

@@ -29,7 +29,7 @@ from kilter.files.one_body import compose, one_body
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere, surface
 
-__all__ = ["read", "read_mjcf"]
+__all__ = ["ModelScene", "read"]
 
 PLANE, FIELD, SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH = range(8)
 FREE, BALL, SLIDE, HINGE = range(4)
@@ -62,32 +62,10 @@ def read(value: Any, choices: FormatOptions) -> Assembly:
             f"a mujoco {type(model).__name__} is not a model",
             hint="give an MjModel, an MjSpec, or (model, data)",
         )
-    return _Model(mujoco, model, data, choices).assembly("")
+    return ModelScene(mujoco, model, data, choices).assembly("")
 
 
-def read_mjcf(path: Any, choices: FormatOptions) -> Assembly:
-    """Read an MJCF file (a scene for MuJoCo) as an assembly.
-
-    Raises
-    ------
-    InputError
-        As `read`; also if MuJoCo is not installed or rejects the file.
-    """
-    try:
-        import mujoco
-    except ImportError:
-        raise InputError(
-            "MJCF files need MuJoCo, which is not installed", hint="pip install 'kilter[mujoco]'"
-        ) from None
-    try:
-        model = mujoco.MjModel.from_xml_path(str(path))
-    except ValueError as error:
-        what = " ".join(str(error).split())[:200]
-        raise InputError(f"MuJoCo rejects it: {what}", hint="correct the file") from None
-    return _Model(mujoco, model, None, choices).assembly(str(path))
-
-
-class _Model:
+class ModelScene:
     """A MuJoCo model in a given pose, during its conversion to an assembly."""
 
     def __init__(self, mujoco: Any, model: Any, data: Any, choices: FormatOptions) -> None:

@@ -7,6 +7,7 @@ The stage is read at its default time.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -36,23 +37,32 @@ SPACIOUS = 4.0
 """Margin of the table for an infinite plane around the parts [sizes of all parts]."""
 
 
-def read_usd(path: Path, choices: FormatOptions) -> Assembly:
-    """Read a USD file as an assembly.
+def read_usd(
+    path: Path, shown: str, choices: FormatOptions, set_limits: Callable[[int], None]
+) -> Assembly:
+    """Read a USD file as an assembly; `kilter.files.scene_process` runs this.
+
+    Parameters
+    ----------
+    path : Path
+    shown : str
+        Name of the file for the assembly.
+    choices : FormatOptions
+        The option `units`.
+    set_limits : callable
+        Called with the size of the file [bytes] before its layers are composed.
 
     Raises
     ------
     InputError
         If usd-core is not installed, the file is damaged or has no shapes, or a shape is of a kind
-        that kilter does not have; the error names the file and the object.
+        that kilter does not have; the error names the object.
     """
-    try:
-        scene = open_stage(path)
-        return _assembly(scene, path, choices)
-    except InputError as error:
-        raise error.located(file=str(path)) from None
+    set_limits(path.stat().st_size)
+    return _assembly(open_stage(path), shown, choices)
 
 
-def _assembly(scene: UsdScene, path: Path, choices: FormatOptions) -> Assembly:
+def _assembly(scene: UsdScene, shown: str, choices: FormatOptions) -> Assembly:
     """Build the assembly of an open stage."""
     if choices.units not in (None, scene.units):
         raise InputError(
@@ -90,7 +100,7 @@ def _assembly(scene: UsdScene, path: Path, choices: FormatOptions) -> Assembly:
         friction_pairs=pairs,
         joints=find_joints(scene, bodies, notes),
         contacts=filtered_pairs(scene, bodies),
-        source=str(path),
+        source=shown,
         notes=notes,
     )
 
