@@ -14,7 +14,7 @@ import sys
 from collections.abc import Callable
 from contextlib import nullcontext, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from kilter.errors import InputError
 from kilter.files.reader_guard import reader_guard
@@ -31,7 +31,6 @@ from kilter.pipes import can_start
 from kilter.threads import make_no_threads
 
 if TYPE_CHECKING:
-    from kilter.assembly import Assembly
     from kilter.files.format_options import FormatOptions
 
 __all__ = ["LIBRARIES", "begin_early", "is_mjcf", "read_scene", "serve"]
@@ -95,8 +94,8 @@ def _seconds(size: int) -> float:
     return STALLS + STALLS_PER_MEGABYTE * size / 2**20
 
 
-def read_scene(kind: str, path: Path, choices: FormatOptions) -> Assembly:
-    """Read an MJCF or USD file as an assembly, in a process that a crash may end.
+def read_scene(kind: str, path: Path, choices: FormatOptions) -> Any:
+    """Read an MJCF or USD file, in a process that a crash may end.
 
     Parameters
     ----------
@@ -104,6 +103,11 @@ def read_scene(kind: str, path: Path, choices: FormatOptions) -> Assembly:
     path : Path
     choices : FormatOptions
         The options `units` and `keyframe`.
+
+    Returns
+    -------
+    Assembly or Snapshot
+        The assembly of a USD file, or the MuJoCo model of an MJCF file.
 
     Raises
     ------
@@ -126,7 +130,7 @@ def read_scene(kind: str, path: Path, choices: FormatOptions) -> Assembly:
             _end()  # the process is reading another file ahead
         process = _begin()
         try:
-            assembly: Assembly = process.ask(request, lambda: None)
+            value = process.ask(request, lambda: None)
         except EOFError:
             how = process.process.wait()
             _end()
@@ -141,7 +145,7 @@ def read_scene(kind: str, path: Path, choices: FormatOptions) -> Assembly:
             _end()
             raise
         else:
-            return sealed(assembly)
+            return sealed(value)
 
 
 def _crash(kind: str, path: Path, how: int, seconds: float) -> InputError:
@@ -192,21 +196,18 @@ def _read(
     units: str | None,
     keyframe: str | None,
     start: str | None,
-) -> Assembly:
+) -> Any:
     """Read a scene in this process.
 
     `set_limits` is called with the size of all files when the library is loaded. `place` has the
     absolute path, the path for messages, and the state of the file.
     """
-    from kilter.files.format_options import FormatOptions
-
     path, shown, _ = place
-    choices = FormatOptions(units=units, keyframe=keyframe)
     with only_below(start) if start else nullcontext(), reader_guard(shown, RAISES[kind]):
         if kind == "mjcf":
             from kilter.files.objects.mjcf_scenes import read_mjcf
 
-            return read_mjcf(Path(path), shown, choices, set_limits)
+            return read_mjcf(Path(path), keyframe, set_limits)
         from kilter.files.usd.usd_assembly import read_usd
 
-        return read_usd(Path(path), shown, choices, set_limits)
+        return read_usd(Path(path), shown, units, set_limits)

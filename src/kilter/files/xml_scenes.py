@@ -7,6 +7,7 @@ from pathlib import Path
 from kilter.assembly import Assembly
 from kilter.errors import InputError
 from kilter.files.format_options import FormatOptions
+from kilter.files.objects.mujoco_objects import ModelScene
 from kilter.files.reader_guard import reader_guard
 from kilter.files.scene_process import read_scene
 from kilter.files.urdf import read_urdf
@@ -34,7 +35,8 @@ def load_xml(path: Path, choices: FormatOptions) -> tuple[Assembly, bool]:
         if root.tag == "robot":
             return read_urdf(root, path, choices), True
         if root.tag == "mujoco":
-            return read_scene("mjcf", path, choices), True
+            model = read_scene("mjcf", path, choices)
+            return ModelScene(model, choices).assembly(str(path)), True
         raise InputError(
             f"the root element is {root.tag!r:.40}",
             hint="MJCF begins with <mujoco>, URDF with <robot>",

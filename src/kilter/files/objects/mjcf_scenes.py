@@ -5,35 +5,29 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from kilter.assembly import Assembly
 from kilter.errors import InputError
-from kilter.files.format_options import FormatOptions
 from kilter.files.mjcf_survey import survey_mjcf
-from kilter.files.objects.mujoco_objects import ModelScene
+from kilter.files.objects.mujoco_snapshot import Snapshot, take_snapshot
 
 __all__ = ["read_mjcf"]
 
 
-def read_mjcf(
-    path: Path, shown: str, choices: FormatOptions, set_limits: Callable[[int], None]
-) -> Assembly:
-    """Read an MJCF file (a scene for MuJoCo) as an assembly.
+def read_mjcf(path: Path, keyframe: str | None, set_limits: Callable[[int], None]) -> Snapshot:
+    """Read an MJCF file (a scene for MuJoCo) as a snapshot of its model.
 
     Parameters
     ----------
     path : Path
-    shown : str
-        Name of the file for the assembly and for messages.
-    choices : FormatOptions
-        The options `units` and `keyframe`.
+    keyframe : str or None
+        Name of the keyframe whose pose is used; default the first keyframe.
     set_limits : callable
         Called with the size of all files [bytes] before MuJoCo builds the scene.
 
     Raises
     ------
     InputError
-        If MuJoCo is not installed or rejects the file, or if the scene has too many elements, no
-        bodies, or geoms or joints that kilter does not support.
+        If MuJoCo is not installed or rejects the file, if the scene has too many elements, or if
+        there is no such keyframe.
     """
     size = survey_mjcf(path)
     try:
@@ -48,4 +42,4 @@ def read_mjcf(
     except ValueError as error:
         what = " ".join(str(error).split())[:200]
         raise InputError(f"MuJoCo rejects it: {what}", hint="correct the file") from None
-    return ModelScene(mujoco, model, None, choices).assembly(shown)
+    return take_snapshot(mujoco, model, None, keyframe)

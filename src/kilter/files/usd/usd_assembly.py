@@ -15,7 +15,6 @@ import numpy as np
 
 from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
-from kilter.files.format_options import FormatOptions
 from kilter.files.limits import Tally
 from kilter.files.one_body import compose, one_body
 from kilter.files.usd.usd_objects import UsdObject, find_objects
@@ -38,7 +37,7 @@ SPACIOUS = 4.0
 
 
 def read_usd(
-    path: Path, shown: str, choices: FormatOptions, set_limits: Callable[[int], None]
+    path: Path, shown: str, units: str | None, set_limits: Callable[[int], None]
 ) -> Assembly:
     """Read a USD file as an assembly; `kilter.files.scene_process` runs this.
 
@@ -47,8 +46,8 @@ def read_usd(
     path : Path
     shown : str
         Name of the file for the assembly.
-    choices : FormatOptions
-        The option `units`.
+    units : str or None
+        Length unit that the user states.
     set_limits : callable
         Called with the size of the file [bytes] before its layers are composed.
 
@@ -59,14 +58,14 @@ def read_usd(
         that kilter does not have; the error names the object.
     """
     set_limits(path.stat().st_size)
-    return _assembly(open_stage(path), shown, choices)
+    return _assembly(open_stage(path), shown, units)
 
 
-def _assembly(scene: UsdScene, shown: str, choices: FormatOptions) -> Assembly:
+def _assembly(scene: UsdScene, shown: str, units: str | None) -> Assembly:
     """Build the assembly of an open stage."""
-    if choices.units not in (None, scene.units):
+    if units not in (None, scene.units):
         raise InputError(
-            f"the stage is in {scene.units}, but the units given are {choices.units}",
+            f"the stage is in {scene.units}, but the units given are {units}",
             hint="leave the units out",
         )
     objects, decoration = find_objects(scene.stage)
