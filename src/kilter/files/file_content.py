@@ -76,9 +76,9 @@ def read_path(
         return FileContent(*load_xml(path, options))
     if suffix in USD:
         # imported late: other files do not need these modules
-        from kilter.files.usd.usd_assembly import read_usd
+        from kilter.files.scene_process import read_scene
 
-        return FileContent(read_usd(path, options), states_gravity=True)
+        return FileContent(read_scene("usd", path, options), states_gravity=True)
     if suffix in LDRAW_FILES:
         return FileContent(load_ldraw(path, rules=options.studs), states_gravity=True)
     if suffix in BRICK_TEXT:

@@ -33,7 +33,9 @@ __all__ = [
     "MOST_VALUES",
     "Tally",
     "named_path",
+    "require_count",
     "require_few_entries",
+    "require_regular",
     "require_unfolded",
 ]
 
@@ -157,7 +159,6 @@ def named_path(folder: Path, name: str, top: Path | None = None) -> Path:
         inside = os.path.realpath(path).startswith(
             os.path.join(os.path.realpath(top or folder), "")
         )
-        kind = path.stat().st_mode if inside and path.exists() else stat.S_IFREG
     except (OSError, ValueError):  # reading the file will report the fault
         return path
     if not inside:
@@ -165,6 +166,36 @@ def named_path(folder: Path, name: str, top: Path | None = None) -> Path:
             f"{name!r:.80} leads out of the folder of the file",
             hint="put the named file beside it, or into a folder below",
         )
-    if not stat.S_ISREG(kind):
-        raise InputError(f"{name!r:.80} is not a regular file", hint="name a file")
+    require_regular(path)
     return path
+
+
+def require_regular(path: Path) -> None:
+    """Verify that a path is no device and no pipe, which may have no end; it need not exist.
+
+    Raises
+    ------
+    InputError
+        If it is a device, a pipe or a folder.
+    """
+    try:
+        kind = path.stat().st_mode
+    except (OSError, ValueError):  # reading the file will report the fault
+        return
+    if not stat.S_ISREG(kind):
+        raise InputError(f"{path.name!r:.80} is not a regular file", hint="name a file")
+
+
+def require_count(what: str, count: int, most: int) -> None:
+    """Verify that a file does not make too many things; raises `InputError` beyond the limit.
+
+    Examples
+    --------
+    >>> require_count("parts", 1_000_000, 50_000)
+    Traceback (most recent call last):
+    ...
+    kilter.errors.InputError: the file would make 1,000,000 parts; the limit is 50,000
+    """
+    if count > most:
+        number = f"{count:,}" if count < 10**15 else "more than 10^15"
+        raise InputError(f"the file would make {number} {what}; the limit is {most:,}")
