@@ -19,7 +19,7 @@ from kilter.cli.interruption import end_interrupted, interruptible
 from kilter.cli.known_facts import begin_facts, interruption_words
 from kilter.cli.mistakes import NO_MEMORY, usage_words
 from kilter.cli.streams import is_full, open_closed_streams
-from kilter.errors import InputError, fault_words, visible
+from kilter.errors import InputError, fault_words, message_line
 from kilter.threads import make_no_threads
 
 __all__ = ["main"]
@@ -188,4 +188,4 @@ def _result(given: list[str]) -> int | None:
 def _print_error(message: str) -> None:
     """Print an error message as a single line on the error stream."""
     with suppress(OSError):  # without an error stream the exit code remains
-        print(f"kilter: {visible(message)}", file=sys.stderr, flush=True)
+        print(f"kilter: {message_line(message)}", file=sys.stderr, flush=True)
