@@ -21,6 +21,7 @@ __all__ = [
     "SolverError",
     "TimeLimitReached",
     "fault_words",
+    "message_line",
     "nearest_name",
     "shell_words",
     "short_name",
@@ -37,6 +38,8 @@ LONGEST = 80
 """Longest name in a message or in a text [characters]."""
 LONGEST_PATH = 300
 """Longest path or command in a message [characters]."""
+LONGEST_MESSAGE = 2000
+"""Largest number of characters of a message on a terminal."""
 QUOTED = re.compile(r"(?<!\w)'((?:[^'\\]|\\.)*+)'(?!\w)")
 """A quoted name in a message; an apostrophe within a word begins no name."""
 
@@ -206,6 +209,19 @@ def visible(text: str, keep: str = "") -> str:
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() or c in keep else repr(c)[1:-1] for c in text)
+
+
+def message_line(message: str) -> str:
+    """A message for a terminal: names are cut, characters that do not print are escaped.
+
+    Examples
+    --------
+    >>> message_line(f"touches nothing: '{'b' * 70_000}'")[:34]
+    "touches nothing: 'bbbbbbbbbbbbbbbb"
+    >>> len(message_line(f"touches nothing: '{'b' * 70_000}'"))
+    99
+    """
+    return _cut(visible(_with_short_names(message)), LONGEST_MESSAGE)
 
 
 def short_name(name: str, width: int = LONGEST) -> str:

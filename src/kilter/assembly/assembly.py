@@ -31,7 +31,7 @@ from kilter.hooks import hook
 from kilter.rigid import unit
 from kilter.tell.html import html_of
 from kilter.units import metres_per_unit
-from kilter.validate import frozen, in_range, number
+from kilter.validate import frozen, in_range, name_list, number
 
 if TYPE_CHECKING:
     from kilter.tell.answer_data.check_data import BondData
@@ -418,10 +418,10 @@ class Assembly(ChangedCopies):
         Raises
         ------
         InputError
-            If a pattern matches no part.
+            If a pattern matches no part, or is no text.
         """
         chosen: set[str] = set()
-        for pattern in [patterns] if isinstance(patterns, str) else patterns:
+        for pattern in name_list(patterns):
             if pattern in self.index:
                 chosen.add(pattern)
                 continue

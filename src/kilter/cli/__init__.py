@@ -19,13 +19,19 @@ from kilter.cli.interruption import end_interrupted, interruptible
 from kilter.cli.known_facts import begin_facts, interruption_words
 from kilter.cli.mistakes import usage_words
 from kilter.cli.streams import is_full, open_closed_streams
-from kilter.errors import NO_MEMORY, InputError, fault_words, visible
+from kilter.errors import NO_MEMORY, InputError, fault_words, message_line
 from kilter.threads import make_no_threads
 
 __all__ = ["main"]
 
 HELP: tuple[list[str], ...] = ([], ["--help"], ["-h"])
 """Command lines that print the overview of the commands."""
+READ_APART = {
+    **dict.fromkeys(("step", "stp"), "step"),
+    **dict.fromkeys(("xml", "mjcf"), "mjcf"),
+    **dict.fromkeys(("usd", "usda", "usdc", "usdz"), "usd"),
+}
+"""Endings of the files whose libraries run in a separate process, and the kind of each."""
 NEW_OBJECTS = 200_000
 """New objects after which garbage is collected. The imports of a command make about 60,000, and a
 collection of so many takes 40 ms; more objects need more memory."""
@@ -83,13 +89,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _read_ahead(words: list[str]) -> None:
-    """Start reading the first STEP file of a command while kilter is still being loaded."""
-    from kilter.files.step_process import begin_early
+    """Start reading the first file of a command that needs a process of its own.
 
-    named = [word for word in words if word.lower().endswith((".step", ".stp"))]
-    if named and Path(named[0]).is_file():
-        every = not any(word.startswith("--without") for word in words)
-        begin_early(Path(named[0]) if every else None)
+    Kilter is still being loaded meanwhile.
+    """
+    from kilter.files import scene_process, step_process
+
+    for word in words:
+        path, ending = Path(word), word.lower().rpartition(".")[2]
+        if ending not in READ_APART or not path.is_file():
+            continue
+        if READ_APART[ending] == "step":
+            every = not any(word.startswith("--without") for word in words)
+            step_process.begin_early(path if every else None)
+        elif ending != "xml" or scene_process.is_mjcf(path):
+            scene_process.begin_early(READ_APART[ending], path)
+        return
 
 
 def _run(words: list[str]) -> int:
@@ -173,4 +188,4 @@ def _result(given: list[str]) -> int | None:
 def _print_error(message: str) -> None:
     """Print an error message as a single line on the error stream."""
     with suppress(OSError):  # without an error stream the exit code remains
-        print(f"kilter: {visible(message)}", file=sys.stderr, flush=True)
+        print(f"kilter: {message_line(message)}", file=sys.stderr, flush=True)

@@ -13,7 +13,7 @@ from typing import Any
 
 from kilter.cli.colour import in_colour
 from kilter.cli.known_facts import begin_facts, remember_fact, remember_step
-from kilter.errors import InputError, short_name, visible
+from kilter.errors import InputError, message_line, short_name, visible
 
 __all__ = [
     "Progress",
@@ -99,7 +99,7 @@ def tell_warnings(warnings: Sequence[str], quiet: bool, limit: int = 20) -> None
     if quiet:
         return
     for warning in warnings[:limit]:
-        print(f"kilter: warning: {visible(warning)}", file=sys.stderr)
+        print(f"kilter: warning: {message_line(warning)}", file=sys.stderr)
     if len(warnings) > limit:
         print(f"kilter: {len(warnings) - limit} more warnings (--json lists all)", file=sys.stderr)
 

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from kilter.errors import InputError
 
-__all__ = ["is_restricted", "only_below", "require_below"]
+__all__ = ["is_restricted", "only_below", "require_below", "start_folder"]
 
 SERVER = "give a file below the folder in which the server was started"
 _START: ContextVar[tuple[str, str] | None] = ContextVar("start folder", default=None)
@@ -44,6 +44,11 @@ def only_below(folder: str | Path, remedy: str = "") -> Iterator[None]:
         yield
     finally:
         _START.reset(token)
+
+
+def start_folder() -> str | None:
+    """The folder to which reading is restricted; None without a restriction."""
+    return _START.get()
 
 
 def is_restricted() -> bool:

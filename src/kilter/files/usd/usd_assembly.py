@@ -7,6 +7,7 @@ The stage is read at its default time.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,6 @@ import numpy as np
 
 from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
-from kilter.files.format_options import FormatOptions
 from kilter.files.limits import Tally
 from kilter.files.one_body import compose, one_body
 from kilter.files.usd.usd_objects import UsdObject, find_objects
@@ -36,27 +36,36 @@ SPACIOUS = 4.0
 """Margin of the table for an infinite plane around the parts [sizes of all parts]."""
 
 
-def read_usd(path: Path, choices: FormatOptions) -> Assembly:
-    """Read a USD file as an assembly.
+def read_usd(
+    path: Path, shown: str, units: str | None, set_limits: Callable[[int], None]
+) -> Assembly:
+    """Read a USD file as an assembly; `kilter.files.scene_process` runs this.
+
+    Parameters
+    ----------
+    path : Path
+    shown : str
+        Name of the file for the assembly.
+    units : str or None
+        Length unit that the user states.
+    set_limits : callable
+        Called with the size of the file [bytes] before its layers are composed.
 
     Raises
     ------
     InputError
         If usd-core is not installed, the file is damaged or has no shapes, or a shape is of a kind
-        that kilter does not have; the error names the file and the object.
+        that kilter does not have; the error names the object.
     """
-    try:
-        scene = open_stage(path)
-        return _assembly(scene, path, choices)
-    except InputError as error:
-        raise error.located(file=str(path)) from None
+    set_limits(path.stat().st_size)
+    return _assembly(open_stage(path), shown, units)
 
 
-def _assembly(scene: UsdScene, path: Path, choices: FormatOptions) -> Assembly:
+def _assembly(scene: UsdScene, shown: str, units: str | None) -> Assembly:
     """Build the assembly of an open stage."""
-    if choices.units not in (None, scene.units):
+    if units not in (None, scene.units):
         raise InputError(
-            f"the stage is in {scene.units}, but the units given are {choices.units}",
+            f"the stage is in {scene.units}, but the units given are {units}",
             hint="leave the units out",
         )
     objects, decoration = find_objects(scene.stage)
@@ -90,7 +99,7 @@ def _assembly(scene: UsdScene, path: Path, choices: FormatOptions) -> Assembly:
         friction_pairs=pairs,
         joints=find_joints(scene, bodies, notes),
         contacts=filtered_pairs(scene, bodies),
-        source=str(path),
+        source=shown,
         notes=notes,
     )
 
