@@ -37,7 +37,7 @@ SPACIOUS = 4.0
 
 
 def read_usd(
-    path: Path, shown: str, units: str | None, set_limits: Callable[[int], None]
+    path: Path, shown: str, units: str | None, allow_time: Callable[[int], None]
 ) -> Assembly:
     """Read a USD file as an assembly; `kilter.files.scene_process` runs this.
 
@@ -48,7 +48,7 @@ def read_usd(
         Name of the file for the assembly.
     units : str or None
         Length unit that the user states.
-    set_limits : callable
+    allow_time : callable
         Called with the size of the file [bytes] before its layers are composed.
 
     Raises
@@ -57,7 +57,7 @@ def read_usd(
         If usd-core is not installed, the file is damaged or has no shapes, or a shape is of a kind
         that kilter does not have; the error names the object.
     """
-    set_limits(path.stat().st_size)
+    allow_time(path.stat().st_size)
     return _assembly(open_stage(path), shown, units)
 
 
