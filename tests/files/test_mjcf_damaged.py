@@ -81,7 +81,7 @@ DAMAGED = {
         ),
         "MuJoCo rejects it",
     ),
-    "too large an array": (mjcf(BOX, '<size nuserdata="2000000000"/>'), "allocate memory"),
+    "too large an array": (mjcf(BOX, '<size nuserdata="2000000000"/>'), "memory"),
     "deep nesting": (
         mjcf("<body>" * 3000 + '<geom size="1"/>' + "</body>" * 3000),
         "the file is damaged: maximum recursion depth|MuJoCo rejects it",
