@@ -34,6 +34,7 @@ from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.coincident import require_apart
 from kilter.contact.open_pairs import still_open
 from kilter.errors import InputError
+from kilter.guesses import guarded
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.tell.levels import REQUIRE, VerdictWord, level_rank, require_level
 from kilter.tell.numbers import number as text_of
@@ -53,6 +54,7 @@ FAR_APART = 1e9
 """Ratio of the largest to the least mass above which accelerations of light parts are inexact."""
 
 
+@guarded
 @on_one_thread
 def check(
     assembly: AssemblyOrPath,

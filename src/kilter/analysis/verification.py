@@ -37,6 +37,7 @@ from kilter.files.choices import digest, find_choices
 from kilter.files.file_content import read_json
 from kilter.files.reading import Reading
 from kilter.friction.exclusion_file import recheck_exclusion
+from kilter.guesses import guarded
 from kilter.mechanics.bundle import apply_change, is_bundle, split_bundle, subject_mismatch
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
@@ -116,6 +117,7 @@ class Verification(AnswerInWords):
         raise TypeError("a verification is neither true nor false: use .holds")
 
 
+@guarded
 def verify(
     assembly: Assembly | str | Path,
     proof: dict[str, Any] | str | Path,

@@ -26,6 +26,7 @@ import numpy as np
 from kilter.arrays import Array, cross
 from kilter.assembly.part import GROUND
 from kilter.errors import InputError
+from kilter.guesses import guarded
 from kilter.validate import finite, in_range, number
 from kilter.values import Value
 
@@ -34,6 +35,7 @@ __all__ = ["Strap", "StrapEnd"]
 StrapEnd = Literal["first", "last"]
 
 
+@guarded
 @dataclass(frozen=True, slots=True, eq=False)
 class Strap(Value):
     """A belt along a path over parts, such as a lashing strap: of known tension, or of capacity.

@@ -29,6 +29,7 @@ from kilter.assembly import Assembly, Load, Part
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.contact_tolerances import SUPPORT_BESIDE
 from kilter.errors import InputError, nearest_name
+from kilter.guesses import guarded
 from kilter.rigid import Pose, unit
 from kilter.shape.primitives import Box
 from kilter.validate import finite, number
@@ -46,6 +47,7 @@ OUTSIDE = "outside"
 """Name of the held part that stands for the outside world."""
 
 
+@guarded
 @dataclass(frozen=True, slots=True, eq=False)
 class Support(Value):
     """A device that may hold a part, such as a finger, a prop, a vacuum cup or a magnet.

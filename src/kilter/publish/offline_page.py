@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kilter.errors import InputError
+from kilter.guesses import guarded
 from kilter.publish.output_files import PAGES, require_ending, title_of
 from kilter.publish.subjects import changed_subject
 from kilter.work import EFFORT
@@ -45,6 +46,7 @@ class Report:
         return f"Report({self.verdict!r}, {len(self.html.encode()) / 1e6:.2f} MB)"
 
 
+@guarded
 def report(
     assembly: AssemblyOrPath | Order | Places,
     out: str | Path | None = None,

@@ -27,6 +27,7 @@ from kilter.assembly.side_by_side import SideBySide, side_by_side
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly, require_unchanged
 from kilter.contact import Tolerance
 from kilter.errors import InputError, KilterError
+from kilter.guesses import guarded
 from kilter.shape.primitives import Box, Mesh, Prism
 from kilter.tell.levels import REQUIRE, require_level
 from kilter.threads import on_one_thread
@@ -40,6 +41,7 @@ SMALL = 100
 """Largest number of parts of an assembly that is processed together with others."""
 
 
+@guarded
 @on_one_thread
 def check_many(
     assemblies: Iterable[AssemblyOrPath] | AssemblyArrays,

@@ -30,6 +30,7 @@ from kilter.assembly.bricks.brick_library import STATED, brick_mass
 from kilter.assembly.bricks.brick_model import NO_COLOR, cells_of
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact.detect import contacts
+from kilter.guesses import guarded
 from kilter.mechanics.program import Program, build_program
 from kilter.tell.improve_words import improve_sentence
 from kilter.tell.json_answer import Answer
@@ -152,6 +153,7 @@ class Improvement(Answer):
         return f"Improvement({self.verdict}, needs {self.share:.6g}, {best})"
 
 
+@guarded
 @on_one_thread
 def improve(
     assembly: AssemblyOrPath,

@@ -36,6 +36,7 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance
+from kilter.guesses import guarded
 from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.program import Program, build_program
 from kilter.tell.json_answer import AnswerInWords
@@ -225,6 +226,7 @@ def _limit(program: Program, limit: Limit | None) -> LimitData | None:
     return None if limit is None else limit.to_dict(program)
 
 
+@guarded
 @on_one_thread
 def margin(
     assembly: AssemblyOrPath,

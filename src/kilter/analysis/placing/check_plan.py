@@ -27,6 +27,7 @@ from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.sub_contacts import contacts_among
 from kilter.errors import InputError
 from kilter.files.packing_lists import PackedBox, PackingPlan, load_plan
+from kilter.guesses import guarded
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box
 from kilter.tell.json_answer import AnswerInWords
@@ -172,6 +173,7 @@ class CheckedPlan(AnswerInWords):
         return f"CheckedPlan({len(self.items)} items, {words})"
 
 
+@guarded
 @on_one_thread
 def check_plan(
     plan: PackingPlan | str | Path,

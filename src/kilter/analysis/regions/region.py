@@ -40,6 +40,7 @@ from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.coincident import require_apart
 from kilter.contact.open_pairs import still_open
 from kilter.errors import InputError
+from kilter.guesses import guarded
 from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.certificate import ForceProof
 from kilter.mechanics.program import build_program
@@ -321,6 +322,7 @@ class Region(InCells, AnswerInWords):
         return f"Region({self})"
 
 
+@guarded
 @on_one_thread
 def region(
     assembly: AssemblyOrPath,
@@ -458,6 +460,7 @@ def _region(
     )
 
 
+@guarded
 @on_one_thread
 def common_region(
     assemblies: Sequence[Assembly],

@@ -43,6 +43,7 @@ from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.left_out import SAME_BODY, Overlap
 from kilter.contact.sub_contacts import contacts_among, without_overlaps
 from kilter.errors import InputError
+from kilter.guesses import guarded
 from kilter.rigid import Pose
 from kilter.tell.levels import REQUIRE, require_level
 from kilter.threads import on_one_thread
@@ -51,6 +52,7 @@ from kilter.work import EFFORT
 __all__ = ["scene"]
 
 
+@guarded
 @on_one_thread
 def scene(
     assembly: AssemblyOrPath,

@@ -47,6 +47,7 @@ from kilter.assembly.bonds import NO_CONE, require_no_bonds
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.errors import InputError
+from kilter.guesses import guarded
 from kilter.mechanics.certificate import check_motion
 from kilter.mechanics.program import Program, bounding_program, build_program
 from kilter.rigid import rotation_between
@@ -182,6 +183,7 @@ class Orientation(Answer):
         return f"Orientation({self.verdict}, down {vector(self.down)}{width})"
 
 
+@guarded
 @on_one_thread
 def orient(
     assembly: AssemblyOrPath,

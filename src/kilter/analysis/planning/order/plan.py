@@ -43,6 +43,7 @@ from kilter.assembly import Assembly
 from kilter.assembly.bonds import NOT_SET, require_no_bonds
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance
+from kilter.guesses import guarded
 from kilter.tell.levels import require_level
 from kilter.threads import on_one_thread
 from kilter.validate import number
@@ -56,6 +57,7 @@ SEARCH = 12.0
 At the default effort a search without result takes about six seconds of one core."""
 
 
+@guarded
 @on_one_thread
 def plan(
     assembly: AssemblyOrPath,

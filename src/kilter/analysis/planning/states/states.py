@@ -59,6 +59,7 @@ from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.coincident import require_apart
 from kilter.contact.sub_contacts import contacts_among
 from kilter.errors import InputError
+from kilter.guesses import guarded
 from kilter.mechanics.certificate import (
     ForceProof,
     MotionProof,
@@ -575,6 +576,7 @@ class States:
         )
 
 
+@guarded
 @on_one_thread
 def states(
     assembly: AssemblyOrPath,
