@@ -15,7 +15,7 @@ import pytest
 
 import kilter
 from kilter import Assembly, Box, InputError, Load, Mesh, Part, Pose, Prism, Sphere
-from kilter.guesses import CALLS, MEANT, RIGHT, Guessable, guarded
+from kilter.values.guesses import CALLS, MEANT, RIGHT, Guessable, guarded
 
 CUBE = Box(1, 1, 1)
 

@@ -16,7 +16,8 @@ import importlib
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from kilter import guesses, hooks
+from kilter import hooks
+from kilter.values import guesses
 
 if TYPE_CHECKING:
     from kilter.analysis.check import check as check

@@ -16,9 +16,9 @@ from numpy.typing import ArrayLike
 
 from kilter.arrays import Array, Index
 from kilter.errors import InputError
-from kilter.guesses import guarded
 from kilter.validate import finite, frozen, in_range
 from kilter.values import Value
+from kilter.values.guesses import guarded
 
 __all__ = [
     "Pose",

@@ -13,7 +13,7 @@ from kilter.cli.app import command
 from kilter.cli.arguments import with_several_names
 from kilter.cli.commands import COMMANDS
 from kilter.cli.overview import GROUPS, overview
-from kilter.guesses import MEANT, WORDS, meant_word
+from kilter.values.guesses import MEANT, WORDS, meant_word
 
 
 @pytest.fixture(autouse=True)

@@ -34,7 +34,6 @@ from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.coincident import require_apart
 from kilter.contact.open_pairs import still_open
 from kilter.errors import InputError
-from kilter.guesses import guarded
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.tell.levels import REQUIRE, VerdictWord, level_rank, require_level
 from kilter.tell.numbers import number as text_of
@@ -43,6 +42,7 @@ from kilter.tell.second_order_words import balanced_sentence
 from kilter.tell.words import verdict_sentence
 from kilter.threads import on_one_thread
 from kilter.validate import number
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT, Work, facts_of, units_of
 
 __all__ = ["check", "check_equilibrium", "check_level"]

@@ -37,7 +37,6 @@ from kilter.files.choices import digest, find_choices
 from kilter.files.file_content import read_json
 from kilter.files.reading import Reading
 from kilter.friction.exclusion_file import recheck_exclusion
-from kilter.guesses import guarded
 from kilter.mechanics.bundle import apply_change, is_bundle, split_bundle, subject_mismatch
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
@@ -45,6 +44,7 @@ from kilter.mechanics.proof_form import MalformedProof, require_form
 from kilter.mechanics.recheck import recheck
 from kilter.second_order.proofs.second_order_recheck import recheck_second_order
 from kilter.tell.json_answer import AnswerInWords
+from kilter.values.guesses import guarded
 
 if TYPE_CHECKING:
     from kilter.tell.answer_data.other_data import VerifyData

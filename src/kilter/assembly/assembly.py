@@ -27,12 +27,12 @@ from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, Load
 from kilter.assembly.part import GROUND, Part
 from kilter.assembly.straps import Strap
 from kilter.errors import InputError, nearest_name, some_names
-from kilter.guesses import guarded
 from kilter.hooks import hook
 from kilter.rigid import unit
 from kilter.tell.html import html_of
 from kilter.units import metres_per_unit
 from kilter.validate import frozen, in_range, number
+from kilter.values.guesses import guarded
 
 if TYPE_CHECKING:
     from kilter.tell.answer_data.check_data import BondData

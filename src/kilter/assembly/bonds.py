@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 import numpy as np
 
 from kilter.errors import InputError, nearest_name
-from kilter.guesses import guarded
 from kilter.rigid import in_brackets, unit
 from kilter.validate import frozen, in_range, number
 from kilter.values import Value
+from kilter.values.guesses import guarded
 
 if TYPE_CHECKING:
     from kilter.tell.answer_data.check_data import BondData

@@ -10,10 +10,10 @@ import numpy as np
 from kilter.assembly.assembly_tolerances import ACROSS, PLANAR_AXIS
 from kilter.assembly.feature import Feature
 from kilter.errors import InputError, nearest_name
-from kilter.guesses import guarded
 from kilter.rigid import in_brackets, unit
 from kilter.validate import finite, frozen, in_range, number
 from kilter.values import Value
+from kilter.values.guesses import guarded
 
 __all__ = ["FrictionPair", "GivenContact", "Joint", "JointKind", "Load"]
 

@@ -10,13 +10,13 @@ import numpy as np
 
 from kilter.assembly.brick import Brick
 from kilter.errors import InputError
-from kilter.guesses import guarded
 from kilter.hooks import hook
 from kilter.rigid import Pose, in_brackets
 from kilter.shape.primitives import Box, Mesh, Shape
 from kilter.units import metres_per_unit
 from kilter.validate import finite, in_range, number
 from kilter.values import Value
+from kilter.values.guesses import guarded
 
 __all__ = ["GROUND", "Part"]
 

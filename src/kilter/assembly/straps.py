@@ -26,9 +26,9 @@ import numpy as np
 from kilter.arrays import Array, cross
 from kilter.assembly.part import GROUND
 from kilter.errors import InputError
-from kilter.guesses import guarded
 from kilter.validate import finite, in_range, number
 from kilter.values import Value
+from kilter.values.guesses import guarded
 
 __all__ = ["Strap", "StrapEnd"]
 

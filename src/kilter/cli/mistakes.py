@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
-from kilter.guesses import meant_word
+from kilter.values.guesses import meant_word
 
 __all__ = ["NO_MEMORY", "fault_words", "usage_words"]
 

@@ -26,7 +26,7 @@ from kilter.contact.patches import Patches
 from kilter.contact.planar.flat_contacts import GAP_EDGES
 from kilter.contact.recent_searches import recent_searches
 from kilter.errors import InputError
-from kilter.guesses import guarded
+from kilter.values.guesses import guarded
 from kilter.work import facts_of, stop_after, take_at_least
 
 __all__ = [

@@ -37,7 +37,7 @@ from kilter.contact.contact_tolerances import (
 from kilter.contact.patches import Patches
 from kilter.contact.planar.facets import Facets
 from kilter.errors import InputError, some
-from kilter.guesses import guarded
+from kilter.values.guesses import guarded
 
 __all__ = [
     "APART",

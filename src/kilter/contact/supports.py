@@ -29,11 +29,11 @@ from kilter.assembly import Assembly, Load, Part
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.contact_tolerances import SUPPORT_BESIDE
 from kilter.errors import InputError, nearest_name
-from kilter.guesses import guarded
 from kilter.rigid import Pose, unit
 from kilter.shape.primitives import Box
 from kilter.validate import finite, number
 from kilter.values import Value
+from kilter.values.guesses import guarded
 
 if TYPE_CHECKING:
     from kilter.tell.answer_data.plan_data import SupportData

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from kilter.errors import InputError, nearest_name, some_names
-from kilter.guesses import guarded
 from kilter.tell.json_answer import SCHEMA_VERSION
+from kilter.values.guesses import guarded
 
 __all__ = ["LoadedAnswer", "load_answer"]
 

@@ -33,10 +33,10 @@ from kilter.files.saved_entries import (
     with_bodies,
     with_interactions,
 )
-from kilter.guesses import guarded
 from kilter.hooks import hook
 from kilter.units import metres_per_unit
 from kilter.validate import finite, number
+from kilter.values.guesses import guarded
 
 __all__ = ["LOWEST", "Reading", "load", "reading_for"]
 

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from kilter.errors import InputError
-from kilter.guesses import guarded
 from kilter.publish.output_files import require_figure
 from kilter.publish.subjects import changed_subject, path_of, require_steps
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT
 
 if TYPE_CHECKING:

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kilter.errors import InputError
-from kilter.guesses import guarded
 from kilter.publish.output_files import FILMS, require_ending
 from kilter.publish.subjects import path_of, require_steps
+from kilter.values.guesses import guarded
 
 if TYPE_CHECKING:
     from kilter.analysis.planning.order.order import Order

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kilter.errors import InputError
-from kilter.guesses import guarded
 from kilter.publish.output_files import PAGES, require_ending, title_of
 from kilter.publish.subjects import changed_subject
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT
 
 if TYPE_CHECKING:

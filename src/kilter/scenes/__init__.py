@@ -19,8 +19,8 @@ import importlib
 from typing import overload
 
 from kilter.assembly import Assembly
-from kilter.guesses import guarded
 from kilter.scenes.registry import SCENES, Answer, Example, scene
+from kilter.values.guesses import guarded
 
 __all__ = ["SCENES", "Answer", "Example", "example", "scene"]
 

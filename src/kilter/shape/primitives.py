@@ -17,12 +17,13 @@ from numpy.typing import ArrayLike
 
 from kilter.arrays import Array, Index, Mask, across, cross
 from kilter.errors import InputError
-from kilter.guesses import guarded
 from kilter.rigid import in_brackets
+from kilter.shape.convex_hull import hull_surface
 from kilter.shape.shape_tolerances import CUT_AREA, POLYGON_AREA, WHOLE_TURN
 from kilter.shape.solid import Solid
 from kilter.validate import finite, frozen, in_range, number
 from kilter.values import Value
+from kilter.values.guesses import guarded
 
 __all__ = ["Box", "Cylinder", "Mesh", "Prism", "Shape", "Sphere", "surface"]
 
@@ -255,8 +256,6 @@ class Mesh(Value):
         >>> len(Mesh.convex_hull([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]).triangles)
         4
         """
-        from kilter.shape.convex_hull import hull_surface  # scipy takes a while to import
-
         corners = finite(points, (-1, 3), "points")
         try:
             return cls(*hull_surface(corners))

@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-from kilter.guesses import Guessable
+from kilter.values.guesses import Guessable
 
 __all__ = ["SCHEMA_VERSION", "Answer", "AnswerInWords"]
 

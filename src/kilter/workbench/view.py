@@ -12,7 +12,7 @@ from typing import Any
 from kilter.assembly import Assembly
 from kilter.errors import InputError
 from kilter.files.writing import dump
-from kilter.guesses import guarded
+from kilter.values.guesses import guarded
 
 __all__ = ["view"]
 

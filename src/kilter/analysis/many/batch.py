@@ -23,9 +23,9 @@ from kilter.analysis.many.batch_workers import LocalWorkers, Task, Workers
 from kilter.contact import Tolerance
 from kilter.errors import InputError
 from kilter.files.reading import reading_for
-from kilter.guesses import guarded
 from kilter.tell.json_answer import Answer
 from kilter.tell.levels import REQUIRE, require_level
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT
 
 if TYPE_CHECKING:

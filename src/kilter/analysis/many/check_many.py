@@ -27,10 +27,10 @@ from kilter.assembly.side_by_side import SideBySide, side_by_side
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly, require_unchanged
 from kilter.contact import Tolerance
 from kilter.errors import InputError, KilterError
-from kilter.guesses import guarded
 from kilter.shape.primitives import Box, Mesh, Prism
 from kilter.tell.levels import REQUIRE, require_level
 from kilter.threads import on_one_thread
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT
 
 __all__ = ["check_many"]

@@ -30,11 +30,11 @@ from kilter.assembly.bricks.brick_library import STATED, brick_mass
 from kilter.assembly.bricks.brick_model import NO_COLOR, cells_of
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact.detect import contacts
-from kilter.guesses import guarded
 from kilter.mechanics.program import Program, build_program
 from kilter.tell.improve_words import improve_sentence
 from kilter.tell.json_answer import Answer
 from kilter.threads import on_one_thread
+from kilter.values.guesses import guarded
 from kilter.work import facts_of
 
 if TYPE_CHECKING:

@@ -36,11 +36,11 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance
-from kilter.guesses import guarded
 from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.program import Program, build_program
 from kilter.tell.json_answer import AnswerInWords
 from kilter.threads import on_one_thread
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT, Work, units_of
 
 if TYPE_CHECKING:

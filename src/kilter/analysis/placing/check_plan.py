@@ -27,13 +27,13 @@ from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.sub_contacts import contacts_among
 from kilter.errors import InputError
 from kilter.files.packing_lists import PackedBox, PackingPlan, load_plan
-from kilter.guesses import guarded
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box
 from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import REQUIRE, holds, level_rank, require_level
 from kilter.tell.packing_words import packing_sentence
 from kilter.threads import on_one_thread
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT
 
 if TYPE_CHECKING:

@@ -34,7 +34,6 @@ from kilter.assembly import Assembly, Part
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.errors import InputError
-from kilter.guesses import guarded
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box
 from kilter.tell.json_answer import AnswerInWords
@@ -42,6 +41,7 @@ from kilter.tell.levels import REQUIRE, holds, require_level
 from kilter.tell.place_words import place_sentence
 from kilter.threads import on_one_thread
 from kilter.validate import finite, number
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT
 
 if TYPE_CHECKING:

@@ -40,7 +40,6 @@ from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.coincident import require_apart
 from kilter.contact.open_pairs import still_open
 from kilter.errors import InputError
-from kilter.guesses import guarded
 from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.certificate import ForceProof
 from kilter.mechanics.program import build_program
@@ -49,6 +48,7 @@ from kilter.tell.html import html_of
 from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.region_facts import region_phrase
 from kilter.threads import on_one_thread
+from kilter.values.guesses import guarded
 from kilter.work import stop_after
 
 if TYPE_CHECKING:

@@ -43,10 +43,10 @@ from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.left_out import SAME_BODY, Overlap
 from kilter.contact.sub_contacts import contacts_among, without_overlaps
 from kilter.errors import InputError
-from kilter.guesses import guarded
 from kilter.rigid import Pose
 from kilter.tell.levels import REQUIRE, require_level
 from kilter.threads import on_one_thread
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT
 
 __all__ = ["scene"]

@@ -29,7 +29,6 @@ from kilter.assembly import Assembly, Part
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.errors import InputError
-from kilter.guesses import guarded
 from kilter.mechanics.proof import digest_of
 from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import REQUIRE, holds, level_rank, require_level
@@ -37,6 +36,7 @@ from kilter.tell.numbers import NO_ANGLE
 from kilter.tell.settle_words import settle_sentence
 from kilter.threads import on_one_thread
 from kilter.validate import number
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT
 
 if TYPE_CHECKING:

@@ -39,11 +39,11 @@ from kilter.assembly import Assembly
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance
 from kilter.errors import InputError, TimeLimitReached
-from kilter.guesses import guarded
 from kilter.mechanics.program import Program, build_program
 from kilter.tell.levels import REQUIRE, level_rank, require_level
 from kilter.threads import on_one_thread
 from kilter.validate import number
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT, Work, stop_after, units_of
 
 if TYPE_CHECKING:

@@ -47,7 +47,6 @@ from kilter.assembly.bonds import NO_CONE, require_no_bonds
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.errors import InputError
-from kilter.guesses import guarded
 from kilter.mechanics.certificate import check_motion
 from kilter.mechanics.program import Program, bounding_program, build_program
 from kilter.rigid import rotation_between
@@ -57,6 +56,7 @@ from kilter.tell.numbers import vector
 from kilter.tell.words import found_sentence
 from kilter.threads import on_one_thread
 from kilter.validate import frozen
+from kilter.values.guesses import guarded
 from kilter.work import seconds_left
 
 if TYPE_CHECKING:

@@ -16,11 +16,11 @@ from kilter.analysis.analysis_tolerances import PRESSES
 from kilter.analysis.verdict.part_answer import PointForces
 from kilter.arrays import Array, Index, group_sums, sealed
 from kilter.errors import InputError, nearest_name, some_names
-from kilter.guesses import Guessable
 from kilter.mechanics.certificate import ForceProof, check_forces
 from kilter.mechanics.coulomb_cones import cone_problem, least_forces
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
+from kilter.values.guesses import Guessable
 
 __all__ = ["LIMIT", "ContactForces", "find_contact_forces"]
 

@@ -47,7 +47,6 @@ from kilter.analysis.verdict.verdict_answer import (
 from kilter.arrays import Mask, sealed
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
-from kilter.guesses import GuessedAttribute
 from kilter.hooks import hook
 from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
 from kilter.mechanics.mechanics_tolerances import STILL, TOLERANCE
@@ -60,6 +59,7 @@ from kilter.tell.levels import REQUIRE, VerdictWord, holds, level_of
 from kilter.tell.words import NAMED, motion_summary, motion_words
 from kilter.threads import on_one_thread
 from kilter.units import metres_per_unit
+from kilter.values.guesses import GuessedAttribute
 from kilter.work import EFFORT, Work, units_of
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from kilter.errors import InputError
 from kilter.files.choices import Choices, find_choices
 from kilter.files.choices_writing import choices_about, require_place, write_choices
 from kilter.files.reading import Reading, reading_for
-from kilter.guesses import guarded
+from kilter.values.guesses import guarded
 
 __all__ = ["save", "save_reading"]
 

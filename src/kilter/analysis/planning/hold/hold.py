@@ -25,10 +25,10 @@ from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.coincident import require_apart
 from kilter.contact.supports import Support
 from kilter.errors import InputError
-from kilter.guesses import guarded
 from kilter.tell.levels import REQUIRE, require_level
 from kilter.threads import on_one_thread
 from kilter.validate import number
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT, Work, units_of
 
 __all__ = ["hold"]

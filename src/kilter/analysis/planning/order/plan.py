@@ -43,10 +43,10 @@ from kilter.assembly import Assembly
 from kilter.assembly.bonds import NOT_SET, require_no_bonds
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance
-from kilter.guesses import guarded
 from kilter.tell.levels import require_level
 from kilter.threads import on_one_thread
 from kilter.validate import number
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT, Work, units_of
 
 __all__ = ["plan"]

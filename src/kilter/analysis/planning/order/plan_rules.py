@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike
 
 from kilter.arrays import Array
 from kilter.errors import InputError
-from kilter.guesses import guarded
 from kilter.validate import frozen, number
 from kilter.values import Value
+from kilter.values.guesses import guarded
 
 __all__ = ["FEWEST", "PlanRules", "turns_alone"]
 

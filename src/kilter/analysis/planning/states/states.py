@@ -59,7 +59,6 @@ from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.coincident import require_apart
 from kilter.contact.sub_contacts import contacts_among
 from kilter.errors import InputError
-from kilter.guesses import guarded
 from kilter.mechanics.certificate import (
     ForceProof,
     MotionProof,
@@ -72,6 +71,7 @@ from kilter.rigid import unit
 from kilter.tell.levels import level_rank
 from kilter.threads import on_one_thread
 from kilter.validate import number
+from kilter.values.guesses import guarded
 from kilter.work import Work, units_of
 
 __all__ = ["States", "states"]

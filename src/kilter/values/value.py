@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from kilter.guesses import Guessable
+from kilter.values.guesses import Guessable
 
 __all__ = ["Value"]
 

@@ -250,10 +250,10 @@ def guarded(target: Target) -> Target:
     >>> turn(mu=0.5)
     Traceback (most recent call last):
     ...
-    kilter.guesses.GuessedKeyword: turn has no argument 'mu'; use friction
+    kilter.values.guesses.GuessedKeyword: turn has no argument 'mu'; use friction
     """
     is_class = isinstance(target, type)
-    call: Any = target.__init__ if is_class else target  # type: ignore[misc]
+    call: Any = target.__init__ if is_class else target
     name = target.__name__
     parameters = inspect.signature(call).parameters
     if any(each.kind is inspect.Parameter.VAR_KEYWORD for each in parameters.values()):
@@ -270,7 +270,7 @@ def guarded(target: Target) -> Target:
 
     if not is_class:
         return cast("Target", checked)
-    target.__init__ = checked  # type: ignore[misc]
+    cast("Any", target).__init__ = checked
     return target
 
 
