@@ -42,6 +42,7 @@ from kilter.tell.second_order_words import balanced_sentence
 from kilter.tell.words import verdict_sentence
 from kilter.threads import on_one_thread
 from kilter.validate import number
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT, Work, facts_of, units_of
 
 __all__ = ["check", "check_equilibrium", "check_level"]
@@ -53,6 +54,7 @@ FAR_APART = 1e9
 """Ratio of the largest to the least mass above which accelerations of light parts are inexact."""
 
 
+@guarded
 @on_one_thread
 def check(
     assembly: AssemblyOrPath,

@@ -52,6 +52,7 @@ from kilter.second_order.proofs.second_order_recheck import recheck_second_order
 from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import holds as holds_at
 from kilter.tell.levels import level_of, level_rank, require_level
+from kilter.values.guesses import guarded
 
 if TYPE_CHECKING:
     from kilter.tell.answer_data.other_data import VerifyData
@@ -140,6 +141,7 @@ class Verification(AnswerInWords):
         raise TypeError("a verification is neither true nor false: use .holds")
 
 
+@guarded
 def verify(
     assembly: Assembly | str | Path,
     proof: dict[str, Any] | str | Path,

@@ -32,12 +32,16 @@ from kilter.rigid import unit
 from kilter.tell.html import html_of
 from kilter.units import metres_per_unit
 from kilter.validate import frozen, in_range, name_list, number
+from kilter.values.guesses import guarded
 
 if TYPE_CHECKING:
     from kilter.tell.answer_data.check_data import BondData
     from kilter.tell.answer_data.common_data import JointData
 
 __all__ = ["Assembly", "require_assembly"]
+
+LIBRARIES = ("build123d", "cadquery", "compas", "compas_assembly", "mujoco", "trimesh")
+"""Libraries whose objects `kilter.load` converts."""
 
 Entry = FrictionPair | GivenContact | Joint | Bond
 ENTRIES: dict[str, type] = {
@@ -53,6 +57,7 @@ ENTRIES: dict[str, type] = {
 """Type of the entries of each sequence of an assembly."""
 
 
+@guarded
 @dataclass(frozen=True, eq=False)
 class Assembly(ChangedCopies):
     """Rigid parts with held parts, gravity, loads, joints, bonds, straps and given contacts.
@@ -515,4 +520,6 @@ def require_assembly(value: object, verb: str) -> None:
         hint = "convert it: kilter.load(mesh)"
     elif isinstance(value, Part):
         hint = "put it into an assembly: kilter.Assembly([part, ...])"
+    elif type(value).__module__.partition(".")[0] in LIBRARIES:
+        hint = "convert it: kilter.load(object, floor=True)"
     raise InputError(f"{verb} needs an assembly, got {type(value).__name__}", hint=hint)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from kilter.cli.synonyms import meant_option
+from kilter.values.guesses import meant_word
 
 __all__ = ["usage_words"]
 
@@ -18,7 +18,7 @@ def usage_words(error: Any) -> str:
     unknown = getattr(error, "option_name", None)
     if unknown is not None and context is not None and not hasattr(error, "param_hint"):
         known = {name for option in context.command.params for name in option.opts}
-        meant = meant_option(unknown, known)
+        meant = meant_word(unknown, known)
         if meant is not None:
             message = f"there is no option {unknown}: use {meant}"
     message = message.replace("Value error, ", "")

@@ -36,6 +36,7 @@ from kilter.files.saved_entries import (
 from kilter.hooks import hook
 from kilter.units import metres_per_unit
 from kilter.validate import finite, number
+from kilter.values.guesses import guarded
 
 __all__ = ["LOWEST", "Reading", "load", "reading_for"]
 
@@ -46,6 +47,7 @@ NAMED = ("ground", "without", "fasten", "bond")
 _OR = " or "
 
 
+@guarded
 @dataclass(frozen=True, slots=True)
 class Reading:
     """The user's options for reading a file that change the assembly; a proof lists them.
@@ -301,6 +303,7 @@ class Reading:
         return with_interactions(assembly, here.entries)
 
 
+@guarded
 def load(
     source: Any,
     *,

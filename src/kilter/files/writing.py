@@ -17,6 +17,7 @@ from typing import Any
 from kilter.assembly import Assembly, require_assembly
 from kilter.errors import InputError
 from kilter.files.kilter_json import to_dict
+from kilter.values.guesses import guarded
 
 __all__ = ["dump", "json_lines", "to_text", "write_bytes", "write_text"]
 
@@ -25,6 +26,7 @@ UNDER_WAY: set[str] = set()
 """Paths of temporary files that are being written; an exit without cleanup has to remove them."""
 
 
+@guarded
 def dump(assembly: Assembly, path: str | Path) -> None:
     """Write an assembly to a kilter file (JSON), one part per line.
 

@@ -224,7 +224,7 @@ def draw_forces(
     from matplotlib.collections import LineCollection
     from matplotlib.lines import Line2D
 
-    forces = verdict.forces
+    forces = verdict.known_forces
     if forces is None:
         return []
     sizes = np.linalg.norm(forces.resultant, axis=1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -11,10 +12,12 @@ from typing import Any
 from kilter.assembly import Assembly
 from kilter.errors import InputError
 from kilter.files.writing import dump
+from kilter.values.guesses import guarded
 
 __all__ = ["view"]
 
 
+@guarded
 def view(
     source: Assembly | str | Path | None = None,
     *,
@@ -54,9 +57,14 @@ def view(
     Raises
     ------
     InputError
-        If the port is not available, the file or the folder does not exist, or a host name is
-        invalid.
+        If the port is not available, the file or the folder does not exist, a host name is
+        invalid, or the function is called in a cell of a notebook, which it would block.
     """
+    if in_notebook():
+        raise InputError(
+            "view serves a page until it is interrupted, so it would block the cell",
+            hint="use assembly.show() in a notebook, or 'kilter view FILE' in a terminal",
+        )
     # imported late: the server libraries take longer to import than kilter
     from kilter.workbench.server import Workbench
 
@@ -77,6 +85,12 @@ def view(
                 webbrowser.open(bench.url)
 
         bench.run(ready)
+
+
+def in_notebook() -> bool:
+    """Whether this code runs in a cell of a notebook: IPython runs, and with a kernel."""
+    shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
+    return hasattr(shell, "kernel")
 
 
 def _path_of(source: Any, folder: Path) -> Path | None:

@@ -40,6 +40,7 @@ from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.program import Program, build_program
 from kilter.tell.json_answer import AnswerInWords
 from kilter.threads import on_one_thread
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT, Work, units_of
 
 if TYPE_CHECKING:
@@ -225,6 +226,7 @@ def _limit(program: Program, limit: Limit | None) -> LimitData | None:
     return None if limit is None else limit.to_dict(program)
 
 
+@guarded
 @on_one_thread
 def margin(
     assembly: AssemblyOrPath,

@@ -33,6 +33,7 @@ from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import REQUIRE, holds, level_rank, require_level
 from kilter.tell.packing_words import packing_sentence
 from kilter.threads import on_one_thread
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT
 
 if TYPE_CHECKING:
@@ -172,6 +173,7 @@ class CheckedPlan(AnswerInWords):
         return f"CheckedPlan({len(self.items)} items, {words})"
 
 
+@guarded
 @on_one_thread
 def check_plan(
     plan: PackingPlan | str | Path,

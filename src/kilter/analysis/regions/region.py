@@ -48,6 +48,7 @@ from kilter.tell.html import html_of
 from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.region_facts import region_phrase
 from kilter.threads import on_one_thread
+from kilter.values.guesses import guarded
 from kilter.work import stop_after
 
 if TYPE_CHECKING:
@@ -323,6 +324,7 @@ class Region(InCells, AnswerInWords):
         return f"Region({self})"
 
 
+@guarded
 @on_one_thread
 def region(
     assembly: AssemblyOrPath,
@@ -460,6 +462,7 @@ def _region(
     )
 
 
+@guarded
 @on_one_thread
 def common_region(
     assemblies: Sequence[Assembly],

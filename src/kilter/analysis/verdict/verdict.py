@@ -59,6 +59,7 @@ from kilter.tell.levels import REQUIRE, VerdictWord, holds, level_of
 from kilter.tell.words import NAMED, motion_summary, motion_words
 from kilter.threads import on_one_thread
 from kilter.units import metres_per_unit
+from kilter.values.guesses import GuessedAttribute
 from kilter.work import EFFORT, Work, units_of
 
 if TYPE_CHECKING:
@@ -318,8 +319,24 @@ class Verdict(InCells, Answer):
         known = not (self.assembly.loads or self.assembly.straps or unclear) and self.motion.known
         return self.motion.instability if known else None
 
+    @property
+    def forces(self) -> ContactForces:
+        """Contact forces that balance every part.
+
+        Raises
+        ------
+        InputError
+            If the proof has no forces, as for an unstable assembly.
+        """
+        if self.known_forces is None:
+            raise GuessedAttribute(
+                f"the verdict is {self.verdict}, so there are no forces that balance every part",
+                hint="verdict.moving and verdict.motion describe the parts that start to move",
+            )
+        return self.known_forces
+
     @cached_property
-    def forces(self) -> ContactForces | None:
+    def known_forces(self) -> ContactForces | None:
         """Contact forces that balance every part; None if the proof has no forces."""
         proof = self.certificate
         if not isinstance(proof, ForceProof):
@@ -503,7 +520,7 @@ class Verdict(InCells, Answer):
             "bonds_needed": self._bonds_needed(),
             "certificate": certificate_answer(self.certificate, self.judgement),
             "friction": friction_answer(self.friction, self.effort),
-            "forces": forces_answer(self.forces, contacts, self.program),
+            "forces": forces_answer(self.known_forces, contacts, self.program),
             "tolerance": {
                 "gap": contacts.gap,
                 "angle_deg": float(np.degrees(contacts.tolerance.angle)),

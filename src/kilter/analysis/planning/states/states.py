@@ -71,6 +71,7 @@ from kilter.rigid import unit
 from kilter.tell.levels import level_rank
 from kilter.threads import on_one_thread
 from kilter.validate import finite, number
+from kilter.values.guesses import guarded
 from kilter.work import Work, units_of
 
 __all__ = ["States", "states"]
@@ -580,6 +581,7 @@ class States:
         )
 
 
+@guarded
 @on_one_thread
 def states(
     assembly: AssemblyOrPath,
