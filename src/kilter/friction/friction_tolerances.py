@@ -43,6 +43,7 @@ __all__ = [
     "PRESSES",
     "SHARP",
     "SLACK",
+    "SLOW",
     "SOFT_MODE",
     "SOFT_SQUEEZE",
     "SOLVED",
@@ -115,10 +116,14 @@ CLEAR = 1e-4
 """Forces below this value count as zero in the first attempt; in the second, below `SLACK`."""
 NEAR_ITS_CONE = 1e-4
 """Relative distance of a force to the boundary of its cone at which it counts as on the boundary. A
-point that slides slower than this does not define a sliding direction.
+point that slides slower than this fraction of the fastest does not define a sliding direction.
 """
 CREEP = 1e-7
-"""Points that slide slower than this are also tried as sticking."""
+"""Points that slide slower than this fraction of the fastest are also tried as sticking."""
+SLOW = 0.03
+"""Points that slide slower than this fraction of the fastest are, in a third attempt, tried as
+sticking: near a limit the motion itself is little above the error of the solver. A larger value
+tries more points so."""
 SLACK = 1e-9
 """A speed or force that violates its mode by more than this changes the mode."""
 SOFT_MODE = 1e-9
