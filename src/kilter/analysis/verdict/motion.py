@@ -44,8 +44,10 @@ from kilter.units import metres_per_unit
 from kilter.work import Work, units_of
 
 __all__ = [
+    "GAINS",
     "NO_MOTION",
     "UNKNOWN_MOTION",
+    "NO_MOTION_BY_LAW",
     "ImpendingMotion",
     "find_motion",
     "find_motion_with_friction",
@@ -68,6 +70,11 @@ MANY = 8000
 NO_MOTION = (
     "no solver finished the program of the impending motion: accelerations and kappa are left out"
 )
+NO_MOTION_BY_LAW = (
+    "no motion that obeys the law of friction was found: accelerations and kappa are left out"
+)
+GAINS = "in a motion that gains energy"
+"""Words for the motion of a proof, which shows that parts start to move, but not how fast."""
 UNKNOWN_MOTION = {True: "moves in an unknown way", False: "is not known to move"}
 """Words for a part if no solver finished, by whether a proof shows that the part moves."""
 
@@ -91,6 +98,9 @@ class ImpendingMotion:
         Infinite if no solver finished; the accelerations are then 0 and have no meaning.
     names : tuple of str
         Names of the parts; ``motion["upper"]`` is the motion of a part.
+    gains : ndarray, shape (N, 6), or None
+        If the accelerations are not known, the motion of the proof: translations [length unit] and
+        rotations [rad] of any common size, which gain energy. None if there is no such proof.
     """
 
     acceleration: Array
@@ -99,6 +109,7 @@ class ImpendingMotion:
     instability: float
     residual: float
     names: tuple[str, ...] = ()
+    gains: Array | None = None
 
     def __getitem__(self, name: str) -> PartMotion:
         if name not in self.names:
@@ -112,6 +123,15 @@ class ImpendingMotion:
     def known(self) -> bool:
         """Whether a solver computed the motion; if not, `moves` marks parts that a proof moves."""
         return bool(np.isfinite(self.residual))
+
+    def screws(self, metres: float) -> Array:
+        """Screw of each moving part, shape (N, 6), all of a common size: for pictures and films.
+
+        Shift of the centre of mass in length units of `metres` [m], and rotation; of the motion of
+        the proof if the accelerations are not known. 0 for other parts.
+        """
+        shown = self.acceleration / np.repeat([metres, 1.0], 3) if self.known else self.gains
+        return np.where(self.moves[:, None], 0.0 if shown is None else shown, 0.0)
 
 
 def find_motion(program: Program) -> ImpendingMotion:
@@ -289,10 +309,11 @@ def still(program: Program) -> ImpendingMotion:
 
 
 def unknown(program: Program, proof: ForceProof | MotionProof | None = None) -> ImpendingMotion:
-    """The motion if no solver finished: marks only the parts that a proof moves."""
+    """The motion if none was found: marks the parts that a proof moves, and has its motion."""
     motion = still(program)
-    moves = motion.moves
+    moves, gains = motion.moves, None
     if isinstance(proof, MotionProof) and proof.holds:
         sizes = part_sizes(program, proof.motion, per_radius=False)
         moves = program.free & (sizes > MOVES * float(sizes.max(initial=0.0)))
-    return replace(motion, moves=moves, instability=np.nan, residual=np.inf)
+        gains = np.where(moves[:, None], proof.motion, 0.0)
+    return replace(motion, moves=moves, instability=np.nan, residual=np.inf, gains=gains)
