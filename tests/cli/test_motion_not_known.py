@@ -72,7 +72,7 @@ def test_check_says_what_a_proof_has_moving_and_leaves_the_rest_open(capsys):
 @pytest.mark.parametrize(
     ("command", "assembly", "code"),
     [
-        ("margin", lambda: stacks.block_on_slope(20.0), 0),
+        ("margin", lambda: stacks.block_on_slope(20.0), 1),
         ("region", lambda: scene("wedge-on-wedge"), 0),
         ("orient", lambda: scene("wedge-on-wedge"), 1),
         ("orient", lambda: stacks.block_on_slope(50.0, friction=0.5), 0),
