@@ -110,6 +110,7 @@ class Asked:
             *(given[key] for key in ("up", "contacts", "keyframe", "base")),
             *(given[key] for key in ("stud_pull", "stud_shear", "brick_sides", "bond")),
             *(given[key] for key in ("off", "release")),
+            *(given.get(key) for key in ("mass", "load", "accelerate")),
         )
         touching = [name for name in TOUCHING if given[name] not in (None, False)]
         require_off(reading.off, (), touching)
@@ -241,6 +242,11 @@ class Asked:
         reading = replace(self.reading, entries=entries)
         return replace(self, reading=reading, typed=reading), straps
 
+    def without_acceleration(self) -> tuple[Asked, tuple[str, str, str] | None]:
+        """A copy that reads the assembly without `--accelerate`, and the value of this option."""
+        reading = replace(self.reading, accelerate=None)
+        return replace(self, reading=reading), self.reading.accelerate
+
     def keep_proof(self, make: Callable[..., dict[str, Any]] | None, answer: WarnedData) -> str:
         """Write the proof file that `--proof` names; return the line for the user about it.
 
@@ -314,6 +320,8 @@ class Asked:
         request = self
         if "--down" in rest:
             request = replace(self, typed=replace(self.typed, down=None))
+        if "--accelerate" in rest:
+            request = replace(self, typed=replace(self.typed, accelerate=None))
         if "--friction" in rest:
             request = replace(self, typed=replace(self.typed, friction=None))
         words = request.command(name, *(typed if name == kind_of(answer) else ()), *rest)

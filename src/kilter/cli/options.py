@@ -301,6 +301,39 @@ Straps = Annotated[
         show_default=False,
     ),
 ]
+Mass = Annotated[
+    list[str] | None,
+    Option(
+        "--mass",
+        metavar="NAME=KG",
+        help='Mass of a part, in place of its density: --mass "bolt*=0.2". Repeatable; * and ? are '
+        "wildcards.",
+        rich_help_panel=HELD,
+        show_default=False,
+    ),
+]
+Load = Annotated[
+    list[str] | None,
+    Option(
+        "--load",
+        metavar="NAME=FX,FY,FZ",
+        help="Add a force at the centre of mass of a part [N]: --load lid=0,0,-20. Repeatable; * "
+        "and ? are wildcards.",
+        rich_help_panel=HELD,
+        show_default=False,
+    ),
+]
+Accelerate = Annotated[
+    tuple[str, str, str] | None,
+    Option(
+        "--accelerate",
+        metavar="X Y Z",
+        help="The held parts belong to a carrier with this acceleration, in m/s^2, or in g as "
+        "0.5g.",
+        rich_help_panel=HELD,
+        show_default=False,
+    ),
+]
 Off = Annotated[
     list[str] | None,
     Option(
@@ -385,6 +418,9 @@ READING: dict[str, tuple[Any, Any]] = {
     "fasten": (Fasten, None),
     "bond": (Bonded, None),
     "straps": (Straps, None),
+    "mass": (Mass, None),
+    "load": (Load, None),
+    "accelerate": (Accelerate, None),
     "fasten_suggested": (FastenSuggested, False),
     "fasten_overlaps": (FastenOverlaps, False),
     "contacts": (Contacts, None),
@@ -418,7 +454,8 @@ def asks(
 ) -> Callable[[Callable[..., int]], Callable[..., int]]:
     """Create a decorator that adds the shared options to a command ``act(asked, **options)``.
 
-    A parameter whose annotation is a dataclass stands for the options that are its fields.
+    A parameter whose annotation is a dataclass stands for the options that are its fields. An
+    option of the command replaces a shared option of the same name.
 
     Parameters
     ----------
@@ -439,6 +476,8 @@ def asks(
         declared_options = [field for parameter in declared for field in _own_options(parameter)]
         limits = {"time_limit": (TimeLimit, None)} if timed else {}
         shared = READING | (SEARCHING if searches else limits)
+        names = {parameter.name for parameter in declared_options}
+        shared = {name: option for name, option in shared.items() if name not in names}
         kept = {"proof": (Proof, None)} if proves else {}
         last = kept | (FORMS if answers else {}) | {"quiet": (Quiet, False)}
         own = any(parameter.name in ("file", "files") for parameter in declared_options)
@@ -458,7 +497,6 @@ def asks(
             ),
             *(_parameter(name, *option) for name, option in last.items()),
         ]
-        names = {parameter.name for parameter in declared_options}
 
         def command(**given: Any) -> int:
             asked = Asked.of({k: v for k, v in given.items() if k not in names})

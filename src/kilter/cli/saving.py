@@ -78,6 +78,13 @@ def save(
         raise InputError(
             "options for standard input cannot be saved", hint="give a file or a folder"
         )
+    for option in ("mass", "load", "accelerate"):
+        if getattr(asked.typed, option):
+            raise InputError(
+                f"--{option} is not saved: it is part of a question",
+                hint=f"give --{option} to the command that asks; --material and the key 'loads' of "
+                "the file of choices are saved",
+            )
     replaces = require_place(output)
     entries = {
         "materials": [_material(words) for words in material or ()],

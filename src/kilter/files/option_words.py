@@ -32,6 +32,11 @@ def option_words(options: Mapping[str, Any]) -> list[str]:
             words += ["--floor"] if value == LOWEST else ["--floor", str(value)]
         elif key == "down":
             words += ["--down", *(repr(float(v)).removesuffix(".0") for v in value)]
+        elif key == "accelerate":
+            words += [option, *value]
+        elif key in ("mass", "load"):
+            numbers = [(name, ",".join(f"{x:.15g}" for x in each)) for name, *each in value]
+            words += [word for name, text in numbers for word in (option, f"{name}={text}")]
         elif key == "fasten":
             words += [word for pair in value for word in ("--fasten", *pair)]
         elif key == "bond":

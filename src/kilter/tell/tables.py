@@ -24,6 +24,7 @@ from kilter.tell.verify_words import verify_sentence
 from kilter.tell.words import NAMED
 
 __all__ = [
+    "NO_ACCELERATION",
     "Table",
     "forces_table",
     "load_table",
@@ -40,6 +41,10 @@ NO_FORCE = 1e-9
 """A force below this share of the greatest force is left out, since it comes from rounding [-]."""
 NO_GAP = 1e-14
 """A gap below this share of the largest part is shown as 0, since it comes from rounding [-]."""
+NO_ACCELERATION = (
+    "No accelerations that obey the contact law were found. The motion of the proof is shown: it "
+    "gains energy, but it does not tell how fast the parts start to move."
+)
 KINDS = {
     "none": "No direction of gravity is stable.",
     "ray": "One direction of gravity is stable, and none near it.",
@@ -116,6 +121,8 @@ def sentences(answer: Answer) -> list[str]:
     lines = [str(answer["sentence"])]
     if kind == "check" and answer["verdict"] == "unstable":
         moving = sum(part["moves"] for part in answer["parts"])
+        if moving and all(part["acceleration"] is None for part in answer["parts"]):
+            lines.append(NO_ACCELERATION)
         if moving > NAMED:
             lines.append(f"Fastest: {answer['summary']}.")
     return lines
