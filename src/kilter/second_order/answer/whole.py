@@ -19,7 +19,7 @@ from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.clusters import Cluster, clusters
 from kilter.mechanics.program import Program
-from kilter.mechanics.rows import CONTACT
+from kilter.mechanics.rows import POSSIBLE
 from kilter.second_order.answer.second_order_answer import (
     LATE,
     SPENT,
@@ -27,6 +27,7 @@ from kilter.second_order.answer.second_order_answer import (
     open_answer,
 )
 from kilter.second_order.gaps.features_of import features_of
+from kilter.second_order.gaps.joint_forms import on_joints
 from kilter.second_order.gaps.stationary import stationary
 from kilter.second_order.motions.rolling import find_rolling, worst_rolling
 from kilter.second_order.motions.sharp_points import sharp_points, with_sharp
@@ -220,13 +221,14 @@ class _ClusterSearch:
     def by_forces(self, program: Program, forces: Array | None) -> SecondOrder | None:
         """Answer from contact forces alone, if parts rest on horizontal faces or are held."""
         count = int(program.free.sum())
-        if count <= MOST_LEVEL and not self.slanted[program.free].any():
+        jointed = bool(on_joints(program).any())
+        if count <= MOST_LEVEL and not (jointed or self.slanted[program.free].any()):
             level, sharp = level_rows(program, self.contacts), sharp_points(program, self.contacts)
             rest = find_level_rest(program, level, forces, sharp, work=self.work)
             if rest is not None:
                 return _on_level(program, rest)
         if count <= MOST_HELD and forces is not None:
-            certain = program.kind == CONTACT
+            certain = program.kind != POSSIBLE
             held = find_held(program.taking(certain), forces[certain])
             if held is not None:
                 return _without_neutral(program, held)
@@ -235,11 +237,11 @@ class _ClusterSearch:
     def _by_gaps(self, cluster: Cluster) -> SecondOrder:
         """Answer for a cluster from first and second derivatives of its contact gaps."""
         program = cluster.program
-        certain = program.taking(program.kind == CONTACT)
+        certain = program.taking(program.kind != POSSIBLE)
         first = stationary(certain, np.zeros((len(certain.part_a), 12, 12)))
         critical = find_critical(first, work=self.work)
         if critical is not None and not critical.basis.shape[1]:
-            held = Held(critical.forces * first.weight)
+            held = Held(critical.forces * first.weight * certain.arm)
             if not judge_held(certain, held):
                 return _without_neutral(program, held)
         if self.off[program.free].any():

@@ -1,7 +1,7 @@
-"""Contacts, joints, bonds and loads that second order cannot model.
+"""Contacts, bonds and loads that second order cannot model.
 
 Open pairs and contacts that are not modelled may exert forces without a gap, so the answer is open.
-Two kinds of possible contacts are exceptions:
+Three kinds of possible contacts are exceptions:
 
 The rim of a round flat face: its contact points are the corners of an inscribed polygon, and the
 corners of a circumscribed polygon are possible contacts. The whole face lies in the plane of its
@@ -9,6 +9,8 @@ patch. So the inscribed polygon leaves the same motions neutral, forces at its c
 the face, and motions that keep or open the plane keep or open the face.
 
 Edges and corners without a unique normal, as at a line in which four boxes meet (`sharp_points`).
+
+Parts that overlap at a joint that moves: the joint states how they move against each other.
 
 The force of a load acts at a point of its part. If that is not the centre of mass, the energy
 curves as the part turns, by -F.(theta x (theta x arm)) / 2, even without a torque: a weight above
@@ -25,7 +27,7 @@ from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.open_pairs import still_open
 from kilter.mechanics.program import Program
-from kilter.mechanics.rows import CONTACT, POSSIBLE
+from kilter.mechanics.rows import CONTACT, JOINT, POSSIBLE
 from kilter.second_order.motions.sharp_points import sharp_pushes
 from kilter.second_order.parts.rigid_groups import RigidGroups
 from kilter.second_order.second_order_tolerances import AGREE, KEEPS
@@ -38,10 +40,16 @@ OFF_CENTRE = "second order does not model loads beside a centre of mass"
 def why_unmodelled(assembly: Assembly, contacts: ContactSet) -> str:
     """Reason why second order cannot model the contacts of an assembly; empty if it can."""
     sharp = sharp_pushes(contacts)
+    jointed = RigidGroups.of(assembly).jointed_pairs(assembly)
     known = _on_rims(contacts) | _within_groups(assembly, contacts) | sharp
+    known |= np.array([pair in jointed for pair in _pairs(contacts)], dtype=bool)
     ends = np.column_stack([contacts.possible.part_a, contacts.possible.part_b])[sharp]
     pushed = {frozenset(pair) for pair in ends.tolist()}
-    left = still_open(contacts.open_pairs, assembly)
+    left = [
+        pair
+        for pair in still_open(contacts.open_pairs, assembly)
+        if not (pair.kind == "overlap" and frozenset(pair.parts) in jointed)
+    ]
     settled = all(pair.kind == "degenerate" and frozenset(pair.parts) in pushed for pair in left)
     if not settled or not known.all():
         return "some pairs are open, or their kind of contact is not modelled"
@@ -49,11 +57,11 @@ def why_unmodelled(assembly: Assembly, contacts: ContactSet) -> str:
 
 
 def why_beyond(program: Program) -> str:
-    """Reason why second order cannot model a cluster's joints, bonds or loads; else empty."""
+    """Reason why second order cannot model a cluster's bonds or loads; else empty."""
     if program.has_strength:
         return "second order does not model bonds and straps"
-    if not np.isin(program.kind, (CONTACT, POSSIBLE)).all():
-        return "second order does not model joints"
+    if not np.isin(program.kind, (CONTACT, POSSIBLE, JOINT)).all():
+        return "second order does not model bonds and straps"
     if np.abs(program.applied[program.free, 3:]).max(initial=0.0) > 0:
         return OFF_CENTRE
     return ""
@@ -78,6 +86,12 @@ def loads_off_centre(assembly: Assembly, program: Program) -> tuple[Mask, Mask]:
             aside = np.linalg.norm(np.cross(load.force, program.down))
             slanted[first] |= aside > KEEPS * np.linalg.norm(load.force)
     return off, slanted
+
+
+def _pairs(contacts: ContactSet) -> list[frozenset[int]]:
+    """The two parts of each possible contact."""
+    both = zip(contacts.possible.part_a.tolist(), contacts.possible.part_b.tolist(), strict=True)
+    return [frozenset(pair) for pair in both]
 
 
 def _within_groups(assembly: Assembly, contacts: ContactSet) -> Mask:

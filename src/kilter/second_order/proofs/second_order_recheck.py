@@ -26,8 +26,9 @@ from kilter.mechanics.proof_form import (
     nullable,
     optional_keys,
 )
-from kilter.mechanics.rows import CONTACT
+from kilter.mechanics.rows import POSSIBLE
 from kilter.second_order.gaps.features_of import features_of
+from kilter.second_order.gaps.joint_forms import on_joints
 from kilter.second_order.gaps.stationary import stationary
 from kilter.second_order.motions.free_motions import FreeMotions
 from kilter.second_order.motions.free_span import moving_free, scaled_columns
@@ -52,6 +53,7 @@ from kilter.second_order.proofs.proof_numbers import (
     read_motion,
     stacked,
 )
+from kilter.second_order.proofs.stopped import Stopped
 from kilter.second_order.second_order_tolerances import ACROSS, DROPS, KEEPS
 
 __all__ = ["recheck_second_order"]
@@ -168,6 +170,8 @@ def _wrong_entry(facts: ClusterFacts, entry: dict[str, Any], off: Mask, slanted:
 def _wrong_proof(facts: ClusterFacts, entry: dict[str, Any]) -> str:
     """Reason why a proof about all contacts of a cluster fails; empty if it is valid."""
     kind = _kind_of(entry)
+    if kind in (LevelRest, Stopped) and on_joints(facts.program).any():
+        return "it does not model joints"
     if word := _wrong_surfaces(kind.SURFACES, facts):
         return word
     judged = kind.from_data(facts, entry).judge(facts)
@@ -183,7 +187,7 @@ def _wrong_surfaces(surfaces: str, facts: ClusterFacts) -> str:
         return ""
     if surfaces == "all":
         facts = facts.certain
-    elif (facts.program.kind != CONTACT).any():
+    elif (facts.program.kind == POSSIBLE).any():
         return "edges and corners without a unique normal are not left out"
     known = bool(facts.known.all())
     if facts.features.doubted and not (known and surfaces != "exact"):
