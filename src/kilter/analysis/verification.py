@@ -41,7 +41,8 @@ from kilter.mechanics.bundle import apply_change, is_bundle, split_bundle, subje
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
 from kilter.mechanics.proof_form import MalformedProof, require_form
-from kilter.mechanics.recheck import recheck
+from kilter.mechanics.recheck import proof_forces, recheck
+from kilter.second_order.proofs.push_recheck import wrong_about_push
 from kilter.second_order.proofs.second_order_recheck import recheck_second_order
 from kilter.tell.json_answer import AnswerInWords
 
@@ -352,8 +353,11 @@ def verify_proof(assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]
         program = build_program(assembly, contacts)
         reasons = recheck_second_order(assembly, contacts, program.frictionless, second)
         notes += [] if reasons else [f"second order: {second['state']}"]
-    if not reasons and friction is None and "forces" in proof:
-        reasons = _wrong_word(proof["verdict"], second, rubs=bool((contacts.patch_mu > 0).any()))
+    if not reasons and "forces" in proof:
+        program = build_program(assembly, contacts)
+        program = program.frictionless if friction is None else program
+        forces, _, _ = proof_forces(program, proof)
+        reasons = wrong_about_push(assembly, contacts, program, forces, proof["verdict"], second)
     return Verification(
         not reasons,
         proof["verdict"],
@@ -367,18 +371,3 @@ def verify_proof(assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]
         options=proof["options"],
         tolerance=proof["tolerance"],
     )
-
-
-def _wrong_word(verdict: str, second: Mapping[str, Any] | None, *, rubs: bool) -> list[str]:
-    """Errors if the verdict of a proof differs from the verdict that its second order proves.
-
-    As sentences; empty if both agree.
-
-    `rubs`: whether a contact has friction. Then a fall counts only if rolling falls, too.
-    """
-    state = None if second is None else second["state"]
-    falls = second is not None and second.get("rolling", None if rubs else "falls") == "falls"
-    fits = "balanced" if state == "balanced" and falls else "stable"
-    if verdict == fits:
-        return []
-    return [f"it states {verdict!r}, but its evidence proves {fits!r}"]

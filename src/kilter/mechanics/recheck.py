@@ -30,7 +30,7 @@ from kilter.mechanics.proof import (
 )
 from kilter.mechanics.rows import BONDED, CONTACT, JOINT
 
-__all__ = ["RecheckResult", "recheck"]
+__all__ = ["RecheckResult", "proof_forces", "recheck"]
 
 LEAST_TRIES = 8
 """Least number of tries that must come to rest in a proof that the assembly settles."""
@@ -84,8 +84,8 @@ def _verdict_objections(verdict: str, balanced: bool, friction: dict[str, Any] |
         supported = "settles"
     else:
         supported = "potentially-stable"
-    if verdict == "balanced" and friction is None:
-        verdict = "stable"  # second order separates the two: `kilter.analysis.verification`
+    if verdict in ("balanced", "potentially-stable") and supported in ("stable", "settles"):
+        verdict = supported  # small pushes decide: `kilter.second_order.proofs.push_recheck`
     if verdict != supported:
         return [f"the proof states {verdict!r} but carries the evidence of {supported!r}"]
     if friction is None or not balanced:
@@ -278,8 +278,8 @@ def _joint_forces(program: Program, joint: dict[str, Any], number: int) -> tuple
     return forces, [f"the {joint['kind']} joint of {pair} has a load that its kind cannot carry"]
 
 
-def _recheck_forces(program: Program, proof: dict[str, Any]) -> tuple[float, list[str]]:
-    """Check the equilibrium forces of a proof: relative residual [-], and objections."""
+def proof_forces(program: Program, proof: dict[str, Any]) -> tuple[Array, Array, list[str]]:
+    """Forces along the rows, (K,), and across them, (K, 3), of a proof [N], and objections."""
     joints = np.zeros(len(program.part_a))
     joint_objections: list[str] = []
     for number, entry in enumerate(proof["joints"]):
@@ -289,7 +289,12 @@ def _recheck_forces(program: Program, proof: dict[str, Any]) -> tuple[float, lis
     forces, friction, reasons = _given_forces(
         program, proof["forces"], joints, proof.get("pulls", [])
     )
-    reasons += joint_objections
+    return forces, friction, reasons + joint_objections
+
+
+def _recheck_forces(program: Program, proof: dict[str, Any]) -> tuple[float, list[str]]:
+    """Check the equilibrium forces of a proof: relative residual [-], and objections."""
+    forces, friction, reasons = proof_forces(program, proof)
     judged = check_forces(program, forces, friction)
     if not _agree(judged.residual, proof["certificate"]["residual"], 1.0):
         reasons.append("its stated residual differs from that of its forces")

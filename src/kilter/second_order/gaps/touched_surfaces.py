@@ -22,11 +22,13 @@ Each condition is linear in (v, omega), and the screws that satisfy it generate 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, across, cross
+from kilter.assembly import Joint
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CYLINDER, FREE, SPHERE
 from kilter.contact.contact_set import ContactSet
@@ -97,7 +99,7 @@ class Touched:
 
 
 def touched_surfaces(
-    program: Program, features: Features, contacts: ContactSet
+    program: Program, features: Features, contacts: ContactSet, joints: Sequence[Joint] = ()
 ) -> tuple[Touched, Touched]:
     """Exact surfaces of parts a and of parts b at each contact row.
 
@@ -113,6 +115,8 @@ def touched_surfaces(
         Features of its rows.
     contacts : ContactSet
         Contacts to which the rows belong.
+    joints : sequence of Joint
+        Joints to which the other rows belong.
     """
     joined = on_joints(program)
     patch = np.where(joined, -1, program.source)
@@ -131,7 +135,7 @@ def touched_surfaces(
         side.kind[flat], side.direction[flat] = PLANE, program.normal[flat]
         side.point[flat] = program.point[flat]
         for row in np.flatnonzero(joined):
-            joint = contacts.assembly.joints[program.source[row]]
+            joint = joints[program.source[row]]
             side.kind[row] = OF_JOINT.get(joint.kind, UNKNOWN)
             side.point[row] = program.point[row]
             side.direction[row] = program.normal[row] if joint.axis is None else joint.axis

@@ -101,7 +101,8 @@ class RigidGroups:
 
     def jointed_pairs(self, assembly: Assembly) -> set[frozenset[int]]:
         """Pairs of parts whose rigid groups a joint that moves connects."""
-        index, of_group = assembly.index, {}
+        index = assembly.index
+        of_group: dict[int, list[int]] = {}
         for part, first in enumerate(self.first.tolist()):
             of_group.setdefault(first, []).append(part)
         pairs = set()

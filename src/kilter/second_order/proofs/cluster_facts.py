@@ -95,7 +95,7 @@ class ClusterFacts:
     @cached_property
     def touched(self) -> tuple[Touched, Touched]:
         """Exact surfaces of parts a and of parts b at the cluster's contact rows."""
-        return touched_surfaces(self.program, self.features, self.contacts)
+        return touched_surfaces(self.program, self.features, self.contacts, self.assembly.joints)
 
     @cached_property
     def free_motions(self) -> FreeMotions:

@@ -20,6 +20,8 @@ force does not change the energy along level motions.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from kilter.arrays import Mask, counted
@@ -32,28 +34,53 @@ from kilter.second_order.motions.sharp_points import sharp_pushes
 from kilter.second_order.parts.rigid_groups import RigidGroups
 from kilter.second_order.second_order_tolerances import AGREE, KEEPS
 
-__all__ = ["OFF_CENTRE", "loads_off_centre", "why_beyond", "why_unmodelled"]
+__all__ = ["OFF_CENTRE", "loads_off_centre", "unmodelled_pairs", "why_beyond", "why_unmodelled"]
 
 OFF_CENTRE = "second order does not model loads beside a centre of mass"
 
 
-def why_unmodelled(assembly: Assembly, contacts: ContactSet) -> str:
-    """Reason why second order cannot model the contacts of an assembly; empty if it can."""
+def unmodelled_pairs(assembly: Assembly, contacts: ContactSet) -> dict[frozenset[int], str]:
+    """Pairs of parts with contacts that second order cannot model, each with the reason."""
     sharp = sharp_pushes(contacts)
     jointed = RigidGroups.of(assembly).jointed_pairs(assembly)
+    possible = _pairs(contacts)
     known = _on_rims(contacts) | _within_groups(assembly, contacts) | sharp
-    known |= np.array([pair in jointed for pair in _pairs(contacts)], dtype=bool)
-    ends = np.column_stack([contacts.possible.part_a, contacts.possible.part_b])[sharp]
-    pushed = {frozenset(pair) for pair in ends.tolist()}
-    left = [
-        pair
-        for pair in still_open(contacts.open_pairs, assembly)
-        if not (pair.kind == "overlap" and frozenset(pair.parts) in jointed)
+    pushed = {possible[k] for k in np.flatnonzero(sharp)}
+    found = {}
+    for pair in still_open(contacts.open_pairs, assembly):
+        both = frozenset(pair.parts)
+        overlaps = pair.kind == "overlap" and both in jointed
+        if not (overlaps or (pair.kind == "degenerate" and both in pushed)):
+            found[both] = "is open"
+    for k in np.flatnonzero(~known):
+        if possible[k] not in jointed:
+            found.setdefault(possible[k], "is not modelled")
+    return found
+
+
+def why_unmodelled(
+    assembly: Assembly, pairs: Mapping[frozenset[int], str], bodies: Mask | None = None
+) -> str:
+    """Reason why second order cannot model some bodies, with the first pair; empty if it can.
+
+    Parameters
+    ----------
+    pairs : mapping
+        Result of `unmodelled_pairs`.
+    bodies : ndarray of bool, shape (N,), optional
+        First parts of the rigid groups that count; by default all.
+    """
+    first = RigidGroups.of(assembly).first
+    mine = [
+        (sorted(pair), why)
+        for pair, why in pairs.items()
+        if bodies is None or bodies[first[list(pair)]].any()
     ]
-    settled = all(pair.kind == "degenerate" and frozenset(pair.parts) in pushed for pair in left)
-    if not settled or not known.all():
-        return "some pairs are open, or their kind of contact is not modelled"
-    return ""
+    if not mine:
+        return ""
+    (a, b), why = min(mine)
+    more = f", and {len(mine) - 1} more" if len(mine) > 1 else ""
+    return f"the contact of {assembly.names[a]} and {assembly.names[b]} {why}{more}"
 
 
 def why_beyond(program: Program) -> str:
