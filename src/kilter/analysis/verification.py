@@ -357,7 +357,15 @@ def verify_proof(assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]
         program = build_program(assembly, contacts)
         program = program.frictionless if friction is None else program
         forces, _, _ = proof_forces(program, proof)
-        reasons = wrong_about_push(assembly, contacts, program, forces, proof["verdict"], second)
+        reasons = wrong_about_push(
+            assembly,
+            contacts,
+            program,
+            forces,
+            proof["verdict"],
+            second,
+            curves=friction is None,
+        )
     return Verification(
         not reasons,
         proof["verdict"],

@@ -301,7 +301,9 @@ def _with_push(
     program = build_program(assembly, contacts)
     if len(program.kind) != len(proof.forces):  # fitted normals have no certain friction
         program = decision.program
-    push = small_push(assembly, contacts, program, proof.forces, among=among)
+    push = small_push(
+        assembly, contacts, program, proof.forces, curves=decision.friction is None, among=among
+    )
     if push.state == "holds":
         return dataclasses.replace(decision, second_order=second)
     word: Word = "balanced" if push.state == "falls" else "potentially-stable"

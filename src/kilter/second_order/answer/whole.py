@@ -235,7 +235,9 @@ class _ClusterSearch:
         if self.forces is None or not round_rows(program, self.contacts).any():
             return None
         forces = self.forces[cluster.rows][certain]
-        bending = bending_bodies(self.assembly, self.contacts, program.taking(certain), forces)
+        bending = bending_bodies(
+            self.contacts, self.assembly.joints, program.taking(certain), forces, curves=True
+        )
         if bending[program.free].all() or not bending.any():
             return None
         # imported late: level faces and held parts do not need these modules

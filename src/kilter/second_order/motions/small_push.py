@@ -52,6 +52,7 @@ def small_push(
     program: Program,
     forces: Array,
     *,
+    curves: bool,
     among: Mask | None = None,
 ) -> SmallPush:
     """Decide by rules whether a small push may make round or jointed parts fall.
@@ -64,6 +65,8 @@ def small_push(
         Certain contacts, with their friction, and joints.
     forces : ndarray, shape (K,)
         Forces of an equilibrium along its rows [N].
+    curves : bool
+        Whether these forces have no friction.
     among : ndarray of bool, shape (N,), optional
         Parts whose clusters count; by default all.
     """
@@ -73,7 +76,7 @@ def small_push(
         forces = forces[groups.between(program, assembly)]
     certain = np.isin(whole.kind, (CONTACT, JOINT))
     whole, forces = whole.taking(certain), forces[certain]
-    bending = bending_bodies(assembly, contacts, whole, forces)
+    bending = bending_bodies(contacts, assembly.joints, whole, forces, curves=curves)
     if among is not None:
         bending &= among
     results: list[tuple[Rolls, Rolling | None, Mask]] = []

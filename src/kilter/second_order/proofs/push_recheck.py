@@ -31,6 +31,8 @@ def wrong_about_push(
     forces: Array,
     verdict: str,
     second: Mapping[str, Any] | None,
+    *,
+    curves: bool,
 ) -> list[str]:
     """Errors if the stated verdict is stronger than the evidence about small pushes; else empty.
 
@@ -44,6 +46,8 @@ def wrong_about_push(
         Stated verdict; forces of equilibrium support it.
     second : mapping or None
         Data of its second order, which are verified.
+    curves : bool
+        Whether its forces have no friction.
     """
     rolling = None if second is None else second.get("rolling")
     falls = second is not None and second["state"] == "balanced" and rolling != "holds"
@@ -52,7 +56,7 @@ def wrong_about_push(
     rough = build_program(assembly, contacts)
     rough = rough if len(rough.kind) == len(program.kind) else program
     among = _without_proof(assembly, contacts, program, second)
-    push = small_push(assembly, contacts, rough, forces, among=among)
+    push = small_push(assembly, contacts, rough, forces, curves=curves, among=among)
     if push.state == "holds":
         return _differs(verdict, "stable", "") if verdict == "balanced" else []
     names = some([repr(assembly.names[k]) for k in np.flatnonzero(push.parts)])
