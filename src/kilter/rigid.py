@@ -30,6 +30,7 @@ __all__ = [
     "rotation_between",
     "screwed",
     "skew",
+    "turn_of",
     "unit",
 ]
 
@@ -83,6 +84,16 @@ def unit(v: ArrayLike, what: str = "direction") -> Array:
     length = float(np.linalg.norm(v))
     # a unit vector is returned unchanged, so that writing and reading a file keeps every digit
     return v if abs(length - 1.0) <= 4e-16 else frozen(v / length)
+
+
+def turn_of(rotation: Array) -> Array:
+    """Rotation matrix, shape (3, 3), of a rotation vector [rad]."""
+    angle = float(np.linalg.norm(rotation))
+    if angle == 0.0:
+        return np.eye(3)
+    across = skew(rotation / angle)
+    turn: Array = np.eye(3) + np.sin(angle) * across + (1 - np.cos(angle)) * across @ across
+    return turn
 
 
 def quaternion_to_matrix(quaternion: ArrayLike) -> Array:

@@ -47,7 +47,8 @@ from kilter.mechanics.bundle import apply_change, is_bundle, split_bundle, subje
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import digest_of
 from kilter.mechanics.proof_form import MalformedProof, require_form
-from kilter.mechanics.recheck import recheck
+from kilter.mechanics.recheck import proof_forces, recheck
+from kilter.second_order.proofs.push_recheck import wrong_about_push
 from kilter.second_order.proofs.second_order_recheck import recheck_second_order
 from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import holds as holds_at
@@ -421,10 +422,24 @@ def verify_proof(
     elif not reasons and second is not None:
         reasons = recheck_second_order(assembly, contacts, program.frictionless, second)
         notes += [] if reasons else [f"second order: {second['state']}"]
-    if not reasons and friction is None and "forces" in proof:
-        reasons = _wrong_word(proof["verdict"], second, rubs=bool((contacts.patch_mu > 0).any()))
     claimed = level_of(proof["verdict"])
     level = None if reasons else claimed
+    if not reasons and "forces" in proof:
+        rough = program if friction is not None else program.frictionless
+        forces, _, _ = proof_forces(rough, proof)
+        beyond = wrong_about_push(
+            assembly,
+            contacts,
+            rough,
+            forces,
+            proof["verdict"],
+            second,
+            curves=friction is None,
+        )
+        if beyond and claimed == "equilibrium":
+            reasons, level = beyond, None
+        elif beyond:
+            level, notes = "equilibrium", [*notes, *beyond]
     if level == "proved" and second is not None and second["state"] in STRICT:
         level = "strict"
     if level == "settles":
@@ -466,18 +481,3 @@ def _settles_again(program: Program) -> tuple[str, str]:
     if answer.settles:
         return "settles", f"{tries}, and the search finds no motion; there is no proof of either"
     return "equilibrium", f"settles is claimed by the file: {tries}"
-
-
-def _wrong_word(verdict: str, second: Mapping[str, Any] | None, *, rubs: bool) -> list[str]:
-    """Errors if the verdict of a proof differs from the verdict that its second order proves.
-
-    As sentences; empty if both agree.
-
-    `rubs`: whether a contact has friction. Then a fall counts only if rolling falls, too.
-    """
-    state = None if second is None else second["state"]
-    falls = second is not None and second.get("rolling", None if rubs else "falls") == "falls"
-    fits = "balanced" if state == "balanced" and falls else "stable"
-    if verdict == fits:
-        return []
-    return [f"it states {verdict!r}, but its evidence proves {fits!r}"]

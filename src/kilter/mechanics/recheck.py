@@ -35,7 +35,7 @@ from kilter.mechanics.proof import (
 )
 from kilter.mechanics.rows import BONDED, CONTACT, JOINT
 
-__all__ = ["RecheckResult", "recheck"]
+__all__ = ["RecheckResult", "proof_forces", "recheck"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,8 +88,8 @@ def _verdict_objections(verdict: str, balanced: bool, friction: dict[str, Any] |
         supported = "stable"
     else:
         supported = "potentially-stable"
-    if verdict == "balanced" and friction is None:
-        verdict = "stable"  # second order separates the two: `kilter.analysis.verification`
+    if verdict in ("balanced", "potentially-stable") and supported == "stable":
+        verdict = supported  # small pushes decide: `kilter.second_order.proofs.push_recheck`
     if verdict == "settles" and guarantee == "open":
         return []  # a claim beyond equilibrium: verification repeats the tries
     if verdict != supported:
@@ -278,8 +278,8 @@ def _joint_forces(program: Program, joint: dict[str, Any], number: int) -> tuple
     return forces, [f"the {joint['kind']} joint of {pair} has a load that its kind cannot carry"]
 
 
-def _recheck_forces(program: Program, proof: dict[str, Any]) -> tuple[float, list[str]]:
-    """Check the equilibrium forces of a proof: relative residual [-], and objections."""
+def proof_forces(program: Program, proof: dict[str, Any]) -> tuple[Array, Array, list[str]]:
+    """Forces along the rows, (K,), and across them, (K, 3), of a proof [N], and objections."""
     joints = np.zeros(len(program.part_a))
     joint_objections: list[str] = []
     for number, entry in enumerate(proof["joints"]):
@@ -289,7 +289,12 @@ def _recheck_forces(program: Program, proof: dict[str, Any]) -> tuple[float, lis
     forces, friction, reasons = _given_forces(
         program, proof["forces"], joints, proof.get("pulls", [])
     )
-    reasons += joint_objections
+    return forces, friction, reasons + joint_objections
+
+
+def _recheck_forces(program: Program, proof: dict[str, Any]) -> tuple[float, list[str]]:
+    """Check the equilibrium forces of a proof: relative residual [-], and objections."""
+    forces, friction, reasons = proof_forces(program, proof)
     judged = check_forces(program, forces, friction)
     rounding = 10 * UNITS_IN_LAST_PLACE * _squeeze(program, judged) / AGREES
     if not _agree(judged.residual, proof["certificate"]["residual"], max(1.0, rounding)):

@@ -213,26 +213,32 @@ class Verdict(InCells, Answer):
 
     @property
     def first_order(self) -> str:
-        """The verdict without regard to curvature, as in the paper: "stable" if balanced."""
-        return "stable" if self.verdict == "balanced" else self.verdict
+        """The verdict without regard to small pushes, as in the paper: "stable" if balanced."""
+        if self.verdict != "balanced" and self.why != "push-open":
+            return self.verdict
+        settles = self.friction is not None and self.friction.guarantee != "proved"
+        return "settles" if settles else "stable"
 
     @property
-    def why(self) -> Why | Literal["balanced"] | None:
+    def why(self) -> Why | Literal["balanced", "push-open"] | None:
         """Reason for the verdict potentially-stable or balanced; None for other verdicts.
 
-        The values are "refuted", "jams", "squeeze", "not-found", "not-asked" and "balanced".
+        The values are "refuted", "jams", "squeeze", "not-found", "not-asked", "push-open" and
+        "balanced".
         """
         if self.verdict == "balanced":
             return "balanced"
-        if self.verdict != "potentially-stable" or self.friction is None:
+        if self.verdict != "potentially-stable":
             return None
+        if self.friction is None or self.friction.why is None:
+            return "push-open"
         return self.friction.why
 
     @property
     def guarantee(self) -> str:
         """Whether the contact law excludes every motion from rest: proved, refuted or open."""
-        if self.verdict == "potentially-stable" and self.friction is not None:
-            return self.friction.guarantee
+        if self.verdict == "potentially-stable":
+            return "proved" if self.friction is None else self.friction.guarantee
         known = {"stable": "proved", "balanced": "proved", "unstable": "refuted"}
         return known.get(self.verdict, "open")
 
@@ -270,7 +276,7 @@ class Verdict(InCells, Answer):
     @on_one_thread
     def displacement(self) -> Displacement:
         """Optimum z of the displacement program, without friction, and its displacements."""
-        if self.verdict in ("stable", "balanced") and self.friction is None:
+        if self.level is not None and self.friction is None:
             count = len(self.program.names)
             large = int(self.program.free.sum()) > DISPLACEMENT_LIMIT
             return sealed(Displacement(0.0, None if large else np.zeros((count, 6))))
@@ -291,7 +297,7 @@ class Verdict(InCells, Answer):
     @on_one_thread
     def _motion(self) -> ImpendingMotion:
         """The impending motion, by the method for this verdict and these contacts."""
-        if self.verdict in ("stable", "settles", "balanced"):
+        if self.verdict in ("stable", "settles", "balanced") or self.why == "push-open":
             return still(self.program)
         if len(self.modelled.bounded):
             return unknown(self.program)  # no method for straps that give way
