@@ -14,7 +14,7 @@ import numpy as np
 
 from kilter.analysis.transport.carrier import CarrierMotion
 from kilter.analysis.transport.transport_proofs import CARRIER, carried_change
-from kilter.arrays import Array
+from kilter.arrays import TINY, Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.errors import InputError
@@ -104,13 +104,29 @@ def limit_notes(assembly: Assembly, contacts: ContactSet, bundle: Entry) -> Iter
 
 
 def _value_words(kind: str, entry: Entry) -> str:
-    """The value of a limit with its unit."""
-    name, value = entry["about"], entry["value"]
+    """The value of a limit with its unit, and the direction or motion for which it is proved."""
+    name, value, change = entry["about"], entry["value"], entry["change"]
     if name in ("tilt", "nearest held"):
-        return f"{number(float(np.degrees(value)), 8)} deg"
-    if name.startswith(("push of ", "load on ")):
+        return (
+            f"{number(float(np.degrees(value)), 8)} deg with gravity along {_along(change['down'])}"
+        )
+    if name.startswith("push of "):
+        return f"{number(value, 8)} N along {_along(change['loads'][-1]['force'])}"
+    if name.startswith("load on "):
         return f"{number(value, 8)} N"
-    return number(value, 8) + (" of the motion" if kind == "transport" else "")
+    if kind != "transport":
+        return number(value, 8)
+    moves = [key for key in CARRIER[:-1] if any(entry["motion"][key])]
+    parts = [f"{key.replace('_', ' ')} {entry['motion'][key]}" for key in moves]
+    words = f"{number(value, 8)} of the motion ({', '.join(parts)})"
+    share = change.get("mu_share")
+    return words if share is None else f"{words} with {number(share, 8)} times the friction"
+
+
+def _along(vector: Any) -> str:
+    """A direction as words."""
+    size = max(float(np.linalg.norm(vector)), TINY)
+    return f"({', '.join(number(round(float(x) / size, 6), 3) for x in vector)})"
 
 
 def _fits(assembly: Assembly, kind: str, entry: Entry) -> bool:

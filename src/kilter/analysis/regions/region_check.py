@@ -17,7 +17,16 @@ from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.mechanics.certificate import check_motion
 from kilter.mechanics.program import build_program
-from kilter.mechanics.proof_form import NUMBER, VECTOR, MalformedProof, every, keys, list_of, one_of
+from kilter.mechanics.proof_form import (
+    NUMBER,
+    SIX,
+    VECTOR,
+    MalformedProof,
+    keys,
+    list_of,
+    named,
+    one_of,
+)
 from kilter.tell.numbers import number
 
 __all__ = ["region_notes", "require_region_form", "wrong_region"]
@@ -25,7 +34,16 @@ __all__ = ["region_notes", "require_region_form", "wrong_region"]
 Entry = Mapping[str, Any]
 STAYS = {"ray": True, "line": True, "facet": False, "equation": False}
 """Subjects of the proofs of a region, and whether the assembly stays in such a direction."""
-FORM = keys(gap_deg=NUMBER, proofs=list_of(every(keys(about=one_of(*STAYS), vector=VECTOR))))
+TURNED = keys(about=one_of(*STAYS), vector=VECTOR, change=keys(down=VECTOR))
+FALLS = keys(proof=keys(motion=named(SIX)))
+
+
+def _statement(entry: Any, place: str) -> str:
+    fault = TURNED(entry, place)
+    return fault if fault or STAYS[entry["about"]] else FALLS(entry, place)
+
+
+FORM = keys(gap_deg=NUMBER, proofs=list_of(_statement))
 """Statements of a region."""
 ON_BOUNDARY = 1e-7
 """A direction counts as within a facet if it lies at most so far beyond it [-]."""
@@ -62,6 +80,8 @@ def wrong_region(
     for entry, verdict in zip(bundle["proofs"], verdicts, strict=True):
         if STAYS[entry["about"]] != (verdict != "unstable"):
             yield f"{entry['about']} {entry['vector']}: its proof is {verdict}"
+        if set(entry["change"]) != {"down"}:
+            yield f"{entry['about']} {entry['vector']}: more than the direction of gravity differs"
     gap = _gap_deg(assembly, contacts, bundle)
     if gap > float(bundle["gap_deg"]) + GAP_ROUNDING:
         yield (
