@@ -220,7 +220,10 @@ def verify(
             return _verify_rest(assembly, first, require, progress)
         touching = known or contacts(assembly, tolerance=tolerance, progress=progress)
         recompute = verify_bundle if several else verify_proof
-        return recompute(assembly, touching, data, require=require)
+        result = recompute(assembly, touching, data, require=require)
+        if tolerance == (assembly.tolerance or Tolerance()):
+            return result
+        return replace(result, notes=(OTHER_TOLERANCE, *result.notes))
     except InputError as error:
         raise error.located(file=file) from None
 
@@ -468,6 +471,8 @@ def verify_proof(
 
 STRICT = ("minimum", "free")
 """States of second order with which a stable assembly reaches the level strict."""
+OTHER_TOLERANCE = "the tolerance of contacts is that of the file of the proof, not the default"
+"""Note about a premise that whoever made the proof chose."""
 CLAIMED = "settles is claimed by the file: its tries are not repeated at the required level"
 """Note about a claim that is not recomputed."""
 
