@@ -214,7 +214,7 @@ class Choices:
             If the file does not exist.
         """
         path = Path(self.folder, self.file)
-        if not path.exists():
+        if not os.path.exists(path):  # also for a name that the system rejects
             raise InputError(
                 f"the file {self.file!r} is not in the folder {str(self.folder)!r}",
                 hint="move it back, or correct the key 'file'",

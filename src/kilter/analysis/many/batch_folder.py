@@ -132,7 +132,7 @@ def _written_form(manifest: Path, asked: dict[str, Any]) -> tuple[str, int]:
     try:
         written = json.loads(manifest.read_text(encoding="utf-8"))
         form, size = str(written.pop("form")), int(written.pop("rows"))
-    except (OSError, ValueError, KeyError, AttributeError):
+    except (OSError, ValueError, KeyError, AttributeError, TypeError, RecursionError):
         written, form, size = None, "", 0
     if written != asked:
         raise InputError(
