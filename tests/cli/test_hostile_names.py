@@ -136,3 +136,46 @@ def test_no_table_begins_a_cell_with_a_formula(
         read = cells(table.read_text())
         assert any(cell.startswith("'") for cell in read)
         assert [c for c in read if RUNS.match(c) and not is_numeric(c) and c[0] != "'"] == []
+
+
+@pytest.mark.parametrize("name", ["\ud800.step", "a\0b.step", "x" * 5000 + ".step"])
+def test_choices_about_a_name_that_the_system_rejects(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("c.json").write_text(json.dumps({"kilter": 1, "file": name}))
+    assert main(["check", "c.json"]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert len(error) < 500
+    assert main(["batch", ".", "-o", "rows", "--quiet"]) == 1
+
+
+@pytest.mark.parametrize("text", ["[]", "5", '"a"', "[" * 100_000])
+def test_a_batch_with_a_damaged_manifest_is_refused(
+    text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("files").mkdir()
+    kilter.dump(pile("a"), "files/a.kilter.json")
+    Path("rows").mkdir()
+    Path("rows", "batch.json").write_text(text)
+    assert main(["batch", "files", "-o", "rows"]) == 2
+    assert "has another batch" in capsys.readouterr().err
+    assert sorted(path.name for path in Path("rows").iterdir()) == [".batch.lock", "batch.json"]
+
+
+def test_names_of_a_packing_plan_are_printed_without_control_characters(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """JSON may have a lone surrogate, which no stream can print."""
+    monkeypatch.chdir(tmp_path)
+    size = {f"{key}/mm": 100 for key in ("length", "width", "height")}
+    item = {"article": "a\ud800\x1b[8m", "weight/kg": 1, **size}
+    entries = [{"item": item, "flb_coordinates": [x, 0, 0], "orientation": 0} for x in (0, 300)]
+    Path("plan.json").write_text(json.dumps({"order\ud800": entries}))
+    for words in ([], ["--json"], ["-o", "out.txt"]):
+        assert main(["check-plan", "plan.json", *words]) == 0
+        printed = capsys.readouterr()
+        assert (printed.out + printed.err).replace("\n", "").isprintable()
+    assert "a\\ud800\\x1b[8m#1" in Path("out.txt").read_text()
