@@ -14,6 +14,8 @@ import shlex
 from collections.abc import Iterable, Sequence
 
 __all__ = [
+    "FAULT",
+    "NO_MEMORY",
     "InputError",
     "KilterError",
     "SolverError",
@@ -29,6 +31,9 @@ __all__ = [
 ]
 
 
+FAULT = 70
+"""Exit code of the command after a fault of kilter itself."""
+NO_MEMORY = "not enough memory; leave parts out, or use coarser meshes"
 LONGEST = 80
 """Longest name in a message or in a text [characters]."""
 LONGEST_PATH = 300
@@ -244,15 +249,14 @@ def _cut(text: str, width: int) -> str:
 def fault_words(error: Exception, words: Sequence[str]) -> str:
     """Message for an internal error of kilter: the error, its place, and how to report it."""
     import traceback
-
-    import kilter
+    from importlib.metadata import version
 
     last = traceback.extract_tb(error.__traceback__)[-1]
     module = last.filename.replace("\\", "/").rsplit("/kilter/", 1)[-1]
     detail = " ".join(str(error).split())[:200]
     return (
         f"a fault of kilter itself: {type(error).__name__}: {detail} "
-        f"(kilter {kilter.__version__}, {module}:{last.lineno}); please report it with the "
+        f"(kilter {version('kilter')}, {module}:{last.lineno}); please report it with the "
         f"command 'kilter {' '.join(words)}', the file and the output of 'kilter doctor'"
     )
 

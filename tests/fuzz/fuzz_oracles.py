@@ -16,7 +16,7 @@ import numpy as np
 import kilter
 from kilter import Assembly
 from kilter.cli import main
-from kilter.cli.mistakes import NO_MEMORY
+from kilter.errors import NO_MEMORY
 from kilter.scenes.transform import moved
 
 sys.path.append(str(Path(__file__).parents[1] / "scenes"))  # run as a command, without pytest

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import os
 import re
+import urllib.request
 from collections.abc import Callable
 from pathlib import Path
 
@@ -121,6 +124,22 @@ def test_changes_of_a_dropped_file_follow_no_link(
     page.after(do="hold", parts=["C3"], on=True)
     assert "is a link" in page.last["session"]["message"]
     assert victim.read_bytes() == VICTIM
+
+
+def test_the_table_of_contacts_begins_no_cell_with_a_formula(
+    page: Page, bench: Workbench, folder: Path
+) -> None:
+    base = kilter.Part("=1+1", kilter.Box([2, 2, 1]), [0, 0, 0], grounded=True)
+    top = kilter.Part("@SUM(A1)\x1b", kilter.Box([1, 1, 1]), [0, 0, 1])
+    kilter.dump(kilter.Assembly([base, top]), folder / "names.kilter.json")
+    assert page.say(do="open", file="names.kilter.json")["ok"]
+    page.answer()
+    address = bench.url.replace("/?", "/export/contacts.csv?")
+    with urllib.request.urlopen(address, timeout=60) as answer:
+        _, row = csv.reader(io.StringIO(answer.read().decode()))
+    assert row[:2] == ["'=1+1", "'@SUM(A1)\\x1b"]
+    assert all(cell[0] != "'" for cell in row[3:])
+    assert float(row[-1]) in (-1.0, 1.0)
 
 
 # the opened folder -----------------------------------------------------------------------------

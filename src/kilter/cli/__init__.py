@@ -17,9 +17,9 @@ from pathlib import Path
 from kilter.cli.exit_codes import FAULT, INTERRUPTED, USAGE, WRITTEN
 from kilter.cli.interruption import end_interrupted, interruptible
 from kilter.cli.known_facts import begin_facts, interruption_words
-from kilter.cli.mistakes import NO_MEMORY, usage_words
+from kilter.cli.mistakes import usage_words
 from kilter.cli.streams import is_full, open_closed_streams
-from kilter.errors import InputError, fault_words, message_line
+from kilter.errors import NO_MEMORY, InputError, fault_words, message_line
 from kilter.threads import make_no_threads
 
 __all__ = ["main"]

@@ -8,9 +8,8 @@ from typing import Any
 
 from kilter.cli.asked import Asked
 from kilter.cli.exit_codes import FAULT, HOLDS, LOWER, USAGE, VERDICT
-from kilter.cli.mistakes import NO_MEMORY
 from kilter.cli.output import as_json, emit, tell_warnings, tell_written
-from kilter.errors import InputError, fault_words, message_line
+from kilter.errors import NO_MEMORY, InputError, fault_words, message_line
 
 __all__ = ["check_each", "code_of"]
 

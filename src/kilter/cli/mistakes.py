@@ -7,9 +7,7 @@ from typing import Any
 
 from kilter.cli.synonyms import meant_option
 
-__all__ = ["NO_MEMORY", "usage_words"]
-
-NO_MEMORY = "not enough memory; leave parts out, or use coarser meshes"
+__all__ = ["usage_words"]
 
 
 def usage_words(error: Any) -> str:

@@ -13,7 +13,7 @@ from typing import Any
 
 from kilter.cli.colour import in_colour
 from kilter.cli.known_facts import begin_facts, remember_fact, remember_step
-from kilter.errors import InputError, message_line, visible
+from kilter.errors import InputError, message_line, short_name, visible
 
 __all__ = [
     "Progress",
@@ -134,7 +134,7 @@ class Progress:
         shown = False
         while not self._ended.wait(EACH):
             elapsed, shown = time.perf_counter() - self._started, True
-            line = f"kilter: {self._step} ... ({elapsed:.0f} s so far)"
+            line = f"kilter: {short_name(self._step)} ... ({elapsed:.0f} s so far)"
             print(f"\r\x1b[K{line}", end="", file=sys.stderr, flush=True)
         if shown:
             print("\r\x1b[K", end="", file=sys.stderr, flush=True)

@@ -11,7 +11,7 @@ from kilter.cli.asked import Asked
 from kilter.cli.declarations import Argument, Option
 from kilter.cli.exit_codes import WRITTEN
 from kilter.cli.options import HELP_OF_FILE, asks
-from kilter.cli.output import Progress, tell_warnings
+from kilter.cli.output import Progress, tell_warnings, tell_written
 from kilter.errors import InputError, visible
 
 __all__ = ["draw", "report", "view"]
@@ -68,10 +68,9 @@ def report(
             command=asked.command("report", "-o", str(output), *["--margins"] * margins),
             progress=progress,
         )
-    if not asked.quiet:
-        size = len(page.html.encode("utf-8")) / 1e6
-        words = f"verdict {page.verdict}; {size:.2f} MB in a file that needs no network"
-        print(f"{output}: {words}", file=sys.stderr)
+    size = len(page.html.encode("utf-8")) / 1e6
+    words = f"verdict {page.verdict}; {size:.2f} MB in a file that needs no network"
+    tell_written(output, words, asked.quiet)
     return WRITTEN
 
 
@@ -233,7 +232,6 @@ def draw(
             publish.draw(answer, output, view=view)
     data = answer.to_dict()
     tell_warnings(data["warnings"], asked.quiet)
-    if not asked.quiet:
-        words = f"verdict {data['verdict']}" if "verdict" in data else f"region {data['kind']}"
-        print(f"{output}: {words}", file=sys.stderr)
+    words = f"verdict {data['verdict']}" if "verdict" in data else f"region {data['kind']}"
+    tell_written(output, words, asked.quiet)
     return WRITTEN

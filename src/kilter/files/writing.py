@@ -6,6 +6,7 @@ A device, a pipe or a socket cannot be replaced: the text is written into it.
 from __future__ import annotations
 
 import contextlib
+import errno
 import json
 import os
 import secrets
@@ -103,7 +104,10 @@ def write_bytes(path: str | Path, data: bytes, *, links: bool = True) -> None:
         elif _is_special(path):
             _write_into(path, data)
         else:
-            _replace(Path(os.path.realpath(path)), data)
+            target = Path(os.path.realpath(path))
+            if target.is_symlink():
+                raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
+            _replace(target, data)
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
         raise InputError(
             f"cannot be written: {getattr(error, 'strerror', None) or error}",

@@ -18,12 +18,11 @@ from typing import Any
 
 from kilter.errors import visible
 
-__all__ = ["csv_text", "name_of_cell", "safe_cell"]
+__all__ = ["csv_text", "is_numeric", "name_of_cell", "safe_cell"]
 
 RUNS = re.compile(r"'*[=+\-@\t\r\n]")
 """Beginning of a cell that a spreadsheet program may run, with the apostrophes in front of it."""
-NUMBERS = re.compile(r"([-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?[ ;]?)+", re.IGNORECASE)
-"""A number, or several with a space or ";" between them."""
+NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)(e[-+]?\d+)?", re.IGNORECASE | re.ASCII)
 
 
 def safe_cell(value: Any) -> Any:
@@ -37,10 +36,19 @@ def safe_cell(value: Any) -> Any:
     ("'=SUM(A1)", 'bolt', '-1.5e-3', -2.0)
     >>> safe_cell("@a\\tb"), safe_cell("'=1"), safe_cell("-1 0 2;0 0 0")
     ("'@a\\\\tb", "''=1", '-1 0 2;0 0 0')
+    >>> safe_cell(["=a", "b"])
+    "'=a;b"
     """
-    if not isinstance(value, str) or NUMBERS.fullmatch(value):
+    if isinstance(value, list | tuple):
+        return ";".join(map(safe_cell, value))
+    if not isinstance(value, str) or is_numeric(value):
         return value
     return visible(f"'{value}" if RUNS.match(value) else value)
+
+
+def is_numeric(text: str) -> bool:
+    """Whether a text is a number, or several with a space or ";" between them."""
+    return all(map(NUMBER.fullmatch, text.replace(";", " ").split(" ")))
 
 
 def name_of_cell(text: str) -> str:

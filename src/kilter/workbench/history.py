@@ -24,7 +24,7 @@ __all__ = ["Change", "History", "autosave_path", "upload_autosave_path"]
 FORM = 1
 """Version of the form of the autosave file."""
 MOST_CHANGES = 5000
-"""Largest number of changes that are restored, since each is applied again."""
+"""Largest number of changes, since a restart applies each again."""
 LONGEST_NAME = 200
 """Longest name of a file that the name of its autosave file repeats [bytes]."""
 
@@ -104,6 +104,8 @@ class History:
         InputError
             If the action is invalid; nothing changes then.
         """
+        if len(self.changes) >= MOST_CHANGES:
+            raise InputError(f"there are {MOST_CHANGES} changes", hint="save, and open it again")
         drag = drag_of(action)
         replaces = bool(drag and self.changes) and drag == drag_of(self.changes[-1].action)
         if replaces:

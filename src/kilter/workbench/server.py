@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import os
 import re
 import secrets
 import tempfile
@@ -26,7 +27,7 @@ from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, R
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from kilter.errors import InputError
+from kilter.errors import InputError, short_name
 from kilter.show.workbench_page import workbench_page
 from kilter.workbench.connections import EVERY_ADDRESS, LOOPBACK, PromptProtocol, listen
 from kilter.workbench.job_queue import FAULT
@@ -34,7 +35,7 @@ from kilter.workbench.messages import message_id, parse_message, to_json
 from kilter.workbench.session import Session
 from kilter.workbench.uploads import receive_upload
 
-__all__ = ["Workbench"]
+__all__ = ["Workbench", "folder_of"]
 
 LOCAL = ("127.0.0.1", "localhost", "[::1]")
 """Host names of this machine; the port may differ, for a port that SSH forwards."""
@@ -107,8 +108,7 @@ def build_app(session_of: Callable[[], Session], token: str, hosts: Sequence[str
             try:
                 response: Response = await answer(request)
             except InputError as error:
-                words = {"error": error.what, "hint": error.hint or ""}
-                response = JSONResponse(words, 409)
+                response = JSONResponse(_words(error), 409)
             except Exception as error:
                 response = JSONResponse({"error": _fault_words(error), "hint": ""}, 500)
             response.headers.update(HEADERS)
@@ -201,10 +201,17 @@ async def _reply(session: Session, text: str, send: Callable[[str], None]) -> No
         number = message.get("id")
         reply = {"re": number, "ok": True, **await session.handle(message)}
     except InputError as error:
-        reply = {"re": number, "ok": False, "error": error.what, "hint": error.hint or ""}
+        reply = {"re": number, "ok": False, **_words(error)}
     except Exception as error:
         reply = {"re": number, "ok": False, "error": _fault_words(error), "hint": ""}
     send(to_json(reply))
+
+
+def _words(error: InputError) -> dict[str, str]:
+    """The sentence of an error with the name of its file, and the remedy."""
+    name = short_name(Path(error.file).name) if error.file else None
+    sentence = str(InputError(error.what, file=name, part=error.part))
+    return {"error": sentence, "hint": error.hint or ""}
 
 
 def _fault_words(error: Exception) -> str:
@@ -222,7 +229,7 @@ class Workbench:
     first : dict, optional
         The first choices about the file, as `Session.open` takes them.
     folder : Path, optional
-        Folder whose files may be opened; by default that of the file, or the working folder.
+        Folder whose files may be opened; by default `folder_of(path)`.
     port : int
         Port on this machine; 0 selects a free port.
     hosts : sequence of str
@@ -248,7 +255,7 @@ class Workbench:
     ) -> None:
         self.token = secrets.token_urlsafe(16)
         self._path, self._first, self._say = path, first or {}, say
-        self._folder = folder or (Path.cwd() if path is None else path.absolute().parent)
+        self._folder = folder or folder_of(path)
         self.session: Session | None = None
         app = build_app(lambda: _present(self.session), self.token, hosts)
         self._listening = listen(port, hosts)
@@ -325,6 +332,15 @@ class Workbench:
         except InputError as error:
             session.tell(str(error))
             self._say(f"kilter: {error}")
+
+
+def folder_of(path: Path | None) -> Path:
+    """The folder that contains a file, or a link to it; without a file, the working folder."""
+    if path is None:
+        return Path.cwd()
+    if path.name in ("", ".."):  # "." and ".." are in the folder above their own
+        return Path(os.path.realpath(path)).parent
+    return Path(os.path.realpath(path.parent))
 
 
 EXPOSED = (

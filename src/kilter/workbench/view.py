@@ -54,11 +54,11 @@ def view(
     Raises
     ------
     InputError
-        If the port is not available, the file or the folder does not exist, or a host name is
-        invalid.
+        If the port is not available, the file or the folder does not exist, the file is a link that
+        leads out of the opened folder, or a host name is invalid.
     """
     # imported late: the server libraries take longer to import than kilter
-    from kilter.workbench.server import Workbench
+    from kilter.workbench.server import Workbench, folder_of
 
     tell = say or (lambda line: None)
     opened = None if folder is None else Path(folder)
@@ -66,6 +66,8 @@ def view(
         raise InputError("no such folder", file=str(opened), hint="check the path")
     with tempfile.TemporaryDirectory(prefix="kilter-") as temporary:
         path = _path_of(source, Path(temporary))
+        if path is not None:
+            _require_inside(path, opened or folder_of(path))
         first = {"keys": keys, "down": down}
         bench = Workbench(path, first=first, folder=opened, port=port, hosts=hosts, say=tell)
 
@@ -77,6 +79,17 @@ def view(
                 webbrowser.open(bench.url)
 
         bench.run(ready)
+
+
+def _require_inside(path: Path, folder: Path) -> None:
+    """Raise `InputError` if a file is not below the opened folder, after links are followed."""
+    place = Path(os.path.realpath(path))
+    if not place.is_relative_to(os.path.realpath(folder)):
+        raise InputError(
+            f"leads out of the opened folder, to {str(place)!r}",
+            file=str(path),
+            hint="open the file there, or give the folder above both with --folder",
+        )
 
 
 def _path_of(source: Any, folder: Path) -> Path | None:
