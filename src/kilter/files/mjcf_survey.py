@@ -21,7 +21,7 @@ from kilter.files.limits import MOST_TRIANGLES, require_count, require_regular
 from kilter.files.start_folder import require_below
 from kilter.files.xml_text import xml_root
 
-__all__ = ["survey_mjcf"]
+__all__ = ["Survey", "survey_mjcf"]
 
 MOST_PARTS = 50_000
 """Largest number of bodies, and of geoms of the world, of a scene."""
@@ -29,7 +29,7 @@ MOST_KEYS = 50_000
 """Largest number of keyframes."""
 MOST_ELEMENTS = 500_000
 """Largest number of elements after replication; MuJoCo needs about a kilobyte for each."""
-MOST_PIXELS = 100_000_000
+MOST_PIXELS = 25_000_000
 """Largest number of pixels of all generated textures."""
 FOLDERS = ("meshdir", "texturedir", "assetdir")
 """Attributes that name folders of assets."""
@@ -50,8 +50,15 @@ class _Count(NamedTuple):
         return _Count(self.parts + times * other.parts, self.elements + times * other.elements)
 
 
-def survey_mjcf(path: Path) -> int:
-    """Number of bytes of all files of an MJCF scene, after a check of its counts and files.
+class Survey(NamedTuple):
+    """Size of all files of a scene [bytes], and number of elements after replication."""
+
+    size: int
+    elements: int
+
+
+def survey_mjcf(path: Path) -> Survey:
+    """Survey an MJCF scene: verify its counts and the files that it names.
 
     Raises
     ------
@@ -72,7 +79,7 @@ def survey_mjcf(path: Path) -> int:
     sizes: dict[Path, int] = {}
     for model in models.values():
         sizes |= model.sizes
-    return sum(sizes.values())
+    return Survey(sum(sizes.values()), count.elements)
 
 
 class _Model:

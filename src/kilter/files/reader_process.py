@@ -29,7 +29,6 @@ __all__ = [
     "ReaderProcess",
     "Request",
     "allow_seconds",
-    "bound_growth",
     "bound_memory",
     "serve_requests",
 ]
@@ -38,6 +37,12 @@ Request = tuple[float, tuple[Any, ...]]
 """CPU time allowed for each step of the reader [s], and the arguments of the reader."""
 Answer = Callable[..., Any]
 """A reader: it is called with a progress function and the arguments of the request."""
+
+
+BETWEEN = 0.05
+"""Time between two measurements of the memory of a process [s]."""
+PAGE = os.sysconf("SC_PAGE_SIZE") if hasattr(os, "sysconf") else 4096
+"""Size of a page of memory [bytes]."""
 
 
 class ReaderFault(Exception):
@@ -56,6 +61,8 @@ class ReaderProcess:
     def __init__(self, module: str) -> None:
         self.process = start_process(module)
         self.ahead: Request | None = None
+        self.too_large = False
+        """Whether the process was ended since it took too much memory."""
         self._lock = threading.Lock()
 
     @property
@@ -70,8 +77,18 @@ class ReaderProcess:
             send(self.process.stdin, request)
         self.ahead = request
 
-    def ask(self, request: Request, tell: Callable[..., None]) -> Any:
-        """Send a request and return the answer; `tell` is called with each progress message.
+    def ask(
+        self, request: Request, tell: Callable[..., None], most_memory: int | None = None
+    ) -> Any:
+        """Send a request and return the answer.
+
+        Parameters
+        ----------
+        request : tuple
+        tell : callable
+            Called with each progress message.
+        most_memory : int, optional
+            Memory above which the process is ended [bytes].
 
         Raises
         ------
@@ -82,7 +99,7 @@ class ReaderProcess:
         ReaderFault
             If the reader has a fault.
         """
-        with self._lock:
+        with self._lock, self._watched(most_memory):
             kind, value = self._answer(request, tell)
         if kind == "refused":
             what, file, part, hint, option = value
@@ -108,9 +125,44 @@ class ReaderProcess:
         except (OSError, ValueError):  # a closed pipe
             raise EOFError from None
 
+    @contextlib.contextmanager
+    def _watched(self, most_memory: int | None) -> Iterator[None]:
+        """End the process if it takes too much memory while the context lasts.
+
+        A limit of the system would count memory that is reserved but not used.
+        """
+        done = threading.Event()
+
+        def watch(most: int) -> None:
+            while not done.wait(BETWEEN):
+                if _resident(self.process.pid) > most:
+                    self.too_large = True
+                    self.process.kill()
+                    return
+
+        if most_memory is None:
+            yield
+            return
+        watcher = threading.Thread(target=watch, args=(most_memory,), daemon=True)
+        watcher.start()
+        try:
+            yield
+        finally:
+            done.set()
+            watcher.join()
+
     def end(self) -> None:
         """End the process."""
         end_process(self.process)
+
+
+def _resident(pid: int) -> int:
+    """Memory of a process that is in use [bytes]; 0 if the system does not report it."""
+    try:
+        pages = int(Path(f"/proc/{pid}/statm").read_text("ascii").split()[1])
+    except (OSError, ValueError, IndexError):
+        return 0
+    return pages * PAGE
 
 
 # the other process ----------------------------------------------------------------------------
@@ -182,15 +234,6 @@ def bound_memory(most: int) -> None:
         _, hard = resource.getrlimit(resource.RLIMIT_AS)
         most = most if hard == resource.RLIM_INFINITY else min(most, hard)
         resource.setrlimit(resource.RLIMIT_AS, (most, hard))
-
-
-def bound_growth(more: int) -> None:
-    """Limit the address space of this process to its present size and `more` [bytes]."""
-    with contextlib.suppress(ImportError, OSError, ValueError):  # not every system has the file
-        import resource
-
-        pages = int(Path("/proc/self/statm").read_text("ascii").split()[0])
-        bound_memory(pages * resource.getpagesize() + more)
 
 
 @contextlib.contextmanager

@@ -23,7 +23,7 @@ from kilter.files.reader_process import (
     ReaderProcess,
     Request,
     allow_seconds,
-    bound_growth,
+    bound_memory,
     serve_requests,
 )
 from kilter.files.start_folder import only_below, start_folder
@@ -43,7 +43,9 @@ RAISES = {
 }
 """Exceptions of each library for damaged files."""
 MEMORY = 1_700_000_000
-"""Memory that the process may take in addition to that of its libraries [bytes]."""
+"""Largest memory of the process [bytes]."""
+RESERVED = 16 << 30
+"""Largest address space of the process [bytes], for systems that do not report its memory."""
 STALLS = 12.0
 """CPU time allowed for a file, independently of its size [s]."""
 STALLS_PER_MEGABYTE = 12.0
@@ -130,15 +132,21 @@ def read_scene(kind: str, path: Path, choices: FormatOptions) -> Any:
             _end()  # the process is reading another file ahead
         process = _begin()
         try:
-            value = process.ask(request, lambda: None)
+            value = process.ask(request, lambda: None, MEMORY)
         except EOFError:
             how = process.process.wait()
             _end()
+            if process.too_large:
+                raise _crash(
+                    kind, path, f"takes more than {MEMORY / 1e9:g} GB of memory for it"
+                ) from None
             # the end of the thread that started the process, or of the system's memory, kills it
-            if how == -signal.SIGKILL and not killed:
+            if how == -9 and not killed:
                 killed = True
                 continue
-            raise _crash(kind, path, how, request[0]) from None
+            seconds = f"does not finish within {request[0]:.0f} s"
+            stalled = how == -getattr(signal, "SIGPROF", 0)
+            raise _crash(kind, path, seconds if stalled else "crashes on it") from None
         except InputError:
             raise
         except BaseException:  # after an interrupt the next answer would be that of this request
@@ -148,12 +156,11 @@ def read_scene(kind: str, path: Path, choices: FormatOptions) -> Any:
             return sealed(value)
 
 
-def _crash(kind: str, path: Path, how: int, seconds: float) -> InputError:
-    """Error for a file on which the library ended the process; `how` is its exit code."""
-    what = f"{LIBRARIES[kind]} crashes on it"
-    if how == -getattr(signal, "SIGPROF", 0):
-        what = f"{LIBRARIES[kind]} does not finish within {seconds:.0f} s"
-    return InputError(what, file=str(path), hint="simplify it, or export it anew")
+def _crash(kind: str, path: Path, how: str) -> InputError:
+    """Error for a file on which the library ended the process; `how` it ended."""
+    return InputError(
+        f"{LIBRARIES[kind]} {how}", file=str(path), hint="simplify it, or export it anew"
+    )
 
 
 # the other process ----------------------------------------------------------------------------
@@ -167,15 +174,15 @@ def serve() -> None:
 def _load() -> Answer:
     """Prepare the process, before a library is loaded, and return the reader."""
     make_no_threads()
+    bound_memory(RESERVED)
     os.environ["MUJOCO_GL"] = "off"  # no module for drawing is loaded
     _leave_folder()
-    return lambda tell, *arguments: _read(_set_limits, *arguments)
+    return lambda tell, *arguments: _read(_allow_time, *arguments)
 
 
-def _set_limits(size: int) -> None:
-    """Limit the memory of this process, and its CPU time for files with a number of bytes."""
+def _allow_time(size: int) -> None:
+    """Limit the CPU time of this process for files with a number of bytes."""
     allow_seconds(_seconds(size))
-    bound_growth(MEMORY)
 
 
 def _leave_folder() -> None:
@@ -190,7 +197,7 @@ def _leave_folder() -> None:
 
 
 def _read(
-    set_limits: Callable[[int], None],
+    allow_time: Callable[[int], None],
     kind: str,
     place: tuple[str, str, tuple[int, int]],
     units: str | None,
@@ -199,7 +206,7 @@ def _read(
 ) -> Any:
     """Read a scene in this process.
 
-    `set_limits` is called with the size of all files when the library is loaded. `place` has the
+    `allow_time` is called with the size of all files when the library is loaded. `place` has the
     absolute path, the path for messages, and the state of the file.
     """
     path, shown, _ = place
@@ -207,7 +214,7 @@ def _read(
         if kind == "mjcf":
             from kilter.files.objects.mjcf_scenes import read_mjcf
 
-            return read_mjcf(Path(path), keyframe, set_limits)
+            return read_mjcf(Path(path), keyframe, allow_time)
         from kilter.files.usd.usd_assembly import read_usd
 
-        return read_usd(Path(path), shown, units, set_limits)
+        return read_usd(Path(path), shown, units, allow_time)

@@ -8,6 +8,7 @@ The stage is read at its default time.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,14 @@ from kilter.files.usd.usd_physics import (
     static_friction,
 )
 from kilter.files.usd.usd_shapes import AXES, rigid_part, shape_of_prim
-from kilter.files.usd.usd_stage import UsdScene, open_stage
+from kilter.files.usd.usd_stage import (
+    UsdScene,
+    caught_messages,
+    note_on_messages,
+    open_stage,
+    require_usd,
+)
+from kilter.files.usd.usd_values import token_of
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Mesh, Shape, surface
 
@@ -37,7 +45,7 @@ SPACIOUS = 4.0
 
 
 def read_usd(
-    path: Path, shown: str, units: str | None, set_limits: Callable[[int], None]
+    path: Path, shown: str, units: str | None, allow_time: Callable[[int], None]
 ) -> Assembly:
     """Read a USD file as an assembly; `kilter.files.scene_process` runs this.
 
@@ -48,7 +56,7 @@ def read_usd(
         Name of the file for the assembly.
     units : str or None
         Length unit that the user states.
-    set_limits : callable
+    allow_time : callable
         Called with the size of the file [bytes] before its layers are composed.
 
     Raises
@@ -57,12 +65,18 @@ def read_usd(
         If usd-core is not installed, the file is damaged or has no shapes, or a shape is of a kind
         that kilter does not have; the error names the object.
     """
-    set_limits(path.stat().st_size)
-    return _assembly(open_stage(path), shown, units)
+    allow_time(path.stat().st_size)
+    require_usd()
+    with caught_messages() as messages:
+        assembly = _assembly(open_stage(path), shown, units, messages)
+        notes = note_on_messages(messages())
+    return replace(assembly, notes=[*notes, *assembly.notes]) if notes else assembly
 
 
-def _assembly(scene: UsdScene, shown: str, units: str | None) -> Assembly:
-    """Build the assembly of an open stage."""
+def _assembly(
+    scene: UsdScene, shown: str, units: str | None, messages: Callable[[], list[str]]
+) -> Assembly:
+    """Build the assembly of an open stage; `messages` returns the warnings of USD so far."""
     if units not in (None, scene.units):
         raise InputError(
             f"the stage is in {scene.units}, but the units given are {units}",
@@ -74,6 +88,7 @@ def _assembly(scene: UsdScene, shown: str, units: str | None) -> Assembly:
             "; ".join(
                 [
                     "the stage is empty: it has no visible mesh, cube, sphere or cylinder",
+                    *note_on_messages(messages()),
                     *scene.notes,
                 ]
             ),
@@ -145,7 +160,7 @@ def _table(scene: UsdScene, entry: UsdObject, parts: list[Part]) -> Part:
 
     shape = entry.chosen[0]
     pose = rigid_part(_scaled(shape.matrix, scene.scale))
-    axis = str(UsdGeom.Plane(shape.prim).GetAxisAttr().Get())
+    axis = token_of(UsdGeom.Plane(shape.prim).GetAxisAttr(), AXES, "Z")
     upright = compose(pose, Pose.of(AXES[axis]))
     points = [part.pose.apply(surface(part.shape)[0]) for part in parts]
     corners = np.vstack(points) if points else np.zeros((1, 3))
