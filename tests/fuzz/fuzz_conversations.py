@@ -72,17 +72,13 @@ def faults_of_messages(rng: Random) -> Outcome:
             for text in texts:
                 link.send(text)
             link.send('{"id": "last", "do": "stop"}')
-            while True:
+            while answered < len(texts) + 1:
                 message = json.loads(link.recv(PATIENCE))
                 if "re" in message:
                     answered += 1
                     found += _wrong_reply(message)
-                if message.get("re") == "last":
-                    break
         except (TimeoutError, ConnectionClosed) as error:
             found.append(f"no answer ({type(error).__name__}) after {[t[:200] for t in texts]}")
-    if not found and answered != len(texts) + 1:
-        found.append(f"{answered} answers to {len(texts) + 1} messages {[t[:200] for t in texts]}")
     return f"{answered} answers", found
 
 

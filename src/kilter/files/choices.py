@@ -22,7 +22,7 @@ from kilter.errors import InputError
 from kilter.files.complaints import complaint
 from kilter.files.file_tolerances import SAME_DIRECTION
 from kilter.files.lying import UP
-from kilter.files.raw import is_file, is_folder, read_bytes
+from kilter.files.raw import is_file, read_bytes
 from kilter.files.strict_json import parse_json
 
 __all__ = ["LOWEST", "OPTIONS", "Choices", "digest", "find_choices", "plain"]
@@ -214,7 +214,7 @@ class Choices:
             If the file does not exist.
         """
         path = Path(self.folder, self.file)
-        if not (is_file(path) or is_folder(path)):
+        if not os.path.exists(path):  # also for a name that the system rejects
             raise InputError(
                 f"the file {self.file!r:.80} is not in the folder {str(self.folder)!r}",
                 hint="move it back, or correct the key 'file'",

@@ -48,7 +48,8 @@ def only_below(folder: str | Path, remedy: str = "") -> Iterator[None]:
 
 def start_folder() -> str | None:
     """The folder to which reading is restricted; None without a restriction."""
-    return _START.get()
+    start = _START.get()
+    return None if start is None else start[0]
 
 
 def is_restricted() -> bool:
