@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
-from kilter.values.guesses import meant_word
+from kilter.values.guesses import meant_word, remedy_of
 
 __all__ = ["NO_MEMORY", "fault_words", "usage_words"]
 
@@ -22,6 +22,9 @@ def usage_words(error: Any) -> str:
     if unknown is not None and context is not None and not hasattr(error, "param_hint"):
         known = {name for option in context.command.params for name in option.opts}
         meant = meant_word(unknown, known)
+        remedy = remedy_of("--", unknown.lstrip("-").split("=")[0].lower())
+        if remedy is not None:
+            message = f"there is no option {unknown}: {remedy}"
         if meant is not None:
             message = f"there is no option {unknown}: use {meant}"
     message = message.replace("Value error, ", "")
