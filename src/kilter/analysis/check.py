@@ -322,11 +322,10 @@ def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> s
         moving = [decision.program.names[k] for k in second.moving]
         return balanced_sentence(moving, rolling=rolling)
     if friction is None:
-        first_order = second is not None and second.state in ("free", "open")
+        rubs = assembly.friction > 0 or any(pair.mu > 0 for pair in assembly.friction_pairs)
         return verdict_sentence(
             decision.verdict,
-            first_order=first_order,
-            frictionless=not decision.program.mu.any(),
+            frictionless=not (rubs or decision.program.mu.any()),
             coarse=coarse,
             counted=counted,
             bonded=bonded,

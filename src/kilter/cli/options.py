@@ -29,7 +29,8 @@ WORK = "Limits of work and time"
 HELP_OF_FILE = (
     "An assembly: STEP (needs kilter[step]), a folder of meshes (a file for each part), OBJ, STL, "
     "3MF, GLB, COMPAS JSON, MJCF, URDF, USD (needs kilter[usd]), bricks (LDraw, StableLego JSON, "
-    "BrickGPT text) or *.kilter.json. With -, kilter JSON is read from standard input."
+    "BrickGPT text), a packing list (CSV) or *.kilter.json. With -, kilter JSON is read from "
+    "standard input."
 )
 File = Annotated[
     str,

@@ -44,7 +44,7 @@ def balanced_sentence(parts: Sequence[str], within: str = "", rolling: str | Non
         )
     if rolling == "open":
         return (
-            f"Stable{within}, to first order as in the paper: it cannot start to move by itself. "
+            f"Stable{within}: it cannot start to move by itself. "
             f"The slightest push makes {_names(parts)} fall, unless friction holds {them}."
         )
     falls = f"makes {_names(parts)} fall"
