@@ -322,9 +322,10 @@ def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> s
         bending = [decision.program.names[k] for k in second.bending]
         return push_open_sentence(bending, second.why)
     if friction is None:
+        rubs = assembly.friction > 0 or any(pair.mu > 0 for pair in assembly.friction_pairs)
         return verdict_sentence(
             decision.verdict,
-            frictionless=not decision.program.mu.any(),
+            frictionless=not (rubs or decision.program.mu.any()),
             coarse=coarse,
             counted=counted,
             bonded=bonded,

@@ -436,9 +436,25 @@ class Assembly(ChangedCopies):
                 ends = [n for n in self.names if n.startswith(head) and n.endswith(tail)]
                 matches = ends if len(ends) == 1 else []
             if not matches:
-                self.index_of(pattern)
+                self._require_alike(pattern)
             chosen.update(matches)
         return chosen
+
+    def _require_alike(self, pattern: str) -> None:
+        """Raise an InputError for a pattern without a match; a wildcard may be missing in it."""
+        for place, alike in (
+            ("end in", f"*{pattern}"),
+            ("begin with", f"{pattern}*"),
+            ("contain", f"*{pattern}*"),
+        ):
+            count = len(fnmatch.filter(self.names, alike))
+            if count > 1:
+                raise InputError(
+                    f"no part is named {pattern!r}",
+                    file=self.source or None,
+                    hint=f"{count} parts {place} {pattern}: {alike!r}",
+                )
+        self.index_of(pattern)
 
     def require_grounded(self) -> None:
         """Raise an InputError if no part is held or joined to the ground.

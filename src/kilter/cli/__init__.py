@@ -123,9 +123,11 @@ def _run(words: list[str]) -> int:
         with_several_names,
         with_two_names,
     )
+    from kilter.cli.quantities import with_plain_numbers
 
     try:
-        given = with_two_names(with_several_names(with_off_names(with_floor_value(words))))
+        given = with_off_names(with_floor_value(with_plain_numbers(words)))
+        given = with_two_names(with_several_names(given))
         result = _result(given)
         sys.stdout.flush()
         if result == INTERRUPTED:

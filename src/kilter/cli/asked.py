@@ -13,6 +13,7 @@ from kilter.cli.arguments import ToleranceOptions, reading_of, straps_of
 from kilter.cli.exit_codes import VERDICT
 from kilter.cli.known_facts import known_words
 from kilter.cli.output import as_json, emit, keep_apart, tell_warnings, tell_written, write_whole
+from kilter.cli.quantities import material_of
 from kilter.cli.quick_scipy import import_scipy_quickly
 from kilter.errors import InputError, TimeLimitReached, shell_words
 from kilter.work import facts_of, stop_after
@@ -114,8 +115,11 @@ class Asked:
         )
         touching = [name for name in TOUCHING if given[name] not in (None, False)]
         require_off(reading.off, (), touching)
-        if given["straps"] is not None:
-            reading = replace(reading, entries=straps_of(given["straps"]))
+        entries = {} if given["straps"] is None else straps_of(given["straps"])
+        if given["material"]:
+            entries["materials"] = [material_of(words) for words in given["material"]]
+        if entries:
+            reading = replace(reading, entries=entries)
         touch = ToleranceOptions(*(given[name] for name in TOUCHING))
         effort = _not_negative(given.get("effort", 0.0), "--effort", "N")
         limit = given.get("time_limit")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from kilter.values.guesses import meant_word
+from kilter.values.guesses import meant_word, remedy_of
 
 __all__ = ["usage_words"]
 
@@ -19,6 +19,9 @@ def usage_words(error: Any) -> str:
     if unknown is not None and context is not None and not hasattr(error, "param_hint"):
         known = {name for option in context.command.params for name in option.opts}
         meant = meant_word(unknown, known)
+        remedy = remedy_of("--", unknown.lstrip("-").split("=")[0].lower())
+        if remedy is not None:
+            message = f"there is no option {unknown}: {remedy}"
         if meant is not None:
             message = f"there is no option {unknown}: use {meant}"
     message = message.replace("Value error, ", "")

@@ -56,7 +56,7 @@ def written(order: Order, answer: Mapping[str, Any], asked: Asked, typed: list[s
     else:
         return False
     tell_warnings(answer["warnings"], asked.quiet)
-    return _report(asked, f"plan {order.verdict}")
+    return _report(asked, answer["sentence"])
 
 
 def _report(asked: Asked, words: str) -> bool:

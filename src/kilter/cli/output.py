@@ -20,6 +20,7 @@ __all__ = [
     "as_json",
     "emit",
     "keep_apart",
+    "require_answer_file",
     "tell_warnings",
     "tell_written",
     "write_whole",
@@ -27,6 +28,18 @@ __all__ = [
 
 EACH = 1.0
 """Time between two updates of the progress line [s]."""
+
+PAGE, PICTURE, FILM = (
+    "'kilter report FILE -o x.html' writes a page",
+    "'kilter draw FILE -o x.png' writes a picture",
+    "'kilter draw FILE -o x.glb' writes a film",
+)
+OTHER_FILES = {
+    **dict.fromkeys((".html", ".htm"), PAGE),
+    **dict.fromkeys((".svg", ".png", ".pdf", ".jpg", ".jpeg"), PICTURE),
+    **dict.fromkeys((".glb", ".gif", ".mp4"), FILM),
+}
+"""Endings of files that hold no text of an answer, with the command that writes such a file."""
 
 
 def as_json(data: Any) -> str:
@@ -79,6 +92,29 @@ def keep_apart(file: str, *outputs: Path | None) -> None:
         if place in seen:
             raise InputError("would be overwritten", file=str(output), hint="write to another file")
         seen.append(place)
+
+
+def require_answer_file(output: Path | None, writes: Sequence[str] = ()) -> None:
+    """Raise an error if the file of an answer has the ending of a page, a picture or a film.
+
+    Parameters
+    ----------
+    output : Path or None
+    writes : sequence of str
+        Endings of this kind that the command writes.
+
+    Raises
+    ------
+    InputError
+        If the command would write text into such a file.
+    """
+    ending = "" if output is None else output.suffix.lower()
+    if ending in OTHER_FILES and ending not in writes:
+        raise InputError(
+            "the answer is text or JSON, which does not belong into such a file",
+            file=str(output),
+            hint=f"use -o x.txt or -o x.json; {OTHER_FILES[ending]}",
+        )
 
 
 def write_whole(path: Path, text: str) -> None:

@@ -221,6 +221,9 @@ def moving_table(answer: Answer) -> Table | None:
     if not moving and verdict != "potentially-stable":
         moving = [part for part in parts if part["slow_motion"] is not None]
 
+    if not moving:
+        return None
+
     def row(part: Answer) -> Sequence[str]:
         return Name(part["name"]), part["motion"] if part["moves"] else part["slow_motion"]
 

@@ -129,6 +129,15 @@ RIGHT: dict[str, dict[str, str]] = {
         "rotation_matrix": "pose.matrix",
         "inv": "pose.inverse()",
     },
+    "--": {
+        "tilt slope incline": "--down X Y Z for a direction; 'kilter margin' computes the limit",
+        "earthquake seismic": "'kilter transport --accelerate 0.2g 0 0'",
+        "animate gif film movie": "'kilter draw FILE -o x.glb', a film",
+        "html page": "'kilter report FILE -o x.html'",
+        "picture plot png svg": "'kilter draw FILE -o x.png'",
+        "forces": "'kilter check FILE --forces'",
+        "verify": "'kilter verify FILE P.json'",
+    },
     "kilter()": {
         "density": WHEN_READ.format("density"),
         "mass": "kilter.Part(..., mass=...)",
@@ -171,7 +180,8 @@ RIGHT: dict[str, dict[str, str]] = {
     "Joint()": {"type": "kind=..."},
 }
 """The right call of each guess; several words may share it. An owner ends with () if its words
-are keywords; the words of "kilter()" are keywords of any function."""
+are keywords; the words of "kilter()" are keywords of any function, and those of "--" are options of
+the command line."""
 
 CALLS = {
     owner: {word: call for words, call in rows.items() for word in words.split()}
