@@ -99,9 +99,7 @@ def with_masses(assembly: Assembly, masses: Sequence[tuple[str, float]]) -> Asse
     return dataclasses.replace(assembly, parts=parts)
 
 
-def with_loads(
-    assembly: Assembly, loads: Sequence[tuple[str, float, float, float]]
-) -> Assembly:
+def with_loads(assembly: Assembly, loads: Sequence[tuple[str, float, float, float]]) -> Assembly:
     """The assembly with further forces [N] at the centres of mass of the named parts.
 
     Raises

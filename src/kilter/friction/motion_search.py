@@ -46,7 +46,6 @@ from kilter.friction.near_law import breach, may_obey
 from kilter.friction.polish import TrialMotion, polished
 from kilter.friction.seating import find_seating
 from kilter.mechanics.law_check import LawProof, check_law
-from kilter.mechanics.mechanics_tolerances import WITNESS_POWER
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import ConicProgram
 from kilter.threads import on_one_thread

@@ -46,8 +46,8 @@ from kilter.work import Work, units_of
 __all__ = [
     "GAINS",
     "NO_MOTION",
-    "UNKNOWN_MOTION",
     "NO_MOTION_BY_LAW",
+    "UNKNOWN_MOTION",
     "ImpendingMotion",
     "find_motion",
     "find_motion_with_friction",
