@@ -48,7 +48,7 @@ def test_the_next_step_of_transport_keeps_the_acceleration(capsys):
 
 def test_the_next_step_under_a_code_asks_about_the_direction_that_fails(capsys):
     out = answered(capsys, 1, "transport", "lorry.json", "--code", "en12195")
-    assert "kilter hold lorry.json --accelerate 7.848 0 0" in out
+    assert "kilter hold lorry.json --accelerate -7.848 0 0" in out
 
 
 def test_hold_names_the_straps_that_an_acceleration_needs(capsys):

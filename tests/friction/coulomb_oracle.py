@@ -120,7 +120,7 @@ def inertia_roots(program: Program) -> Array:
 
 
 def fit_in_cones(matrix: Array, wanted: Array, sizes: list[int]) -> Array:
-    """Minimise t with |matrix f - wanted| <= t over f in rays (size 1) and circular cones (size 3)."""
+    """Minimise |matrix f - wanted| over f in rays (size 1) and circular cones (size 3)."""
     length = float(np.linalg.norm(wanted))
     rows, count = matrix.shape
     scale = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)

@@ -11,7 +11,7 @@ import dataclasses
 import fnmatch
 import os
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -87,11 +87,14 @@ class Assembly(ChangedCopies):
     tolerance : kilter.Tolerance, optional
         Default tolerance of contact detection; None for that of `kilter.Tolerance()`.
     straps : sequence of Strap
+    reading : mapping, optional
+        Options with which `kilter.load` read the file, as JSON data: proofs list them.
 
     Notes
     -----
     An assembly is a frozen value: methods such as `with_friction` return a changed copy.
-    Assemblies with equal content are equal and have the same hash; `source` does not count.
+    Assemblies with equal content are equal and have the same hash; `source` and `reading` do not
+    count.
 
     Raises
     ------
@@ -134,6 +137,7 @@ class Assembly(ChangedCopies):
     bonds: Sequence[Bond] = ()
     tolerance: Any = None
     straps: Sequence[Strap] = ()
+    reading: Mapping[str, Any] | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         try:

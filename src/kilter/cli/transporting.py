@@ -168,8 +168,9 @@ def transport(
     """Find how hard a carrier may accelerate, brake and turn before a part on it moves.
 
     The frame of the file is fixed in the carrier: a truck, a trolley, a robot's wrist. Held parts
-    belong to the carrier. --accelerate asks about one acceleration. Without a question: the largest acceleration along each axis, and the
-    least of all horizontal directions. Up to each limit forces that hold the assembly exist.
+    belong to the carrier. --accelerate asks about one acceleration. Without a question: the
+    largest acceleration along each axis, and the least of all horizontal directions. Up to each
+    limit forces that hold the assembly exist.
 
     Exit code: 0 carried at the level of --require (without a question: always), 1 not carried,
     3 carried at a lower level only, 4 undecided.

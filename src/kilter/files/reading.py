@@ -422,9 +422,10 @@ def load(
     )
     choices = find_choices(source)
     if choices is None:
-        return reading.read(source)
-    assembly: Assembly = hook("read_chosen")(choices, reading)
-    return assembly
+        assembly, options = reading.read(source), reading.options()
+        return dataclasses.replace(assembly, reading=options) if options else assembly
+    chosen: Assembly = hook("read_chosen")(choices, reading)
+    return chosen
 
 
 def reading_for(

@@ -78,7 +78,7 @@ def make_proof(
     program : Program
     certificate : ForceProof or MotionProof or None
     options : dict
-        Reading options of the file.
+        Reading options of the file; if it is empty, those that the assembly remembers.
     evidence : Evidence, optional
         Given if the verdict depends on friction.
 
@@ -99,7 +99,7 @@ def make_proof(
         "planar": assembly.planar,
         "gravity": assembly.gravity.tolist(),
         "down": assembly.down.tolist(),
-        "options": options,
+        "options": options or dict(assembly.reading or {}),
         "tolerance": {
             "gap": contacts.tolerance.gap,
             "relative_gap": contacts.tolerance.relative_gap,
