@@ -17,8 +17,8 @@ from kilter.mechanics.proof import digest_of
 from kilter.second_order.proofs.modelled import (
     OFF_CENTRE,
     loads_off_centre,
-    why_beyond,
     unmodelled_pairs,
+    why_beyond,
     why_unmodelled,
 )
 from kilter.second_order.second_order_tolerances import KEEPS
@@ -101,9 +101,7 @@ def test_what_is_possible_out_of_the_plane_of_a_face_is_not_its_rim() -> None:
     ):
         fields = {key: getattr(possible, key) for key in possible.__slots__}
         other = type(possible)(**{**fields, name: value})
-        assert "not modelled" in unmodelled(
-            contacts.assembly, contacts_with(contacts, other)
-        ), name
+        assert "not modelled" in unmodelled(contacts.assembly, contacts_with(contacts, other)), name
 
 
 def test_each_face_of_a_pair_has_its_own_rim() -> None:
