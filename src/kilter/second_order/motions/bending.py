@@ -14,7 +14,8 @@ they bend, too, unless it is harmless: each of them moves level, and spins about
   level lines that cross: an edge over an edge or over a cylinder
 
 Then gaps and energy stay, to all orders. If a motion moves a pair whose curvature is unknown, it
-may bend. Three rules add rows and leave out unknowns, at any number of parts:
+may bend, unless one part encloses the other. Three rules add rows and leave out unknowns, at any
+number of parts:
 
 - the wrench of a patch may be spread over its points, which then all press
 - contacts of two parts that enclose each other, as a bore its shaft, stay closed without forces:
@@ -95,7 +96,7 @@ def round_rows(program: Program, contacts: ContactSet) -> Mask:
     curved = np.append(np.diff(contacts.assembly.geometry.surfaces.start) > 0, False)
     parts = contacts.patch_parts[program.source[rows]]
     may_curve = curved[parts].any(axis=1) | ~np.isin(kinds, STRAIGHT)
-    rows = rows[may_curve]
+    rows = rows[may_curve & (kinds != "plane")]  # the rim of a flat face is in its plane
     if len(rows):
         features = features_of(program.taking(rows), contacts, recognised=True)
         bent = [features.curvature_a, features.curvature_b]
@@ -121,7 +122,8 @@ class _Bending:
         self.blur = max(1e-9, float(program.tolerance.max(initial=0.0)))
         size = max(float(np.abs(self.forces).max(initial=0.0)), TINY)
         self.presses = ~self.joined & (self._spread_out() > BEARS * self.blur * size)
-        self.closed = self.joined | self.presses | self._enclosed()
+        self.enclosed = self._enclosed()
+        self.closed = self.joined | self.presses | self.enclosed
         self.steady = steady_parts(program, self.forces, ~rounds)
         free = np.flatnonzero(program.free)
         units = np.where(np.arange(6) < 3, 1.0, 1 / program.radius[free, None])
@@ -163,7 +165,7 @@ class _Bending:
 
     def _moved_unknown(self, motions: Array) -> Mask:
         """Mask of the parts that motions move at pressed contacts of unknown curvature, (N,)."""
-        rows = np.flatnonzero(self.rounds & self.presses)
+        rows = np.flatnonzero(self.rounds & self.presses & ~self.enclosed)
         part = self.program.taking(rows)
         features = features_of(part, self.contacts, recognised=True)
         rows = rows[~formed(part, features)]
@@ -208,7 +210,9 @@ class _Bending:
             gap_forms(part, features_of(part, self.contacts, recognised=True))
         ) + joint_forms(part, self.joints)
         ends = [
-            np.array([self._of_part(int(end), motions) for end in side]).reshape(len(rows), 6, -1)
+            np.array([self._of_part(int(end), motions) for end in side]).reshape(
+                len(rows), 6, motions.shape[1]
+            )
             for side in (part.part_a, part.part_b)
         ]
         both = np.concatenate(ends, axis=1)
@@ -352,12 +356,13 @@ class _Bending:
         """Mask of the rows of pairs that enclose each other at curved contacts, shape (K,)."""
         program = self.program
         enclosed = np.zeros(len(program.kind), dtype=bool)
-        contact = program.kind == CONTACT
-        curved = np.flatnonzero(contact & self.rounds)
+        curved = np.flatnonzero(~self.joined & self.rounds)
+        kinds = self.contacts.patch_kind[program.source[curved]]
+        curved = curved[~np.isin(kinds, STRAIGHT)]
         count = len(program.names) + 1
         pair = (program.part_a % count) * count + program.part_b % count
         for number in np.unique(pair[curved]):
-            rows = np.flatnonzero(contact & (pair == number))
+            rows = curved[pair[curved] == number]
             part = max(program.part_a[rows[0]], program.part_b[rows[0]])
             lever = program.lever(rows, np.full(len(rows), part))[:, program.freedoms]
             lever = lever / np.where(program.freedoms < 3, 1.0, program.radius[part])

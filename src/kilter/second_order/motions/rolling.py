@@ -53,6 +53,8 @@ from kilter.second_order.second_order_tolerances import BALANCED, CURVED, SLIPS
 __all__ = ["Rolling", "Rolls", "find_rolling", "rolling_of", "worst_rolling"]
 
 Rolls = Literal["holds", "falls", "open"]
+MOST = 1000
+"""Largest number of rows for which rolling is decided."""
 ORDER: tuple[Rolls, ...] = ("falls", "open", "holds")
 """Results about rolling; an assembly has the first one that any of its clusters has."""
 
@@ -169,10 +171,11 @@ class _RollingForces:
         if not self._presses(components):
             return _open(program, "its forces are not within the cones of friction")
         basis = null_space(rows, BALANCED) * self.scale[:, None]
-        stiffness = self._stiffness(components, basis)
-        kept = np.abs(stiffness).max(initial=0.0)
-        selves = [np.abs(self._stiffness(s, basis)).max(initial=0.0) for s in left[:, rank:].T]
-        same = max(selves, default=0.0) <= SLIPS * kept / max(np.abs(components).max(), TINY)
+        each = self._stiffness_of_each(basis)
+        stiffness = np.tensordot(components, each, axes=1)
+        stressed = np.tensordot(left[:, rank:].T, each, axes=1)
+        size = np.abs(stiffness).max(initial=0.0) / max(np.abs(components).max(), TINY)
+        same = np.abs(stressed).max(initial=0.0) <= SLIPS * size
         unique = rank == len(rows)
         return self._judged(basis, stiffness, self._forces(components), same=same, unique=unique)
 
@@ -197,24 +200,24 @@ class _RollingForces:
         forces[program.angular] = 0.0
         return forces
 
-    def _stiffness(self, components: Array, basis: Array) -> Array:
-        """Stiffness K of small rolling motions, shape (d, d)."""
+    def _stiffness_of_each(self, basis: Array) -> Array:
+        """Stiffness of small rolling motions under a unit force on each row, shape (C, d, d)."""
         program, dimension = self.program, basis.shape[1]
-        split = len(self.rough) * len(_directions(program))
-        motions = [program.full(column) for column in basis.T]
-        result = np.zeros((dimension, dimension))
-        rough, forces = program.taking(self.rough), self._forces(components)[self.rough]
+        motions = np.array([program.full(column) for column in basis.T])
+        motions = motions.reshape(dimension, len(program.names), 6)
+        rough = program.taking(self.rough)
+        turned = np.zeros((dimension, dimension, len(self.rough), 3))
         for j, along in enumerate(motions):
             moved = _contact_shifts(rough, self.inverse, along)
             for i, virtual in enumerate(motions):
-                result[i, j] = -float(np.sum(forces * _turning(rough, moved, virtual)))
-        six = np.array(motions).reshape(dimension, len(program.names), 6)
-        six = np.concatenate([six, np.zeros((dimension, 1, 6))], axis=1)
-        both = np.concatenate(
-            [six[:, program.part_a[self.other]], six[:, program.part_b[self.other]]], axis=2
-        )
-        bent = np.einsum("k,ika,kab,jkb->ij", components[split:], both, self.forms, both)
-        return np.asarray(result - bent)
+                turned[i, j] = _turning(rough, moved, virtual)
+        axes = _directions(program)
+        slips = (turned @ axes.T).reshape(dimension, dimension, len(self.rough) * len(axes))
+        six = np.concatenate([motions, np.zeros((dimension, 1, 6))], axis=1)
+        ends = [six[:, end[self.other]] for end in (program.part_a, program.part_b)]
+        both = np.concatenate(ends, axis=2)
+        bent = np.einsum("ika,kab,jkb->ijk", both, self.forms, both)
+        return -np.moveaxis(np.concatenate([slips, bent], axis=2), 2, 0)
 
     def _judged(
         self, basis: Array, stiffness: Array, forces: Array, *, same: bool, unique: bool
@@ -283,6 +286,8 @@ def _unmodelled_reason(program: Program, features: Features) -> str:
         return "rolling is not modelled with bonds"
     if not (program.mu > 0).any():
         return "no contact has friction"
+    if 3 * len(program.kind) > MOST:
+        return "its contacts are too many to decide whether it rolls"
     if np.abs(program.applied[program.free, 3:]).max(initial=0.0) > 0:
         return "rolling is not modelled with loads beside a centre of mass"
     if not formed(program, features)[contact].all() or features.conformal.any():

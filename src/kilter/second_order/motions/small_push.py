@@ -7,14 +7,14 @@ open    a round or jointed part may roll, rock or swing, and nothing is proved a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from kilter.arrays import Array, Mask, read_only
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
-from kilter.mechanics.clusters import clusters
+from kilter.mechanics.clusters import Cluster, clusters
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT, JOINT
 from kilter.second_order.gaps.features_of import features_of
@@ -84,10 +84,7 @@ def small_push(
         mine = bending & cluster.program.free
         if not mine.any():
             continue
-        rolling = None
-        if cluster.program.mu.any():
-            features = features_of(cluster.program, contacts, recognised=True)
-            rolling = find_rolling(cluster.program, features, assembly.joints)
+        rolling = _rolling(assembly, contacts, cluster, mine)
         results.append(("open" if rolling is None else rolling.state, rolling, mine))
     if not results:
         return SmallPush("holds", np.zeros_like(bending), None)
@@ -95,3 +92,21 @@ def small_push(
     same = [result for result in results if result[0] == state]
     parts = np.any([mine for _, _, mine in same], axis=0)
     return SmallPush(state, parts & (state != "holds"), same[0][1])
+
+
+def _rolling(
+    assembly: Assembly, contacts: ContactSet, cluster: Cluster, bending: Mask
+) -> Rolling | None:
+    """Rolling of the bending parts of a cluster while its other parts are held, else of all of it.
+
+    Held parts only take motions away, so the first counts if it falls. None without friction.
+    """
+    program = cluster.program
+    if not program.mu.any():
+        return None
+    features = features_of(program, contacts, recognised=True)
+    for part in clusters(replace(program, free=bending)):
+        found = find_rolling(part.program, features.take(part.rows), assembly.joints)
+        if found.state == "falls":
+            return found
+    return find_rolling(program, features, assembly.joints)

@@ -71,10 +71,10 @@ def spread_over(lever: Array, forces: Array) -> Array | None:
     if forces.min() > least:
         return forces
     inverse = np.linalg.pinv(lever.T, rcond=1e-9)
-    spread = forces
+    spread = np.full(len(forces), total / len(forces))
     for _ in range(ROUNDS):
-        change = np.maximum(spread, 2 * least) - forces
-        spread = forces + change - inverse @ (lever.T @ change)
+        spread = spread + inverse @ (lever.T @ (forces - spread))
         if spread.min() > least:
             return np.asarray(spread)
+        spread = np.maximum(spread, 2 * least)
     return None
