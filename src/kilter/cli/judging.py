@@ -217,7 +217,7 @@ def verify(
             "--require",
             metavar="LEVEL",
             help="Level that the proof must reach: equilibrium, settles, proved, strict; by "
-            "default the level that it claims.",
+            "default the level that it claims. Other commands require settles.",
             show_default=False,
         ),
     ] = None,
