@@ -146,6 +146,11 @@ def verify(
     InputError
         If a file cannot be read, or if the data do not have the form of a proof.
 
+    See Also
+    --------
+    kilter.load_answer : reads an answer, without a proof.
+    kilter.check : the verdict that gives the proof.
+
     Examples
     --------
     >>> from kilter.analysis.check import check

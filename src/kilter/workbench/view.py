@@ -55,6 +55,11 @@ def view(
     InputError
         If the port is not available, the file does not exist, a host name is invalid, or the
         function is called in a cell of a notebook, which it would block.
+
+    See Also
+    --------
+    kilter.report : a page as a file, without a server.
+    kilter.draw : a picture as a file.
     """
     if in_notebook():
         raise InputError(
