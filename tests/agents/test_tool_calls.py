@@ -255,8 +255,8 @@ def test_layers_of_usd_are_refused(calls: ToolCalls) -> None:
     (calls.folder / "in.usda").write_text(cube)
     layers = {
         "sub": "#usda 1.0\n(\n subLayers = [@{}@]\n)\n",
-        "ref": '#usda 1.0\ndef "r" (references = @{}@</a>) {{\n}}\n',
-        "load": '#usda 1.0\ndef "r" (payload = @{}@</a>) {{\n}}\n',
+        "ref": '#usda 1.0\ndef "a" (references = @{}@</a>) {{\n}}\n',
+        "load": '#usda 1.0\ndef "a" (payload = @{}@</a>) {{\n}}\n',
     }
     for name, text in layers.items():
         (calls.folder / f"{name}.usda").write_text(text.format("../o.usda"))

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 import os
-import resource
 import time
 import zipfile
 from collections.abc import Iterator
@@ -102,6 +101,7 @@ OTHERS = [
 def soon(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Little time and memory; the working folder is the folder of the files."""
     monkeypatch.chdir(tmp_path)
+    resource = pytest.importorskip("resource", reason="it measures memory on POSIX only")
     before, started = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, time.process_time()
     yield
     assert time.process_time() - started < SECONDS

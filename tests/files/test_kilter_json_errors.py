@@ -110,7 +110,7 @@ TOP = [
     ({"parts": [{"name": 5, "box": [1, 1, 1]}]}, "parts[0].name is 5; give a text"),
     ({"parts": [{"nme": "a", "box": [1, 1, 1]}]}, "unknown key 'parts[0].nme' (and 1 more faults); did"),
     ({"parts": [{"name": "a", "box": [1, 1, 1]}] * 2}, "two parts are named 'a'; give each"),
-    ({"parts": [{"name": "ground", "box": [1, 1, 1]}]}, "the name 'ground' is reserved; give it"),
+    ({"parts": [{"name": "ground", "box": [1, 1, 1]}]}, "the name 'ground' is reserved for the world in joints and straps; give another"),
     ({"friction_pairs": [{"parts": ["C1"], "mu": 1}]}, "friction_pairs[0].parts has 1 entries; give 2"),
     ({"friction_pairs": [{"parts": ["C1", "C3"], "mu": 1}]}, "no part is named 'C3'; there are: 'C1', 'C2'"),
     ({"friction_pairs": [{"parts": ["C1", "C2"]}]}, "friction_pairs[0].mu is missing; add the key"),

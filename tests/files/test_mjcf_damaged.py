@@ -15,6 +15,8 @@ from kilter import InputError
 from kilter.cli import main
 from kilter.files import scene_process
 
+POSIX = pytest.mark.skipif(os.name != "posix", reason="pipes, links or signals of POSIX")
+
 mujoco = pytest.importorskip("mujoco")
 
 
@@ -133,6 +135,7 @@ def test_a_damaged_scene_is_a_sentence(
         '<asset><model name="m" file="pipe.stl"/></asset>',
     ],
 )
+@POSIX
 def test_a_pipe_is_not_opened(
     element: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -142,6 +145,7 @@ def test_a_pipe_is_not_opened(
     refused(path, "'pipe.stl' is not a regular file; name a file", capfd)
 
 
+@POSIX
 def test_a_pipe_in_a_folder_of_meshes_is_not_opened(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -11,6 +11,8 @@ import kilter
 from kilter import InputError
 from kilter.cli import main
 
+POSIX = pytest.mark.skipif(os.name != "posix", reason="pipes, links or signals of POSIX")
+
 pytest.importorskip("pxr")
 
 HEAD = '#usda 1.0\n(\n    defaultPrim = "World"\n    upAxis = "Z"\n    metersPerUnit = 1\n)\n'
@@ -285,6 +287,7 @@ def test_files_that_name_one_another_in_a_loop_are_no_bomb(tmp_path: Path) -> No
     assert any("USD reports" in note for note in found.notes)
 
 
+@POSIX
 @pytest.mark.parametrize("arc", ["references", "payload", "subLayers"])
 def test_a_pipe_is_not_opened(arc: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     os.mkfifo(tmp_path / "pipe.usda")

@@ -12,6 +12,8 @@ import kilter
 from kilter import InputError
 from kilter.cli import main
 
+POSIX = pytest.mark.skipif(os.name != "posix", reason="pipes, links or signals of POSIX")
+
 LINK = """<link name="{name}"><inertial><mass value="{mass}"/><origin xyz="{center}"/></inertial>
 <collision><origin xyz="{at}"/><geometry>{shape}</geometry></collision></link>"""
 JOINT = """<joint name="{child}_joint" type="{kind}"><parent link="{parent}"/>
@@ -117,6 +119,7 @@ def test_meshes_are_found_beside_the_file_and_in_packages(tmp_path: Path) -> Non
         assert found.geometry.mass[0] == 4
 
 
+@POSIX
 def test_a_pipe_is_not_opened(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.stl")
     for name in ("pipe.stl", "package://pipe.stl", "package://somewhere/pipe.stl"):

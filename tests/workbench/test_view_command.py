@@ -169,6 +169,7 @@ def test_the_opened_folder_is_that_of_the_file(
     assert folder_of(None) == here
 
 
+@POSIX
 @pytest.mark.slow
 @pytest.mark.parametrize("every", [False, True])
 def test_all_addresses_are_a_warning(tmp_path: Path, every: bool) -> None:

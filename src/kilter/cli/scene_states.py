@@ -16,7 +16,7 @@ from kilter.tell.levels import REQUIRE
 __all__ = ["scene"]
 
 
-@asks(searches=True)
+@asks(searches=True, writes=(".glb",))
 def scene(
     asked: Asked,
     require: Require = REQUIRE,

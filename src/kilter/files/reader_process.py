@@ -15,6 +15,7 @@ import contextlib
 import gc
 import os
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -158,6 +159,8 @@ class ReaderProcess:
 
 def _resident(pid: int) -> int:
     """Memory of a process that is in use [bytes]; 0 if the system does not report it."""
+    if sys.platform != "linux":
+        return 0
     try:
         pages = int(Path(f"/proc/{pid}/statm").read_text("ascii").split()[1])
     except (OSError, ValueError, IndexError):
