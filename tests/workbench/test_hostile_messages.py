@@ -30,7 +30,7 @@ COUNT = 500
 
 def posted(bench: Workbench, query: dict[str, str], body: Any = b"x") -> tuple[int, dict[str, str]]:
     """Status and answer of an upload."""
-    link = http.client.HTTPConnection("127.0.0.1", bench.port, timeout=20)
+    link = http.client.HTTPConnection("127.0.0.1", bench.port, timeout=60)
     words = urllib.parse.urlencode({"token": bench.token, **query}, errors="surrogatepass")
     link.request("POST", f"/upload?{words}", body=body)
     answer = link.getresponse()
@@ -123,7 +123,7 @@ def test_a_text_that_is_no_message_is_answered(text: Any, page: Page, bench: Wor
 def answered(link: Any, heard: list[str]) -> dict[str, Any]:
     """The next reply; other messages are appended to `heard`."""
     while True:
-        text = link.recv(timeout=30)
+        text = link.recv(timeout=60)
         message: dict[str, Any] = json.loads(text, parse_constant=not_json)
         if "re" in message:
             return message
