@@ -5,7 +5,7 @@
     fold         size of the contents of a zip / size of the zip, `MOST_FOLD` (above 16 MB)
     entries      tags and attributes of an XML text, `MOST_ENTRIES`: 0.1 kB of memory for each
     values       values of a JSON text, `MOST_VALUES`
-    parts        parts of a model that places models again, `MOST_PARTS`
+    parts        parts of a list of boxes or bricks, `MOST_PARTS`
     depth        models, nodes or components within others, `DEEPEST`
     triangles    triangles of all bodies, counted once for each instance, `MOST_TRIANGLES`
 
@@ -51,8 +51,8 @@ MOST_ENTRIES = 24_000_000
 """Largest number of tags and attributes of an XML text: six million corners and triangles."""
 MOST_VALUES = 20_000_000
 """Largest number of values of a JSON text: up to 0.1 kB of memory for each."""
-MOST_PARTS = 50_000
-"""Largest number of parts that a file can make by placing the same models again."""
+MOST_PARTS = 100_000
+"""Largest number of parts of a list of boxes or bricks, also if models are placed again."""
 DEEPEST = 200
 """Largest depth of models, nodes or components within others."""
 MOST_TRIANGLES = 10_000_000
