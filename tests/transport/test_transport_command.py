@@ -78,7 +78,7 @@ def test_the_data_state_each_limit_its_first_parts_and_the_weakest_direction(
         (["--code", "eumos:0"], "not a positive number"),
         (["--code", "gdv", "--forward", "0", "0", "1"], "vertical"),
         (["--code", "gdv", "--accelerate", "1", "0", "0"], "ask one question"),
-        (["--path", "missing.csv"], "cannot be read"),
+        (["--path", "missing.csv"], "no such file"),
         (["--figure", "polar.txt"], "polar.txt"),
         (["--mu-range", "1", "0.5"], "the interval is empty"),
     ],
