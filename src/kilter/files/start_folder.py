@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
 
-from kilter.errors import InputError
+from kilter.errors import InputError, shell_words
 
 __all__ = ["is_restricted", "only_below", "require_below", "start_folder"]
 
@@ -80,5 +80,7 @@ def require_below(path: str | Path) -> None:
     if not remedy:
         raise InputError("outside of the start folder", file=str(path), hint=SERVER)
     # a whole drive is never proposed
-    hint = "copy it" if os.path.dirname(above) == above else remedy.format(folder=above)
+    hint = (
+        "copy it" if os.path.dirname(above) == above else remedy.format(folder=shell_words([above]))
+    )
     raise InputError("outside of the opened folder", file=str(path), hint=hint)

@@ -165,9 +165,10 @@ async def _talk(session: Session, socket: WebSocket) -> None:
             outgoing.put_nowait(None)
 
     async def write() -> None:
-        while (text := await outgoing.get()) is not None:
-            await socket.send_text(text)
-        await socket.close(1013)
+        with contextlib.suppress(WebSocketDisconnect, RuntimeError):  # the page has left
+            while (text := await outgoing.get()) is not None:
+                await socket.send_text(text)
+            await socket.close(1013)
 
     writer = asyncio.create_task(write())
     session.join(send)
@@ -331,7 +332,7 @@ class Workbench:
             await session.open(path, **self._first)
         except InputError as error:
             session.tell(str(error))
-            self._say(f"kilter: {error}")
+            self._say(str(error))
 
 
 def folder_of(path: Path | None) -> Path:
