@@ -14,6 +14,7 @@ from __future__ import annotations
 import os
 import stat
 from pathlib import Path
+from typing import NamedTuple
 
 from kilter.errors import InputError
 from kilter.files.start_folder import require_below
@@ -22,7 +23,9 @@ __all__ = [
     "MOST_BYTES",
     "MOST_ENTRIES",
     "MOST_FOLD",
+    "MOST_PARTS",
     "MOST_TRIANGLES",
+    "SceneCount",
     "Tally",
     "named_path",
     "require_count",
@@ -41,6 +44,19 @@ MOST_ENTRIES = 24_000_000
 """Largest number of tags and attributes of an XML text: six million corners and triangles."""
 MOST_TRIANGLES = 10_000_000
 """Largest number of triangles of all bodies of a file; the analysis needs a kilobyte for each."""
+MOST_PARTS = 50_000
+"""Largest number of parts of a scene of a simulator, which a few bytes can multiply."""
+
+
+class SceneCount(NamedTuple):
+    """Number of parts and of all elements that a scene, or an element of it, makes."""
+
+    parts: int = 0
+    elements: int = 0
+
+    def plus(self, other: SceneCount, times: int = 1) -> SceneCount:
+        """The sum with another count, taken `times` times."""
+        return SceneCount(self.parts + times * other.parts, self.elements + times * other.elements)
 
 
 class Tally:
