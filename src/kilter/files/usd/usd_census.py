@@ -50,7 +50,10 @@ class _Census:
     def layer(self, place: str) -> Any:
         """The layer at a place; None if it does not exist or is damaged."""
         if place not in self.layers:
-            self.layers[place] = self._open(place)
+            layer = self.layers[place] = self._open(place)
+            for name in () if layer is None else layer.GetCompositionAssetDependencies():
+                if name:  # every layer that it names is checked, also where no arc is counted
+                    self.layer(layer.ComputeAbsolutePath(name))
         return self.layers[place]
 
     def _open(self, place: str) -> Any:
