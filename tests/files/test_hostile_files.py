@@ -55,7 +55,7 @@ def doubling(last: str, levels: int = 40) -> str:
 LISTS = [
     ("cell.csv", HEADER + f"{'a' * 140_000},1,1,1,1,0,0,0\n", "line 2: field larger than field"),
     ("cr.csv", HEADER + "a\rb,1,1,1,1,0,0,0\n", "line 2: length is ''"),
-    ("long.csv", HEADER + "\n" * 2 * limits.MOST_PARTS, "make 200,001 boxes; the limit is"),
+    ("long.csv", HEADER + "\n" * 2 * limits.MOST_LISTED, "make 200,001 boxes; the limit is"),
     ("bytes.csv", b"\xff", "not UTF-8 at byte 0"),
     ("infinity.json", order(orientation=float("inf")), "item 1: orientation is inf; give 0 or 1"),
     ("true.json", order(orientation=True), "item 1: orientation is True"),
@@ -93,7 +93,7 @@ BRICKS = [
 BRICKS += [
     (
         "m.txt",
-        "1x1 (0,0,0)\n" * (limits.MOST_PARTS + 1),
+        "1x1 (0,0,0)\n" * (limits.MOST_LISTED + 1),
         "make 100,001 parts; the limit is 100,000",
     ),
 ]
