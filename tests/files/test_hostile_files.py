@@ -54,6 +54,7 @@ def doubling(last: str, levels: int = 40) -> str:
 LISTS = [
     ("cell.csv", HEADER + f"{'a' * 140_000},1,1,1,1,0,0,0\n", "line 2: field larger than field"),
     ("cr.csv", HEADER + "a\rb,1,1,1,1,0,0,0\n", "line 2: length is ''"),
+    ("long.csv", HEADER + "\n" * 2 * limits.MOST_LISTED, "make 200,001 boxes; the limit is"),
     ("bytes.csv", b"\xff", "not UTF-8 at byte 0"),
     ("infinity.json", order(orientation=float("inf")), "item 1: orientation is inf; give 0 or 1"),
     ("true.json", order(orientation=True), "item 1: orientation is True"),
@@ -88,6 +89,13 @@ BRICKS = [
     ("m.json", '{"1": {"x": 0, "y": 0, "z": 0, "brick_id": 2, "ori": true}}', "has ori True"),
     ("m.json", f'{{"1": {{"x": {LARGE}, "y": 0, "z": 0, "brick_id": 2, "ori": 0}}}}', "has x 1000"),
 ]  # fmt: skip
+BRICKS += [
+    (
+        "m.txt",
+        "1x1 (0,0,0)\n" * (limits.MOST_LISTED + 1),
+        "make 100,001 parts; the limit is 100,000",
+    ),
+]
 OTHERS = [
     ("choices.json", json.dumps({"kilter": 1, "file": LONG + ".step"}), "is not in the folder"),
     ("choices.json", '{"kilter": 1, "file": "\\ud800.step"}', "half of a surrogate pair"),

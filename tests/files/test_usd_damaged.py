@@ -134,6 +134,12 @@ DAMAGED = {
         instancer("int[] protoIndices = [0, 0]\npoint3f[] positions = [(0,0,0)]"),
         "point instancer /World/i has 2 indices and 1 positions; give all its attributes",
     ),
+    "positions of another type": (
+        instancer(LAID.replace("point3f[] positions", "asset positions").replace(
+            "[(0,0,0), (3,0,0)]", "@a@"
+        )),
+        "positions has a value that is no point3f",
+    ),
     "an index too large": (
         instancer(LAID.replace("[0, 0]", "[0, 7]")),
         "has the index 7, but 1 prototypes; correct its protoIndices",

@@ -195,7 +195,7 @@ def reshaped(content: bytes, rng: Random) -> bytes:
     """A value of a JSON tree replaced, dropped, repeated or nested."""
     try:
         tree = json.loads(content)
-    except ValueError:
+    except (ValueError, RecursionError):
         return flipped(content, rng)
     places = _places(tree)
     if not places:

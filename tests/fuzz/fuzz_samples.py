@@ -23,7 +23,7 @@ class Sample:
 
     files: dict[str, bytes]
     commands: tuple[str, ...]
-    share: int = field(default=4)
+    share: int = field(default=8)
     """Number of cases of this sample among those of all samples."""
 
     @property

@@ -55,6 +55,16 @@ def said(
     return list(wrong_hold(given.assembly, given.contacts, proof, verdicts))
 
 
+def test_a_motion_of_a_part_that_does_not_exist_proves_nothing() -> None:
+    """The name was looked up in the assembly: a fault of kilter instead of a reason."""
+
+    def misnamed(proof: Proof) -> None:
+        falls = next(one for one in proof["proofs"] if one["about"] != "held")
+        falls["proof"]["motion"]["no such part"] = [0.0] * 6
+
+    assert "motion names a part that the assembly does not have" in said("prop", misnamed)[0]
+
+
 LEAST = {"arch": 2, "strong": 2, "weak": 5, "prop": 1}
 """Fewest supports; one more than there are where all together are not enough."""
 

@@ -43,9 +43,13 @@ class KeptPairs:
     def records(self, records: Iterable[OfPair]) -> tuple[OfPair, ...]:
         """Records of the remaining pairs, with the new positions of their parts."""
         kept = []
+        new = self.new_part.tolist()  # a list is read much faster than an array
         for record in records:
-            a, b = (int(self.new_part[k]) for k in record.parts)
-            if a >= 0 and b >= 0 and frozenset(record.parts) not in self.removed:
+            first, second = record.parts
+            a, b = new[first], new[second]
+            if a < 0 or b < 0:
+                continue
+            if not self.removed or frozenset(record.parts) not in self.removed:
                 kept.append(record if record.parts == (a, b) else replace(record, parts=(a, b)))
         return tuple(kept)
 

@@ -20,7 +20,7 @@ from kilter.assembly.bricks import BrickModel, StudRules, assembly_of_bricks
 from kilter.assembly.bricks.brick_library import STATED, brick_mass, is_stated
 from kilter.assembly.bricks.brick_model import NO_COLOR
 from kilter.errors import InputError
-from kilter.files.limits import MOST_TABLE_BYTES
+from kilter.files.limits import MOST_LISTED, MOST_TABLE_BYTES, require_count
 from kilter.files.raw import read_bytes
 from kilter.files.reader_guard import reader_guard
 
@@ -55,6 +55,7 @@ def _read(data: bytes, rules: StudRules | None, source: str) -> Assembly:
     lines = [(k, line.strip()) for k, line in enumerate(text.splitlines(), 1) if line.strip()]
     if not lines:
         raise InputError("the file has no bricks", hint=EXAMPLE)
+    require_count("parts", len(lines), MOST_LISTED)
     matches = [(k, BRICK.fullmatch(line)) for k, line in lines]
     rows = np.array(
         [[k, *map(int, match.groups())] if match else [k, 0, 0, 0, 0, 0] for k, match in matches]

@@ -29,7 +29,7 @@ from kilter.assembly.bricks.brick_library import LDRAW, brick_mass
 from kilter.assembly.bricks.brick_model import NO_COLOR
 from kilter.errors import InputError, some
 from kilter.files.file_tolerances import OFF_GRID
-from kilter.files.limits import DEEPEST, MOST_PARTS, MOST_TABLE_BYTES
+from kilter.files.limits import DEEPEST, MOST_LISTED, MOST_TABLE_BYTES, require_count
 from kilter.files.raw import read_bytes
 from kilter.files.reader_guard import reader_guard
 
@@ -155,11 +155,7 @@ def _placed_bricks(models: dict[str, list[_PartLine]]) -> Iterator[_PlacedBrick]
         return
     first = next(iter(models))
     bricks = _brick_counts(models, first)
-    if bricks[first] > MOST_PARTS:
-        raise InputError(
-            f"the models of the file make {bricks[first]:,} parts; the limit is {MOST_PARTS:,}",
-            hint="place models fewer times",
-        )
+    require_count("parts", bricks[first], MOST_LISTED)
 
     def within(name: str, place: Array, matrix: Array, color: int) -> Iterator[_PlacedBrick]:
         """Yield the bricks of a model at its place in the whole."""

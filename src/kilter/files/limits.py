@@ -5,7 +5,7 @@
     fold         size of the contents of a zip / size of the zip, `MOST_FOLD` (above 16 MB)
     entries      tags and attributes of an XML text, `MOST_ENTRIES`: 0.1 kB of memory for each
     values       values of a JSON text, `MOST_VALUES`
-    parts        parts of a model that places models again, `MOST_PARTS`
+    parts        parts of a list of boxes or bricks, `MOST_LISTED`; of a scene, `MOST_PARTS`
     depth        models, nodes or components within others, `DEEPEST`
     triangles    triangles of all bodies, counted once for each instance, `MOST_TRIANGLES`
 
@@ -18,6 +18,7 @@ from __future__ import annotations
 import os
 import stat
 from pathlib import Path
+from typing import NamedTuple
 
 from kilter.errors import InputError
 from kilter.files.start_folder import require_below
@@ -27,10 +28,12 @@ __all__ = [
     "MOST_BYTES",
     "MOST_ENTRIES",
     "MOST_FOLD",
+    "MOST_LISTED",
     "MOST_PARTS",
     "MOST_TABLE_BYTES",
     "MOST_TRIANGLES",
     "MOST_VALUES",
+    "SceneCount",
     "Tally",
     "named_path",
     "require_count",
@@ -51,12 +54,25 @@ MOST_ENTRIES = 24_000_000
 """Largest number of tags and attributes of an XML text: six million corners and triangles."""
 MOST_VALUES = 20_000_000
 """Largest number of values of a JSON text: up to 0.1 kB of memory for each."""
-MOST_PARTS = 50_000
-"""Largest number of parts that a file can make by placing the same models again."""
+MOST_LISTED = 100_000
+"""Largest number of parts of a list of boxes or bricks, also if models are placed again."""
 DEEPEST = 200
 """Largest depth of models, nodes or components within others."""
 MOST_TRIANGLES = 10_000_000
 """Largest number of triangles of all bodies of a file; the analysis needs a kilobyte for each."""
+MOST_PARTS = 50_000
+"""Largest number of parts of a scene of a simulator, which a few bytes can multiply."""
+
+
+class SceneCount(NamedTuple):
+    """Number of parts and of all elements that a scene, or an element of it, makes."""
+
+    parts: int = 0
+    elements: int = 0
+
+    def plus(self, other: SceneCount, times: int = 1) -> SceneCount:
+        """The sum with another count, taken `times` times."""
+        return SceneCount(self.parts + times * other.parts, self.elements + times * other.elements)
 
 
 class Tally:

@@ -17,14 +17,18 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 
 from kilter.errors import InputError
-from kilter.files.limits import MOST_TRIANGLES, require_count, require_regular
+from kilter.files.limits import (
+    MOST_PARTS,
+    MOST_TRIANGLES,
+    SceneCount,
+    require_count,
+    require_regular,
+)
 from kilter.files.start_folder import require_below
 from kilter.files.xml_text import xml_root
 
 __all__ = ["Survey", "survey_mjcf"]
 
-MOST_PARTS = 50_000
-"""Largest number of bodies, and of geoms of the world, of a scene."""
 MOST_KEYS = 50_000
 """Largest number of keyframes."""
 MOST_ELEMENTS = 500_000
@@ -37,17 +41,6 @@ FLAT_MESHES = ("wedge", "plate")
 """Generated meshes whose two first parameters are resolutions; for others only the first is."""
 
 Element = ElementTree.Element
-
-
-class _Count(NamedTuple):
-    """Number of parts and of elements below an element, after replication."""
-
-    parts: int = 0
-    elements: int = 0
-
-    def plus(self, other: _Count, times: int = 1) -> _Count:
-        """The sum with another count, taken `times` times."""
-        return _Count(self.parts + times * other.parts, self.elements + times * other.elements)
 
 
 class Survey(NamedTuple):
@@ -100,7 +93,7 @@ class _Model:
         self.included: dict[str, Element] = {}
         self.made: Counter[str] = Counter()
         self.sizes = {path: path.stat().st_size}
-        self.counts: dict[str, _Count | None] = {}
+        self.counts: dict[str, SceneCount | None] = {}
         """Count of each included file and of each attached body; None while it is made."""
         elements = [element for root in self._roots() for element in root.iter()]
         places = {self.folder / e.get(key, "") for e in elements for key in FOLDERS if e.get(key)}
@@ -148,12 +141,12 @@ class _Model:
                         if self._is_there(path) and path.is_file():
                             self.sizes[path] = path.stat().st_size
 
-    def count(self, element: Element, *, world: bool) -> _Count:
+    def count(self, element: Element, *, world: bool) -> SceneCount:
         """Number of parts and elements that the children of an element make.
 
         `world`: whether the element belongs to the world, where each geom is a part.
         """
-        total = _Count()
+        total = SceneCount()
         for child in element:
             if child.tag == "include":
                 total = total.plus(self._count_included(child.get("file", ""), world))
@@ -164,21 +157,21 @@ class _Model:
                 times = max(_whole(child.get("count")), 0) if child.tag == "replicate" else 1
                 part = child.tag == "body" or (child.tag == "geom" and world)
                 own = prod(_numbers(child.get("count"))) if child.tag == "flexcomp" else 1
-                total = total.plus(inside, times).plus(_Count(int(part), max(own, 1)))
+                total = total.plus(inside, times).plus(SceneCount(int(part), max(own, 1)))
         return total
 
-    def _count_included(self, name: str, world: bool) -> _Count:
+    def _count_included(self, name: str, world: bool) -> SceneCount:
         """Number of parts and elements of an included scene."""
         root, key = self.included.get(name), f"include {world} {name}"
-        if root is None or self.counts.get(key, _Count()) is None:
-            return _Count()  # MuJoCo reports the missing file, or the loop
+        if root is None or self.counts.get(key, SceneCount()) is None:
+            return SceneCount()  # MuJoCo reports the missing file, or the loop
         return self._counted(key, root, world)
 
-    def _count_attached(self, attach: Element) -> _Count:
+    def _count_attached(self, attach: Element) -> SceneCount:
         """Number of parts and elements of the model, or of its body, that is attached."""
         path = self.attached.get(attach.get("model", ""))
         if path is None or not self._is_there(path):
-            return _Count()  # MuJoCo reports the fault
+            return SceneCount()  # MuJoCo reports the fault
         path = path.resolve()
         model = self.models.get(path) or _Model(path, self.models)
         name = attach.get("body")
@@ -188,9 +181,9 @@ class _Model:
             raise InputError(
                 f"the model {path.name!r:.60} attaches itself", hint="remove the element <attach>"
             )
-        return model._counted(key, root, world=True).plus(_Count(1, 1))
+        return model._counted(key, root, world=True).plus(SceneCount(1, 1))
 
-    def _counted(self, key: str, root: Element, world: bool) -> _Count:
+    def _counted(self, key: str, root: Element, world: bool) -> SceneCount:
         """The count of an element, which is made once and kept under a key."""
         known = self.counts.get(key)
         if known is None:

@@ -29,7 +29,7 @@ import numpy as np
 
 from kilter.assembly import Assembly, Part
 from kilter.errors import InputError, nearest_name, some_names
-from kilter.files.limits import MOST_BYTES, MOST_TABLE_BYTES
+from kilter.files.limits import MOST_BYTES, MOST_LISTED, MOST_TABLE_BYTES, require_count
 from kilter.files.raw import read_bytes
 from kilter.files.reader_guard import reader_guard
 from kilter.files.strict_json import parse_json
@@ -205,6 +205,7 @@ def plan_of_json(content: Any, order: str | None = None) -> PackingPlan:
     items = content[name]
     if not isinstance(items, list) or not items:
         raise InputError(f"the order {name!r:.40} has no items", hint="give a list of items")
+    require_count("boxes", len(items), MOST_LISTED)
     boxes = [_item_of_json(entry, k) for k, entry in enumerate(items, 1)]
     return PackingPlan(_named(boxes), "mm", name)
 
@@ -267,6 +268,7 @@ def _named(boxes: Sequence[PackedBox]) -> tuple[PackedBox, ...]:
 def _plan_of_table(data: bytes, units: str | None) -> PackingPlan:
     """The packing plan of a CSV table; commas, semicolons or tabs separate its columns."""
     text = decoded_table(data)
+    require_count("boxes", text.count("\n") + text.count("\r"), 2 * MOST_LISTED)
     separator = max(",;\t", key=re.split("[\r\n]", text.lstrip(), maxsplit=1)[0].count)
     rows = table_rows(text, separator)
     header = next(rows, None)

@@ -23,6 +23,7 @@ from kilter.assembly.bricks import BrickModel, StudRules, assembly_of_bricks
 from kilter.assembly.bricks.brick_library import STABLE_LEGO
 from kilter.assembly.bricks.brick_model import NO_COLOR
 from kilter.errors import InputError
+from kilter.files.limits import MOST_LISTED, require_count
 from kilter.files.reader_guard import reader_guard
 
 __all__ = ["from_stable_lego", "is_stable_lego"]
@@ -78,6 +79,7 @@ def from_stable_lego(
     except (AttributeError, TypeError, ValueError, OverflowError):
         whole = False
     with reader_guard(source):
+        require_count("parts", len(data), MOST_LISTED)
         if not whole or not _in_library(rows).all():
             raise _first_error(data, text)
         library = np.array([STABLE_LEGO[k] for k in rows[:, 3].tolist()])

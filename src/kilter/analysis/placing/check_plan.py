@@ -312,21 +312,22 @@ def _require_no_box_inside(plan: PackingPlan) -> None:
     """Raise an error if two boxes share more than half of the volume of the smaller box."""
     corner = np.array([box.corner for box in plan.boxes])
     size = np.array([box.size for box in plan.boxes])
-    low = np.maximum(corner[:, None], corner[None])
-    high = np.minimum((corner + size)[:, None], (corner + size)[None])
-    shared = np.prod(np.maximum(high - low, 0.0), axis=2)
     volume = np.prod(size, axis=1)
-    share = shared / np.minimum(volume[:, None], volume[None])
-    np.fill_diagonal(share, 0.0)
-    a, b = np.unravel_index(share.argmax(), share.shape)
-    if share[a, b] > INSIDE:
-        one, two = plan.boxes[max(a, b)], plan.boxes[min(a, b)]
-        word = "item" if plan.order else "line"
-        raise InputError(
-            f"{word} {one.line}: {one.name!r:.60} lies inside {two.name!r:.60} ({word} {two.line})",
-            file=plan.source or None,
-            hint="correct the place of one of them",
+    for k in range(1, len(plan.boxes)):  # in turn: all pairs together would need N^2 numbers
+        edges = np.minimum(corner[:k] + size[:k], corner[k] + size[k]) - np.maximum(
+            corner[:k], corner[k]
         )
+        shared = np.prod(np.maximum(edges, 0.0), axis=1) / np.minimum(volume[:k], volume[k])
+        other = int(shared.argmax())
+        if shared[other] > INSIDE:
+            one, two = plan.boxes[k], plan.boxes[other]
+            word = "item" if plan.order else "line"
+            where = f"{two.name!r:.60} ({word} {two.line})"
+            raise InputError(
+                f"{word} {one.line}: {one.name!r:.60} lies inside {where}",
+                file=plan.source or None,
+                hint="correct the place of one of them",
+            )
 
 
 INSIDE = 0.5

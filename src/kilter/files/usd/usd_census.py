@@ -12,30 +12,17 @@ import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
-from kilter.files.limits import require_count, require_regular
+from kilter.files.limits import MOST_PARTS, SceneCount, require_count, require_regular
 from kilter.files.start_folder import is_restricted, require_below
 
-__all__ = ["MOST_PARTS", "count_prims"]
+__all__ = ["count_prims"]
 
-MOST_PARTS = 50_000
-"""Largest number of shapes of a stage."""
 MOST_PRIMS = 500_000
 """Largest number of prims of a stage."""
 SHAPES = {"Capsule", "Cone", "Cube", "Cylinder", "Mesh", "Plane", "Sphere"}
 """Types of the prims that are shapes."""
-
-
-class _Count(NamedTuple):
-    """Number of shapes, and of all prims."""
-
-    parts: int = 0
-    prims: int = 0
-
-    def plus(self, other: _Count) -> _Count:
-        """The sum of two counts."""
-        return _Count(self.parts + other.parts, self.prims + other.prims)
 
 
 def count_prims(path: Path) -> None:
@@ -50,7 +37,7 @@ def count_prims(path: Path) -> None:
     census = _Census()
     count = census.of_layer(str(path))
     require_count("parts", count.parts, MOST_PARTS)
-    require_count("prims", count.prims, MOST_PRIMS)
+    require_count("prims", count.elements, MOST_PRIMS)
 
 
 class _Census:
@@ -58,12 +45,15 @@ class _Census:
 
     def __init__(self) -> None:
         self.layers: dict[str, Any] = {}
-        self.counts: dict[tuple[str, str], _Count] = {}
+        self.counts: dict[tuple[str, str], SceneCount] = {}
 
     def layer(self, place: str) -> Any:
         """The layer at a place; None if it does not exist or is damaged."""
         if place not in self.layers:
-            self.layers[place] = self._open(place)
+            layer = self.layers[place] = self._open(place)
+            for name in () if layer is None else layer.GetCompositionAssetDependencies():
+                if name:  # every layer that it names is checked, also where no arc is counted
+                    self.layer(layer.ComputeAbsolutePath(name))
         return self.layers[place]
 
     def _open(self, place: str) -> Any:
@@ -86,13 +76,13 @@ class _Census:
                 require_below(layer.ComputeAbsolutePath(name))
         return layer
 
-    def of_layer(self, place: str) -> _Count:
+    def of_layer(self, place: str) -> SceneCount:
         """Count of all prims of a layer and of its sublayers."""
         layer = self.layer(place)
         key = place, ""
         if layer is None or key in self.counts:
-            return self.counts.get(key, _Count())
-        self.counts[key] = total = _Count()  # the count of a loop, which USD reports
+            return self.counts.get(key, SceneCount())
+        self.counts[key] = total = SceneCount()  # the count of a loop, which USD reports
         for prim in layer.rootPrims:
             total = total.plus(self.of_prim(place, str(prim.path)))
         for name in layer.subLayerPaths:
@@ -100,23 +90,23 @@ class _Census:
         self.counts[key] = total
         return total
 
-    def of_prim(self, place: str, path: str) -> _Count:
+    def of_prim(self, place: str, path: str) -> SceneCount:
         """Count of a prim, its children, and the targets of its arcs."""
         layer = self.layer(place)
         key = place, path
         prim = layer.GetPrimAtPath(path) if layer is not None and path else None
         if prim is None or key in self.counts:
-            return self.counts.get(key, _Count())
-        self.counts[key] = total = _Count()
+            return self.counts.get(key, SceneCount())
+        self.counts[key] = total = SceneCount()
         if "{" not in path.rpartition("/")[2]:
-            total = _Count(int(prim.typeName in SHAPES), 1)
+            total = SceneCount(int(prim.typeName in SHAPES), 1)
         for child in prim.nameChildren:
             total = total.plus(self.of_prim(place, str(child.path)))
         for other, target in self._targets(layer, place, prim):
             total = total.plus(self.of_prim(other, target))
         for variants in prim.variantSets.values():
             each = [self.of_prim(place, str(v.primSpec.path)) for v in variants.variants.values()]
-            total = total.plus(max(each, default=_Count()))
+            total = total.plus(max(each, default=SceneCount()))
         self.counts[key] = total
         return total
 

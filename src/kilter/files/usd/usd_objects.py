@@ -19,9 +19,8 @@ import numpy as np
 
 from kilter.arrays import Array
 from kilter.errors import InputError
-from kilter.files.limits import Tally
+from kilter.files.limits import MOST_PARTS, Tally
 from kilter.files.naming import distinct, tails
-from kilter.files.usd.usd_census import MOST_PARTS
 from kilter.files.usd.usd_values import array_of, place_of, require_finite_transform
 
 __all__ = ["UsdObject", "UsdShape", "find_objects", "matrix_of"]
@@ -234,7 +233,7 @@ class _Search:
                 )
         self._require_finite(prim)
         if len(within) != len(indices):
-            places = len(instancer.GetPositionsAttr().Get() or ())
+            places = len(array_of(instancer.GetPositionsAttr(), (-1, 3), ()))
             raise InputError(
                 f"the point instancer {place_of(prim)} has {len(indices)} indices and {places} "
                 "positions",

@@ -56,6 +56,9 @@ def wrong_hold(
         if entry["about"] not in FALLS or (verdict == "unstable") != FALLS[entry["about"]]:
             yield f"it states {entry['about']!r:.40}, but its proof gives the verdict {verdict}"
             continue
+        if FALLS[entry["about"]] and not entry["proof"]["motion"].keys() <= set(assembly.names):
+            yield f"{entry['about']}: its motion names a part that the assembly does not have"
+            continue
         (falling if FALLS[entry["about"]] else held).append((present, entry))
     shares = [_shares(assembly, contacts, candidates, *item) for item in falling]
     least = len(candidates) + 1 if not held else rules["least"]
