@@ -17,7 +17,6 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from kilter import hooks
-from kilter.values import guesses
 
 if TYPE_CHECKING:
     from kilter.analysis.check import check as check
@@ -233,6 +232,7 @@ def __getattr__(name: str) -> Any:
         home = _HOMES[name]
     except KeyError:
         words = f"module 'kilter' has no attribute {name!r}"
+        guesses = importlib.import_module("kilter.values.guesses")
         remedy = guesses.remedy_of("kilter", name)
         if remedy is not None:
             raise guesses.GuessedAttribute(words, hint=remedy) from None

@@ -347,13 +347,18 @@ class ContactSet(AnswerInWords):
         """JSON data: for each part that touches nothing, the nearest part and its distance."""
         by_part = {neighbour.part: neighbour for neighbour in self.neighbours}
         names, held = self.assembly.names, self.assembly.geometry.grounded
+        touching = self.tolerance.gap_of(self.assembly.geometry.size)
         entries: list[LoneData] = []
         for k in self.alone.tolist():
             data: NeighbourData = {
                 "part": names[k], "nearest": None, "gap": None, "accuracy": None
             }  # fmt: skip
             if k in by_part:
-                data = by_part[k].to_dict(names)
+                near = by_part[k]
+                # between two held parts no contact is detected, also where they touch
+                if held[k] and held[near.other] and near.gap <= touching[k] + near.accuracy:
+                    continue
+                data = near.to_dict(names)
             entries.append({**data, "grounded": bool(held[k])})
         return entries
 

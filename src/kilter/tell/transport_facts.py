@@ -139,7 +139,8 @@ def _case_sentence(answer: Answer) -> str:
         start = f": {moving}" if moving else ""
         return f"Not carried: no forces can hold it {rigid.lower()} {about}{where}{start}."
     if answer["carried"] is None:
-        return f"Undecided for {about}: open pairs decide, or a limit was reached."
+        why = "open pairs decide it" if answer["open_pairs"] else "a limit of the work was reached"
+        return f"Undecided for {about}: {why}."
     return (
         f"Forces that hold it exist under {about}, but it reaches only the level "
         f"{answer['level']}, not {answer['require']}."
