@@ -57,7 +57,7 @@ def canonical(program: Program) -> Program:
         program = merge_parts(program, group)
     if not len(program.part_a):
         return program
-    return _sorted(_framed(program))
+    return _sorted(_framed(_united(program)))
 
 
 def _rigid_groups(program: Program) -> Index:
@@ -78,8 +78,9 @@ def _rigid_groups(program: Program) -> Index:
 
 
 def _framed(program: Program) -> Program:
-    """The program in the canonical frame, about the middle of its contact points."""
-    middle = program.point.mean(axis=0)
+    """The program in the canonical frame, about the centre of mass of the free bodies."""
+    middle = program.mass[program.free] @ program.center[program.free]
+    middle = middle / program.mass[program.free].sum()
     turn = _axes(program, program.point - middle)
 
     def wrenches(six: Array) -> Array:
@@ -121,43 +122,50 @@ def _axes(program: Program, arm: Array) -> Array:
     raise AssertionError("three axes span space")
 
 
+def _united(program: Program) -> Program:
+    """The program with one patch for each plane between two bodies, and no point twice."""
+    program = _oriented(program, program.part_a, program.part_b)
+    middle = program.center[program.free].mean(axis=0)
+    arm = program.point - middle
+    size = max(float(np.abs(arm).max()), TINY)
+    offset = np.einsum("ij,ij->i", program.normal, arm) / size
+    own = np.where(program.kind == CONTACT, -1, program.source)
+    ends = [program.kind, program.part_a, program.part_b, own, program.mu]
+    source = _labels(np.column_stack([*ends, program.normal, offset]))
+    corner = _corners(source, arm / size, program.normal) | (program.kind != CONTACT)
+    return program.with_rows(source=source).taking(corner)
+
+
+def _oriented(program: Program, a: Index, b: Index) -> Program:
+    """The program with parts a and b of each row, and normals that point to the later part."""
+    back = a > b
+    return program.with_rows(
+        part_a=np.where(back, b, a),
+        part_b=np.where(back, a, b),
+        normal=np.where(back[:, None], -program.normal, program.normal),
+    )
+
+
 def _sorted(program: Program) -> Program:
-    """The program with sorted bodies and rows, one patch a plane, and no point twice."""
+    """The program with sorted bodies and rows."""
     size = max(float(np.abs(program.point).max()), TINY)
-    mass = program.mass / max(float(program.mass.max()), TINY)
+    mass = program.mass / max(float(program.mass[program.free].max()), TINY)
     places = np.where(program.free[:, None], program.center, _middles(program)) / size
     order = _order(np.column_stack([program.free, places[:, [2, 0, 1]], mass * program.free]))
     rank = np.empty(len(order) + 1, dtype=np.int64)
     rank[order], rank[-1] = np.arange(len(order)), -1
-    a, b = rank[program.part_a], rank[program.part_b]
-    back = a > b
-    a, b = np.where(back, b, a), np.where(back, a, b)
-    normal = np.where(back[:, None], -program.normal, program.normal)
-    places = np.column_stack([program.point[:, [2, 0, 1]] / size, normal])
-    rows = _order(np.column_stack([program.kind, a, b, program.mu, places]))
-    offset = np.einsum("ij,ij->i", normal, program.point) / size
-    patch = np.column_stack([program.kind, a, b, program.mu, normal, offset])
-    alone = np.where(program.kind == CONTACT, -1.0, program.source)
-    source = _labels(np.column_stack([patch, alone])[rows])
-    keep = _corners(source, places[rows], normal[rows]) | (program.kind[rows] != CONTACT)
-    flipped = program.with_rows(part_a=a, part_b=b, normal=normal).taking(rows[keep])
-    names, parts = (
-        tuple(program.names[k] for k in order),
-        {
-            key: getattr(program, key)[order]
-            for key in (
-                "free",
-                "center",
-                "mass",
-                "inertia",
-                "radius",
-                "applied",
-                "clamp",
-                "tolerance",
-            )
-        },
-    )
-    return flipped.with_rows(names=names, source=source[keep], **parts)
+    program = _oriented(program, rank[program.part_a], rank[program.part_b])
+    ends = [program.kind, program.part_a, program.part_b, program.mu]
+    along = [program.normal, program.point[:, [2, 0, 1]] / size]
+    rows = _order(np.column_stack([*ends, *along]))
+    parts = {
+        key: getattr(program, key)[order]
+        for key in ("free", "center", "mass", "inertia", "radius", "applied", "clamp", "tolerance")
+    }
+    _, first, label = np.unique(program.source[rows], return_index=True, return_inverse=True)
+    number = np.argsort(np.argsort(first))[label.reshape(-1)]
+    names = tuple(program.names[k] for k in order)
+    return program.taking(rows).with_rows(names=names, source=number, **parts)
 
 
 def _corners(source: Index, place: Array, normal: Array) -> Mask:
@@ -170,10 +178,9 @@ def _corners(source: Index, place: Array, normal: Array) -> Mask:
     count = np.bincount(spot)[spot]
     counts = np.zeros(len(spot), dtype=bool)
     counts[np.unique(spot, return_index=True)[1]] = True
-    at = place[:, [1, 2, 0]]
     for k in np.flatnonzero(counts & (count > 1)):
         u, v = across(normal[k : k + 1])
-        arm = at[(source == source[k]) & (spot != spot[k])] - at[k]
+        arm = place[(source == source[k]) & (spot != spot[k])] - place[k]
         angle = np.sort(np.arctan2(arm @ v[0], arm @ u[0]))
         gaps = np.diff(angle, append=angle[:1] + 2 * np.pi)
         counts[k] = len(angle) == 0 or float(gaps.max()) > np.pi + SAME_PLACE
