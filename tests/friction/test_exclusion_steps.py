@@ -10,6 +10,7 @@ import pytest
 from cases import program
 
 from kilter.friction import exclusion_check, exclusion_file
+from kilter.friction.canonical import canonical
 from kilter.friction.contraction import power_bound
 from kilter.friction.enclosure import AT_REST, rescaled
 from kilter.friction.exclusion import prove_no_motion, start_proof
@@ -59,7 +60,7 @@ def test_steps_are_read_as_they_were_written(tangent):
 
 
 def test_moments_are_read_as_they_were_written(slope):
-    (step,) = (one for one in slope[1].steps if isinstance(one, MomentStep))
+    step = next(one for one in slope[1].steps if isinstance(one, MomentStep))
     read = again(step)
     assert (read.scale, read.squares) == (step.scale, step.squares)
     for one, other in zip(read.multipliers.squares, step.multipliers.squares, strict=True):
@@ -122,7 +123,7 @@ def test_without_steps_all_power_is_left(slope):
 
 def test_each_power_step_leaves_what_its_search_found():
     """Repeated, so that a later step refers to motions that an earlier step has bounded."""
-    one = program(stacks.tower(3, tilt=15.0, friction=0.5))
+    one = canonical(program(stacks.tower(3, tilt=15.0, friction=0.5)))
     law, whole = reduced_law(one), Work.of(2.0)
     attempt, bounds = start_proof(law, no_power(one), None, whole)
     steps, left = [], 1.0
@@ -138,7 +139,7 @@ def test_each_power_step_leaves_what_its_search_found():
 
 def test_moments_of_motions_that_are_not_bounded_so_are_refused(slope):
     one, answer = slope
-    (step,) = (one for one in answer.steps if isinstance(one, MomentStep))
+    step = next(one for one in answer.steps if isinstance(one, MomentStep))
     with pytest.raises(MalformedProof, match="to which motions are not bounded"):
         power_not_excluded(one, answer.opening, [replace(step, scale=step.scale / 2)])
 
@@ -188,7 +189,7 @@ def test_a_cone_is_halved_only_if_it_is_wide_enough(slope):
 
 def test_numbers_near_the_largest_leave_all_power(slope):
     one, answer = slope
-    (step,) = (one for one in answer.steps if isinstance(one, MomentStep))
+    step = next(one for one in answer.steps if isinstance(one, MomentStep))
     huge = replace(
         step.multipliers, squares=tuple(1e150 * np.sign(m) for m in step.multipliers.squares)
     )

@@ -20,6 +20,7 @@ from kilter.cli import main
 from kilter.contact import contacts
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
+from kilter.scenes.pieces import block, floor
 
 G = 9.81
 NEWTON = 0.01
@@ -254,3 +255,21 @@ def test_straps_of_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixtur
     straps.write_text('[{"path": [["ground", [0, 0, 0]], ["bag", [0, 0, 2]]], "tension": 9}]')
     assert main([*words, "--straps", str(straps)]) in (1, 2)
     assert "bag" in "".join(capsys.readouterr())
+
+
+@pytest.mark.parametrize("gap", [0.005, 0.0])
+def test_a_strap_that_pulls_a_gap_together_is_named_with_the_clearance_that_closes_it(gap):
+    bed = floor([-5, -2], [5, 2], name="bed")
+    boxes = [
+        block(name, [x, -0.5, 0], [x + 1, 0.5, 1], mass=500)
+        for name, x in (("left", -1.0), ("right", gap))
+    ]
+    strap = kilter.Strap([("left", [-1, 0, 1]), ("right", [1 + gap, 0, 1])], tension=20000)
+    load = kilter.Assembly([bed, *boxes], friction=0.3, straps=[strap])
+    verdict = kilter.check(load)
+    texts = [text for text in verdict.warnings if "pulls 'left' and 'right' together" in text]
+    assert (verdict.verdict == "unstable") == bool(texts) == (gap > 0)
+    for text in texts:
+        clearance = float(text.split("--clearance ")[1].split()[0])
+        closed = kilter.check(load, tolerance=kilter.Tolerance(clearance=clearance))
+        assert closed.level is not None

@@ -25,7 +25,7 @@ from kilter.analysis.open_pairs.open_question import open_pairs_answer
 from kilter.analysis.open_pairs.ordinary_contacts import (
     trial_words,
 )
-from kilter.analysis.verdict.remarks import loose_parts, remarks
+from kilter.analysis.verdict.remarks import gaps_under_straps, loose_parts, remarks
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.assembly import Assembly
 from kilter.assembly.strap_ends import end_words, with_named_ends
@@ -354,6 +354,8 @@ def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> s
 def _warnings(assembly: Assembly, contacts: ContactSet, decision: Decision) -> list[str]:
     """Warnings about the input, about open pairs and about parts that touch nothing."""
     warnings = remarks(assembly, contacts)
+    if decision.verdict in ("unstable", "undecided"):
+        warnings += gaps_under_straps(assembly, contacts)
     friction, program = decision.friction, decision.program
     if friction is not None and program.has_limits:
         limits = {"bonds with limited shear": program.cohesion.any(),

@@ -131,7 +131,7 @@ NO_GAIN = 1e-6
 """A smaller gain counts as zero [deg, or weights]."""
 BALANCED = 1e-8
 """Largest imbalance of forces that follow the masses, over the weight of the part [-]."""
-UNLIMITED = 1e6
+UNLIMITED = 1e5
 """A share of a load, or a push over the weight of all parts, above this is unlimited [-]."""
 NEARLY = 1e-5
 """A share counts as the largest share of the search if it is closer to it; relative [-]."""

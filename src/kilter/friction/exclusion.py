@@ -23,6 +23,7 @@ from typing import Literal
 import numpy as np
 
 from kilter.arrays import Array
+from kilter.friction.canonical import canonical
 from kilter.friction.contraction import ProofAttempt, contract, power_bound, shrunk
 from kilter.friction.enclosure import Enclosure, rescaled
 from kilter.friction.exclusion_bounds import (
@@ -137,6 +138,7 @@ def prove_no_motion(program: Program, *, work: Work | float = 1.0) -> Exclusion:
     work = Work.of(work).fraction_left(1.0)
     if not program.free.any() or not program.load[program.free].any():
         return Exclusion(True, "contraction", 0, 0, 0.0, "", work.spent)
+    program = canonical(program)
     why = refusal(program)
     if why:
         return Exclusion(False, None, 0, 0, 1.0, "", work.spent, why)

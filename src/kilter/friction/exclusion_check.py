@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from kilter.arrays import Array
+from kilter.friction.canonical import canonical
 from kilter.friction.enclosure import Enclosure, cases, rescaled, width
 from kilter.friction.exclusion_bounds import (
     first_bounds,
@@ -42,6 +43,7 @@ def power_not_excluded(
     """
     if not program.free.any() or not program.load[program.free].any():
         return 0.0, 0.0
+    program = canonical(program)
     if refusal(program):
         return 1.0, 0.0
     law = reduced_law(program)

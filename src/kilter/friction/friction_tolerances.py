@@ -40,6 +40,7 @@ __all__ = [
     "OBEYED",
     "POINT_AT_REST",
     "PRESSES",
+    "SAME_PLACE",
     "SHARP",
     "SLACK",
     "SLOW",
@@ -62,6 +63,9 @@ FLAT = 1e-9
 """A patch is flat if its normals differ by less [rad], and its points deviate from a plane by less,
 over the largest bounding radius of a part.
 """
+SAME_PLACE = 1e-8
+"""Coordinates over the size, and components of normals, that differ less are equal in the order of
+rows; it exceeds the rounding of a copy that is turned, and of one that is far from the origin."""
 
 
 # the proof that no motion can start --------------------------------------------------------------

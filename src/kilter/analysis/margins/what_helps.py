@@ -188,9 +188,12 @@ def _hold(
     if best is None or best[0] <= NO_GAIN:
         return None
     name, more = program.names[best[1]], _words(of, best[0])
-    words = f"hold {name!r}: it adds {more}"
+    fix = f"fix {name!r} so that it cannot move at all"
+    words = f"{fix}: this adds {more}"
     if np.isinf(best[0]):
-        words = f"hold {name!r}: then it withstands every load factor"
+        words = f"{fix}: then it withstands every load factor"
+    elif of == "tilt" and best[0] >= 90.0 - np.degrees(np.arctan(limit.value)) - NO_GAIN:
+        words = f"{fix}: then no tilt up to a right angle moves another part"
     return Help(of, "hold", (name,), best[0], words)
 
 

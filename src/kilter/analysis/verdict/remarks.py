@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from kilter.arrays import connected
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.contact.fits.coincident import coincident_remarks
+from kilter.contact.neighbours import nearest_parts
 from kilter.tell.contact_words import group_warnings, lone_warnings
+from kilter.tell.numbers import rounded_up
 
-__all__ = ["floating_groups", "loose_parts", "remarks", "touching_nothing"]
+__all__ = ["floating_groups", "gaps_under_straps", "loose_parts", "remarks", "touching_nothing"]
 
 
 def remarks(assembly: Assembly, contacts: ContactSet) -> list[str]:
@@ -20,6 +24,26 @@ def remarks(assembly: Assembly, contacts: ContactSet) -> list[str]:
     if assembly.geometry.grounded.all():
         texts.append("every part is held: nothing can move")
     return texts
+
+
+def gaps_under_straps(assembly: Assembly, contacts: ContactSet) -> list[str]:
+    """Warnings about gaps between parts that a strap pulls together, each with its width."""
+    index, touching = assembly.index, {frozenset(pair) for pair in contacts.adjacent.tolist()}
+    texts = []
+    for number, strap in enumerate(assembly.straps, start=1):
+        for a, b in pairwise(strap.parts):
+            pair = frozenset((index.get(a, -1), index.get(b, -1)))
+            if len(pair) < 2 or -1 in pair or pair in touching:
+                continue
+            both = Assembly([assembly[a], assembly[b]], units=assembly.units)
+            for near in nearest_parts(both.geometry, [0]):
+                gap = rounded_up(near.gap, 3)
+                texts.append(
+                    f"strap {number} pulls {a!r} and {b!r} together, which do not touch: the gap "
+                    f"between them is {gap} {assembly.units} (--clearance {gap} counts it as "
+                    "closed)"
+                )
+    return list(dict.fromkeys(texts))
 
 
 def loose_parts(assembly: Assembly, contacts: ContactSet) -> list[str]:
