@@ -8,7 +8,7 @@ from random_fits import HEAVIEST, random_fit
 
 from kilter.analysis.decision import judge as judging
 from kilter.analysis.decision.judge import Judgement, judge
-from kilter.mechanics.mechanics_tolerances import NO_EXCUSE, RULED_OUT
+from kilter.mechanics.mechanics_tolerances import RULED_OUT
 from kilter.mechanics.program import Program
 from sampled import sampled
 
@@ -24,7 +24,8 @@ def proves_by_matrix(program: Program, judgement: Judgement) -> bool:
         forces = judgement.forces.forces
         assert (forces[~program.two_sided] >= 0.0).all()
         rest = ((rows.T @ forces).reshape(-1, per) + load) / radius
-        return bool((np.abs(rest) <= NO_EXCUSE * program.weight[program.free, None]).all())
+        rounded = 1e-14 * program.force_sums(forces)[program.free, None]
+        return bool((np.abs(rest) <= 2e-9 * program.weight[program.free, None] + rounded).all())
     motion = judgement.motion.motion[program.free]
     opening = rows @ motion.reshape(-1)
     violation = np.where(program.two_sided, np.abs(opening), -opening).max(initial=0.0)

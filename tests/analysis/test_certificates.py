@@ -18,12 +18,16 @@ from kilter.mechanics.certificate import (
     check_forces,
     check_motion,
     needed_power,
-    needed_powers,
     part_sizes,
     violations,
 )
 from kilter.mechanics.forms import least_imbalance, load_factor, scaled_problem
-from kilter.mechanics.mechanics_tolerances import NO_EXCUSE, RULED_OUT, STILL, TOLERANCE
+from kilter.mechanics.mechanics_tolerances import (
+    EXCESS,
+    RULED_OUT,
+    TOLERANCE,
+    UNITS_IN_LAST_PLACE,
+)
 from kilter.scenes import friction, packings, paper, scene, stacks, walls
 from kilter.scenes.pieces import block, floor
 from kilter.solvers.highs import solve_linear
@@ -107,10 +111,10 @@ def test_forces_a_little_off_prove_nothing(name):
     for k in random.choice(pushed, size=min(10, len(pushed)), replace=False):
         forces = proof.forces.copy()
         part = [p for p in (program.part_a[k], program.part_b[k]) if p >= 0 and program.free[p]]
-        scale = max(np.maximum(program.weight, program.force_sums(forces))[part])
-        forces[k] += 3 * TOLERANCE * scale
+        weight = min(program.weight[part])
+        forces[k] += 3 * TOLERANCE * weight
         assert not check_forces(program, forces).holds
-        forces[k] = proof.forces[k] + 1e-3 * TOLERANCE * scale
+        forces[k] = proof.forces[k] + 1e-3 * TOLERANCE * weight
         assert check_forces(program, forces).holds
 
 
@@ -140,13 +144,12 @@ def test_box_at_rest_has_no_motion_that_violates_a_little_and_gains_a_little(gai
     proof = check_motion(program, motion)
     assert not proof.holds
     assert proof.violation == pytest.approx(gain / np.hypot(1, gain))
-    assert proof.ratio == pytest.approx(1.0)
-    assert proof.ratio < RULED_OUT
+    assert proof.ratio < 1.1 / RULED_OUT
 
 
 def test_small_gain_without_violation_is_a_proof_down_to_the_tolerance():
     # gravity leans by a hair: sliding gains, and violates nothing
-    for lean, holds in ((3e-9, True), (3e-10, False)):
+    for lean, holds in ((1.02e-9, True), (0.99e-9, False)):
         program = program_of(stacks.tower(1).with_down([lean, 0, -1]))
         motion = np.zeros((2, 6))
         motion[1, 0] = 1.0
@@ -161,7 +164,7 @@ def test_ratio_of_a_motion_bounds_the_forces_that_could_hold_it():
         program = program_of(Assembly([table, box]))
         proof = judge(program).motion
         assert proof.holds
-        assert proof.ratio > RULED_OUT
+        assert proof.ratio > 1.0
 
 
 @EACH
@@ -283,32 +286,35 @@ def test_no_forces_leave_the_whole_weight():
 
 
 @pytest.mark.parametrize(
-    ("share", "pinch", "holds"),
-    [(0.9, 1e9, True), (1.1, 1e9, False), (0.0, 0.49e10, True), (0.0, 0.51e10, False)],
+    ("pinch", "left", "holds"),
+    [
+        (1.0, 0.9 * TOLERANCE, True),
+        (1.0, 1.1 * TOLERANCE, False),
+        (0.4 * RULED_OUT, 0.9 * TOLERANCE, True),
+        (0.4 * RULED_OUT, 2.0 * TOLERANCE, False),
+        (0.6 * RULED_OUT, 0.0, False),
+    ],
 )
-def test_no_pinch_hides_more_than_a_hundredth_of_a_weight(share, pinch, holds):
-    """Two walls press a block so hard that its weight is negligible in comparison.
-
-    If both forces together exceed 1e10 weights, they prove nothing, however well they balance.
-    """
+def test_a_pinch_hides_no_weight(pinch, left, holds):
+    """Two walls press a block: its imbalance counts over its weight, however hard they press."""
     built = program_of(friction.h_block())
     lift = np.zeros((len(built.part_a), 3))
     [k] = np.flatnonzero(built.free)
     side = np.where(built.part_b == k, 1.0, -1.0)
     toward = (side[:, None] * built.normal)[:, 0]
     walls_ = np.abs(toward) > 0.9
-    hard = pinch * built.weight[k]
     pushed = toward[walls_] > 0
     forces = np.zeros(len(built.part_a))
-    forces[walls_] = hard * np.where(pushed, 1 / pushed.sum(), 1 / (~pushed).sum())
-    carried = (1 - share * NO_EXCUSE) * built.weight[k] / walls_.sum()
-    lift[walls_, 2] = carried * side[walls_]
+    share = np.where(pushed, 1 / pushed.sum(), 1 / (~pushed).sum())
+    forces[walls_] = pinch * built.weight[k] * share
+    lift[walls_, 2] = (1 - left) * built.weight[k] / walls_.sum() * side[walls_]
     proof = check_forces(built, forces, lift)
-    assert proof.residual < built.tolerance.max()
+    if left:
+        assert proof.residual == pytest.approx(left, rel=0.1)
     assert proof.holds == holds
 
 
-@pytest.mark.parametrize(("slope", "verdict"), [(1e-8, "stable"), (1e-12, "unstable")])
+@pytest.mark.parametrize(("slope", "verdict"), [(1e-5, "stable"), (1e-8, "none"), (1e-12, "none")])
 def test_walls_that_lean_by_rounding_hold_no_block(slope, verdict):
     """A block between walls that overhang its sides by a slope: forces of weight / (2 slope)."""
     base = program_of(friction.h_block())
@@ -323,9 +329,38 @@ def test_walls_that_lean_by_rounding_hold_no_block(slope, verdict):
     for sign in (1, -1):
         rows = walls_ & (sign * toward > 0)
         forces[rows] = built.weight[k] / (2 * slope) / rows.sum()
-    proof = check_forces(built, forces)
-    assert proof.residual < built.tolerance.max()
-    assert proof.holds == (verdict == "stable")
+    assert check_forces(built, forces).holds == (verdict == "stable")
+    fall = np.zeros((len(built.names), 6))
+    fall[k, 2] = -1.0
+    # in the band between 1e-9 and 1e-6 neither holds
+    assert check_motion(built, fall).holds == (slope < 1e-7)
+
+
+def speck_under_a_weight(sizes=(1.0, 1e-3, 1e3)):
+    """A light plate between a table and a heavy block that rests on it."""
+    side, thin, mass = sizes
+    plate = block("plate", [0, 0, 0], [side, side, thin], mass=1e-3)
+    heavy = block("heavy", [0, 0, thin], [side, side, thin + side], mass=mass)
+    return program_of(Assembly([floor([-3, -3], [5, 5]), plate, heavy]))
+
+
+@pytest.mark.parametrize(("units", "holds"), [(0.5, True), (2.0, False)])
+def test_rounding_of_large_forces_is_excused_and_no_more(units, holds):
+    """The plate carries 1e10 of its weight: rounding of this is 1e-6 of its weight."""
+    built = speck_under_a_weight((1.0, 1e-3, 1e7))
+    plate, heavy = (built.names.index(name) for name in ("plate", "heavy"))
+    weight = built.weight
+    forces = np.zeros(len(built.part_a))
+    upper = (built.part_a == heavy) | (built.part_b == heavy)
+    forces[upper] = weight[heavy] / upper.sum()
+    forces[~upper] = (weight[heavy] + weight[plate]) / (~upper).sum()
+    sums = built.force_sums(forces)[plate]
+    # off by units in the last place of all forces, beyond the tolerance of the weight
+    off = TOLERANCE * weight[plate] + units * UNITS_IN_LAST_PLACE * sums
+    forces[~upper] += off / (~upper).sum()
+    assert off > 100 * TOLERANCE * weight[plate]
+    assert off < EXCESS * weight.sum()
+    assert check_forces(built, forces).holds == holds
 
 
 def test_friction_is_cut_to_its_cone_and_to_the_plane():
@@ -362,7 +397,7 @@ def test_a_motion_may_sink_in_by_a_millionth_of_its_power(share, holds):
     built, k, proof = slid(sunk)
     assert proof.violation == pytest.approx(sunk, rel=1e-9)
     assert proof.power == pytest.approx(built.weight[k] * np.sin(np.radians(20.0)), rel=1e-5)
-    assert proof.ratio == pytest.approx(RULED_OUT / share, rel=1e-5)
+    assert proof.ratio == pytest.approx(1 / share, rel=1e-4)
     assert proof.holds == holds
 
 
@@ -464,25 +499,23 @@ def two_blocks():
     return program_of(Assembly([floor([-3, -3], [5, 5]), first, second]))
 
 
-@pytest.mark.parametrize(("share", "counts"), [(0.5, False), (2.0, True)])
-def test_a_part_that_turns_by_less_than_a_millionth_does_not_move(share, counts):
-    """The weight of the second block counts in the ratio if radius x angle reaches the limit."""
+def test_only_clusters_that_move_count_in_the_needed_power():
+    """The second block stands beside the first and does not touch it."""
     built = two_blocks()
     first, second = (built.names.index(name) for name in ("first", "second"))
-    motion = np.zeros((len(built.names), 6))
-    motion[first, 0] = 1.0
-    motion[second, 4] = share * STILL / built.radius[second]
-    motion[first, 2] = -1e-3  # it violates its contacts: the ratio depends on the weight
-    proof = check_motion(built, motion)
-    weight = built.weight[first] + (built.weight[second] if counts else 0.0)
-    assert proof.ratio == pytest.approx(proof.power / (proof.violation * weight), rel=1e-12)
-    for scale in (0.25, 1.0, 4.0):  # the limit is relative to the fastest part
-        scaled = dataclasses.replace(proof, motion=scale * proof.motion)
-        assert needed_power(built, scaled) == pytest.approx(RULED_OUT * proof.violation * weight)
+    for turn in (0.0, 1e-7):
+        motion = np.zeros((len(built.names), 6))
+        motion[first, 0], motion[first, 2] = 1.0, -1e-3  # it violates its contacts
+        motion[second, 4] = turn / built.radius[second]
+        proof = check_motion(built, motion)
+        weight = built.weight[first] + (built.weight[second] if turn else 0.0)
+        needed = TOLERANCE * (built.weight[first] + turn * built.weight[second])
+        needed += (EXCESS + RULED_OUT * proof.violation) * weight
+        assert needed_power(built, proof) == pytest.approx(needed, rel=1e-12)
+        assert proof.ratio == pytest.approx(proof.power / needed, rel=1e-12)
 
 
-def test_the_needed_power_of_several_loads_is_that_of_each_load():
-    """The greater of the tolerance and of the violation, in weights of the moving parts."""
+def test_the_needed_power_for_several_loads_is_enough_for_each():
     built = two_blocks()
     free = np.flatnonzero(built.free)
     weights = np.random.default_rng(6).uniform(1.0, 9.0, (3, len(built.names)))
@@ -491,12 +524,11 @@ def test_the_needed_power_of_several_loads_is_that_of_each_load():
         motion[free, 0], motion[free, 2] = 1.0, -sunk
         proof = check_motion(built, motion)
         assert (proof.violation > 0) == (sunk > 0)
-        found = needed_powers(built, proof, weights)
-        least = max(TOLERANCE, RULED_OUT * proof.violation)
-        assert found == pytest.approx(least * weights[:, free].sum(axis=1), rel=1e-12)
-        own = needed_power(built, proof)
-        assert own == pytest.approx(float(needed_powers(built, proof, built.weight[None])[0]))
-        assert proof.holds == (proof.power > own)
+        each = [needed_power(built, proof, weight[None]) for weight in weights]
+        assert needed_power(built, proof, weights) == pytest.approx(max(each), rel=1e-12)
+        least = TOLERANCE + EXCESS + RULED_OUT * proof.violation
+        assert each == pytest.approx(least * weights[:, free].sum(axis=1), rel=1e-12)
+        assert proof.holds == (proof.power > needed_power(built, proof))
 
 
 def test_sizes_of_several_motions_are_those_of_each_motion():

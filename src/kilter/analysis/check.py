@@ -42,6 +42,7 @@ from kilter.tell.second_order_words import balanced_sentence, push_open_sentence
 from kilter.tell.words import verdict_sentence
 from kilter.threads import on_one_thread
 from kilter.validate import number
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT, Work, facts_of, units_of
 
 __all__ = ["check", "check_equilibrium", "check_level"]
@@ -53,6 +54,7 @@ FAR_APART = 1e9
 """Ratio of the largest to the least mass above which accelerations of light parts are inexact."""
 
 
+@guarded
 @on_one_thread
 def check(
     assembly: AssemblyOrPath,
@@ -112,6 +114,11 @@ def check(
     ------
     InputError
         If no part is held, if an argument is invalid, or if the geometry is not usable.
+
+    See Also
+    --------
+    kilter.margin : how much tilt, push or loss of friction it withstands.
+    kilter.scene : a state for each object of a scene.
 
     Examples
     --------
@@ -320,9 +327,10 @@ def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> s
         bending = [decision.program.names[k] for k in second.bending]
         return push_open_sentence(bending, second.why)
     if friction is None:
+        rubs = assembly.friction > 0 or any(pair.mu > 0 for pair in assembly.friction_pairs)
         return verdict_sentence(
             decision.verdict,
-            frictionless=not decision.program.mu.any(),
+            frictionless=not (rubs or decision.program.mu.any()),
             coarse=coarse,
             counted=counted,
             bonded=bonded,

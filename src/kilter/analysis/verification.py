@@ -1,19 +1,23 @@
-"""Verify proof files against the assembly, without any solver.
+"""Verify proof files against the assembly: which level do their numbers prove?
 
 The assembly is read and its contacts are detected anew, and both are compared with the proof number
-by number. Forces and motions of the proof are tested again (`kilter.mechanics.recheck`). The steps
-that exclude every motion with friction are repeated (`kilter.friction.exclusion_file`).
+by number. Forces and motions of the proof are tested again (`kilter.mechanics.recheck`), and the
+steps that exclude every motion with friction are repeated (`kilter.friction.exclusion_file`), all
+without any solver. The level settles has no proof, since it is the result of a search: its tries
+and its search for a motion are repeated. A statement that is not recomputed is not part of the
+result; `docs/proofs.md` lists them.
 """
 
 from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from kilter.analysis.limit_check import limit_notes, require_limit_form, wrong_limits
 from kilter.analysis.placing.place_check import require_place_form, wrong_places
 from kilter.analysis.planning.hold.hold_check import wrong_hold
 from kilter.analysis.planning.hold.least_straps import wrong_lashing
@@ -23,6 +27,7 @@ from kilter.analysis.planning.plan_proof_form import (
     require_lashing_form,
     require_plan_form,
 )
+from kilter.analysis.regions.region_check import region_notes, require_region_form, wrong_region
 from kilter.analysis.settled_pose.rest_recheck import (
     at_closed_points,
     is_proof_of_rest,
@@ -36,15 +41,19 @@ from kilter.errors import InputError
 from kilter.files.choices import digest, find_choices
 from kilter.files.file_content import read_json
 from kilter.files.reading import Reading
+from kilter.friction.answer import ask_friction
 from kilter.friction.exclusion_file import recheck_exclusion
 from kilter.mechanics.bundle import apply_change, is_bundle, split_bundle, subject_mismatch
-from kilter.mechanics.program import build_program
+from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import digest_of
 from kilter.mechanics.proof_form import MalformedProof, require_form
 from kilter.mechanics.recheck import proof_forces, recheck
 from kilter.second_order.proofs.push_recheck import wrong_about_push
 from kilter.second_order.proofs.second_order_recheck import recheck_second_order
 from kilter.tell.json_answer import AnswerInWords
+from kilter.tell.levels import holds as holds_at
+from kilter.tell.levels import level_of, level_rank, require_level
+from kilter.values.guesses import guarded
 
 if TYPE_CHECKING:
     from kilter.tell.answer_data.other_data import VerifyData
@@ -54,14 +63,21 @@ __all__ = ["Verification", "proof_tolerance", "verify", "verify_proof"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Verification(AnswerInWords):
-    """Result of the verification of a proof: whether it holds, its errors, and the verdict.
+    """Result of the verification of a proof: the level that it proves, and its errors.
 
     Attributes
     ----------
     holds : bool
-        Whether the proof holds.
+        Whether the proof holds at the required level.
     verdict : str
         The statement of the proof: a verdict, or the kind of a bundle of proofs.
+    level : str or None
+        Level that was recomputed: "equilibrium", "settles", "proved" or "strict"; of a bundle the
+        lowest of its states that stay. None for a motion, or without a valid proof.
+    claimed : str or None
+        Level that the file claims; None if it claims that the assembly falls.
+    require : str or None
+        The required level; by default the claimed level.
     reasons : tuple of str
         Reasons why the proof does not hold; empty if it holds.
     residual : float or None
@@ -84,6 +100,9 @@ class Verification(AnswerInWords):
 
     holds: bool
     verdict: str
+    level: str | None
+    claimed: str | None
+    require: str | None
     reasons: tuple[str, ...]
     residual: float | None
     power: float | None
@@ -99,6 +118,9 @@ class Verification(AnswerInWords):
         return {
             "holds": self.holds,
             "verdict": self.verdict,
+            "level": self.level,
+            "claimed": self.claimed,
+            "require": self.require,
             "residual": self.residual,
             "power": self.power,
             "reasons": list(self.reasons),
@@ -111,19 +133,27 @@ class Verification(AnswerInWords):
         }
 
     def __repr__(self) -> str:
-        return f"<Verification: {self.verdict}, {'holds' if self.holds else 'does not hold'}>"
+        lower = f"only {self.level} is proved" if self.level and not self.reasons else ""
+        return (
+            f"<Verification: {self.verdict}, {'holds' if self.holds else lower or 'does not hold'}>"
+        )
 
     def __bool__(self) -> bool:
         raise TypeError("a verification is neither true nor false: use .holds")
 
 
+@guarded
 def verify(
     assembly: Assembly | str | Path,
     proof: dict[str, Any] | str | Path,
     *,
+    require: str | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Verification:
-    """Verify a proof against the assembly, without any solver.
+    """Verify a proof against the assembly: recompute the level that it proves.
+
+    `kilter.check` computes a verdict and its proof; this function needs no solver, except that it
+    repeats the search of a claim that the assembly settles.
 
     Parameters
     ----------
@@ -133,6 +163,8 @@ def verify(
     proof : dict or path
         The result of `Verdict.proof`, `Region.proof`, `Margin.proof`, `Order.proof` or
         `Fixture.proof`, or a file that the option ``--proof`` of their commands wrote.
+    require : {"equilibrium", "settles", "proved", "strict"}, optional
+        Level that the proof must reach to hold; by default the level that it claims.
     progress : callable, optional
         Function that is called with the name of each stage.
 
@@ -143,7 +175,13 @@ def verify(
     Raises
     ------
     InputError
-        If a file cannot be read, or if the data do not have the form of a proof.
+        If a file cannot be read, if the data do not have the form of a proof, or if the level does
+        not exist.
+
+    See Also
+    --------
+    kilter.load_answer : reads an answer, without a proof.
+    kilter.check : the verdict that gives the proof.
 
     Examples
     --------
@@ -156,6 +194,8 @@ def verify(
     False
     """
     tell = progress or (lambda stage: None)
+    if require is not None:
+        require_level(require, strict=True)
     data, file = proof, None
     if isinstance(proof, str | os.PathLike):
         file = os.fspath(proof)
@@ -175,35 +215,42 @@ def verify(
             choices = find_choices(assembly)
             path = Path(assembly) if choices is None else choices.path
             if reading.entries.get("sha256") not in (None, _digest(path)):
-                return _of_another_file(first, path)
+                return _of_another_file(first, path, require)
             assembly = reading.read(assembly if choices is None else path)
             assembly, known = fasten_as_read(
                 assembly, reading, tolerance=tolerance, progress=progress
             )
         require_assembly(assembly, "verify")
         if not several and is_proof_of_rest(first):
-            return _verify_rest(assembly, first, progress)
+            return _verify_rest(assembly, first, require, progress)
         touching = known or contacts(assembly, tolerance=tolerance, progress=progress)
         recompute = verify_bundle if several else verify_proof
-        return recompute(assembly, touching, data)
+        result = recompute(assembly, touching, data, require=require)
+        if tolerance == (assembly.tolerance or Tolerance()):
+            return result
+        return replace(result, notes=(OTHER_TOLERANCE, *result.notes))
     except InputError as error:
         raise error.located(file=file) from None
 
 
 def _verify_rest(
-    assembly: Assembly, proof: dict[str, Any], progress: Callable[[str], None] | None
+    assembly: Assembly,
+    proof: dict[str, Any],
+    require: str | None,
+    progress: Callable[[str], None] | None,
 ) -> Verification:
     """Verify a proof that a pose is at rest: its points are closed, and its forces balance."""
     if progress is not None:
         progress("gaps at the points of the proof")
     listed = at_closed_points(assembly, proof)
-    result = verify_proof(listed, contacts(listed), proof)
+    result = verify_proof(listed, contacts(listed), proof, require=require)
     objections = open_point_objections(assembly, proof)
     gap = f"{proof['rest']['gap']:.3g} {assembly.units}"
     note = f"at rest: {len(proof['points'])} points closed to {gap}, no deeper overlap"
     return replace(
         result,
         holds=result.holds and not objections,
+        level=None if objections else result.level,
         reasons=(*objections, *result.reasons),
         notes=result.notes if objections else (note, *result.notes),
     )
@@ -214,12 +261,15 @@ def _digest(path: Path) -> str | None:
     return digest(path) if path.exists() else None
 
 
-def _of_another_file(proof: Mapping[str, Any], path: Path) -> Verification:
+def _of_another_file(proof: Mapping[str, Any], path: Path, require: str | None) -> Verification:
     """Failed verification of a proof that was made for an older version of the file."""
     reason = f"the proof is about another version of {path.name} (its sha256 differs)"
     return Verification(
         False,
         proof["verdict"],
+        None,
+        level_of(proof["verdict"]),
+        require,
         (reason,),
         None,
         None,
@@ -250,7 +300,13 @@ def proof_tolerance(proof: dict[str, Any]) -> Tolerance:
     )
 
 
-def verify_bundle(assembly: Assembly, contacts: ContactSet, bundle: dict[str, Any]) -> Verification:
+def verify_bundle(
+    assembly: Assembly,
+    contacts: ContactSet,
+    bundle: dict[str, Any],
+    *,
+    require: str | None = None,
+) -> Verification:
     """Recompute every proof in the file of a region, a margin, a plan or a fixture.
 
     The residual is the largest of all proofs, the power is the least.
@@ -266,11 +322,11 @@ def verify_bundle(assembly: Assembly, contacts: ContactSet, bundle: dict[str, An
             "the proof file was changed after kilter wrote it (its digest does not match)"
         )
     proof: dict[str, Any] = {}
-    verdicts = []
+    verdicts, levels = [], []
     for about, proof in split_bundle(bundle):
         subject = about["about"]
         other, touching = apply_change(assembly, contacts, about["change"])
-        result = verify_proof(other, touching, proof)
+        result = verify_proof(other, touching, proof, require="equilibrium")
         wrong = [*result.reasons, *filter(None, [subject_mismatch(about, proof)])]
         of = next((about[key] for key in ("part", "parts", "vector", "value") if key in about), "")
         reasons += [f"{subject} {of}: {reason}" for reason in wrong]
@@ -278,14 +334,21 @@ def verify_bundle(assembly: Assembly, contacts: ContactSet, bundle: dict[str, An
         residual += [] if result.residual is None else [result.residual]
         power += [] if result.power is None else [result.power]
         verdicts.append(proof["verdict"])
-    reasons += _wrong_together(assembly, contacts, bundle, verdicts)
+        if "forces" in proof:
+            levels.append(result.level)
+    together, notes = _judged_together(assembly, contacts, bundle, verdicts)
+    reasons += together
+    level = min(levels, key=level_rank, default=None)
     return Verification(
-        not reasons,
+        not reasons and (require is None or holds_at(level, require)),
         bundle["kind"],
+        None if reasons else level,
+        level,
+        require,
         tuple(reasons),
         max(residual, default=None),
         min(power, default=None),
-        tuple(f"{count} x {statement}" for statement, count in counts.items()),
+        (*notes, *(f"{count} x {statement}" for statement, count in counts.items())),
         held=tuple(part.name for part in assembly if part.grounded),
         gravity=tuple(assembly.gravity.tolist()),
         units=assembly.units,
@@ -294,28 +357,35 @@ def verify_bundle(assembly: Assembly, contacts: ContactSet, bundle: dict[str, An
     )
 
 
-JUDGES = {
+JUDGES: dict[str, tuple[Callable[..., None], Callable[..., Iterable[str]]]] = {
+    "region": (require_region_form, wrong_region),
+    "margin": (require_limit_form, wrong_limits),
+    "transport": (require_limit_form, wrong_limits),
     "plan": (require_plan_form, wrong_order),
     "hold": (require_hold_form, wrong_hold),
     "lashing": (require_lashing_form, wrong_lashing),
     "place": (require_place_form, wrong_places),
 }
 """For each kind of bundle: the form of its statements, and the reasons why valid proofs do not
-form a plan, a fixture, a lashing or a map of places."""
+support the statement of the file: a region, limits, a plan, a fixture, a lashing, a map."""
+NOTES: dict[str, Callable[..., Iterable[str]]] = {
+    "region": region_notes,
+    "margin": limit_notes,
+    "transport": limit_notes,
+}
+"""For some kinds of bundle: the statement that was recomputed, in words."""
 
 
-def _wrong_together(
+def _judged_together(
     assembly: Assembly, contacts: ContactSet, bundle: Mapping[str, Any], verdicts: Sequence[str]
-) -> list[str]:
-    """Reasons why proofs that are valid one by one do not prove a plan or a fixture.
+) -> tuple[list[str], list[str]]:
+    """Reasons why proofs that are valid one by one do not prove the statement of the file; notes.
 
     Raises
     ------
     InputError
-        If the data of the plan or fixture do not have the required form.
+        If the data of the statement do not have the required form.
     """
-    if bundle["kind"] not in JUDGES:
-        return []
     require_statements, judge = JUDGES[bundle["kind"]]
     try:
         require_statements(bundle, assembly.names)
@@ -324,10 +394,18 @@ def _wrong_together(
             f"the proof of a {bundle['kind']} does not have the required form ({error})",
             hint="write it again with --proof",
         ) from None
-    return list(judge(assembly, contacts, bundle, verdicts))
+    reasons = list(judge(assembly, contacts, bundle, verdicts))
+    notes = NOTES.get(bundle["kind"])
+    return reasons, [] if notes is None or reasons else list(notes(assembly, contacts, bundle))
 
 
-def verify_proof(assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]) -> Verification:
+def verify_proof(
+    assembly: Assembly,
+    contacts: ContactSet,
+    proof: dict[str, Any],
+    *,
+    require: str | None = None,
+) -> Verification:
     """Recompute a single proof from an assembly and its contacts.
 
     Raises
@@ -342,33 +420,48 @@ def verify_proof(assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]
     result = recheck(assembly, contacts, proof)
     reasons, notes = list(result.reasons), [*result.notes, *ends]
     friction = proof.get("friction")
+    program = build_program(assembly, contacts)
     if not reasons and friction is not None and friction["guarantee"] == "proved":
-        program = build_program(assembly, contacts)
         more, also = recheck_exclusion(program, friction["exclusion"])
         reasons, notes = reasons + more, notes + also
     second = proof.get("second_order")
     if not reasons and second is not None and ("forces" not in proof or friction is not None):
         reasons = ["its second order needs a proof by forces without friction"]
     elif not reasons and second is not None:
-        program = build_program(assembly, contacts)
         reasons = recheck_second_order(assembly, contacts, program.frictionless, second)
         notes += [] if reasons else [f"second order: {second['state']}"]
+    claimed = level_of(proof["verdict"])
+    level = None if reasons else claimed
     if not reasons and "forces" in proof:
-        program = build_program(assembly, contacts)
-        program = program.frictionless if friction is None else program
-        forces, _, _ = proof_forces(program, proof)
-        reasons = wrong_about_push(
+        rough = program if friction is not None else program.frictionless
+        forces, _, _ = proof_forces(rough, proof)
+        beyond = wrong_about_push(
             assembly,
             contacts,
-            program,
+            rough,
             forces,
             proof["verdict"],
             second,
             curves=friction is None,
         )
+        if beyond and claimed == "equilibrium":
+            reasons, level = beyond, None
+        elif beyond:
+            level, notes = "equilibrium", [*notes, *beyond]
+    if level == "proved" and second is not None and second["state"] in STRICT:
+        level = "strict"
+    if level == "settles":
+        level, note = "equilibrium", CLAIMED
+        if require in (None, "settles"):
+            level, note = _settles_again(program)
+        notes.append(note)
+    needed = claimed if require is None else require
     return Verification(
-        not reasons,
+        not reasons and (needed is None or holds_at(level, needed)),
         proof["verdict"],
+        level,
+        claimed,
+        require,
         tuple(reasons),
         result.residual,
         result.power,
@@ -379,3 +472,22 @@ def verify_proof(assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]
         options=proof["options"],
         tolerance=proof["tolerance"],
     )
+
+
+STRICT = ("minimum", "free")
+"""States of second order with which a stable assembly reaches the level strict."""
+OTHER_TOLERANCE = "the tolerance of contacts is that of the file of the proof, not the default"
+"""Note about a premise that whoever made the proof chose."""
+CLAIMED = "settles is claimed by the file: its tries are not repeated at the required level"
+"""Note about a claim that is not recomputed."""
+
+
+def _settles_again(program: Program) -> tuple[str, str]:
+    """Repeat the tries and the search of the level settles; return the level and a note."""
+    answer = ask_friction(program, enough="settles")
+    tries = f"{len(answer.tries)} of {answer.settling.of} tries come to rest when repeated"
+    if answer.guarantee == "refuted":
+        return "equilibrium", f"{tries}; a motion obeys Coulomb's law too"
+    if answer.settles:
+        return "settles", f"{tries}, and the search finds no motion; there is no proof of either"
+    return "equilibrium", f"settles is claimed by the file: {tries}"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from kilter.errors import FAULT
+
 __all__ = [
     "DOCTOR",
     "FAULT",
@@ -9,6 +11,7 @@ __all__ = [
     "HOLDS",
     "IMPROVE",
     "INTERRUPTED",
+    "INVALID",
     "LOWER",
     "ORIENT",
     "PACKING",
@@ -19,7 +22,6 @@ __all__ = [
     "SOME_ERRORS",
     "USAGE",
     "VERDICT",
-    "VERIFY",
     "WRITTEN",
 ]
 
@@ -33,8 +35,8 @@ ORIENT = {"found": 0, "none": 1, "undecided": 4}
 """Codes of `orient` by its verdict."""
 PLAN = {"impossible": 1, "fails": 1, "none-found": 4, "undecided": 4}
 """Codes of `plan` if no order was found, or if the given order fails."""
-VERIFY = {True: 0, False: 1}
-"""Codes of `verify`: does the proof hold?"""
+INVALID = 1
+"""Code of `verify` if the proof does not hold; `HOLDS` and `LOWER` as for `check`."""
 HOLD = {"impossible": 1, "undecided": 4}
 """Codes of `hold` if no sufficient supports were found."""
 IMPROVE = {True: 0, False: 1}
@@ -53,7 +55,5 @@ SOME_ERRORS = 1
 """Code of `batch` if some of the written rows have an error instead of a verdict."""
 USAGE = 2
 """Wrong usage or input."""
-FAULT = 70
-"""Fault of kilter itself."""
 INTERRUPTED = 130
 """Ctrl-C, or a request of the system to end."""

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Annotated
 from kilter.cli.asked import Asked
 from kilter.cli.declarations import Argument, Option
 from kilter.cli.each import check_each, code_of
-from kilter.cli.exit_codes import VERIFY, WRITTEN
+from kilter.cli.exit_codes import HOLDS, INVALID, LOWER, WRITTEN
 from kilter.cli.options import FORM, TOUCH, File, Files, Json, Output, Quiet, Require, asks
 from kilter.cli.output import Progress, as_json, emit, keep_apart, tell_written, write_whole
-from kilter.errors import InputError
+from kilter.errors import InputError, visible
 from kilter.tell.levels import REQUIRE
 
 if TYPE_CHECKING:
@@ -211,12 +211,24 @@ def verify(
     proof: Annotated[
         str, Argument(metavar="P.json", help="A proof written by the option --proof.")
     ],
+    require: Annotated[
+        str | None,
+        Option(
+            "--require",
+            metavar="LEVEL",
+            help="Level that the proof must reach: equilibrium, settles, proved, strict; by "
+            "default the level that it claims. Other commands require settles, because they "
+            "compute a level and claim none.",
+            show_default=False,
+        ),
+    ] = None,
     json: Json = False,
     output: Output = None,
     quiet: Quiet = False,
 ) -> int:
-    """Recompute a proof from the file, without any solver. Exit code 0: it holds, 1: it does not.
+    """Recompute a proof from the file. Exit code 0: it holds, 3: at a lower level only, 1: no.
 
+    No solver is used, except for the claim that an assembly settles: its search is repeated.
     The file is read with the options of the proof (held parts, parts left out, direction of
     gravity). The answer lists these options.
     """
@@ -225,11 +237,13 @@ def verify(
 
     keep_apart(file, output)
     with Progress(quiet) as progress:
-        result = recompute(file, proof, progress=progress)
+        result = recompute(file, proof, require=require, progress=progress)
     answer = result.to_dict()
     emit(as_json(answer) if json else text_of(answer), output)
     tell_written(output, f"answer of verify as {'JSON' if json else 'text'}", quiet)
-    return VERIFY[result.holds]
+    if result.holds:
+        return HOLDS
+    return INVALID if result.reasons or result.level is None else LOWER
 
 
 def example(
@@ -292,11 +306,11 @@ def example(
     if target.exists() and not force:
         raise InputError("already exists", file=str(target), hint="add --force to replace it")
     write_whole(target, text)
-    print(f"{target}: {SCENES[name].title}")
+    print(f"{visible(str(target))}: {SCENES[name].title}")
     if len(assembly) <= SMALL:
         with Progress(quiet=False) as progress:
             print(decide(assembly, progress=progress).sentence)
-    print(f"next: kilter check {target}")
+    print(f"next: kilter check {visible(str(target))}")
     return WRITTEN
 
 

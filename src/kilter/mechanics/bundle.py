@@ -92,6 +92,11 @@ def split_bundle(bundle: Any) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]
         If the data do not have the form of a file of proofs.
     """
     require_bundle_form(bundle)
+    if more := set(bundle["common"]) - set(COMMON):
+        raise InputError(
+            f"the proof cannot be read: common.{min(more)} is no key that all proofs share",
+            hint="make it anew with --proof",
+        )
     for entry in bundle["proofs"]:
         proof = {**bundle["common"], **entry["proof"]}
         require_form(proof)

@@ -1,26 +1,21 @@
 """Certificates: verification of a proof from rows and load alone, independently of the solver.
 
 Forces f prove that an equilibrium exists. Every force must lie in its cone (exactly, by clipping;
-with friction |f_t| <= mu f_n, and f_n >= 0 also for mu = 0). The imbalance of each part, |J^T
-f + w|, may be at most the tolerance times the greater of its weight and the sum of the forces on
-it, and at most a hundredth of its weight, so that no squeeze, however hard, hides a weight. Forces
-above 1e10 times the weight of all parts prove nothing: they use the rounding of the directions of
-contact normals, such as 1e-13 at the rim of a hemisphere.
+with friction |f_t| <= mu f_n, and f_n >= 0 also for mu = 0). The imbalance |J^T f + w| of each part
+may be at most the tolerance times its weight, and what rounding of its forces explains.
 
 A motion dp proves that no equilibrium exists. It is normalised so that the fastest part moves by 1
-(translations, and radius x rotations). Its power P = w.dp must exceed the tolerance times the
-weight of the moving parts, and P / v must be at least 1e6 times that weight, where v is the worst
-violation of J dp >= 0: by weak duality, an equilibrium would then need contact forces of at least P
-/ v. With friction the motion lies in the dual cone, u_n >= mu |u_t|, and v is the worst mu |u_t| -
-u_n. A strap of capacity LC takes up the power LC times the rate at which it lengthens. (Without the
-ratio a motion proves nothing: every box at rest has a motion that violates by 1e-9 and gains 1e-9.)
+(translations, and radius x rotations). Its power P = w.dp must exceed what the imbalance of any
+accepted forces, and its own violation v of J dp >= 0, can explain. With friction the motion lies in
+the dual cone, u_n >= mu |u_t|, and v is the worst mu |u_t| - u_n. A strap of capacity LC takes up
+the power LC times the rate at which it lengthens.
 
-If the data are coarser than float64 the tolerance follows their accuracy (`BLUR` of the program),
-and a motion needs a quarter of it. On 270 scenes, rotated at random, moved 100 sizes away and
-rounded to float32, balanced scenes had imbalances of up to 7 accuracies and gains of up to 2.
+`kilter.mechanics.proof_limits` has both limits, and the theorem that at most one of both proofs
+passes. If the data are coarser than float64 the tolerance follows their accuracy (`BLUR` of the
+program): on 270 scenes, rotated at random, moved 100 sizes away and rounded to float32, balanced
+scenes had imbalances of up to 7 accuracies of the forces.
 
-By Farkas' lemma either forces or a motion exist, never both, so exactly one of the two proofs must
-pass. Without friction an equilibrium suffices for stability; with friction further conditions apply
+Without friction an equilibrium suffices for stability; with friction further conditions apply
 (`kilter.analysis`).
 """
 
@@ -30,26 +25,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import TINY, Array, Mask
-from kilter.mechanics.mechanics_tolerances import (
-    COARSE_POWER,
-    LARGEST_FORCES,
-    NO_EXCUSE,
-    RULED_OUT,
-    STILL,
-    TOLERANCE,
-)
+from kilter.arrays import TINY, Array
 from kilter.mechanics.program import Program
+from kilter.mechanics.proof_limits import balanced_parts, power_limit, pressing_forces
 
 __all__ = [
     "ForceProof",
     "MotionProof",
-    "balanced_parts",
     "check_forces",
     "check_motion",
     "needed_power",
-    "needed_powers",
     "part_sizes",
+    "row_openings",
     "violations",
 ]
 
@@ -65,7 +52,7 @@ class ForceProof:
     friction : ndarray, shape (K, 3)
         Across the rows, on part b [N].
     residual : float
-        Worst imbalance of a part over the greater of its weight and the forces on it [-].
+        Worst imbalance of a part over its weight [-].
     holds : bool
         The forces are a proof.
     """
@@ -89,7 +76,7 @@ class MotionProof:
     violation : float
         Worst negative opening of a row at that speed [-].
     ratio : float
-        Power over violation and weight of the moving parts [-].
+        Power over the power that a proof must exceed [-].
     holds : bool
         The motion is a proof.
     """
@@ -116,43 +103,12 @@ def check_forces(program: Program, forces: Array, friction: Array | None = None)
     forces, friction = _clip_to_cones(program, forces, friction)
     wrenches = program.wrenches(forces, friction)
     imbalance = part_sizes(program, wrenches + program.load, per_radius=True)
-    total = float(program.weight[program.free].sum())
-    relative, balanced = balanced_parts(
-        program, imbalance, program.weight, program.force_sums(forces, friction), total
-    )
+    sums = pressed = program.force_sums(forces, friction)
+    if program.pull.any():
+        pressed = program.force_sums(pressing_forces(program, forces), friction)
+    relative, balanced = balanced_parts(program, imbalance, program.weight, sums, pressed)
     residual = float(relative.max(initial=0.0))
     return ForceProof(forces, friction, residual, bool(balanced.all()))
-
-
-def balanced_parts(
-    program: Program, imbalance: Array, weight: Array, sums: Array, total: Array | float
-) -> tuple[Array, Mask]:
-    """Apply the criteria of a proof by forces to each part.
-
-    Parameters
-    ----------
-    program : Program
-        Of a single assembly, or of several side by side.
-    imbalance, weight, sums : ndarray, shape (N,) or (n, N)
-        Imbalance, weight, and sum of the forces on each part [N]; or for each of n loads.
-    total : ndarray, shape (N,) or (n, 1), or float
-        Weight of all free parts of the assembly of each part [N].
-
-    Returns
-    -------
-    relative : ndarray, shape (N,) or (n, N)
-        Imbalance over the greater of the weight and the forces; 0 for held parts [-].
-    balanced : ndarray of bool, shape (N,) or (n, N)
-        Parts that are in balance, or held.
-    """
-    scale = np.maximum(weight, sums)
-    relative = np.where(program.free, imbalance / np.maximum(scale, TINY), 0.0)
-    share = np.where(program.free, imbalance / np.maximum(weight, TINY), 0.0)
-    # large forces that squeeze a part must not excuse an imbalance of much of its weight
-    balanced = (relative <= program.tolerance) & (share <= np.maximum(program.tolerance, NO_EXCUSE))
-    # forces that large rely on rounding of the normals, whatever they balance
-    balanced &= ~program.free | (scale <= LARGEST_FORCES * np.maximum(total, TINY))
-    return relative, balanced
 
 
 def _clip_to_cones(program: Program, forces: Array, friction: Array | None) -> tuple[Array, Array]:
@@ -193,41 +149,35 @@ def check_motion(program: Program, motion: Array) -> MotionProof:
         return MotionProof(motion, 0.0, 0.0, 0.0, False)
     motion = motion / largest
     power = program.power(motion)
-    violation = float(-violations(program, motion).min(initial=0.0))
-    weight, needed = _moving_weight(program, motion)
-    ratio = power / max(violation * weight, TINY)
-    return MotionProof(motion, power, violation, ratio, power > needed and ratio >= RULED_OUT)
+    opening = row_openings(program, motion)
+    violation = _violations(program, opening)
+    needed = power_limit(program, opening, sizes / largest).largest(program.weight[None])
+    ratio = power / max(needed, TINY)
+    return MotionProof(motion, power, float(-violation.min(initial=0.0)), ratio, power > needed)
 
 
-def _moving_weight(program: Program, motion: Array) -> tuple[float, float]:
-    """Weight of the moving parts [N], and power that a motion must exceed to be a proof [W]."""
-    moving, tolerance = _moving_parts(program, motion)
-    weight = program.weight
-    return float(weight[moving].sum()), float((tolerance * weight)[moving].sum())
+def needed_power(program: Program, proof: MotionProof, weight: Array | None = None) -> float:
+    """Power above which a motion, with its violation of contacts, is a proof [W].
 
-
-def _moving_parts(program: Program, motion: Array) -> tuple[Mask, Array]:
-    """Mask of the moving parts, and the tolerance of the power of each part, shape (N,)."""
-    sizes = part_sizes(program, motion, per_radius=False)
-    moving = program.free & (sizes > STILL * float(sizes.max(initial=0.0)))
-    return moving, np.maximum(TOLERANCE, COARSE_POWER * program.tolerance)
-
-
-def needed_power(program: Program, proof: MotionProof) -> float:
-    """Power above which a motion, with its violation of contacts, is a proof [W]."""
-    return float(needed_powers(program, proof, program.weight[None])[0])
-
-
-def needed_powers(program: Program, proof: MotionProof, weight: Array) -> Array:
-    """Power above which a motion is a proof under each of n loads [W], shape (n,).
-
-    `weight`, shape (n, N), has the weight of each part under each load (`Program.weight`).
+    With weights, shape (n, N), of the parts under n loads (`Program.weight`), it is a proof for
+    every load in the hull of these loads.
     """
-    moving, tolerance = _moving_parts(program, proof.motion)
-    total = weight[:, moving].sum(axis=1)
-    needed = (tolerance * weight)[:, moving].sum(axis=1)
-    least: Array = np.maximum(needed, RULED_OUT * proof.violation * total)
-    return least
+    weight = program.weight[None] if weight is None else weight
+    sizes = part_sizes(program, proof.motion, per_radius=False)
+    return power_limit(program, row_openings(program, proof.motion), sizes).largest(weight)
+
+
+def row_openings(program: Program, motion: Array) -> Array:
+    """Opening u_n - mu |u_t| of each row by a motion, times its arm, shape (K,).
+
+    A strap may lengthen, since its pull is limited (`Program.power`): its value is 0.
+    """
+    opening = program.velocities(motion) * program.arm
+    rows = program.rough
+    if len(rows):
+        opening[rows] -= program.mu[rows] * np.linalg.norm(program.slips(motion, rows), axis=1)
+    opening[program.bounded] = 0.0
+    return opening
 
 
 def violations(program: Program, motion: Array) -> Array:
@@ -236,13 +186,12 @@ def violations(program: Program, motion: Array) -> Array:
     The value of a row that may also pull is -|u_n|. A strap may lengthen, since its pull is
     limited (`Program.power`). The unit is that of the motion's translations.
     """
-    opening = program.velocities(motion) * program.arm
-    rows = program.rough
-    if len(rows):
-        slip = np.linalg.norm(program.slips(motion, rows), axis=1)
-        opening[rows] -= program.mu[rows] * slip
+    return _violations(program, row_openings(program, motion))
+
+
+def _violations(program: Program, opening: Array) -> Array:
+    """Violation of each row from its opening, shape (K,); 0 if admissible."""
     violation: Array = np.where(program.two_sided, -np.abs(opening), np.minimum(opening, 0.0))
-    violation[program.bounded] = 0.0
     return violation
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from kilter.arrays import Index, connected, starts
 from kilter.mechanics.program import Program
 
-__all__ = ["PARTED", "Cluster", "cluster_groups", "clusters"]
+__all__ = ["PARTED", "Cluster", "cluster_groups", "cluster_labels", "clusters"]
 
 PARTED = 1500
 """Programs with more freedoms than this are solved cluster by cluster."""
@@ -38,7 +38,7 @@ def clusters(program: Program) -> list[Cluster]:
 
     Rows between held parts belong to no cluster.
     """
-    return _divided(program, _label(program))
+    return _divided(program, cluster_labels(program))
 
 
 def cluster_groups(program: Program) -> list[Cluster]:
@@ -51,7 +51,7 @@ def cluster_groups(program: Program) -> list[Cluster]:
     per = len(program.freedoms)
     if per * int(program.free.sum()) <= PARTED or program.has_limits:
         return [Cluster(program, np.arange(len(program.part_a)))]
-    label = _label(program)
+    label = cluster_labels(program)
     numbers, count = np.unique(label[program.free], return_counts=True)
     group_of = np.full(len(label), -1)
     group, size = -1, GROUP
@@ -63,7 +63,7 @@ def cluster_groups(program: Program) -> list[Cluster]:
     return _divided(program, np.where(label >= 0, group_of[label], -1))
 
 
-def _label(program: Program) -> Index:
+def cluster_labels(program: Program) -> Index:
     """Number of the cluster of each free part, in order of first part, shape (N,); -1 if held."""
     free = np.append(program.free, False)
     inner = free[program.part_a] & free[program.part_b]

@@ -9,13 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from kilter.arrays import Array
-from kilter.mechanics.certificate import (
-    ForceProof,
-    balanced_parts,
-    check_forces,
-    part_sizes,
-)
+from kilter.mechanics.certificate import ForceProof, check_forces, part_sizes
 from kilter.mechanics.program import Program
+from kilter.mechanics.proof_limits import balanced_parts
 
 __all__ = ["check_load_forces", "shifted_weights"]
 
@@ -47,14 +43,14 @@ def check_load_forces(
     friction : ndarray, shape (n, K, 3), optional
         Across the contact rows, on part b [N].
     """
-    if friction is not None or len(program.bounded):
+    if friction is not None or len(program.bounded) or program.pull.any():
         across = [None] * len(more) if friction is None else list(friction)
         return [
             check_forces(program.with_rows(applied=program.applied + load), along, aside)
             for load, along, aside in zip(more, forces, across, strict=True)
         ]
     count, parts = len(more), len(program.names)
-    # no row has a capacity or friction here
+    # no row has a capacity, a bond or friction here
     forces = np.where(np.isfinite(forces), forces, 0.0)
     forces = np.where(program.two_sided, forces, np.maximum(forces, 0.0))
     wrenches, sums = np.zeros((count, parts, 6)), np.zeros((count, parts))
@@ -72,8 +68,7 @@ def check_load_forces(
     weight = shifted_weights(program, more)
     load = program.load + np.where(program.free[:, None], more, 0.0)
     imbalance = part_sizes(program, wrenches + load, per_radius=True)
-    total = weight[:, program.free].sum(axis=1, keepdims=True)
-    relative, balanced = balanced_parts(program, imbalance, weight, sums, total)
+    relative, balanced = balanced_parts(program, imbalance, weight, sums, sums)
     none = np.zeros((len(program.part_a), 3))
     return [
         ForceProof(along, none, float(share.max(initial=0.0)), bool(holds.all()))

@@ -2,11 +2,11 @@
 
 All are relative [-] unless a unit is given. For verdicts on exact data:
 
-    NO_EXCUSE > TOLERANCE,   RULED_OUT * TOLERANCE < 1
+    UNITS_IN_LAST_PLACE < EXCESS < TOLERANCE,   UNITS_IN_LAST_PLACE * RULED_OUT < TOLERANCE
 
-A motion rules out forces of RULED_OUT weights, so forces that leave TOLERANCE of a weight
-unbalanced and a motion that moves the part never both pass. An imbalance of NO_EXCUSE of a weight
-is no balance, however large the forces are. For Coulomb's law:
+Forces of more than RULED_OUT weights are no proof, and a motion rules out smaller forces, so forces
+and a motion never both pass (`kilter.mechanics.proof_limits`). Rounding of such forces is smaller
+than TOLERANCE of the weight of all parts. For Coulomb's law:
 
     WITNESS_SLIVER > WITNESS_POWER > WITNESS_EXACT > CONE_ROUNDING
 
@@ -21,16 +21,15 @@ from __future__ import annotations
 __all__ = [
     "AGREES",
     "BLUR",
-    "COARSE_POWER",
+    "COARSE_EXCESS",
     "CONE_ROUNDING",
+    "EXCESS",
     "FOLLOWS",
-    "LARGEST_FORCES",
     "LOCKED",
     "MIRROR",
     "MIRROR_CELL",
     "MIRROR_ROWS",
     "NORMAL_ANGLE",
-    "NO_EXCUSE",
     "OPENS_FAR",
     "OPENS_MORE",
     "POWER_ROUNDING",
@@ -40,6 +39,7 @@ __all__ = [
     "SAME_AREA",
     "STILL",
     "TOLERANCE",
+    "UNITS_IN_LAST_PLACE",
     "WITNESS_EXACT",
     "WITNESS_POWER",
     "WITNESS_SLIVER",
@@ -49,32 +49,34 @@ __all__ = [
 # verdicts ----------------------------------------------------------------------------------
 
 TOLERANCE = 1e-9
-"""Largest imbalance of a part, over the forces on it, that counts as balance for exact data. A
-larger value accepts forces that balance less exactly.
+"""Largest imbalance of a part, over its weight, that counts as balance for exact data. A larger
+value accepts forces that balance less exactly.
+"""
+UNITS_IN_LAST_PLACE = 4 * 2.0**-53
+"""Rounding of the balance of a part, over the sum of the forces on it, for exact data: four units
+in the last place. A larger value excuses more imbalance by large forces.
+"""
+EXCESS = 1e-11
+"""Largest sum of such roundings beyond the tolerance, over the weight of a cluster, for exact data.
+A larger value rejects slower motions of light parts that touch heavy parts.
+"""
+COARSE_EXCESS = 1.0
+"""The same sum over the tolerance, for data coarser than float64. Inclined stacks of 30 cubes need
+up to 0.5, of 100 cubes up to 3.7. A larger value rejects slower motions.
 """
 BLUR = 10.0
 """Tolerance of a part over the relative accuracy of its coordinates, for data coarser than float64.
 A larger value accepts more imbalance of coarse data.
 """
-LARGEST_FORCES = 1e10
-"""Largest sum of the forces on a part, over the weight of all parts, that counts as a proof. Larger
-forces rely on normals that are exact to less than 1e-12, and rounding leaves about 1e-13. A larger
-value accepts proofs that rest on rounding.
-"""
 RULED_OUT = 1e6
-"""Size of contact forces, over the weight, that a motion must exclude. A larger value demands more
-exact motions."""
-COARSE_POWER = 0.25
-"""Fraction of the tolerance of coarse data that the power of a motion must exceed. A larger value
-rejects slower motions.
-"""
+"""Largest sum of contact forces, over the weight of a cluster, that a proof by forces may have and
+that a motion must exclude. A larger value demands more exact motions, since contacts that a motion
+closes by rounding then count more."""
 OPENS_FAR = 1e6
 """Largest ratio of a part's motion to the least gap opening, in a motion that opens all contacts. A
 larger value admits opening motions of nearly closed contacts."""
 OPENS_MORE = 1e-3
 """Safety factor on the opening motion that is added to repair a violated one."""
-NO_EXCUSE = 0.01
-"""Imbalance over the weight of a part at which forces are no balance, however large they are."""
 STILL = 1e-6
 """A part or point slower than this fraction of the fastest counts as not moving or not sliding."""
 LOCKED = 0.9

@@ -15,18 +15,13 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csc_array
 
-from kilter.arrays import TINY, Array, Index, Mask, across, ragged, starts
+from kilter.arrays import Array, Index, Mask, across, ragged, starts
 from kilter.assembly.side_by_side import SideBySide
 from kilter.contact.contact_set import ContactSet
-from kilter.mechanics.certificate import balanced_parts, part_sizes
-from kilter.mechanics.mechanics_tolerances import (
-    COARSE_POWER,
-    RULED_OUT,
-    STILL,
-    TOLERANCE,
-    ZERO_ENTRY,
-)
+from kilter.mechanics.certificate import part_sizes
+from kilter.mechanics.mechanics_tolerances import ZERO_ENTRY
 from kilter.mechanics.program import Program, build_program
+from kilter.mechanics.proof_limits import balanced_parts, power_limit
 from kilter.mechanics.stacked_parts import stack_answers
 from kilter.rigid import common_frames
 from kilter.solvers.blocks import BlockAnswers, Blocks
@@ -255,10 +250,8 @@ class ProgramBlocks:
         whole = self.whole
         forces = np.where(whole.two_sided, forces, np.maximum(forces, 0.0))
         imbalance = part_sizes(whole, whole.wrenches(forces) + self.load, per_radius=True)
-        total = self._reduce_parts(np.add, np.where(whole.free, self.weight, 0.0))[self.owner]
-        relative, in_balance = balanced_parts(
-            whole, imbalance, self.weight, whole.force_sums(forces), total
-        )
+        sums = whole.force_sums(forces)
+        relative, in_balance = balanced_parts(whole, imbalance, self.weight, sums, sums)
         balanced = self._reduce_parts(np.logical_and, in_balance)
         motion, power, violation, moves = self._check_motions(motion)
         return BlockProofs(
@@ -297,15 +290,14 @@ class ProgramBlocks:
         if len(rows):
             slip = np.linalg.norm(whole.slips(motion, rows), axis=1)
             opening[rows] -= self.mu[self.row_owner[rows]] * slip
-        violations = np.where(whole.two_sided, np.abs(opening), np.maximum(-opening, 0.0))
         violation = np.zeros(len(self.gravity))
-        np.maximum.at(violation, self.row_owner, violations)
-        moving = whole.free & (sizes > STILL)
-        weight = np.where(moving, self.weight, 0.0)
-        tolerance = np.maximum(TOLERANCE, COARSE_POWER * whole.tolerance)
-        needed = self._reduce_parts(np.add, tolerance * weight)
-        force = RULED_OUT * np.maximum(violation * self._reduce_parts(np.add, weight), TINY)
-        holds = (largest > 0) & (power > needed) & (power >= force)
+        closing = np.where(whole.two_sided, np.abs(opening), np.maximum(-opening, 0.0))
+        np.maximum.at(violation, self.row_owner, closing)
+        mu = self.mu[self.row_owner]
+        limit = power_limit(whole, opening, sizes, mu=mu, owner=owner)
+        more = [self._reduce_parts(np.add, shares * self.weight) for shares in limit.shares]
+        needed = self._reduce_parts(np.add, limit.parts * self.weight) + np.minimum(*more)
+        holds = (largest > 0) & (power > needed)
         return motion, power, violation, holds
 
     def _reduce_parts(self, reduce: np.ufunc, values: Array | Mask) -> Any:

@@ -1,8 +1,8 @@
 """Proof files: all data that a reader needs to recompute a verdict.
 
 A proof holds the parts, contact points, load, and the forces or the motion of a verdict. With
-friction it also holds the motion that obeys Coulomb's law beside the forces of equilibrium, and the
-forces by which its own weight seats the assembly. `kilter.analysis.verification` recomputes it.
+friction it also holds the steps that exclude every motion, or a motion that obeys Coulomb's law
+beside the forces of equilibrium. `kilter.analysis.verification` recomputes it.
 """
 
 from __future__ import annotations
@@ -48,21 +48,15 @@ class Evidence:
         Whether no other motion obeys the contact law.
     witness : LawProof or None
         A motion that obeys the contact law.
-    seated : ForceProof or None
-        Forces by which its own weight seats the assembly.
-    tries : tuple of ForceProof
-        Forces of each try that came to rest.
-    of : int
-        Number of tries that were requested.
+    settles : bool
+        Whether every try came to rest: a claim without a proof, since verification repeats them.
     exclusion : dict or None
         Proof that excludes every motion, with all steps (`kilter.friction.exclusion_file`).
     """
 
     guarantee: str
     witness: LawProof | None = None
-    seated: ForceProof | None = None
-    tries: tuple[ForceProof, ...] = ()
-    of: int = 0
+    settles: bool = False
     exclusion: dict[str, Any] | None = None
 
 
@@ -84,7 +78,7 @@ def make_proof(
     program : Program
     certificate : ForceProof or MotionProof or None
     options : dict
-        Reading options of the file.
+        Reading options of the file; if it is empty, those that the assembly remembers.
     evidence : Evidence, optional
         Given if the verdict depends on friction.
 
@@ -105,7 +99,7 @@ def make_proof(
         "planar": assembly.planar,
         "gravity": assembly.gravity.tolist(),
         "down": assembly.down.tolist(),
-        "options": options,
+        "options": options or dict(assembly.reading or {}),
         "tolerance": {
             "gap": contacts.tolerance.gap,
             "relative_gap": contacts.tolerance.relative_gap,
@@ -175,7 +169,7 @@ def _verdict_word(certificate: ForceProof | MotionProof, evidence: Evidence | No
         return "unstable"
     if evidence is None or evidence.guarantee == "proved":
         return "stable"
-    settles = evidence.guarantee == "open" and 0 < evidence.of == len(evidence.tries)
+    settles = evidence.guarantee == "open" and evidence.settles
     return "settles" if settles else "potentially-stable"
 
 
@@ -207,11 +201,8 @@ def _contact_forces(program: Program, proof: ForceProof) -> list[list[float]]:
 def _friction_data(program: Program, evidence: Evidence, rows: Index) -> dict[str, Any]:
     """JSON data of the evidence of a verdict with friction."""
     joints = np.flatnonzero(program.kind == JOINT)
-    seated, witness = evidence.seated, evidence.witness
+    witness = evidence.witness
     data: dict[str, Any] = {"guarantee": evidence.guarantee, "exclusion": evidence.exclusion}
-    data["seated"] = None if seated is None else _balance_data(program, seated, joints)
-    tries = [_balance_data(program, rest, joints) for rest in evidence.tries]
-    data["tries"] = {"passed": len(tries), "of": evidence.of, "forces": tries}
     data["witness"] = None if witness is None else {
         "acceleration": {
             name: witness.acceleration[k].tolist()
@@ -232,15 +223,6 @@ def open_pairs_of(assembly: Assembly, contacts: ContactSet) -> list[dict[str, An
     names = assembly.names
     pairs = still_open(contacts.open_pairs, assembly)
     return [{"parts": [names[k] for k in pair.parts], "kind": pair.kind} for pair in pairs]
-
-
-def _balance_data(program: Program, proof: ForceProof, joints: Index) -> dict[str, Any]:
-    """JSON data of forces that balance every part."""
-    return {
-        "forces": _contact_forces(program, proof),
-        "joints": proof.forces[joints].tolist(),
-        "residual": proof.residual,
-    }
 
 
 def joints_of(

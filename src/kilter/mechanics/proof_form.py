@@ -204,8 +204,6 @@ STRAPS = list_of(
     )
 )
 """Straps, as in an assembly file."""
-BALANCED = keys(forces=list_of(VECTOR), joints=list_of(NUMBER), residual=NUMBER)
-"""Forces that balance every part."""
 FRICTION = keys(
     guarantee=WORD,
     exclusion=nullable(
@@ -217,8 +215,6 @@ FRICTION = keys(
             steps=list_of(keys()),
         )
     ),
-    seated=nullable(BALANCED),
-    tries=keys(passed=COUNT, of=COUNT, forces=list_of(BALANCED)),
     witness=nullable(
         keys(
             acceleration=named(SIX),

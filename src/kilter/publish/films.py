@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from kilter.errors import InputError
 from kilter.publish.output_files import FILMS, require_ending
 from kilter.publish.subjects import path_of, require_steps
+from kilter.values.guesses import guarded
 
 if TYPE_CHECKING:
     from kilter.analysis.planning.order.order import Order
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["animate"]
 
 
+@guarded
 def animate(subject: Order | Region | Verdict | Transport, out: str | Path | None = None) -> bytes:
     """Export a plan or a motion as an animated GLB file, for any glTF viewer.
 
@@ -40,6 +42,11 @@ def animate(subject: Order | Region | Verdict | Transport, out: str | Path | Non
     InputError
         If no order was found, no part is known to move, more than 3,000 parts move, or the file
         cannot be written.
+
+    See Also
+    --------
+    kilter.draw : a picture of the motion.
+    kilter.report : a page that plays the steps.
 
     Examples
     --------

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from kilter.errors import InputError
 from kilter.publish.output_files import PAGES, require_ending, title_of
 from kilter.publish.subjects import changed_subject
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT
 
 if TYPE_CHECKING:
@@ -45,6 +46,7 @@ class Report:
         return f"Report({self.verdict!r}, {len(self.html.encode()) / 1e6:.2f} MB)"
 
 
+@guarded
 def report(
     assembly: AssemblyOrPath | Order | Places,
     out: str | Path | None = None,
@@ -90,6 +92,11 @@ def report(
     InputError
         If no part is held, the geometry is not usable, there are more than 50,000 parts, or the
         page cannot be written.
+
+    See Also
+    --------
+    kilter.draw : a picture for a document.
+    kilter.view : the workbench, which changes the assembly.
 
     Examples
     --------

@@ -123,7 +123,7 @@ def _contacts_facts(answer: Answer) -> list[Fact]:
 
 def _verify_facts(answer: Answer) -> list[Fact]:
     """Return why `kilter verify` rejected a proof, or the figures and options of a valid proof."""
-    if not answer["holds"]:
+    if answer["reasons"]:
         return [("" if k else "because", words) for k, words in enumerate(answer["reasons"])]
     figure = (
         balance_phrase(answer["residual"])

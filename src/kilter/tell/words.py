@@ -182,11 +182,11 @@ to move.'
     counting = f", counting gaps up to {counted} as closed" if counted else ""
     counting += ", if no bond breaks below its capacity" if bonded else ""
     return SENTENCES[verdict, key].format(
-        within=(" within the accuracy of the coordinates" if coarse else "") + counting,
+        within=(", up to the accuracy of its coordinates" if coarse else "") + counting,
         slippery="" if counted else ", even without friction",
         smooth="without friction " if frictionless else "",
         assumed=f" ({assumed})" if assumed else "",
-        beyond=" beyond the accuracy of its coordinates" if coarse else "",
+        beyond=", by more than the accuracy of its coordinates" if coarse else "",
         here=", whatever the open pairs do. Here" if has_open_pairs else "; here",
         passed=passed,
         tried=tried,

@@ -45,6 +45,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypedDict, Unpack
 import numpy as np
 
 from kilter.analysis.decision.cohesion import find_cohesion
+from kilter.analysis.decision.refined_proofs import balanced_proof, opened_proof
 from kilter.analysis.decision.strength import find_strength
 from kilter.arrays import Array
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
@@ -153,7 +154,7 @@ def judge(program: Program, *, work: Work | None = None, solver: Solver | None =
     Returns
     -------
     Judgement
-        `stable` is None if no certificate holds, or if both hold.
+        `stable` is None if no certificate holds.
 
     Examples
     --------
@@ -176,16 +177,15 @@ def judge(program: Program, *, work: Work | None = None, solver: Solver | None =
     for word, forces, friction, motion in _candidates(program, work, solver):
         tried.append(word)
         if forces is not None:
-            proof = check_forces(program, forces, friction)
+            proof = balanced_proof(program, check_forces(program, forces, friction))
             if best_forces is None or proof.residual < best_forces.residual:
                 best_forces = proof
         if motion is not None:
-            judged = check_motion(program, motion)
+            judged = opened_proof(program, check_motion(program, motion))
             if best_motion is None or _is_better(judged, best_motion):
                 best_motion = judged
         stable = bool(best_forces and best_forces.holds)
         unstable = bool(best_motion and best_motion.holds)
-        # both certificates can hold within their tolerances at the limit: that proves nothing
         if stable != unstable:
             return Judgement(stable, best_forces, best_motion, tuple(tried))
         if work.late:
@@ -278,6 +278,8 @@ def _candidates_without_friction(program: Program, work: Work) -> Iterator[_Cand
             yield from _by_load_factor(problem, method="simplex", presolve=presolve, work=work)
             yield from _by_least_imbalance(problem, method="simplex", presolve=presolve, work=work)
         yield from _by_load_factor(problem, method="interior", work=work)
+        # of all motions with parts of at most size 1, the one of greatest power
+        yield from _by_total_imbalance(problem, work)
         yield from _by_rounded_rows(problem, work)
         return
     if bonded is not None:

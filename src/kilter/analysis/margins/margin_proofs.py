@@ -3,6 +3,7 @@
 Each limit belongs to a change of the assembly: gravity along another direction, a single
 coefficient at every contact, further loads. Just within the limit forces hold the changed
 assembly, just beyond it a motion starts; both are as near to the limit as they are proved.
+`kilter.analysis.limit_check` compares the stated value with the change.
 """
 
 from __future__ import annotations
@@ -64,7 +65,7 @@ class KnownLimits(Protocol):
 def margin_proofs(limits: KnownLimits, *, options: dict[str, Any]) -> list[About]:
     """Proofs of every limit of a margin: tilt, least friction, load factor, pushes, part loads."""
     proofs = []
-    for what, (within, beyond), change, upwards, motion in _limits(limits):
+    for what, (within, beyond), change, upwards, motion, more in _limits(limits):
         steps = AROUND_LIMIT if within == beyond else (0.0, *AROUND_LIMIT)
         for held in (True, False):
             sign = -1.0 if held == upwards else 1.0
@@ -75,18 +76,20 @@ def margin_proofs(limits: KnownLimits, *, options: dict[str, Any]) -> list[About
                     break
                 data = _proof(limits, change(at), held, None if held else motion, options)
                 if data is not None:
-                    about = {"about": what, "value": at, "held": held, "change": change(at)}
-                    proofs.append((about, data))
+                    unit = more.get("unit", 1.0)
+                    about = {"about": what, "value": at * unit, "held": held, "change": change(at)}
+                    proofs.append((about | more.get("data", {}), data))
                     break
     return proofs
 
 
 def _limits(
     limits: KnownLimits,
-) -> Iterator[tuple[str, tuple[float, float], Change, bool, MotionProof | None]]:
+) -> Iterator[tuple[str, tuple[float, float], Change, bool, MotionProof | None, dict[str, Any]]]:
     """Yield for each limit its name, a value on each side, the change of the file, and the motion.
 
-    A flag states whether larger values are beyond the limit.
+    A flag states whether larger values are beyond the limit. The last entry has the unit of the
+    stated value, and further data of the statement.
 
     The sides are the values that are held and not held, if both are proved; else a single value.
     """
@@ -99,32 +102,36 @@ def _limits(
     down = limits.program.down
     if tilt is not None and tilt.limit.mechanism is not None and (tilt.down != down).any():
         sides = tilt.angle, tilt.angle
-        yield "tilt", sides, _turn_gravity(down, tilt.down), True, tilt.limit.mechanism
+        yield "tilt", sides, _turn_gravity(down, tilt.down), True, tilt.limit.mechanism, {}
     if nearest is not None and (nearest.down != down).any():
         sides = nearest.angle, nearest.lower
-        yield "nearest held", sides, _turn_gravity(down, nearest.down), False, nearest.mechanism
+        yield "nearest held", sides, _turn_gravity(down, nearest.down), False, nearest.mechanism, {}
     if friction is not None and friction.value > 0 and friction.attained:
         sides = friction.value, friction.lower
-        yield "friction", sides, lambda mu: {"mu": mu}, False, friction.mechanism
+        yield "friction", sides, lambda mu: {"mu": mu}, False, friction.mechanism, {}
     if limits.bond is not None and limits.bond.value > 0:
         sides = limits.bond.value, limits.bond.value
-        yield "bond", sides, lambda share: {"strength": share}, False, limits.bond.limit.mechanism
+        motion = limits.bond.limit.mechanism
+        yield "bond", sides, lambda share: {"strength": share}, False, motion, {}
     if factor is not None and factor[1] is not None and np.isfinite(factor[1].value):
         greatest = factor[1]
         sides = greatest.value, greatest.value
-        yield "load factor", sides, _scale_loads(limits), True, greatest.mechanism
+        pushed = {} if limits.push is None else {"data": {"push": limits.push.tolist()}}
+        yield "load factor", sides, _scale_loads(limits), True, greatest.mechanism, pushed
     for push in limits.pushes:
         if np.isfinite(push.force):
             weight = float(limits.program.weight[limits.program.free].sum())
             pushed = _push_part(limits.assembly, push.part, push.direction * weight)
             sides = push.force / weight, push.force / weight
-            yield f"push of {push.part}", sides, pushed, True, push.limit.mechanism
+            unit = {"unit": weight}
+            yield f"push of {push.part}", sides, pushed, True, push.limit.mechanism, unit
     for load in limits.loads:
         if 0 < load.load < np.inf:
             share, beyond = load.load / load.unit, load.beyond / load.unit
             sides = share, beyond if np.isfinite(beyond) else share
             pressed = _push_part(limits.assembly, load.part, down * load.unit)
-            yield f"load on {load.part}", sides, pressed, True, load.limit.mechanism
+            unit = {"unit": load.unit}
+            yield f"load on {load.part}", sides, pressed, True, load.limit.mechanism, unit
 
 
 def _turn_gravity(down: Array, toward: Array) -> Change:

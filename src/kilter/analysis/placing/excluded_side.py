@@ -13,7 +13,7 @@ import numpy as np
 import shapely
 
 from kilter.arrays import Array
-from kilter.mechanics.certificate import check_motion, needed_powers
+from kilter.mechanics.certificate import check_motion, needed_power
 from kilter.mechanics.load_checks import shifted_weights
 from kilter.mechanics.program import Program
 
@@ -48,7 +48,7 @@ def excluded_side(
     # the power that a proof needs grows with the load: convex in d, so the corners bound it
     corners = [(u, v) for u in (low[0], high[0]) for v in (low[1], high[1])]
     loads = np.tensordot(np.array(corners), wrenches, axes=1)
-    needed = float(needed_powers(program, judged, shifted_weights(program, loads)).max())
+    needed = needed_power(program, judged, shifted_weights(program, loads))
     free = program.free[:, None]
     rate = np.array([float((np.where(free, w, 0.0) * judged.motion).sum()) for w in wrenches])
     size = float(np.linalg.norm(rate))

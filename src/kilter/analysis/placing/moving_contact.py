@@ -29,7 +29,7 @@ from kilter.analysis.placing.polygon_sets import union
 from kilter.analysis.placing.upright_prisms import Top
 from kilter.arrays import Array
 from kilter.contact.planar.polygons import cut_convex
-from kilter.mechanics.certificate import check_motion, needed_powers
+from kilter.mechanics.certificate import check_motion, needed_power
 from kilter.mechanics.load_checks import shifted_weights
 from kilter.mechanics.program import Program
 
@@ -120,7 +120,7 @@ def places_left(
     corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half
     weights = shifted_weights(program, np.tensordot(corners, wrenches, axes=1))
     # the power that a proof needs grows with the load: convex in x, so the corners bound it
-    needed = float(needed_powers(program, judged, weights).max())
+    needed = needed_power(program, judged, weights)
     slope = np.einsum("kij,ij->k", wrenches[:, program.free], judged.motion[program.free])
     power = np.array([judged.power - needed - slope @ middle, *slope])
     weight = loads.part.mass * loads.program.g

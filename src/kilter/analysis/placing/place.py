@@ -41,6 +41,7 @@ from kilter.tell.levels import REQUIRE, holds, require_level
 from kilter.tell.place_words import place_sentence
 from kilter.threads import on_one_thread
 from kilter.validate import finite, number
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT
 
 if TYPE_CHECKING:
@@ -195,6 +196,7 @@ def _level_data(level: LevelMap, below: float) -> LevelPlacesData:
     }
 
 
+@guarded
 def box_to_place(
     size: ArrayLike, mass: float, *, turn: float = 0.0, name: str = "new part"
 ) -> Part:
@@ -214,6 +216,11 @@ def box_to_place(
     ------
     InputError
         If a value is invalid.
+
+    See Also
+    --------
+    kilter.place : the places where the part stands.
+    kilter.Box : the shape alone.
     """
     lengths = finite(size, (3,), "size of the box")
     half = np.radians(number(turn, "turn")) / 2
@@ -221,6 +228,7 @@ def box_to_place(
     return Part(name, Box(lengths), pose, mass=number(mass, "mass", lowest=0))
 
 
+@guarded
 @on_one_thread
 def place(
     assembly: AssemblyOrPath,
@@ -279,6 +287,11 @@ def place(
     InputError
         If gravity does not act along -z, no part is held, or an argument is invalid.
 
+    See Also
+    --------
+    kilter.settle : moves drawn parts until they rest.
+    kilter.check_plan : decides a given sequence of places.
+
     Examples
     --------
     >>> from kilter.scenes import scene
@@ -302,6 +315,11 @@ def place(
     if assembly.planar or not np.allclose(assembly.down, [0, 0, -1]):
         raise InputError(
             "place needs gravity along -z in space", hint="turn the file with up or down"
+        )
+    if not isinstance(part, Part):
+        raise InputError(
+            f"place needs a part, got {type(part).__name__}",
+            hint="give kilter.Part(name, shape, mass=...)",
         )
     if part.name in assembly.index:
         part = replace(part, name=_free_name(part.name, assembly))

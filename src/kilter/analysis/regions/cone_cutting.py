@@ -40,7 +40,6 @@ from kilter.mechanics.coulomb_cones import (
     nearest_load,
 )
 from kilter.mechanics.locked_parts import find_locked_parts
-from kilter.mechanics.mechanics_tolerances import RULED_OUT
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 from kilter.validate import frozen
@@ -254,7 +253,7 @@ class ConeCutting:
         if not steepest.holds:
             return None
         for angle in steps:
-            if angle * steepest.ratio < RULED_OUT or not judged(angle).certificate.holds:
+            if angle * steepest.ratio < 1.0 or not judged(angle).certificate.holds:
                 continue
             # twice as far as where it just holds: a reader's rounding is another
             facet = judged(2 * angle)

@@ -48,6 +48,7 @@ from kilter.tell.html import html_of
 from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.region_facts import region_phrase
 from kilter.threads import on_one_thread
+from kilter.values.guesses import guarded
 from kilter.work import stop_after
 
 if TYPE_CHECKING:
@@ -257,7 +258,9 @@ class Region(InCells, AnswerInWords):
         for entry in self.proofs(options=options):
             about = {"about": entry.about, "vector": entry.vector.tolist()}
             proofs.append((about | {"change": {"down": entry.data["down"]}}, entry.data))
-        return make_bundle("region", proofs)
+        slack = max(self.cone.blur, *(part.slack for part in self.found))
+        gap = slack + max(part.gap for part in self.found)
+        return make_bundle("region", proofs, gap_deg=float(np.degrees(gap)))
 
     def to_dict(self) -> RegionData:
         """The region as JSON data, as ``kilter region --json`` prints it.
@@ -321,6 +324,7 @@ class Region(InCells, AnswerInWords):
         return f"Region({self})"
 
 
+@guarded
 @on_one_thread
 def region(
     assembly: AssemblyOrPath,
@@ -359,6 +363,11 @@ def region(
     InputError
         If nothing is held, loads are given, the geometry is not usable, or `rests` are requested
         of parts that rub.
+
+    See Also
+    --------
+    kilter.orient : the best direction only.
+    kilter.common_region : the directions for which several assemblies hold.
 
     Examples
     --------
@@ -458,6 +467,7 @@ def _region(
     )
 
 
+@guarded
 @on_one_thread
 def common_region(
     assemblies: Sequence[Assembly],
@@ -483,6 +493,11 @@ def common_region(
     ------
     InputError
         If the list is empty, or as `region` does.
+
+    See Also
+    --------
+    kilter.region : the directions of a single assembly.
+    kilter.orient : the best direction of a single assembly.
 
     Examples
     --------

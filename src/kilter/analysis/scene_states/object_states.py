@@ -46,11 +46,13 @@ from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.tell.levels import REQUIRE, require_level
 from kilter.threads import on_one_thread
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT
 
 __all__ = ["scene"]
 
 
+@guarded
 @on_one_thread
 def scene(
     assembly: AssemblyOrPath,
@@ -109,6 +111,11 @@ def scene(
     ------
     InputError
         If no part is held, if an argument is invalid, or if the geometry is not usable.
+
+    See Also
+    --------
+    kilter.check : a single verdict on the whole assembly.
+    kilter.settle : moves the objects until they rest.
 
     Examples
     --------

@@ -4,7 +4,8 @@ A pose is at rest if no two parts overlap deeper than a tolerance, and if forces
 balance every part at closed points alone. A point with a normal n from part a to b is closed if
 
 - the sum of its distances from the surfaces of a and b is at most the tolerance, and
-- n lies in the cone of the outward normals of the faces of a at the point, and -n in that of b.
+- n lies in the cone of the outward normals of the faces of a at the point, and -n in that of b,
+  each within the angle by which touching faces may be tilted, and between both within rounding.
 
 The overlaps are those of kilter's detection of contacts with this tolerance. The search supplies
 only the points; the same functions verify a proof file.
@@ -18,7 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from kilter.analysis.settled_pose.near_points import NearPoints, surface_gaps
-from kilter.analysis.settled_pose.settle_tolerances import CLOSED, NORMAL
+from kilter.analysis.settled_pose.settle_tolerances import BETWEEN_FACES, CLOSED, NORMAL
 from kilter.arrays import Array, Index, Mask
 from kilter.assembly import Assembly, GivenContact
 from kilter.assembly.geometry import Geometry
@@ -150,9 +151,9 @@ def closed_points(
     facets = find_facets(geometry)
     sound = np.ones(len(points), dtype=bool)
     for k in range(len(points)):
-        for part, sign in zip(parts[k].tolist(), (1.0, -1.0), strict=True):
-            normal = sign * normals[k]
-            sound[k] &= _in_cone(_normals_at(geometry, facets, part, points[k], gap), normal)
+        of_a, of_b = (_normals_at(geometry, facets, p, points[k], gap) for p in parts[k].tolist())
+        sound[k] = _in_cone(of_a, normals[k], NORMAL) and _in_cone(of_b, -normals[k], NORMAL)
+        sound[k] &= _in_cone(np.concatenate([of_a, -of_b]), normals[k], BETWEEN_FACES)
     return surface_gaps(geometry, parts, points), sound
 
 
@@ -184,15 +185,15 @@ def _on_facet(geometry: Geometry, facets: Facets, row: int, point: Array, gap: f
     return bool(depth.max() >= -gap - FIT * facets.reach[row])
 
 
-def _in_cone(rays: Array, direction: Array) -> bool:
-    """Whether a unit direction lies in the cone of unit rays, within the angle `NORMAL`."""
+def _in_cone(rays: Array, direction: Array, angle: float) -> bool:
+    """Whether a unit direction lies in the cone of unit rays, within an angle [rad]."""
     if not len(rays):
         return False
-    if (rays @ direction).max() >= np.cos(NORMAL):
+    if float(np.linalg.norm(rays - direction, axis=1).min()) <= angle:
         return True
     from scipy.optimize import nnls
 
-    return bool(nnls(rays.T, direction)[1] <= NORMAL)
+    return bool(nnls(rays.T, direction)[1] <= angle)
 
 
 def _with_contacts(assembly: Assembly, parts: Index, points: NearPoints) -> Assembly:

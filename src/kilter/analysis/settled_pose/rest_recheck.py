@@ -1,8 +1,9 @@
 """Recheck of a proof of rest without a solver: gaps and normals of its points from the geometry.
 
 The proof lists closed points with their forces. Each point must lie on the surfaces of both parts
-to within the stated gap, with a normal that fits their faces; no two parts may overlap deeper than
-the gap. The forces are then verified as in every other proof.
+to within the stated gap, with a normal that fits their faces and at most the friction of its pair;
+no two parts may overlap deeper than the gap. The gap may be at most that of `closed_gap`. The
+forces are then verified as in every other proof. A motion proves nothing about these points alone.
 """
 
 from __future__ import annotations
@@ -13,9 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from kilter.analysis.settled_pose.rest_proof import closed_points, deepest_overlap
+from kilter.analysis.settled_pose.rest_proof import closed_gap, closed_points, deepest_overlap
 from kilter.assembly import Assembly, GivenContact
+from kilter.contact.friction_coefficients import friction_coefficients
 from kilter.errors import some_names
+from kilter.mechanics.mechanics_tolerances import AGREES
 
 __all__ = ["at_closed_points", "is_proof_of_rest", "open_point_objections"]
 
@@ -37,7 +40,11 @@ def at_closed_points(assembly: Assembly, proof: Mapping[str, Any]) -> Assembly:
 
 def open_point_objections(assembly: Assembly, proof: Mapping[str, Any]) -> list[str]:
     """Reasons why the points of a proof are not closed in this pose; empty if all are."""
-    gap = float(proof["rest"]["gap"])
+    gap, most = float(proof["rest"]["gap"]), closed_gap(assembly)
+    if "forces" not in proof:
+        return ["a motion does not prove that a pose is at rest"]
+    if not gap <= (1 + AGREES) * most:
+        return [f"its gap is {gap:.3g} {assembly.units}; a point is closed up to {most:.3g}"]
     entries = proof["points"]
     names = [entry["parts"] for entry in entries]
     parts = np.array([[assembly.index_of(name) for name in pair] for pair in names], dtype=np.int64)
@@ -54,5 +61,10 @@ def open_point_objections(assembly: Assembly, proof: Mapping[str, Any]) -> list[
     if not sound.all():
         k = int(np.argmin(sound))
         objections.append(f"the normal at a point of {some_names(names[k])} fits no face there")
+    mu = np.array([entry["mu"] for entry in entries], dtype=np.float64)
+    rougher = mu > friction_coefficients(assembly, parts.reshape(-1, 2)) + AGREES
+    if rougher.any():
+        k = int(rougher.argmax())
+        objections.append(f"a point of {some_names(names[k])} has more friction than its pair")
     _, fault = deepest_overlap(assembly, gap)
     return objections + ([fault] if fault else [])

@@ -43,5 +43,8 @@ LEVEL = 1e-5
 NORMAL = 1e-3
 """Largest angle between the normal of a closed point and the directions in which the surfaces of
 both parts face each other there [rad]; as large as the angle of touching faces."""
+BETWEEN_FACES = 1e-9
+"""Largest angle between the normal of a closed point and the cone between the faces of both parts
+there [rad]; a larger value lets faces of a slope count as level."""
 CROSSING = 0.02
 """Least sine of the angle between two edges whose crossing has a normal of its own [-]."""

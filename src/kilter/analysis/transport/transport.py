@@ -43,6 +43,7 @@ from kilter.mechanics.program import Program, build_program
 from kilter.tell.levels import REQUIRE, level_rank, require_level
 from kilter.threads import on_one_thread
 from kilter.validate import number
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT, Work, stop_after, units_of
 
 if TYPE_CHECKING:
@@ -56,6 +57,7 @@ AXES = (("+x", (1, 0, 0)), ("-x", (-1, 0, 0)), ("+y", (0, 1, 0)), ("-y", (0, -1,
 """Names and directions of acceleration of an answer without a question."""
 
 
+@guarded
 @on_one_thread
 def transport(
     assembly: AssemblyOrPath,
@@ -121,6 +123,11 @@ def transport(
         If several questions are given, a vector is invalid or leaves the plane of a planar
         assembly, the rule does not exist, the interval of friction is empty or negative, or the
         confidence factor is below 1.
+
+    See Also
+    --------
+    kilter.margin : limits of tilt and push at rest.
+    kilter.check : the verdict at rest.
 
     Examples
     --------
@@ -252,6 +259,11 @@ def _questions(
     if len(given) > 1:
         raise InputError(f"{' and '.join(given)} are given together", hint="ask one question")
     motions = []
+    if isinstance(accelerate, str):
+        raise InputError(
+            f"accelerate is {accelerate!r:.40}",
+            hint="give three numbers [m/s^2], as in accelerate=[0.5 * 9.81, 0, 0]",
+        )
     if accelerate is not None:
         motions = [("acceleration", CarrierMotion(accelerate))]
     elif turn is not None:

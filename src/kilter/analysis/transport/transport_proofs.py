@@ -20,7 +20,7 @@ from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.errors import InputError
 
-__all__ = ["transport_proofs"]
+__all__ = ["CARRIER", "carried_change", "transport_proofs"]
 
 About = tuple[dict[str, Any], dict[str, Any]]
 
@@ -58,19 +58,28 @@ def transport_proofs(
             mechanism = None if held else limit.mechanism
             for step in AROUND_LIMIT:
                 share = limit.value + sign * step * max(abs(limit.value), 1.0)
-                change = _change(assembly, motion, share)
+                change = carried_change(assembly, motion, share)
                 data = None
                 if change is not None:
                     change |= weaker
                     data = changed_proof(assembly, contacts, change, held, mechanism, options)
                 if data is not None:
                     about = {"about": name, "value": share, "held": held, "change": change}
+                    about["motion"] = {
+                        key: np.asarray(getattr(motion, key)).tolist() for key in CARRIER
+                    }
                     proofs.append((about, data))
                     break
     return proofs
 
 
-def _change(assembly: Assembly, motion: CarrierMotion, share: float) -> dict[str, Any] | None:
+CARRIER = ("acceleration", "angular_velocity", "angular_acceleration", "about")
+"""Names of the vectors of a carrier motion."""
+
+
+def carried_change(
+    assembly: Assembly, motion: CarrierMotion, share: float
+) -> dict[str, Any] | None:
     """Change of a file to the gravity and loads at a fraction of a carrier motion.
 
     None in free fall.

@@ -19,12 +19,14 @@ from kilter.contact.fits.suggestions import Suggestion, suggest_joints, touching
 from kilter.contact.gaps import Tolerance
 from kilter.errors import InputError, some_names
 from kilter.files.reading import Reading
+from kilter.values.guesses import guarded
 
 __all__ = ["fasten_as_read", "fastened"]
 
 Pair = tuple[str, ...]
 
 
+@guarded
 def fastened(
     assembly: Assembly,
     pairs: Iterable[Sequence[str]] = (),
@@ -60,6 +62,11 @@ def fastened(
     ------
     InputError
         If a glob matches no free part, or no two parts of a pair touch.
+
+    See Also
+    --------
+    kilter.contacts : lists the touching pairs and the suggestions.
+    kilter.hold : the fewest supports from outside.
 
     Examples
     --------

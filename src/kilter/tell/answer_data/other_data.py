@@ -43,9 +43,12 @@ class ImproveData(TypedDict):
 class VerifyData(TypedDict):
     """Answer of verify: whether the proof holds."""
 
-    holds: bool
+    holds: Annotated[bool, Field(description="whether the required level was recomputed")]
     verdict: str
-    residual: float | None
+    level: Annotated[str | None, Field(description="level that was recomputed; null if it falls")]
+    claimed: Annotated[str | None, Field(description="level that the file claims")]
+    require: Annotated[str | None, Field(description="null: the claimed level")]
+    residual: Annotated[float | None, Field(description="largest imbalance over the weight [-]")]
     power: Annotated[float | None, Field(description="[W]")]
     reasons: list[str]
     notes: list[str]

@@ -21,11 +21,7 @@ import numpy as np
 
 from kilter.analysis.placing.piles.pile_contacts import BoxRows, joined_boxes
 from kilter.arrays import Array, Index, Mask
-from kilter.mechanics.mechanics_tolerances import (
-    LARGEST_FORCES,
-    NO_EXCUSE,
-    TOLERANCE,
-)
+from kilter.mechanics.mechanics_tolerances import RULED_OUT, TOLERANCE, UNITS_IN_LAST_PLACE
 
 __all__ = ["PileContacts", "PileStatics", "heights_of", "rectangle_corners"]
 
@@ -175,11 +171,10 @@ class PileStatics:
         imbalance[:, :, 0] -= self.weight
         size = np.sqrt((imbalance**2).sum(axis=2))[:, 1:]
         weight = self.weight[1:]
-        scale = np.maximum(weight, (self.sums(forces) + added)[:, 1:])
+        sums = (self.sums(forces) + added)[:, 1:]
         total = weight.sum() + np.abs(load[:, :, 0]).sum(axis=1)
-        balanced = size <= TOLERANCE * scale
-        balanced &= size <= NO_EXCUSE * weight
-        balanced &= scale <= LARGEST_FORCES * total[:, None]
+        balanced = size <= TOLERANCE * weight + UNITS_IN_LAST_PLACE * sums
+        balanced &= sums <= RULED_OUT * total[:, None]
         result: Mask = push & balanced.all(axis=1)
         return result
 

@@ -19,7 +19,6 @@ from kilter.contact import ContactSet
 from kilter.contact.supports import Support, with_supports
 from kilter.mechanics.bundle import apply_change
 from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes, violations
-from kilter.mechanics.mechanics_tolerances import RULED_OUT
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 from kilter.work import Work
@@ -203,7 +202,7 @@ def shares_of(
     moves = part_sizes(whole, motion, per_radius=False) > 0
     opening, bad = whole.velocities(motion), violations(whole, motion)
     rows = {int(whole.source[k]) - first: k for k in np.flatnonzero(whole.kind == CONTACT)}
-    keeps = proof.ratio * LEFT >= RULED_OUT
+    keeps = proof.ratio * LEFT >= 1.0
     number = {name: k for k, name in enumerate(whole.names)}
     share_of, place = {}, -1
     for k, support in enumerate(supports):

@@ -86,7 +86,9 @@ def wrong_order(
             subject = _subject_names(entry)
             more = "it changes more than which parts are present and which are held"
             yield f"{kind} {subject}: {more}"
-    shows = ("step", "falls alone", "finished falls", "locked", "refused")
+    shows = ["step", "finished falls", "locked", "refused"]
+    if not bundle["rules"]["hold"]:
+        shows.append("falls alone")  # such parts exclude only orders without held parts
     if not (any(entries[kind] for kind in shows) or _is_held(assembly, entries)):
         yield "it has neither an order nor a proof that there is none"
     if entries["finished falls"] and not _is_finished(entries["finished falls"]):
@@ -187,6 +189,8 @@ def _wrong_impossibility(
     if entries["refused"]:
         rules = Rules.of(assembly, contacts, given)
         yield from _wrong_exhaustion(assembly, contacts, rules, entries["refused"])
+    if entries["locked"] and given["groups"]:
+        yield "parts that lock each other may leave together as a group"
     if entries["locked"]:
         yield from _wrong_locking(assembly, contacts, given["screws"], entries["locked"])
 

@@ -46,6 +46,7 @@ from kilter.contact import ContactSet, Tolerance
 from kilter.tell.levels import require_level
 from kilter.threads import on_one_thread
 from kilter.validate import number
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT, Work, units_of
 
 __all__ = ["plan"]
@@ -56,6 +57,7 @@ SEARCH = 12.0
 At the default effort a search without result takes about six seconds of one core."""
 
 
+@guarded
 @on_one_thread
 def plan(
     assembly: AssemblyOrPath,
@@ -98,6 +100,11 @@ def plan(
         If no part is grounded, a name matches no part,
         the precedence has a cycle, no thread joins the parts of a screw, a part is in
         two groups, or the sequence does not name each part exactly once.
+
+    See Also
+    --------
+    kilter.states : verdicts on subsets of the parts, without an order.
+    kilter.hold : supports of the finished assembly.
 
     Examples
     --------

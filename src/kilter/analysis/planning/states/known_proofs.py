@@ -32,6 +32,7 @@ from kilter.mechanics.certificate import (
 )
 from kilter.mechanics.mechanics_tolerances import RULED_OUT, STILL
 from kilter.mechanics.program import Program
+from kilter.mechanics.proof_limits import power_limit
 
 __all__ = ["KnownForces", "KnownMotion", "forces_for_others", "motions_for_others"]
 
@@ -143,8 +144,11 @@ def motions_for_others(outer: Program, state: Program, proof: MotionProof) -> li
 
 def _stored_motion(outer: Program, proof: MotionProof, moving: Mask) -> KnownMotion:
     """Store a proved motion, with the parts that it would penetrate if they were present."""
-    weight = float(outer.weight[moving].sum())
-    most = max(proof.power / (RULED_OUT * weight), proof.violation)
+    sizes = part_sizes(outer, proof.motion, per_radius=False)
+    level = np.zeros(len(outer.part_a))
+    spare = proof.power - power_limit(outer, level, sizes).largest(outer.weight[None])
+    total = float(outer.weight[outer.free].sum())
+    most = max(spare / (2 * RULED_OUT * total), proof.violation)
     opened = violations(outer, proof.motion)
     entered = parts_of(outer, np.flatnonzero(opened < -most)) & ~moving
     return KnownMotion(proof.motion, bits_of(moving), bits_of(entered))
