@@ -11,6 +11,7 @@ from kilter import Assembly, Box, Part, Pose, Sphere
 from kilter.assembly.interactions import FrictionPair
 from kilter.mechanics.proof import digest_of
 from kilter.scenes import scene
+from kilter.second_order.proofs.push_recheck import wrong_about_push
 
 
 def ball_on_ball(friction: float) -> Assembly:
@@ -54,6 +55,36 @@ def test_a_proof_without_second_order_is_no_stronger() -> None:
             found = kilter.verify(assembly, fewer)
             assert (found.holds, found.level, found.claimed) == (False, "equilibrium", "proved")
             assert kilter.verify(assembly, fewer, require="equilibrium").holds
+
+
+@pytest.mark.parametrize(
+    ("second", "friction", "fits"),
+    [
+        ({"state": "balanced"}, 0.0, "balanced"),
+        ({"state": "balanced"}, 0.5, "balanced"),
+        ({"state": "balanced", "rolling": "falls"}, 0.5, "balanced"),
+        ({"state": "balanced", "rolling": "open"}, 0.5, "balanced"),
+        ({"state": "balanced", "rolling": "holds"}, 0.5, "stable"),
+        ({"state": "minimum"}, 0.0, "stable"),
+        (None, 0.5, "balanced"),  # it rolls off, by rule
+        (None, 0.0, "potentially-stable"),
+    ],
+)
+@pytest.mark.parametrize("word", ["balanced", "stable", "potentially-stable"])
+def test_a_word_is_compared_with_its_evidence(
+    second: dict[str, str] | None, friction: float, fits: str, word: str
+) -> None:
+    assembly = ball_on_ball(friction)
+    verdict = kilter.check(assembly)
+    forces = verdict.judgement.forces
+    assert forces is not None
+    reasons = wrong_about_push(
+        assembly, verdict.contacts, verdict.program, forces.forces, word, second, curves=True
+    )
+    if word in (fits, "potentially-stable"):  # the weakest word needs no evidence
+        assert reasons == []
+    else:
+        assert reasons[0].startswith(f"it states {word!r}, but its evidence proves {fits!r}")
 
 
 @pytest.mark.parametrize("name", ["tower", "paper-figure-9"])

@@ -3,7 +3,8 @@
     spin      a part turns about its centre of mass and keeps each of its touched surfaces in
               place: a ball, a top
     level     a set of parts moves as one by level translations and turns about the vertical, and
-              keeps the touched surfaces of its surroundings in place; all of these are held
+              keeps the touched surfaces of its surroundings in place; all of these are held, or
+              joints of a part that other joints guide level
     slide     a part moves level and keeps its own touched surfaces in place; a set moves level over
               level planes, or over surfaces of a single other part; level edges move level over
               level edges and cylinders that they cross
@@ -38,7 +39,7 @@ from kilter.rigid import skew
 from kilter.second_order.gaps.features import EDGE, FACE, Features
 from kilter.second_order.gaps.gap_form import formed
 from kilter.second_order.gaps.joint_forms import on_joints
-from kilter.second_order.gaps.touched_surfaces import LINE, PLANE, POINT, Touched
+from kilter.second_order.gaps.touched_surfaces import AXIS, LINE, PLANE, POINT, RAIL, Touched
 from kilter.second_order.motions.null_space import null_space
 
 __all__ = ["FreeMotions", "find_free_motions"]
@@ -104,6 +105,8 @@ class _FreeSearch:
         self.slides = np.asarray((self.free_a & self.free_b) | level_on_steep)
         # a level motion slides here on a free part, or on a surface that is not level
         self.parts = np.flatnonzero(program.free)
+        self.joined = on_joints(program)
+        self.guided = self._guided_level()
         self.origin = program.center[self.parts].mean(axis=0)
         self.length = float(program.radius[self.parts].max())
         self.keeps_a = self.a.conditions(self.origin, self.length)
@@ -153,10 +156,25 @@ class _FreeSearch:
         self.motions.append(motion)
         self.kinds.append(kind)
 
+    def _guided_level(self) -> Mask:
+        """Mask of the parts that joints to held or guided parts allow to move level only, (N,).
+
+        These are slides along level lines and hinges about verticals.
+        """
+        program, guided = self.program, ~self.program.free
+        level = np.abs(self.a.direction @ self.down) < EXACT
+        upright = np.linalg.norm(np.cross(self.a.direction, self.down), axis=1) < EXACT
+        guides = ((self.a.kind == RAIL) & level) | ((self.a.kind == AXIS) & upright)
+        ends = np.column_stack([program.part_a, program.part_b])[self.joined & guides]
+        for _ in self.parts:
+            fixed = np.append(guided, True)
+            more = np.append(ends[fixed[ends[:, 1]], 0], ends[fixed[ends[:, 0]], 1])
+            guided[more[more >= 0]] = True
+        return guided & program.free
+
     def _jointed(self) -> Index:
         """Parts with joints, by index; -1 for the ground."""
-        joined = on_joints(self.program)
-        return np.concatenate([self.program.part_a[joined], self.program.part_b[joined]])
+        return np.concatenate([self.program.part_a[self.joined], self.program.part_b[self.joined]])
 
     def _add_screws_of_part(self, part: int, plane: Array | None = None) -> None:
         """Add the screws of a part that keep its touched surfaces and its height.
@@ -238,7 +256,11 @@ class _FreeSearch:
         frames = [-1, *self.parts] if len(crossing) else [-1]
         for frame in frames:
             rows = self._frame_rows(crossing, int(frame))
-            proof = kind or ("slide" if frame >= 0 or self.slides[across].any() else "level")
+            guided = frame >= 0 and bool(self.guided[frame])
+            of_frame = (self.program.part_a == frame) | (self.program.part_b == frame)
+            slides = self.slides & ~(guided & self.joined & of_frame)
+            steep = (frame >= 0 and not guided) or bool(slides[across].any())
+            proof = kind or ("slide" if steep else "level")
             if rows is not None:
                 for screw in null_space(np.vstack([self._upright(), *rows]), EXACT).T:
                     self._add(chosen, screw, proof)

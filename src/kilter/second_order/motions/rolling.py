@@ -53,7 +53,7 @@ from kilter.second_order.second_order_tolerances import BALANCED, CURVED, SLIPS
 __all__ = ["Rolling", "Rolls", "find_rolling", "rolling_of", "worst_rolling"]
 
 Rolls = Literal["holds", "falls", "open"]
-MOST = 1000
+MOST = 600
 """Largest number of rows for which rolling is decided."""
 ORDER: tuple[Rolls, ...] = ("falls", "open", "holds")
 """Results about rolling; an assembly has the first one that any of its clusters has."""

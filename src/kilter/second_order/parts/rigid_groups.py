@@ -72,9 +72,12 @@ class RigidGroups:
         return bool((self.first != np.arange(len(self.first))).any())
 
     def merged(self, program: Program, assembly: Assembly) -> Program:
-        """Program in which the first part of each rigid group stands for the group."""
+        """Program in which the first part of each rigid group stands for the group.
+
+        The radius of a body, which scales its turns, reaches at least to its joints.
+        """
         if not self.tied:
-            return program
+            return _reaching_joints(program)
         first, arms = self.first, self.arms
         is_first = first == np.arange(len(first))
         size = np.sum(arms**2, axis=1)[:, None, None] * np.eye(3)
@@ -97,7 +100,7 @@ class RigidGroups:
             part_a=self.of_rows(program.part_a),
             part_b=self.of_rows(program.part_b),
         )
-        return whole.taking(self.between(program, assembly))
+        return _reaching_joints(whole.taking(self.between(program, assembly)))
 
     def jointed_pairs(self, assembly: Assembly) -> set[frozenset[int]]:
         """Pairs of parts whose rigid groups a joint that moves connects."""
@@ -151,6 +154,19 @@ class RigidGroups:
         for k in np.flatnonzero(np.abs(self.arms).max(axis=1) > 0):
             displacements[k, :3] += (turn_of(displacements[k, 3:]) - np.eye(3)) @ self.arms[k]
         return displacements
+
+
+def _reaching_joints(program: Program) -> Program:
+    """Copy of a program in which the radius of each part is at least the distance to its joints."""
+    rows = np.flatnonzero(program.kind == JOINT)
+    if not len(rows):
+        return program
+    radius = program.radius.copy()
+    for part in (program.part_a[rows], program.part_b[rows]):
+        mine = part >= 0
+        off = program.point[rows[mine]] - program.center[part[mine]]
+        np.maximum.at(radius, part[mine], np.linalg.norm(off, axis=1))
+    return replace(program, radius=radius)
 
 
 def _sums(first: Index, values: Array) -> Array:
